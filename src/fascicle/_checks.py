@@ -1,0 +1,86 @@
+"""Checks made once, where a value enters the library; laws downstream trust them.
+
+A traced value (inside `jax.jit`, `jax.grad`, `jax.vmap`) can't be looked at: it was
+checked where it entered, or is the caller's own affair.
+"""
+
+import difflib
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+
+from ._types import Batch, BatchLike
+
+
+def within(
+    value: Any,
+    low: float,
+    high: float,
+    name: str,
+    unit: str,
+    why: str = "",
+    closed: tuple[bool, bool] = (False, False),
+) -> Batch:
+    """Return `value` as a float array, refusing anything outside the interval.
+
+    The interval is open unless `closed` says otherwise for its low or high end. `why`
+    completes the rule in words: "to contract".
+    """
+    if isinstance(value, Tracer):
+        return jnp.asarray(value, dtype=float)
+    x = _numeric(value, name, unit)
+    # written so that NaN is refused too
+    above = (x >= low) if closed[0] else (x > low)
+    below = (x <= high) if closed[1] else (x < high)
+    good = above & below
+    if not np.all(good):
+        interval = f"{'[' if closed[0] else '('}{low:g}, {high:g}{']' if closed[1] else ')'}"
+        rule = " ".join(part for part in (f"{interval} {unit}", why) if part)
+        raise ValueError(f"`{name}` must lie in {rule}, got {x[~good].flat[0]:g} {unit}.")
+    return jnp.asarray(x)
+
+
+def positive(value: Any, name: str, unit: str) -> Batch:
+    """Return `value` as a float array, refusing anything that is not > 0 and finite."""
+    if isinstance(value, Tracer):
+        return jnp.asarray(value, dtype=float)
+    x = _numeric(value, name, unit)
+    good = (x > 0) & np.isfinite(x)
+    if not np.all(good):
+        raise ValueError(f"`{name}` must be positive and finite, got {x[~good].flat[0]:g} {unit}.")
+    return jnp.asarray(x)
+
+
+def finite(value: Any, name: str, unit: str) -> Batch:
+    """Return `value` as a float array, refusing NaN and infinities."""
+    return within(value, -math.inf, math.inf, name, unit)
+
+
+def one_of(name: str, choices: Iterable[str], what: str) -> str:
+    """Return `name` if it is a choice; else refuse it and suggest the nearest."""
+    known = sorted(choices)
+    if name in known:
+        return name
+    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise ValueError(f"`{what}` {name!r} is unknown: {hint}choose one of {', '.join(known)}.")
+
+
+def concrete(*values: BatchLike) -> bool:
+    """Whether none of `values` is traced, so that they can be looked at."""
+    return not any(isinstance(value, Tracer) for value in values)
+
+
+def _numeric(value: Any, name: str, unit: str) -> np.ndarray:
+    try:
+        x = np.asarray(value)
+        if x.dtype.kind not in "fiu":  # a bool or a string is no measurement
+            raise TypeError
+        return x.astype(float)
+    except (TypeError, ValueError):
+        what = "dimensionless numbers" if unit in ("", "-") else f"numbers in {unit}"
+        raise ValueError(f"`{name}` takes {what}, got {value!r}.") from None
