@@ -1,0 +1,6 @@
+"""One muscle, quasi-static: braid, bladder, tension, buckling, collapse, tuning."""
+
+from . import materials as materials
+from .muscle import Muscle as Muscle
+from .piecewise import Response as Response
+from .tuning import Tuning as Tuning

@@ -1,0 +1,60 @@
+r"""The bladder: a rubber tube inside the braid, its section and its axial force.
+
+Stretched by $\lambda_1 = 1 - \varepsilon$ along the axis, and around it by the braid that
+it follows, $\lambda_2 = r/r_0$, its wall of volume $V_b = A L_0$ stores $U = V_b W$, and
+virtual work gives
+
+$$F_{bladder} = V_b \frac{\mathrm{d}W}{\mathrm{d}L}, \qquad
+  A = \pi (r_0^2 - r_i^2), \qquad I = \tfrac{\pi}{4} (r_0^4 - r_i^4). \tag{4}$$
+
+**Sign:** tension is positive, so it is negative in contraction, zero at rest. The paper's
+(4) counts $\mathrm{d}L$ as shortening [R2]. **Assumes** an incompressible wall that keeps
+to the braid. **Source:** Klute and Hannaford (2000); Kim, Mazzoleni and Bryant (2021), (4).
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from .._types import Batch, BatchLike
+from .braid import Braid
+from .materials import AbstractMaterial
+
+
+class Bladder(eqx.Module):
+    """A tube of `wall_thickness` [m] and a `material`, on the inside of a `braid`."""
+
+    braid: Braid
+    wall_thickness: Batch
+    material: AbstractMaterial
+
+    @property
+    def inner_radius(self) -> Batch:
+        """Inner radius at rest $r_i$ [m]."""
+        return self.braid.radius - self.wall_thickness
+
+    @property
+    def area(self) -> Batch:
+        """Section area at rest $A$ [m²]."""
+        return jnp.pi * (self.braid.radius**2 - self.inner_radius**2)
+
+    @property
+    def second_moment(self) -> Batch:
+        """Second moment of area at rest $I$ [m⁴]."""
+        return jnp.pi / 4 * (self.braid.radius**4 - self.inner_radius**4)
+
+    @property
+    def volume(self) -> Batch:
+        """Volume of the wall $V_b$ [m³], the same at every strain."""
+        return self.area * self.braid.length
+
+    def energy(self, strain: BatchLike) -> Batch:
+        """Stored energy $U = V_b W$ [J] at `strain` $\\varepsilon$ [-]."""
+        lam = 1 - jnp.asarray(strain, dtype=float)
+        return self.volume * self.material.energy(lam**2, self.braid.swell(strain))
+
+    def force(self, strain: BatchLike) -> Batch:
+        """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4)."""
+        eps = jnp.asarray(strain, dtype=float)
+        _, dU_deps = jax.jvp(self.energy, (eps,), (jnp.ones_like(eps),))
+        return -dU_deps / self.braid.length  # dL = −L0 dε

@@ -1,0 +1,100 @@
+r"""Hyperelastic bladder materials: the energy of a stretched wall, and named ones.
+
+An incompressible wall stretched by $\lambda_1$ along the axis and $\lambda_2$ around it
+stores, per volume of material (Mooney-Rivlin),
+
+$$W = C_{10} (I_1 - 3) + C_{01} (I_2 - 3), \tag{W}$$
+$$I_1 = \lambda_1^2 + \lambda_2^2 + \lambda_3^2, \qquad
+  I_2 = \lambda_1^{-2} + \lambda_2^{-2} + \lambda_3^{-2}, \qquad
+  \lambda_3 = 1/(\lambda_1 \lambda_2).$$
+
+Its Young's modulus for small strains is $E = 6 (C_{10} + C_{01})$. Buckling and collapse
+use a modulus of their own, which may be measured apart from the two constants.
+
+**Source:** Klute and Hannaford (2000) for the energy and for latex; Kim, Mazzoleni and
+Bryant (2021), section 3.4, for the silicone's modulus [R3].
+"""
+
+import abc
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._checks import positive, within
+from .._types import Batch, BatchLike
+
+
+class AbstractMaterial(eqx.Module):
+    """A wall material: an energy for stretching, a modulus and a ratio for bending."""
+
+    youngs_modulus: eqx.AbstractVar[Batch]
+    poisson_ratio: eqx.AbstractVar[Batch]
+
+    @abc.abstractmethod
+    def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
+        """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+
+
+class MooneyRivlin(AbstractMaterial):
+    """The two-constant rubber of equation (W)."""
+
+    c10: Batch
+    c01: Batch
+    youngs_modulus: Batch
+    poisson_ratio: Batch
+
+    def __init__(self, c10: Any, c01: Any, youngs_modulus: Any = None, poisson_ratio: Any = 0.5):
+        """**Arguments:**
+
+        - `c10`: $C_{10}$ [Pa], positive.
+        - `c01`: $C_{01}$ [Pa], positive.
+        - `youngs_modulus`: $E$ [Pa] for bending; left out, $6 (C_{10} + C_{01})$.
+        - `poisson_ratio`: $\\nu$ [-], in [0, 0.5].
+
+        **Raises:** `ValueError` where a constant is not positive or the ratio is off.
+        """
+        self.c10 = positive(c10, "c10", "Pa")
+        self.c01 = positive(c01, "c01", "Pa")
+        modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
+        self.youngs_modulus = positive(modulus, "youngs_modulus", "Pa")
+        closed = (True, True)
+        self.poisson_ratio = within(poisson_ratio, 0.0, 0.5, "poisson_ratio", "-", closed=closed)
+
+    @classmethod
+    def from_youngs_modulus(cls, youngs_modulus: Any, poisson_ratio: Any = 0.5) -> "MooneyRivlin":
+        """A rubber known by its modulus alone, its constants in latex's ratio.
+
+        **Arguments:**
+
+        - `youngs_modulus`: $E$ [Pa], positive.
+        - `poisson_ratio`: $\\nu$ [-], in [0, 0.5].
+
+        **Returns:** the material [-] with $6 (C_{10} + C_{01}) = E$.
+        """
+        E = positive(youngs_modulus, "youngs_modulus", "Pa")
+        share = _LATEX_C10 / (_LATEX_C10 + _LATEX_C01)
+        return cls(share * E / 6, (1 - share) * E / 6, E, poisson_ratio)
+
+    def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
+        """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+        p, q = jnp.asarray(axial_squared), jnp.asarray(hoop_squared)
+        I1 = p + q + 1 / (p * q)
+        I2 = 1 / p + 1 / q + p * q
+        return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
+
+
+_LATEX_C10, _LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
+
+# The library's default: Klute and Hannaford's latex, E = 1.34 MPa.
+LATEX = MooneyRivlin(c10=_LATEX_C10, c01=_LATEX_C01)
+
+# The paper gives its silicone's modulus (1.78 MPa, uniaxial) but not its constants. 0.75
+# times latex meets its two statements on free strain and collapse within its figures [R3].
+SILICONE_KIM2021 = MooneyRivlin(c10=88.8e3, c01=79.3e3, youngs_modulus=1.78e6)
+
+MATERIALS: Mapping[str, MooneyRivlin] = MappingProxyType(
+    {"latex": LATEX, "silicone_kim2021": SILICONE_KIM2021}
+)

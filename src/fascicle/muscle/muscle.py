@@ -1,0 +1,386 @@
+"""One muscle: sizes at rest, a material, a choice of laws, and what follows from them.
+
+The physics is in the parts and in the piecewise law that joins them; here values enter,
+are checked once, and the law is compiled.
+
+**Sign:** pulling force and contraction positive, gauge pressure. **Valid for**
+0 ≤ P ≤ 1 MPa and strains from straight fibers, 1 − 1/cos α₀, to 0.6.
+**Source:** Kim, Mazzoleni and Bryant (2021).
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._checks import concrete, one_of, positive, within
+from .._types import Batch, BatchLike
+from .bladder import Bladder
+from .braid import Braid
+from .buckling import BUCKLING_LAWS
+from .collapse import (
+    COLLAPSE_LAWS,
+    POST_COLLAPSE_LAWS,
+    AbstractCollapse,
+    AbstractPostCollapse,
+)
+from .column import AbstractBuckling, Centerline
+from .materials import LATEX, MATERIALS, AbstractMaterial
+from .piecewise import LARGEST_STRAIN, Piecewise, Response
+from .tension import TENSION_LAWS, AbstractTension
+from .tuning import TunedTension, Tuning
+
+
+_HIGHEST_PRESSURE = 1e6  # Pa
+_NEUTRAL_ANGLE = np.arctan(np.sqrt(2))  # 54.7356°, where a braid neither pulls nor pushes
+
+
+class Muscle(eqx.Module):
+    """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
+
+    length: Batch
+    outer_radius: Batch
+    wall_thickness: Batch
+    braid_angle: Batch
+    material: AbstractMaterial
+    tension: AbstractTension
+    buckling: AbstractBuckling
+    collapse: AbstractCollapse
+    post_collapse: AbstractPostCollapse
+    transition_rate: Batch
+    tuning: Tuning
+
+    def __init__(
+        self,
+        length: Any,
+        outer_radius: Any,
+        wall_thickness: Any,
+        braid_angle: Any,
+        material: str | AbstractMaterial = LATEX,
+        tension: str | AbstractTension = "klute_hannaford",
+        buckling: str | AbstractBuckling = "kim2021",
+        collapse: str | AbstractCollapse = "kim2021",
+        post_collapse: str | AbstractPostCollapse = "derived",
+        transition_rate: Any = 25.0,
+        tuning: Tuning | None = None,
+    ):
+        """**Arguments:** those of `from_dimensions`."""
+        self.length = positive(length, "length", "m")
+        self.outer_radius = positive(outer_radius, "outer_radius", "m")
+        self.wall_thickness = positive(wall_thickness, "wall_thickness", "m")
+        self.braid_angle = _contracting(braid_angle)
+        if concrete(self.outer_radius, self.wall_thickness):
+            _thinner(self.wall_thickness, self.outer_radius)
+        self.material = _chosen(material, AbstractMaterial, MATERIALS, "material")
+        self.tension = _chosen(tension, AbstractTension, TENSION_LAWS, "tension")
+        self.buckling = _chosen(buckling, AbstractBuckling, BUCKLING_LAWS, "buckling")
+        self.collapse = _chosen(collapse, AbstractCollapse, COLLAPSE_LAWS, "collapse")
+        self.post_collapse = _chosen(
+            post_collapse, AbstractPostCollapse, POST_COLLAPSE_LAWS, "post_collapse"
+        )
+        self.transition_rate = positive(transition_rate, "transition_rate", "-")
+        if not isinstance(tuning, Tuning | None):
+            raise ValueError(f"`tuning` must be a Tuning or None, got {tuning!r}.")
+        self.tuning = Tuning() if tuning is None else tuning
+
+    @classmethod
+    def from_dimensions(
+        cls,
+        length: Any,
+        outer_radius: Any,
+        wall_thickness: Any,
+        braid_angle: Any,
+        material: str | AbstractMaterial = LATEX,
+        tension: str | AbstractTension = "klute_hannaford",
+        buckling: str | AbstractBuckling = "kim2021",
+        collapse: str | AbstractCollapse = "kim2021",
+        post_collapse: str | AbstractPostCollapse = "derived",
+        transition_rate: Any = 25.0,
+        tuning: Tuning | None = None,
+    ) -> "Muscle":
+        """A muscle from what can be measured on it at rest.
+
+        **Arguments:**
+
+        - `length`: $L_0$ [m] between the end fittings.
+        - `outer_radius`: $r_0$ [m] of the bladder, which is the braid's radius.
+        - `wall_thickness`: $t_0$ [m], less than the radius.
+        - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
+        - `material`: the bladder's, a name or an object [-].
+        - `tension`: "klute_hannaford" or "ideal" [-].
+        - `buckling`: "kim2021" or "elastica" [-].
+        - `collapse`: "kim2021", "wood1958", "brazier1927" or "stein_hedgepeth1961" [-].
+        - `post_collapse`: "derived", "consistent" or "printed" [-].
+        - `transition_rate`: $\\beta$ [-] of (26).
+        - `tuning`: measured corrections [-]; left out, none.
+
+        **Returns:** the muscle [-].
+
+        **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
+        """
+        return cls(
+            length,
+            outer_radius,
+            wall_thickness,
+            braid_angle,
+            material,
+            tension,
+            buckling,
+            collapse,
+            post_collapse,
+            transition_rate,
+            tuning,
+        )
+
+    # the parts the laws are written for, composed from the sizes
+
+    @property
+    def braid(self) -> Braid:
+        """The braid at rest [-]."""
+        return Braid(self.length, self.outer_radius, self.braid_angle)
+
+    @property
+    def bladder(self) -> Bladder:
+        """The bladder inside it [-]."""
+        return Bladder(self.braid, self.wall_thickness, self.material)
+
+    @property
+    def slenderness(self) -> Batch:
+        """Length over diameter at rest, $L_0/(2 r_0)$ [-] [R15]."""
+        return self.length / (2 * self.outer_radius)
+
+    def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """Pulling force, equation (27).
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** force $F$ [N], negative where the muscle pushes its ends apart.
+
+        **Raises:** `ValueError` for concrete values off the domain.
+        """
+        return _force(self, *self._checked(pressure, strain))
+
+    def response(self, pressure: BatchLike, strain: BatchLike) -> Response:
+        """Force, its components and the region, at a point.
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** a `Response`: forces [N], region and whether it is the only one [-].
+
+        **Raises:** `ValueError` for concrete values off the domain.
+        """
+        return _response(self, *self._checked(pressure, strain))
+
+    def free_strain(self, pressure: BatchLike) -> Batch:
+        """Strain at which the force vanishes.
+
+        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
+
+        **Returns:** $\\varepsilon_f$ [-].
+        """
+        return _free_strain(self, _pressure(pressure))
+
+    def blocked_force(self, pressure: BatchLike) -> Batch:
+        """Force at rest length.
+
+        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
+
+        **Returns:** $F(P, 0)$ [N].
+        """
+        return _blocked_force(self, _pressure(pressure))
+
+    def collapse_strain(self, pressure: BatchLike) -> Batch:
+        """Strain at which the buckled bladder collapses.
+
+        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
+
+        **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
+        """
+        return _collapse_strain(self, _pressure(pressure))
+
+    def collapse_moment(self, pressure: BatchLike) -> Batch:
+        """Moment at which the bladder collapses, with the tuning's factors.
+
+        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
+
+        **Returns:** $M_{collapse}$ [N·m].
+        """
+        return _collapse_moment(self, _pressure(pressure))
+
+    def volume(self, strain: BatchLike) -> Batch:
+        """Volume of the fluid inside; the bladder's own is taken off [R17].
+
+        **Arguments:** `strain`: $\\varepsilon$ [-].
+
+        **Returns:** $\\pi r^2 L - V_b$ [m³].
+        """
+        _, eps = self._checked(0.0, strain)
+        return self.braid.volume(eps) - self.bladder.volume
+
+    def radius(self, strain: BatchLike) -> Batch:
+        """Outer radius while straight.
+
+        **Arguments:** `strain`: $\\varepsilon$ [-].
+
+        **Returns:** $r$ [m].
+        """
+        _, eps = self._checked(0.0, strain)
+        return self.braid.radius_at(eps)
+
+    def deflection(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """How far the axis bows out at the middle.
+
+        **Arguments:**
+
+        - `pressure`: $P$ [Pa], 0 to 1 MPa.
+        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
+        """
+        return _deflection(self, *self._checked(pressure, strain))
+
+    def moment(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """Largest bending moment in the bladder.
+
+        **Arguments:**
+
+        - `pressure`: $P$ [Pa], 0 to 1 MPa.
+        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** $M_b$ [N·m]; after collapse the hinge's.
+        """
+        return _moment(self, *self._checked(pressure, strain))
+
+    def shape(self, pressure: BatchLike, strain: BatchLike, points: int = 101) -> Centerline:
+        """Centerline between the clamped ends.
+
+        **Arguments:**
+
+        - `pressure`: $P$ [Pa], 0 to 1 MPa.
+        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
+        - `points`: how many [-], at least 3.
+
+        **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
+        """
+        if points < 3:
+            raise ValueError(f"`points` must be at least 3, got {points}.")
+        return _shape(self, *self._checked(pressure, strain), int(points))
+
+    def compile(self) -> Callable[[BatchLike, BatchLike], Batch]:
+        """The force alone, with this muscle held constant and nothing checked.
+
+        **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
+        """
+        return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
+
+    def _checked(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+        low = -np.inf
+        if concrete(self.braid_angle):
+            low = float(np.max(1 - 1 / np.cos(np.asarray(self.braid_angle))))
+        closed = (False, True)
+        why = "(fibers straight at the lower end)"
+        return _pressure(pressure), within(strain, low, LARGEST_STRAIN, "strain", "-", why, closed)
+
+    def _law(self) -> Piecewise:
+        tension = TunedTension(self.tension, self.bladder, self.tuning)
+        return Piecewise(
+            tension, self.buckling, self.collapse, self.post_collapse, self.transition_rate
+        )
+
+
+# compiled once for each choice of laws and each shape; inside a trace they are inlined
+
+
+@jax.jit
+def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    return muscle._law().at(pressure).response(strain).force
+
+
+@jax.jit
+def _response(muscle: Muscle, pressure: Batch, strain: Batch) -> Response:
+    return muscle._law().at(pressure).response(strain)
+
+
+@jax.jit
+def _free_strain(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle._law().tension.free_strain(pressure)
+
+
+@jax.jit
+def _blocked_force(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle._law().tension.force(pressure, jnp.zeros_like(pressure))
+
+
+@jax.jit
+def _collapse_moment(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle._law().collapse_moment(pressure)
+
+
+@jax.jit
+def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle._law().at(pressure).collapse
+
+
+@jax.jit
+def _deflection(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    return muscle._law().at(pressure).deflection(strain)
+
+
+@jax.jit
+def _moment(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    return muscle._law().at(pressure).moment(strain)
+
+
+@partial(jax.jit, static_argnums=3)
+def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Centerline:
+    return muscle._law().at(pressure).shape(strain, points)
+
+
+def _pressure(value: BatchLike) -> Batch:
+    return within(value, 0.0, _HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
+
+
+def _contracting(value: Any) -> Batch:
+    try:
+        return within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
+    except ValueError:
+        if np.asarray(value).dtype.kind not in "fiu":
+            raise
+        degrees = np.degrees(np.asarray(value, dtype=float))
+        bad = degrees[~((degrees > 0) & (degrees < np.degrees(_NEUTRAL_ANGLE)))].flat[0]
+        raise ValueError(
+            f"`braid_angle` must lie in (0, 54.7356) deg to contract, got {bad:g} deg."
+        ) from None
+
+
+def _thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
+    t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
+    if np.any(t0 >= r0):
+        worst = np.argmax(t0 >= r0)
+        raise ValueError(
+            "`wall_thickness` must be less than `outer_radius`,"
+            f" got {t0.flat[worst]:g} m and {r0.flat[worst]:g} m."
+        )
+
+
+def _chosen(value: Any, kind: type, known: Mapping[str, Any], what: str) -> Any:
+    """A law by object or by name; a class stands for its default object."""
+    if isinstance(value, kind):
+        return value
+    if isinstance(value, str):
+        law = known[one_of(value, known, what)]
+        return law() if isinstance(law, type) else law
+    raise ValueError(
+        f"`{what}` must be one of {', '.join(sorted(known))} or an object of {kind.__name__},"
+        f" got {value!r}."
+    )

@@ -1,0 +1,152 @@
+r"""Tuning as data: two corrections of the tension and four factors, section 5.
+
+$$F_{mod} = C_2 (F - C_1), \qquad F_{mesh,mod} = C_2 F_{mesh}, \qquad
+  F_{bladder,mod} = C_2 (F_{bladder} - C_1). \tag{31-33}$$
+
+$C_1(P)$ is the untuned force at the measured free strain (34) and $C_2(P)$ the ratio that
+restores the measured blocked force (35). They are tables in pressure, linear between their
+rows, flat beyond. At $P = 0$ both are 0/0 and are taken as 0 and 1 [R13], always a row.
+
+Four factors correct what happens past the free strain: one on $E$ wherever $E$ stands
+(bending, axial stiffness, collapse moment, hinge) but never in $C_{10}$, $C_{01}$; one on
+the collapse moment and one, affine in pressure, on the hinge's stiffness, both on top of
+it; and the transition rate $\beta$ itself.
+
+**Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
+"""
+
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from .._checks import concrete, finite, positive
+from .._types import Batch, BatchLike
+from .bladder import Bladder
+from .tension import AbstractTension
+
+
+_LARGEST_PRESSURE = 1e6  # Pa, the end of the model's domain
+
+
+class Tuning(eqx.Module):
+    """Measured corrections of one muscle; all left out, the identity."""
+
+    pressures: Batch
+    c1: Batch
+    c2: Batch
+    youngs_modulus_factor: Batch
+    collapse_moment_factor: Batch
+    hinge_stiffness_factor: Batch
+    hinge_stiffness_slope: Batch
+    transition_rate: Batch | None
+
+    def __init__(
+        self,
+        pressures: Any = (),
+        c1: Any = (),
+        c2: Any = (),
+        *,
+        youngs_modulus_factor: Any = 1.0,
+        collapse_moment_factor: Any = 1.0,
+        hinge_stiffness_factor: Any = 1.0,
+        hinge_stiffness_slope: Any = 0.0,
+        transition_rate: Any = None,
+    ):
+        """**Arguments:**
+
+        - `pressures`: the table's gauge pressures [Pa], rising; a row at zero is optional.
+        - `c1`: $C_1$ [N] at each of them.
+        - `c2`: $C_2$ [-] at each of them, positive.
+        - `youngs_modulus_factor`: on $E$ [-], positive.
+        - `collapse_moment_factor`: on the collapse moment [-], positive.
+        - `hinge_stiffness_factor`: on $k_r$ at zero pressure [-], positive.
+        - `hinge_stiffness_slope`: its rise with pressure [1/Pa].
+        - `transition_rate`: $\\beta$ [-], instead of the muscle's own.
+
+        **Raises:** `ValueError` where a table or a factor can't be.
+        """
+        self.pressures, self.c1, self.c2 = _table(pressures, c1, c2)
+        self.youngs_modulus_factor = positive(youngs_modulus_factor, "youngs_modulus_factor", "-")
+        self.collapse_moment_factor = positive(
+            collapse_moment_factor, "collapse_moment_factor", "-"
+        )
+        self.hinge_stiffness_factor = positive(
+            hinge_stiffness_factor, "hinge_stiffness_factor", "-"
+        )
+        self.hinge_stiffness_slope = finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa")
+        self.transition_rate = (
+            None if transition_rate is None else positive(transition_rate, "transition_rate", "-")
+        )
+        if concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
+            highest = self.hinge_stiffness_at(_LARGEST_PRESSURE)
+            if not np.all(np.asarray(highest) > 0):
+                raise ValueError(
+                    "`hinge_stiffness_slope` must leave the factor positive up to 1 MPa,"
+                    f" got a factor of {np.min(np.asarray(highest)):g} there."
+                )
+
+    def c1_at(self, pressure: BatchLike) -> Batch:
+        """$C_1$ [N] at `pressure` [Pa]."""
+        return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c1)
+
+    def c2_at(self, pressure: BatchLike) -> Batch:
+        """$C_2$ [-] at `pressure` [Pa]."""
+        return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c2)
+
+    def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
+        """Factor on the hinge's stiffness $k_r$ [-] at `pressure` [Pa]."""
+        return self.hinge_stiffness_factor + self.hinge_stiffness_slope * jnp.asarray(pressure)
+
+
+class TunedTension(eqx.Module):
+    """A muscle's tension law $T(P, \\varepsilon)$ as it is used: corrected by its tuning."""
+
+    law: AbstractTension
+    bladder: Bladder
+    tuning: Tuning
+
+    def components(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (32) and (33)."""
+        c1, c2 = self.tuning.c1_at(pressure), self.tuning.c2_at(pressure)
+        mesh, bladder = self.law.components(self.bladder, pressure, strain)
+        return c2 * mesh, c2 * (bladder - c1)
+
+    def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """$F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
+        mesh, bladder = self.components(pressure, strain)
+        return mesh + bladder
+
+    def free_strain(self, pressure: BatchLike) -> Batch:
+        """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
+        return self.law.free_strain(self.bladder, pressure, self.tuning.c1_at)
+
+
+def _table(pressures: Any, c1: Any, c2: Any) -> tuple[Batch, Batch, Batch]:
+    """The table with its row at zero pressure, checked where its values can be seen."""
+    P = np.atleast_1d(finite(pressures, "pressures", "Pa")) if np.size(pressures) else np.empty(0)
+    rows1, rows2 = jnp.atleast_1d(jnp.asarray(c1, float)), jnp.atleast_1d(jnp.asarray(c2, float))
+    if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
+        raise ValueError(
+            "`pressures`, `c1` and `c2` must be lists of equal length,"
+            f" got {P.size}, {rows1.size} and {rows2.size} entries."
+        )
+    if P.size and (P[0] < 0 or np.any(np.diff(P) <= 0)):
+        raise ValueError(f"`pressures` must rise from 0 Pa or above, got {P.tolist()} Pa.")
+    if concrete(c1, c2) and P.size:
+        finite(c1, "c1", "N")
+        positive(c2, "c2", "-")
+        if P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
+            raise ValueError(
+                "`c1` and `c2` must be 0 N and 1 at zero pressure,"
+                f" got {rows1[0]:g} N and {rows2[0]:g}."
+            )
+    if P.size and P[0] == 0:
+        return jnp.asarray(P), rows1, rows2
+    zero, one = jnp.zeros(1), jnp.ones(1)
+    return (
+        jnp.concatenate([zero, P]),
+        jnp.concatenate([zero, rows1]),
+        jnp.concatenate([one, rows2]),
+    )
