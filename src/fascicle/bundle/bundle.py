@@ -1,0 +1,278 @@
+r"""Motor units and bundles: muscles in parallel between rigid plates.
+
+A motor unit is $n$ equal muscles at one pressure; a bundle is motor units that share one
+strain. Its force is the sum over them,
+
+$$F(P_1 \dots P_k, \varepsilon) = \sum_i n_i F_i(P_i, \varepsilon), \tag{B1}$$
+
+with $\max(F_i, 0)$ instead of $F_i$ where resistance is neglected, as models before the
+paper did. With resistance the force can vanish at several strains. The free strain is the
+*smallest* of them [R16], where the force followed from $\varepsilon = 0$ at fixed
+pressures first reaches zero; without resistance it is its units' largest.
+
+**Sign:** as for a muscle. **Assumes** that the muscles don't touch, and equal lengths at
+rest: between rigid plates muscles of unlike length couldn't share a strain.
+**Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._checks import concrete, one_of, within
+from .._types import Batch, BatchLike, BoolBatch, IntBatch
+from ..muscle import Muscle
+from ..muscle.piecewise import Pressurized as MusclesAtPressures
+from .zeros import crossings, first_zero
+
+
+SCHEMES = ("orderly", "batch")
+_HIGHEST_PRESSURE = 1e6  # Pa
+
+
+class MotorUnit(eqx.Module):
+    """`count` equal muscles at one pressure, the smallest part that is activated."""
+
+    muscle: Muscle
+    count: IntBatch
+
+    def __init__(self, muscle: Muscle, count: Any = 1):
+        """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
+        if not isinstance(muscle, Muscle):
+            raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
+        if concrete(count):
+            n = np.asarray(count)
+            if n.dtype.kind not in "iu" or np.any(n < 1):
+                raise ValueError(f"`count` must be a whole number of at least 1, got {count!r}.")
+        self.muscle, self.count = muscle, jnp.asarray(count)
+
+
+class Equilibria(eqx.Module):
+    """Strains of zero force, rising along the last axis, which ends in NaN where there
+    are fewer. `stable`: the force falls with strain there. `count`: how many there are.
+    """
+
+    strain: Batch
+    stable: BoolBatch
+    count: IntBatch
+
+
+class Bundle(eqx.Module):
+    """Motor units between rigid plates, in the order in which they are recruited."""
+
+    motor_units: tuple[MotorUnit, ...]
+    supply_pressure: Batch | None
+    scheme: str = eqx.field(static=True)
+
+    def __init__(
+        self,
+        motor_units: Sequence[MotorUnit],
+        supply_pressure: Any = None,
+        scheme: str = "orderly",
+    ):
+        """**Arguments:**
+
+        - `motor_units`: in the order of recruitment [-], at least one.
+        - `supply_pressure`: the supply's gauge pressure [Pa], if it is known.
+        - `scheme`: "orderly" or "batch" [-].
+
+        **Raises:** `ValueError` for no units, unlike lengths, an unknown scheme.
+        """
+        units = tuple(motor_units)
+        if not units:
+            raise ValueError("`motor_units` must hold at least one motor unit, got none.")
+        for unit in units:
+            if not isinstance(unit, MotorUnit):
+                raise ValueError(f"`motor_units` must hold MotorUnit objects, got {unit!r}.")
+        lengths = [unit.muscle.length for unit in units]
+        if concrete(*lengths):
+            _equal(lengths)
+        self.motor_units = units
+        self.supply_pressure = None if supply_pressure is None else _pressure(supply_pressure)
+        self.scheme = one_of(scheme, SCHEMES, "scheme")
+
+    @property
+    def length(self) -> Batch:
+        """Length at rest $L_0$ [m], the same for all units."""
+        return self.motor_units[0].muscle.length
+
+    @property
+    def counts(self) -> IntBatch:
+        """Muscles in each motor unit [-], on the last axis."""
+        return jnp.stack([unit.count for unit in self.motor_units], axis=-1)
+
+    def force(self, pressures: BatchLike, strain: BatchLike, resistance: bool = True) -> Batch:
+        """Pulling force of all units together, equation (B1).
+
+        **Arguments:**
+
+        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
+        - `strain`: the bundle's contraction $\\varepsilon$ [-]; broadcasts against the rest.
+        - `resistance`: whether units past their own free strain push back [-].
+
+        **Returns:** force [N].
+
+        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """
+        return jnp.sum(self.unit_forces(pressures, strain, resistance), axis=-1)
+
+    def unit_forces(
+        self, pressures: BatchLike, strain: BatchLike, resistance: bool = True
+    ) -> Batch:
+        """Pulling force of each motor unit, its muscles together.
+
+        **Arguments:**
+
+        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
+        - `strain`: the bundle's contraction $\\varepsilon$ [-]; broadcasts against the rest.
+        - `resistance`: whether units past their own free strain push back [-].
+
+        **Returns:** forces [N], motor units on the last axis.
+
+        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """
+        P, eps = self._pressures(pressures), self._strain(strain)
+        return _unit_forces(self, P, eps, bool(resistance))
+
+    def free_strain(self, pressures: BatchLike, resistance: bool = True) -> Batch:
+        """Smallest strain at which the force vanishes; without resistance, the largest.
+
+        **Arguments:**
+
+        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
+        - `resistance`: whether units past their own free strain push back [-].
+
+        **Returns:** strain [-]. It jumps with pressure where two zeros meet and vanish.
+
+        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """
+        return _free_strain(self, self._pressures(pressures), bool(resistance))
+
+    def equilibria(self, pressures: BatchLike, resistance: bool = True) -> Equilibria:
+        """All strains at which the force vanishes, and whether they are stable.
+
+        **Arguments:**
+
+        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
+        - `resistance`: whether units past their own free strain push back [-]. Without it
+          the bundle is slack beyond its free strain, which alone is given.
+
+        **Returns:** `Equilibria`: strains [-] and stability, NaN-padded on a new last axis.
+
+        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """
+        return _equilibria(self, self._pressures(pressures), bool(resistance))
+
+    def _strain(self, strain: BatchLike) -> Batch:
+        checked = [unit.muscle._checked(0.0, strain)[1] for unit in self.motor_units]
+        return checked[0]
+
+    def _pressures(self, pressures: BatchLike) -> Batch:
+        P, n = _pressure(pressures), len(self.motor_units)
+        if P.ndim == 0 or P.shape[-1] != n:
+            got = "a single pressure" if P.ndim == 0 else f"{P.shape[-1]}"
+            raise ValueError(
+                f"`pressures` must hold one pressure for each of the {n} motor units"
+                f" on the last axis, got {got}."
+            )
+        return P
+
+
+class Pressurized(eqx.Module):
+    """A bundle at given pressures, each unit's free and collapse strain solved for.
+
+    Units whose muscles have the same laws are evaluated as one batched muscle, so that a
+    bundle compiles no longer than its unlike muscles do.
+    """
+
+    groups: tuple[MusclesAtPressures, ...]
+    places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
+    counts: IntBatch
+
+    def each(self, function: Callable[[MusclesAtPressures], Batch]) -> Batch:
+        """`function` of one muscle of every unit, units on a new last axis."""
+        values = [jax.vmap(function, out_axes=-1)(group) for group in self.groups]
+        order = np.argsort([i for places in self.places for i in places])
+        return jnp.concatenate(values, axis=-1)[..., order]
+
+    def unit_forces(self, strain: Batch) -> Batch:
+        """Force of each unit [N], its muscles together, at `strain` [-]."""
+        return self.counts * self.each(lambda muscle: muscle.response(strain).force)
+
+    def force(self, strain: Batch) -> Batch:
+        """Force of all units [N] at `strain` [-], (B1)."""
+        return jnp.sum(self.unit_forces(strain), axis=-1)
+
+
+def pressurized(bundle: Bundle, pressures: Batch) -> Pressurized:
+    """`bundle` at `pressures` [Pa], one for each unit on the last axis."""
+    alike: dict[Any, list[int]] = {}
+    for i, unit in enumerate(bundle.motor_units):
+        leaves, structure = jax.tree.flatten(unit.muscle)
+        alike.setdefault((structure, tuple(map(jnp.shape, leaves))), []).append(i)
+    groups = []
+    for places in alike.values():
+        muscles = [bundle.motor_units[i].muscle for i in places]
+        stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *muscles)
+        at = jax.vmap(lambda muscle, pressure: muscle._law().at(pressure), in_axes=(0, -1))
+        groups.append(at(stacked, pressures[..., np.array(places)]))
+    return Pressurized(tuple(groups), tuple(map(tuple, alike.values())), bundle.counts)
+
+
+@partial(jax.jit, static_argnums=3)
+def _unit_forces(bundle: Bundle, pressures: Batch, strain: Batch, resistance: bool) -> Batch:
+    forces = pressurized(bundle, pressures).unit_forces(strain)
+    return forces if resistance else jnp.where(forces > 0, forces, 0.0)
+
+
+@partial(jax.jit, static_argnums=2)
+def _free_strain(bundle: Bundle, pressures: Batch, resistance: bool) -> Batch:
+    def one(pressures: Batch) -> Batch:
+        at = pressurized(bundle, pressures)
+        if not resistance:
+            return jnp.max(at.each(lambda muscle: muscle.column.free_strain))
+        return first_zero(at.force, at.each(lambda muscle: muscle.kinks))
+
+    return _batched(one, pressures)
+
+
+@partial(jax.jit, static_argnums=2)
+def _equilibria(bundle: Bundle, pressures: Batch, resistance: bool) -> Equilibria:
+    # a unit adds one dip of the force, before it collapses, so two zeros at most
+    most = 2 * len(bundle.motor_units) + 1
+
+    def one(pressures: Batch) -> tuple[Batch, BoolBatch, IntBatch]:
+        at = pressurized(bundle, pressures)
+        return crossings(at.force, at.each(lambda muscle: muscle.kinks), most)
+
+    if resistance:
+        return Equilibria(*_batched(one, pressures))
+    strain = _free_strain(bundle, pressures, False)[..., None]
+    return Equilibria(strain, jnp.ones(strain.shape, bool), jnp.ones(strain.shape[:-1], int))
+
+
+def _batched(function: Callable, pressures: Batch) -> Any:
+    """`function` of one pressure vector, over all the axes before the last."""
+    for _ in range(pressures.ndim - 1):
+        function = jax.vmap(function)
+    return function(pressures)
+
+
+def _pressure(value: BatchLike) -> Batch:
+    return within(value, 0.0, _HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True))
+
+
+def _equal(lengths: Sequence[Batch]) -> None:
+    first = np.asarray(lengths[0])
+    for i, length in enumerate(lengths[1:], start=2):
+        if not np.allclose(length, first, rtol=1e-9, atol=0):
+            raise ValueError(
+                "`motor_units` must hold muscles of one length, since rigid plates give them"
+                f" one strain, got {float(np.max(first)):g} m in unit 1 and"
+                f" {float(np.max(np.asarray(length))):g} m in unit {i}."
+            )

@@ -1,0 +1,227 @@
+r"""Recruitment: which motor units are active at which pressure, and what that reaches.
+
+In recruitment state $k$ the units $1 \dots k$ are active. *Orderly* recruitment holds
+$1 \dots k-1$ at supply pressure and throttles unit $k$ between zero and it; *batch*
+recruitment gives all of $1 \dots k$ one pressure. As the throttled pressure goes from zero
+to the supply's, a state sweeps a region of the force-strain space. The force isn't
+monotone in that pressure where resistance counts, so a region's edges are the least and
+the largest force over all pressures, and regions of different states overlap: points that
+two states reach.
+
+**Resolution:** regions are taken over a fixed number of pressures; their edges are exact
+where the force is linear in pressure, that is, wherever the muscle pulls.
+**Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Float, Int
+
+from .._checks import one_of, within
+from .bundle import SCHEMES, Bundle, MotorUnit
+
+
+_LEVELS = 241  # pressures over which a region's edges are taken
+Forces = Float[np.ndarray, "state strain"]
+
+
+@dataclass(frozen=True)
+class Space:
+    """Force-strain space of a bundle: curves at constant pressure, and regions.
+
+    `force` [N] has state, level and strain axes; `low` and `high` [N] state and strain:
+    the edges of each state's region. `level` [Pa] is the throttled pressure, `strain` [-].
+    """
+
+    scheme: str
+    supply_pressure: float
+    strain: Float[np.ndarray, " strain"]
+    level: Float[np.ndarray, " level"]
+    force: Float[np.ndarray, "state level strain"]
+    low: Forces
+    high: Forces
+
+    def outline(self, state: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Outline of the region of a `state`, counted from 1: strain [-] and force [N].
+
+        Where the bundle would push, the outline is at zero force.
+        """
+        low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
+        reached = self.high[state - 1] >= 0
+        strain = self.strain[reached]
+        return np.r_[strain, strain[::-1]], np.r_[high[reached], low[reached][::-1]]
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Points that two states reach. Row by row: `states`, counted from 1, the edges `low`
+    and `high` [N] over `strain` [-] (NaN where there is no overlap), and the `area` [N].
+    """
+
+    states: tuple[tuple[int, int], ...]
+    strain: Float[np.ndarray, " strain"]
+    low: Float[np.ndarray, "pair strain"]
+    high: Float[np.ndarray, "pair strain"]
+    area: Float[np.ndarray, " pair"]
+
+    @property
+    def width(self) -> Float[np.ndarray, "pair strain"]:
+        """Height of the overlap in force [N] at each strain, zero where there is none."""
+        return np.nan_to_num(self.high - self.low)
+
+    def outline(self, pair: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Outline of a row `pair`: strain [-] and force [N], empty where there is none."""
+        there = np.isfinite(self.low[pair])
+        strain = self.strain[there]
+        low, high = self.low[pair][there], self.high[pair][there]
+        return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
+
+
+def pressures_of(
+    state: int, level: Any, supply_pressure: Any, units: int, scheme: str = "orderly"
+) -> Float[np.ndarray, "*levels unit"]:
+    """Pressures of all units in a recruitment state.
+
+    **Arguments:**
+
+    - `state`: how many units are active [-], 1 to `units`.
+    - `level`: the throttled pressure [Pa]: of unit `state` in orderly recruitment, of all
+      active units in batch recruitment. Any shape.
+    - `supply_pressure`: of the units before it in orderly recruitment [Pa].
+    - `units`: number of motor units [-].
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** pressures [Pa], units on a new last axis.
+
+    **Raises:** `ValueError` for a state that doesn't exist or an unknown scheme.
+    """
+    if not 1 <= state <= units:
+        raise ValueError(f"`state` must lie in [1, {units}], got {state}.")
+    one_of(scheme, SCHEMES, "scheme")
+    level = np.asarray(level, dtype=float)[..., None]
+    place = np.arange(1, units + 1)
+    if scheme == "batch":
+        return np.where(place <= state, level, 0.0)
+    return np.where(place < state, float(supply_pressure), np.where(place == state, level, 0.0))
+
+
+def space(
+    bundle: Bundle,
+    supply_pressure: Any = None,
+    levels: Any = 7,
+    strain: Any = None,
+    resistance: bool = True,
+    scheme: str | None = None,
+) -> Space:
+    """The force-strain space of every recruitment state.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: [Pa]; left out, the bundle's own.
+    - `levels`: throttled pressures of the curves [Pa], or how many of them [-], evenly from
+      zero to the supply's.
+    - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+
+    **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
+
+    **Raises:** `ValueError` where no supply pressure is known or a value is off.
+    """
+    supply, scheme = supply_of(bundle, supply_pressure), scheme or bundle.scheme
+    one_of(scheme, SCHEMES, "scheme")
+    if np.ndim(levels) == 0:
+        levels = np.linspace(0.0, supply, int(levels))
+    levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
+    if strain is None:
+        full = np.full(len(bundle.motor_units), supply)
+        strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
+    strain = np.asarray(strain, dtype=float)
+    fine = np.linspace(0.0, supply, _LEVELS)
+    region = state_forces(bundle, supply, fine, strain, resistance, scheme)
+    curves = state_forces(bundle, supply, levels, strain, resistance, scheme)
+    low = np.minimum(region.min(axis=1), curves.min(axis=1))
+    high = np.maximum(region.max(axis=1), curves.max(axis=1))
+    return Space(scheme, supply, strain, levels, curves, low, high)
+
+
+def overlap(space: Space) -> Overlap:
+    """Where the regions of two states overlap, at forces of zero and above.
+
+    **Arguments:** `space`: a force-strain space [-].
+
+    **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
+    """
+    pairs = tuple(combinations(range(1, len(space.low) + 1), 2))
+    shape = (len(pairs), len(space.strain))
+    low, high = np.full(shape, np.nan), np.full(shape, np.nan)
+    for row, (i, j) in enumerate(pairs):
+        bottom = np.maximum(np.maximum(space.low[i - 1], space.low[j - 1]), 0.0)
+        top = np.minimum(space.high[i - 1], space.high[j - 1])
+        # regions that share an edge alone don't overlap: it is the same sum, rounded
+        there = top - bottom > 1e-9 * np.abs(space.high).max()
+        low[row, there], high[row, there] = bottom[there], top[there]
+    area = np.trapezoid(np.nan_to_num(high - low), space.strain, axis=1)
+    return Overlap(pairs, space.strain, low, high, area)
+
+
+def state_forces(
+    bundle: Bundle,
+    supply_pressure: float,
+    levels: Float[np.ndarray, " level"],
+    strain: Float[np.ndarray, " strain"],
+    resistance: bool,
+    scheme: str,
+) -> Float[np.ndarray, "state level strain"]:
+    """Force [N] of every state at throttled `levels` [Pa] and `strain` [-].
+
+    One table of each unit's force serves all states, which only add it up.
+    """
+    few, places = distinct(bundle)
+    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None] * np.ones(len(few.motor_units))
+    table = np.asarray(few.unit_forces(pressures, strain, resistance))[..., places]
+    throttled, off, full = table[:-2], table[-2], table[-1]
+    return add_up(throttled, off, full, scheme)
+
+
+def distinct(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
+    """The bundle's unlike units alone, and which of them each of its units is."""
+    different: list[MotorUnit] = []
+    places = []
+    for unit in bundle.motor_units:
+        same = (i for i, other in enumerate(different) if bool(eqx.tree_equal(unit, other)))
+        place = next(same, len(different))
+        if place == len(different):
+            different.append(unit)
+        places.append(place)
+    return Bundle(different), np.array(places)
+
+
+def add_up(
+    throttled: Float[np.ndarray, "level *points unit"],
+    off: Float[np.ndarray, "*points unit"],
+    full: Float[np.ndarray, "*points unit"],
+    scheme: str,
+) -> Float[np.ndarray, "state level *points"]:
+    """Sum over units in every state, from each unit's values throttled, off and full."""
+    states = []
+    for k in range(throttled.shape[-1]):
+        if scheme == "orderly":
+            active = throttled[..., k] + full[..., :k].sum(axis=-1)
+        else:
+            active = throttled[..., : k + 1].sum(axis=-1)
+        states.append(active + off[..., k + 1 :].sum(axis=-1))
+    return np.stack(states)
+
+
+def supply_of(bundle: Bundle, supply_pressure: Any = None) -> float:
+    """The supply pressure [Pa] given, else the bundle's own; `ValueError` if neither is."""
+    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
+    if supply is None:
+        raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
+    return float(within(supply, 0.0, 1e6, "supply_pressure", "Pa", "(gauge)", (False, True)))
