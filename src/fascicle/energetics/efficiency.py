@@ -1,0 +1,162 @@
+r"""Efficiency of reaching a point of the force-strain space, isobaric or isotonic.
+
+*Isobaric:* pressures are constant along the path from $\varepsilon = 0$, so the work is
+the area under that state's curve. *Isotonic:* the load is constant, so
+$W = F \varepsilon L_0$. Where several states, or several pressures of one, reach a point,
+the highest efficiency counts. The average is over the points of an even grid, forces
+$F_{max} i/80$ and strains $j/375$, that the bundle reaches [R18].
+
+**Resolution:** pressures that reach a force are interpolated linearly between levels,
+which is exact wherever the muscle pulls: its force and work are linear in pressure there.
+**Source:** Kim, Mazzoleni and Bryant (2021), section 4.2 and Fig. 10.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from .._checks import one_of
+from ..bundle import Bundle
+from ..bundle.bundle import SCHEMES
+from ..bundle.recruitment import add_up, distinct, supply_of
+from .work import unit_volume_change, unit_work
+
+
+PATHS = ("isobaric", "isotonic")
+_LEVELS = 129  # throttled pressures between which a force is looked for
+_FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
+
+Grid = Float[np.ndarray, "force strain"]
+
+
+@dataclass(frozen=True)
+class EfficiencyMap:
+    """`efficiency` [-] over `force` [N] (rows) and `strain` [-] (columns), NaN where the
+    bundle doesn't reach; `state`: the recruitment state it is reached in, 0 for none.
+    """
+
+    path: str
+    force: Float[np.ndarray, " force"]
+    strain: Float[np.ndarray, " strain"]
+    efficiency: Grid
+    state: Int[np.ndarray, "force strain"]
+
+    @property
+    def average(self) -> float:
+        """Mean efficiency [-] over the points that are reached."""
+        return float(np.nanmean(self.efficiency))
+
+
+def efficiency_map(
+    bundle: Bundle,
+    supply_pressure: Any = None,
+    path: str = "isobaric",
+    force: Any = None,
+    strain: Any = None,
+    resistance: bool = True,
+    scheme: str | None = None,
+) -> EfficiencyMap:
+    """Efficiency over the force-strain space.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
+    - `path`: "isobaric" or "isotonic" [-].
+    - `force`: forces [N]; left out, 80 even ones up to the blocked force of all units.
+    - `strain`: positive strains [-]; left out, multiples of 1/375 to the free strain.
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+
+    **Returns:** an `EfficiencyMap`: efficiencies [-] over forces [N] and strains [-].
+
+    **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
+    """
+    supply, scheme = supply_of(bundle, supply_pressure), scheme or bundle.scheme
+    one_of(scheme, SCHEMES, "scheme")
+    one_of(path, PATHS, "path")
+    units = len(bundle.motor_units)
+    if force is None:
+        largest = float(bundle.force(np.full(units, supply), 0.0))
+        force = largest * np.arange(1, _FORCES + 1) / _FORCES
+    if strain is None:
+        reach = float(bundle.free_strain(np.full(units, supply), resistance=False))
+        strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
+    force, strain = np.atleast_1d(force).astype(float), np.atleast_1d(strain).astype(float)
+    if np.any(strain <= 0):
+        raise ValueError(f"`strain` must be positive, got {strain.min():g}.")
+
+    levels = np.linspace(0.0, supply, _LEVELS)
+    few, places = distinct(bundle)
+    pressures = np.r_[levels, 0.0][:, None, None] * np.ones(len(few.motor_units))
+    forces = np.asarray(few.unit_forces(pressures, strain, resistance))[..., places]
+    states_force = add_up(forces[:-1], forces[-1], forces[-2], scheme)
+    fed = np.tri(units)[:, None, :] * np.asarray(unit_volume_change(bundle, strain))
+    energy = supply * fed.sum(axis=-1)  # state, strain
+    if path == "isobaric":
+        works = np.asarray(unit_work(few, pressures, strain, resistance))[..., places]
+        states_work = add_up(works[:-1], works[-1], works[-2], scheme)
+    else:
+        states_work = None
+
+    best, state = (
+        np.full((force.size, strain.size), np.nan),
+        np.zeros((force.size, strain.size), int),
+    )
+    for k in range(units):
+        work = force[:, None] * strain * float(bundle.length)
+        if states_work is not None:
+            work = _best_work(states_force[k], states_work[k], force)
+        else:
+            low, high = states_force[k].min(axis=0), states_force[k].max(axis=0)
+            work = np.where((low <= force[:, None]) & (force[:, None] <= high), work, np.nan)
+        better = np.fmax(best, work / energy[k]) != best
+        better &= np.isfinite(work)
+        best = np.where(better, work / energy[k], best)
+        state = np.where(better, k + 1, state)
+    return EfficiencyMap(path, force, strain, best, state)
+
+
+def average_efficiency(
+    bundle: Bundle,
+    supply_pressure: Any = None,
+    path: str = "isobaric",
+    resistance: bool = True,
+    scheme: str | None = None,
+) -> float:
+    """Mean efficiency over the force-strain space that the bundle reaches [R18].
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
+    - `path`: "isobaric" or "isotonic" [-].
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+
+    **Returns:** efficiency [-].
+
+    **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
+    """
+    return efficiency_map(
+        bundle, supply_pressure, path, resistance=resistance, scheme=scheme
+    ).average
+
+
+def _best_work(
+    forces: Float[np.ndarray, "level strain"],
+    works: Float[np.ndarray, "level strain"],
+    wanted: Float[np.ndarray, " force"],
+) -> Grid:
+    """Largest work of the pressures that give a `wanted` force; NaN where none does."""
+    best = np.full((wanted.size, forces.shape[1]), np.nan)
+    target = wanted[:, None]
+    for i in range(len(forces) - 1):
+        f0, f1, w0, w1 = forces[i], forces[i + 1], works[i], works[i + 1]
+        between = (np.minimum(f0, f1) <= target) & (target <= np.maximum(f0, f1))
+        step = np.where(f1 == f0, 1.0, f1 - f0)
+        share = (target - f0) / step
+        best = np.fmax(best, np.where(between, w0 + share * (w1 - w0), np.nan))
+    return best

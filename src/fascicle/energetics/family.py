@@ -1,0 +1,39 @@
+r"""Bundles of equal cross-section: one muscle's section split into motor units.
+
+$N$ motor units of radius $r = R/\sqrt N$ take the section of one muscle of radius $R$, with
+$t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor unit
+(SEMU) that a bundle is compared with.
+
+**Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
+"""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from ..bundle import Bundle, MotorUnit
+from ..muscle import Muscle
+
+
+def constant_cross_section(
+    muscle: Muscle, units: int, supply_pressure: Any = None, scheme: str = "orderly"
+) -> Bundle:
+    """A muscle's section split evenly into motor units of one muscle each.
+
+    **Arguments:**
+
+    - `muscle`: the single equivalent motor unit's, of radius $R$ [-].
+    - `units`: $N$ [-], at least 1.
+    - `supply_pressure`: the bundle's [Pa], if it is known.
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** a bundle [-] of $N$ units.
+
+    **Raises:** `ValueError` for less than one unit.
+    """
+    if units < 1:
+        raise ValueError(f"`units` must be at least 1, got {units}.")
+    sizes = (muscle.outer_radius / np.sqrt(units), muscle.wall_thickness / np.sqrt(units))
+    thin = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
+    return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)
