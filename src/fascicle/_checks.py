@@ -7,17 +7,17 @@ checked where it entered, or is the caller's own affair.
 import difflib
 import math
 from collections.abc import Iterable
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
-from ._types import Batch, BatchLike
+from ._types import Batch, Values
 
 
 def within(
-    value: Any,
+    value: Values,
     low: float,
     high: float,
     name: str,
@@ -30,7 +30,7 @@ def within(
     The interval is open unless `closed` says otherwise for its low or high end. `why`
     completes the rule in words: "to contract".
     """
-    if isinstance(value, Tracer):
+    if not concrete(value):
         return jnp.asarray(value, dtype=float)
     x = _numeric(value, name, unit)
     # written so that NaN is refused too
@@ -44,9 +44,9 @@ def within(
     return jnp.asarray(x)
 
 
-def positive(value: Any, name: str, unit: str) -> Batch:
+def positive(value: Values, name: str, unit: str) -> Batch:
     """Return `value` as a float array, refusing anything that is not > 0 and finite."""
-    if isinstance(value, Tracer):
+    if not concrete(value):
         return jnp.asarray(value, dtype=float)
     x = _numeric(value, name, unit)
     good = (x > 0) & np.isfinite(x)
@@ -55,7 +55,7 @@ def positive(value: Any, name: str, unit: str) -> Batch:
     return jnp.asarray(x)
 
 
-def finite(value: Any, name: str, unit: str) -> Batch:
+def finite(value: Values, name: str, unit: str) -> Batch:
     """Return `value` as a float array, refusing NaN and infinities."""
     return within(value, -math.inf, math.inf, name, unit)
 
@@ -70,12 +70,12 @@ def one_of(name: str, choices: Iterable[str], what: str) -> str:
     raise ValueError(f"`{what}` {name!r} is unknown: {hint}choose one of {', '.join(known)}.")
 
 
-def concrete(*values: BatchLike) -> bool:
-    """Whether none of `values` is traced, so that they can be looked at."""
-    return not any(isinstance(value, Tracer) for value in values)
+def concrete(*values: Values) -> bool:
+    """Whether none of `values` is traced, nor holds what is, so that they can be looked at."""
+    return not any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(values))
 
 
-def _numeric(value: Any, name: str, unit: str) -> np.ndarray:
+def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
     try:
         x = np.asarray(value)
         if x.dtype.kind not in "fiu":  # a bool or a string is no measurement

@@ -19,14 +19,14 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from ._types import Batch, BatchLike
+from ._types import Batch, BatchLike, BoolBatch, IntBatch
 
 
 _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
 _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
 
 
-def where_positive(condition: BatchLike, value: BatchLike, safe: float = 1.0) -> Batch:
+def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
     """`value` where `condition`, else a harmless constant with no gradient.
 
     The inner half of the double `where`: a branch that isn't taken must still be
@@ -44,10 +44,14 @@ def root(
     bisection where it leaves the bracket or fails to halve its step.
     """
 
+    # where the search begins doesn't move the root; unstopped, zero cotangents would flow
+    # back into how the bracket was found, and meet infinite slopes there
+    low, high, start = (lax.stop_gradient(jnp.asarray(x, dtype=float)) for x in (low, high, start))
+
     def solve(f: Callable[[Batch], Batch], x0: Batch) -> Batch:
         a, b = jnp.broadcast_to(low, x0.shape), jnp.broadcast_to(high, x0.shape)
 
-        def keep_going(state: tuple) -> Batch:
+        def keep_going(state: tuple) -> BoolBatch:
             n, _, _, _, _, done = state
             return (n < _STEPS) & ~jnp.all(done)
 
@@ -70,10 +74,8 @@ def root(
     def tangent_solve(linear: Callable[[Batch], Batch], y: Batch) -> Batch:
         return y / linear(jnp.ones_like(y))
 
-    shape = jnp.broadcast_shapes(
-        jnp.shape(low), jnp.shape(high), jax.eval_shape(residual, jnp.asarray(start)).shape
-    )
-    x0 = lax.stop_gradient(jnp.broadcast_to(jnp.asarray(start, dtype=float), shape))
+    shape = jnp.broadcast_shapes(low.shape, high.shape, jax.eval_shape(residual, start).shape)
+    x0 = jnp.broadcast_to(start, shape)
     # a bound method of a traced module can't be hashed, as `custom_root` does
     return lax.custom_root(lambda x: residual(x), x0, solve, tangent_solve)  # noqa: PLW0108
 
@@ -88,7 +90,7 @@ def maximum_of(
     """
     ratio = 0.6180339887498949  # 1/φ
 
-    def shrink(_: int, bracket: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
+    def shrink(_: IntBatch, bracket: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
         a, b = bracket
         c, d = b - ratio * (b - a), a + ratio * (b - a)
         left = function(c) >= function(d)

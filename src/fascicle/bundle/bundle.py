@@ -23,9 +23,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from .._checks import concrete, one_of, within
-from .._types import Batch, BatchLike, BoolBatch, IntBatch
+from .._types import Batch, BoolBatch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .zeros import crossings, first_zero
@@ -41,7 +42,7 @@ class MotorUnit(eqx.Module):
     muscle: Muscle
     count: IntBatch
 
-    def __init__(self, muscle: Muscle, count: Any = 1):
+    def __init__(self, muscle: Muscle, count: Values = 1):
         """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
         if not isinstance(muscle, Muscle):
             raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
@@ -72,7 +73,7 @@ class Bundle(eqx.Module):
     def __init__(
         self,
         motor_units: Sequence[MotorUnit],
-        supply_pressure: Any = None,
+        supply_pressure: Values = None,
         scheme: str = "orderly",
     ):
         """**Arguments:**
@@ -93,7 +94,9 @@ class Bundle(eqx.Module):
         if concrete(*lengths):
             _equal(lengths)
         self.motor_units = units
-        self.supply_pressure = None if supply_pressure is None else _pressure(supply_pressure)
+        self.supply_pressure = None
+        if supply_pressure is not None:
+            self.supply_pressure = _pressure(supply_pressure, "supply_pressure")
         self.scheme = one_of(scheme, SCHEMES, "scheme")
 
     @property
@@ -106,7 +109,7 @@ class Bundle(eqx.Module):
         """Muscles in each motor unit [-], on the last axis."""
         return jnp.stack([unit.count for unit in self.motor_units], axis=-1)
 
-    def force(self, pressures: BatchLike, strain: BatchLike, resistance: bool = True) -> Batch:
+    def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
         """Pulling force of all units together, equation (B1).
 
         **Arguments:**
@@ -121,9 +124,7 @@ class Bundle(eqx.Module):
         """
         return jnp.sum(self.unit_forces(pressures, strain, resistance), axis=-1)
 
-    def unit_forces(
-        self, pressures: BatchLike, strain: BatchLike, resistance: bool = True
-    ) -> Batch:
+    def unit_forces(self, pressures: Values, strain: Values, resistance: bool = True) -> PerUnit:
         """Pulling force of each motor unit, its muscles together.
 
         **Arguments:**
@@ -139,7 +140,7 @@ class Bundle(eqx.Module):
         P, eps = self._pressures(pressures), self._strain(strain)
         return _unit_forces(self, P, eps, bool(resistance))
 
-    def free_strain(self, pressures: BatchLike, resistance: bool = True) -> Batch:
+    def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
         """Smallest strain at which the force vanishes; without resistance, the largest.
 
         **Arguments:**
@@ -153,7 +154,7 @@ class Bundle(eqx.Module):
         """
         return _free_strain(self, self._pressures(pressures), bool(resistance))
 
-    def equilibria(self, pressures: BatchLike, resistance: bool = True) -> Equilibria:
+    def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
 
         **Arguments:**
@@ -168,11 +169,11 @@ class Bundle(eqx.Module):
         """
         return _equilibria(self, self._pressures(pressures), bool(resistance))
 
-    def _strain(self, strain: BatchLike) -> Batch:
+    def _strain(self, strain: Values) -> Batch:
         checked = [unit.muscle._checked(0.0, strain)[1] for unit in self.motor_units]
         return checked[0]
 
-    def _pressures(self, pressures: BatchLike) -> Batch:
+    def _pressures(self, pressures: Values) -> PerUnit:
         P, n = _pressure(pressures), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != n:
             got = "a single pressure" if P.ndim == 0 else f"{P.shape[-1]}"
@@ -194,13 +195,13 @@ class Pressurized(eqx.Module):
     places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
     counts: IntBatch
 
-    def each(self, function: Callable[[MusclesAtPressures], Batch]) -> Batch:
+    def each(self, function: Callable[[MusclesAtPressures], Batch]) -> PerUnit:
         """`function` of one muscle of every unit, units on a new last axis."""
         values = [jax.vmap(function, out_axes=-1)(group) for group in self.groups]
         order = np.argsort([i for places in self.places for i in places])
         return jnp.concatenate(values, axis=-1)[..., order]
 
-    def unit_forces(self, strain: Batch) -> Batch:
+    def unit_forces(self, strain: Batch) -> PerUnit:
         """Force of each unit [N], its muscles together, at `strain` [-]."""
         return self.counts * self.each(lambda muscle: muscle.response(strain).force)
 
@@ -209,7 +210,7 @@ class Pressurized(eqx.Module):
         return jnp.sum(self.unit_forces(strain), axis=-1)
 
 
-def pressurized(bundle: Bundle, pressures: Batch) -> Pressurized:
+def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
     """`bundle` at `pressures` [Pa], one for each unit on the last axis."""
     alike: dict[Any, list[int]] = {}
     for i, unit in enumerate(bundle.motor_units):
@@ -225,14 +226,14 @@ def pressurized(bundle: Bundle, pressures: Batch) -> Pressurized:
 
 
 @partial(jax.jit, static_argnums=3)
-def _unit_forces(bundle: Bundle, pressures: Batch, strain: Batch, resistance: bool) -> Batch:
+def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Batch, resistance: bool) -> PerUnit:
     forces = pressurized(bundle, pressures).unit_forces(strain)
     return forces if resistance else jnp.where(forces > 0, forces, 0.0)
 
 
 @partial(jax.jit, static_argnums=2)
-def _free_strain(bundle: Bundle, pressures: Batch, resistance: bool) -> Batch:
-    def one(pressures: Batch) -> Batch:
+def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Batch:
+    def one(pressures: PerUnit) -> Batch:
         at = pressurized(bundle, pressures)
         if not resistance:
             return jnp.max(at.each(lambda muscle: muscle.column.free_strain))
@@ -242,11 +243,11 @@ def _free_strain(bundle: Bundle, pressures: Batch, resistance: bool) -> Batch:
 
 
 @partial(jax.jit, static_argnums=2)
-def _equilibria(bundle: Bundle, pressures: Batch, resistance: bool) -> Equilibria:
+def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilibria:
     # a unit adds one dip of the force, before it collapses, so two zeros at most
     most = 2 * len(bundle.motor_units) + 1
 
-    def one(pressures: Batch) -> tuple[Batch, BoolBatch, IntBatch]:
+    def one(pressures: PerUnit) -> tuple[Array, Array, Array]:
         at = pressurized(bundle, pressures)
         return crossings(at.force, at.each(lambda muscle: muscle.kinks), most)
 
@@ -256,15 +257,15 @@ def _equilibria(bundle: Bundle, pressures: Batch, resistance: bool) -> Equilibri
     return Equilibria(strain, jnp.ones(strain.shape, bool), jnp.ones(strain.shape[:-1], int))
 
 
-def _batched(function: Callable, pressures: Batch) -> Any:
+def _batched(function: Callable, pressures: PerUnit) -> Any:
     """`function` of one pressure vector, over all the axes before the last."""
     for _ in range(pressures.ndim - 1):
         function = jax.vmap(function)
     return function(pressures)
 
 
-def _pressure(value: BatchLike) -> Batch:
-    return within(value, 0.0, _HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True))
+def _pressure(value: Values, name: str = "pressures") -> Batch:
+    return within(value, 0.0, _HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
 
 
 def _equal(lengths: Sequence[Batch]) -> None:

@@ -15,13 +15,13 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import one_of, within
+from .._types import Values
 from .bundle import SCHEMES, Bundle, MotorUnit
 
 
@@ -82,7 +82,7 @@ class Overlap:
 
 
 def pressures_of(
-    state: int, level: Any, supply_pressure: Any, units: int, scheme: str = "orderly"
+    state: int, level: Values, supply_pressure: Values, units: int, scheme: str = "orderly"
 ) -> Float[np.ndarray, "*levels unit"]:
     """Pressures of all units in a recruitment state.
 
@@ -111,9 +111,9 @@ def pressures_of(
 
 def space(
     bundle: Bundle,
-    supply_pressure: Any = None,
-    levels: Any = 7,
-    strain: Any = None,
+    supply_pressure: Values = None,
+    levels: Values = 7,
+    strain: Values = None,
     resistance: bool = True,
     scheme: str | None = None,
 ) -> Space:
@@ -219,7 +219,7 @@ def add_up(
     return np.stack(states)
 
 
-def supply_of(bundle: Bundle, supply_pressure: Any = None) -> float:
+def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     """The supply pressure [Pa] given, else the bundle's own; `ValueError` if neither is."""
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:

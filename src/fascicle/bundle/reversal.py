@@ -3,19 +3,20 @@ r"""Free-strain gradient reversal: how activating a unit first shortens the reac
 With units $1 \dots k-1$ at supply pressure, the bundle's free strain as a function of unit
 $k$'s pressure falls at first, since a muscle at low pressure resists more than an empty
 one, then turns and rises. The turn is the reversal point, its depth the fall up to there.
-The free strain is the smallest zero of the force, so it can jump up where two zeros meet
-and vanish: then the jump is the reversal point, and its lower side counts.
+The free strain is the smallest zero of the force, so it jumps down where, with rising
+pressure, a dip of the force first touches zero ahead of it, and up where such a dip lifts
+off again: then the jump is the reversal point, and its lower side counts.
 
 **Source:** Kim, Mazzoleni and Bryant (2021), section 6, Figs. 13 and 14.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from .._checks import within
+from .._types import Values
 from .bundle import Bundle
 from .recruitment import pressures_of, supply_of
 
@@ -27,7 +28,7 @@ _ZOOMS = 6  # each narrows the bracket 64 times: to the last bits of a pressure
 @dataclass(frozen=True)
 class Reversal:
     """`pressure` [Pa] at the turn, `free_strain` [-] there and at no pressure (`initial`),
-    `depth` [-] between them; `jump`: whether the free strain jumps up at the turn.
+    `depth` [-] between them; `jump`: whether the free strain jumps at the turn.
     """
 
     pressure: float
@@ -40,8 +41,8 @@ class Reversal:
 def free_strain_curve(
     bundle: Bundle,
     unit: int,
-    pressures: Any,
-    supply_pressure: Any = None,
+    pressures: Values,
+    supply_pressure: Values = None,
     resistance: bool = True,
 ) -> Float[np.ndarray, " pressure"]:
     """Free strain of the bundle against one unit's pressure, earlier units at supply.
@@ -64,7 +65,7 @@ def free_strain_curve(
 
 
 def reversal(
-    bundle: Bundle, unit: int = 2, supply_pressure: Any = None, resistance: bool = True
+    bundle: Bundle, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
 ) -> Reversal:
     """Where the free strain turns as a unit's pressure rises from zero to the supply's.
 
@@ -80,7 +81,7 @@ def reversal(
     """
     supply = supply_of(bundle, supply_pressure)
 
-    def curve(pressures: Any) -> Float[np.ndarray, " pressure"]:
+    def curve(pressures: Values) -> Float[np.ndarray, " pressure"]:
         return free_strain_curve(bundle, unit, pressures, supply, resistance)
 
     grid = np.linspace(0.0, supply, _GRID)
@@ -101,7 +102,7 @@ def reversal(
 
 
 def onset_pressure(
-    bundle: Bundle, strain: Any, unit: int = 2, supply_pressure: Any = None
+    bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> float:
     """Pressure from which a unit makes the bundle's force larger than it is without it.
 
@@ -123,7 +124,7 @@ def onset_pressure(
     muscle = bundle.motor_units[unit - 1].muscle
     eps = float(within(strain, -np.inf, np.inf, "strain", "-"))
 
-    def gain(pressures: Any) -> Float[np.ndarray, " pressure"]:
+    def gain(pressures: Values) -> Float[np.ndarray, " pressure"]:
         force = np.asarray(muscle.force(np.r_[0.0, pressures], eps))
         return force[1:] - force[0]
 

@@ -9,22 +9,24 @@ missed lies in a dip shallower than that cubic's error, of fourth order in the c
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
 
 from .._math import root
-from .._types import Batch, BoolBatch, IntBatch
+from .._types import Batch
 
 
 _CELLS = 8  # in each stretch between kinks
 _INSET = 1e-7  # of a cell, to stay on one side of a kink when taking a slope
 
 Force = Callable[[Batch], Batch]
+Kinks = Float[Array, "kind unit"]
+Scalar = Float[Array, ""]
 
 
-def first_zero(force: Force, kinks: Batch) -> Batch:
+def first_zero(force: Force, kinks: Kinks) -> Scalar:
     """Smallest strain [-] at which `force(strain)` [N] vanishes.
 
     `kinks` [-] has the units on its last axis; its first row is their free strains.
@@ -33,10 +35,12 @@ def first_zero(force: Force, kinks: Batch) -> Batch:
     after = jnp.argmax(~pulls)  # the last always pushes
     low, high = grid[after - 1], grid[after]
     strain = root(force, low, high, start=0.5 * (low + high))
-    return jnp.where(wide, strain, grid[0])
+    return jnp.where(wide, strain, jnp.min(kinks[0]))
 
 
-def crossings(force: Force, kinks: Batch, most: int) -> tuple[Batch, BoolBatch, IntBatch]:
+def crossings(
+    force: Force, kinks: Kinks, most: int
+) -> tuple[Float[Array, " most"], Bool[Array, " most"], Int[Array, ""]]:
     """Strains [-] of zero force, whether stable, and how many; NaN-padded to `most`."""
     grid, pulls, wide = _refined(force, kinks)
     changes = pulls[:-1] != pulls[1:]
@@ -48,12 +52,14 @@ def crossings(force: Force, kinks: Batch, most: int) -> tuple[Batch, BoolBatch, 
     strain = root(lambda eps: sign * force(eps), low, high, start=0.5 * (low + high))
     # equal units vanish together, at the one strain there is
     single = jnp.arange(most) == 0
-    strain = jnp.where(wide, jnp.where(real, strain, jnp.nan), jnp.where(single, grid[0], jnp.nan))
+    strain = jnp.where(wide, jnp.where(real, strain, jnp.nan), jnp.where(single, jnp.min(kinks[0]), jnp.nan))
     count = jnp.where(wide, jnp.sum(changes), 1)
     return strain, jnp.where(wide, real & falling, single), count
 
 
-def _refined(force: Force, kinks: Batch) -> tuple[Batch, BoolBatch, Any]:
+def _refined(
+    force: Force, kinks: Kinks
+) -> tuple[Float[Array, " grid"], Bool[Array, " grid"], Bool[Array, ""]]:
     """A rising grid of strains, whether the force pulls there, and whether it has width."""
     low, high = jnp.min(kinks[0]), jnp.max(kinks[0])
     ends = jax.lax.stop_gradient(jnp.sort(jnp.clip(kinks, low, high).reshape(-1)))

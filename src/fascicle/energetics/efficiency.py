@@ -12,12 +12,12 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import one_of
+from .._types import Values
 from ..bundle import Bundle
 from ..bundle.bundle import SCHEMES
 from ..bundle.recruitment import add_up, distinct, supply_of
@@ -51,10 +51,10 @@ class EfficiencyMap:
 
 def efficiency_map(
     bundle: Bundle,
-    supply_pressure: Any = None,
+    supply_pressure: Values = None,
     path: str = "isobaric",
-    force: Any = None,
-    strain: Any = None,
+    force: Values = None,
+    strain: Values = None,
     resistance: bool = True,
     scheme: str | None = None,
 ) -> EfficiencyMap:
@@ -121,7 +121,7 @@ def efficiency_map(
 
 def average_efficiency(
     bundle: Bundle,
-    supply_pressure: Any = None,
+    supply_pressure: Values = None,
     path: str = "isobaric",
     resistance: bool = True,
     scheme: str | None = None,

@@ -7,17 +7,16 @@ $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent mo
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-from typing import Any
-
 import equinox as eqx
 import numpy as np
 
+from .._types import Values
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
 
 
 def constant_cross_section(
-    muscle: Muscle, units: int, supply_pressure: Any = None, scheme: str = "orderly"
+    muscle: Muscle, units: int, supply_pressure: Values = None, scheme: str = "orderly"
 ) -> Bundle:
     """A muscle's section split evenly into motor units of one muscle each.
 

@@ -18,14 +18,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._types import Batch, BatchLike
+from .._types import Batch, PerUnit, Values
 from ..bundle.bundle import Bundle, MusclesAtPressures, pressurized
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
-def work(bundle: Bundle, pressures: BatchLike, strain: BatchLike, resistance: bool = True) -> Batch:
+def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
     """Work of a contraction from rest length at constant pressures, (28).
 
     **Arguments:**
@@ -43,8 +43,8 @@ def work(bundle: Bundle, pressures: BatchLike, strain: BatchLike, resistance: bo
 
 
 def unit_work(
-    bundle: Bundle, pressures: BatchLike, strain: BatchLike, resistance: bool = True
-) -> Batch:
+    bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
+) -> PerUnit:
     """Work of each motor unit, its muscles together; arguments as of `work`.
 
     **Arguments:**
@@ -60,7 +60,7 @@ def unit_work(
     return _unit_work(bundle, P, eps, bool(resistance))
 
 
-def unit_volume_change(bundle: Bundle, strain: BatchLike) -> Batch:
+def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     """Fluid taken in by each motor unit from rest length on.
 
     **Arguments:**
@@ -77,9 +77,7 @@ def unit_volume_change(bundle: Bundle, strain: BatchLike) -> Batch:
     return jnp.stack(taken, axis=-1)
 
 
-def fluid_energy(
-    bundle: Bundle, strain: BatchLike, supply_pressure: BatchLike, active: BatchLike
-) -> Batch:
+def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:
     """Energy drawn from the supply by a contraction from rest length, (29).
 
     **Arguments:**
@@ -96,7 +94,7 @@ def fluid_energy(
 
 
 @partial(jax.jit, static_argnums=3)
-def _unit_work(bundle: Bundle, pressures: Batch, strain: Batch, resistance: bool) -> Batch:
+def _unit_work(bundle: Bundle, pressures: PerUnit, strain: Batch, resistance: bool) -> PerUnit:
     def one(muscle: MusclesAtPressures) -> Batch:
         eps_f, onset, eps_c = muscle.kinks
         # no stretch starts below rest or ends past the strain asked for, either way

@@ -26,18 +26,18 @@ and Hedgepeth (1961); a factor on the moment after Wielgosz and Thomas (2002), w
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from .._checks import positive
-from .._types import Batch, BatchLike
+from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .column import Centerline, Column
 
 
-def _factor(value: Any) -> Batch:
+def _factor(value: Values) -> Batch:
     return positive(value, "factor", "-")
 
 

@@ -32,8 +32,8 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jax import lax
 
-from .._math import Elliptic, elliptic, jacobi, root, where_positive
-from .._types import Batch, BatchLike, BoolBatch
+from .._math import Elliptic, elliptic, jacobi, root, guarded
+from .._types import Batch, BatchLike, BoolBatch, IntBatch
 from .column import AbstractBuckling, Buckled, Centerline, Column
 
 
@@ -56,7 +56,7 @@ class Elastica(AbstractBuckling):
         thrust = -(mesh + bladder) / chord  # N, from the arc's balance
         length = column.rest_length * (1 - arc)
         # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
-        k = jnp.where(bent, jnp.sqrt(where_positive(bent, m)), 0.0)
+        k = jnp.where(bent, jnp.sqrt(guarded(bent, m)), 0.0)
         K = elliptic(m).K
         return Buckled(
             mesh=mesh,
@@ -77,14 +77,14 @@ class Elastica(AbstractBuckling):
             # squares: a slender muscle buckles just past its free strain
             return eps_f + (_FARTHEST - eps_f) * (i / _SCAN) ** 2
 
-        def look(i: int, first: Batch) -> Batch:
+        def look(i: IntBatch, first: IntBatch) -> IntBatch:
             over = _arc_load(column, place(i)) >= euler
             return jnp.where(over & (first == 0), i, first)
 
         none = jnp.zeros(jnp.broadcast_shapes(eps_f.shape, jnp.shape(euler)), int)
         first = lax.fori_loop(1, _SCAN + 1, look, none)
         ever = first > 0
-        target = where_positive(ever, euler, 0.0)
+        target = guarded(ever, euler, 0.0)
         strain = root(
             lambda arc: target - _arc_load(column, arc),
             place(first - 1),
@@ -104,14 +104,14 @@ class Elastica(AbstractBuckling):
         largest = jnp.sqrt(_ENDS_MEET)
         reached = (wanted <= 8 * largest * elliptic(_ENDS_MEET).K) & jnp.isfinite(onset)
         k = root(
-            lambda k: where_positive(reached, wanted, 1.0) - 8 * k * elliptic(k**2).K,
+            lambda k: guarded(reached, wanted, 1.0) - 8 * k * elliptic(k**2).K,
             0.0,
             largest,
             start=jnp.full(jnp.shape(reached), 0.5),
         )
         integrals = elliptic(k**2)
-        top = where_positive(reached, onset, _FARTHEST)
-        held = where_positive(reached, _end_load(column, integrals), 0.0)
+        top = guarded(reached, onset, _FARTHEST)
+        held = guarded(reached, _end_load(column, integrals), 0.0)
         arc = root(
             lambda arc: held - _arc_load(column, arc),
             column.free_strain,
@@ -130,7 +130,7 @@ class Elastica(AbstractBuckling):
         phase, epsilon = jacobi(u, integrals)
         scale = (column.rest_length * (1 - arc))[..., None] / (4 * integrals.K)
         # below the axis, as (8) is drawn
-        k = jnp.where(bent, jnp.sqrt(where_positive(bent, m)), 0.0)[..., None]
+        k = jnp.where(bent, jnp.sqrt(guarded(bent, m)), 0.0)[..., None]
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - jnp.cos(phase)))
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
@@ -140,7 +140,7 @@ class Elastica(AbstractBuckling):
         first = jnp.broadcast_to(_surplus(column, eps, jnp.zeros(shape)), shape)
         last = _modulus((1 - eps) / (1 - column.free_strain))
 
-        def look(i: int, seen: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
+        def look(i: IntBatch, seen: tuple[IntBatch, Batch]) -> tuple[IntBatch, Batch]:
             count, before = seen
             # squares: equilibria crowd toward the straight end
             here = _surplus(column, eps, last * (i / _SCAN) ** 2)

@@ -18,13 +18,12 @@ Bryant (2021), section 3.4, for the silicone's modulus [R3].
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from .._checks import positive, within
-from .._types import Batch, BatchLike
+from .._types import Batch, BatchLike, Values
 
 
 class AbstractMaterial(eqx.Module):
@@ -46,7 +45,9 @@ class MooneyRivlin(AbstractMaterial):
     youngs_modulus: Batch
     poisson_ratio: Batch
 
-    def __init__(self, c10: Any, c01: Any, youngs_modulus: Any = None, poisson_ratio: Any = 0.5):
+    def __init__(
+        self, c10: Values, c01: Values, youngs_modulus: Values = None, poisson_ratio: Values = 0.5
+    ):
         """**Arguments:**
 
         - `c10`: $C_{10}$ [Pa], positive.
@@ -64,7 +65,9 @@ class MooneyRivlin(AbstractMaterial):
         self.poisson_ratio = within(poisson_ratio, 0.0, 0.5, "poisson_ratio", "-", closed=closed)
 
     @classmethod
-    def from_youngs_modulus(cls, youngs_modulus: Any, poisson_ratio: Any = 0.5) -> "MooneyRivlin":
+    def from_youngs_modulus(
+        cls, youngs_modulus: Values, poisson_ratio: Values = 0.5
+    ) -> "MooneyRivlin":
         """A rubber known by its modulus alone, its constants in latex's ratio.
 
         **Arguments:**

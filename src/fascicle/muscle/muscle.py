@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._checks import concrete, one_of, positive, within
-from .._types import Batch, BatchLike
+from .._types import Batch, Values
 from .bladder import Bladder
 from .braid import Braid
 from .buckling import BUCKLING_LAWS
@@ -56,16 +56,16 @@ class Muscle(eqx.Module):
 
     def __init__(
         self,
-        length: Any,
-        outer_radius: Any,
-        wall_thickness: Any,
-        braid_angle: Any,
+        length: Values,
+        outer_radius: Values,
+        wall_thickness: Values,
+        braid_angle: Values,
         material: str | AbstractMaterial = LATEX,
         tension: str | AbstractTension = "klute_hannaford",
         buckling: str | AbstractBuckling = "kim2021",
         collapse: str | AbstractCollapse = "kim2021",
         post_collapse: str | AbstractPostCollapse = "derived",
-        transition_rate: Any = 25.0,
+        transition_rate: Values = 25.0,
         tuning: Tuning | None = None,
     ):
         """**Arguments:** those of `from_dimensions`."""
@@ -90,16 +90,16 @@ class Muscle(eqx.Module):
     @classmethod
     def from_dimensions(
         cls,
-        length: Any,
-        outer_radius: Any,
-        wall_thickness: Any,
-        braid_angle: Any,
+        length: Values,
+        outer_radius: Values,
+        wall_thickness: Values,
+        braid_angle: Values,
         material: str | AbstractMaterial = LATEX,
         tension: str | AbstractTension = "klute_hannaford",
         buckling: str | AbstractBuckling = "kim2021",
         collapse: str | AbstractCollapse = "kim2021",
         post_collapse: str | AbstractPostCollapse = "derived",
-        transition_rate: Any = 25.0,
+        transition_rate: Values = 25.0,
         tuning: Tuning | None = None,
     ) -> "Muscle":
         """A muscle from what can be measured on it at rest.
@@ -153,7 +153,7 @@ class Muscle(eqx.Module):
         """Length over diameter at rest, $L_0/(2 r_0)$ [-] [R15]."""
         return self.length / (2 * self.outer_radius)
 
-    def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+    def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force, equation (27).
 
         **Arguments:**
@@ -167,7 +167,7 @@ class Muscle(eqx.Module):
         """
         return _force(self, *self._checked(pressure, strain))
 
-    def response(self, pressure: BatchLike, strain: BatchLike) -> Response:
+    def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
 
         **Arguments:**
@@ -181,7 +181,7 @@ class Muscle(eqx.Module):
         """
         return _response(self, *self._checked(pressure, strain))
 
-    def free_strain(self, pressure: BatchLike) -> Batch:
+    def free_strain(self, pressure: Values) -> Batch:
         """Strain at which the force vanishes.
 
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
@@ -190,7 +190,7 @@ class Muscle(eqx.Module):
         """
         return _free_strain(self, _pressure(pressure))
 
-    def blocked_force(self, pressure: BatchLike) -> Batch:
+    def blocked_force(self, pressure: Values) -> Batch:
         """Force at rest length.
 
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
@@ -199,7 +199,7 @@ class Muscle(eqx.Module):
         """
         return _blocked_force(self, _pressure(pressure))
 
-    def collapse_strain(self, pressure: BatchLike) -> Batch:
+    def collapse_strain(self, pressure: Values) -> Batch:
         """Strain at which the buckled bladder collapses.
 
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
@@ -208,7 +208,7 @@ class Muscle(eqx.Module):
         """
         return _collapse_strain(self, _pressure(pressure))
 
-    def collapse_moment(self, pressure: BatchLike) -> Batch:
+    def collapse_moment(self, pressure: Values) -> Batch:
         """Moment at which the bladder collapses, with the tuning's factors.
 
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
@@ -217,7 +217,7 @@ class Muscle(eqx.Module):
         """
         return _collapse_moment(self, _pressure(pressure))
 
-    def volume(self, strain: BatchLike) -> Batch:
+    def volume(self, strain: Values) -> Batch:
         """Volume of the fluid inside; the bladder's own is taken off [R17].
 
         **Arguments:** `strain`: $\\varepsilon$ [-].
@@ -227,7 +227,7 @@ class Muscle(eqx.Module):
         _, eps = self._checked(0.0, strain)
         return self.braid.volume(eps) - self.bladder.volume
 
-    def radius(self, strain: BatchLike) -> Batch:
+    def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
 
         **Arguments:** `strain`: $\\varepsilon$ [-].
@@ -237,7 +237,7 @@ class Muscle(eqx.Module):
         _, eps = self._checked(0.0, strain)
         return self.braid.radius_at(eps)
 
-    def deflection(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+    def deflection(self, pressure: Values, strain: Values) -> Batch:
         """How far the axis bows out at the middle.
 
         **Arguments:**
@@ -249,7 +249,7 @@ class Muscle(eqx.Module):
         """
         return _deflection(self, *self._checked(pressure, strain))
 
-    def moment(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+    def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
 
         **Arguments:**
@@ -261,7 +261,7 @@ class Muscle(eqx.Module):
         """
         return _moment(self, *self._checked(pressure, strain))
 
-    def shape(self, pressure: BatchLike, strain: BatchLike, points: int = 101) -> Centerline:
+    def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
 
         **Arguments:**
@@ -276,14 +276,14 @@ class Muscle(eqx.Module):
             raise ValueError(f"`points` must be at least 3, got {points}.")
         return _shape(self, *self._checked(pressure, strain), int(points))
 
-    def compile(self) -> Callable[[BatchLike, BatchLike], Batch]:
+    def compile(self) -> Callable[[Values, Values], Batch]:
         """The force alone, with this muscle held constant and nothing checked.
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
         """
         return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
 
-    def _checked(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+    def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
         low = -np.inf
         if concrete(self.braid_angle):
             low = float(np.max(1 - 1 / np.cos(np.asarray(self.braid_angle))))
@@ -346,11 +346,11 @@ def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Cente
     return muscle._law().at(pressure).shape(strain, points)
 
 
-def _pressure(value: BatchLike) -> Batch:
+def _pressure(value: Values) -> Batch:
     return within(value, 0.0, _HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
 
 
-def _contracting(value: Any) -> Batch:
+def _contracting(value: Values) -> Batch:
     try:
         return within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
     except ValueError:

@@ -25,7 +25,7 @@ $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._math import where_positive
+from .._math import guarded
 from .._types import Batch, BoolBatch, IntBatch
 from .collapse import AbstractCollapse, AbstractPostCollapse, hinge_moment
 from .column import AbstractBuckling, Buckled, Centerline, Column
@@ -117,7 +117,7 @@ class Pressurized(eqx.Module):
         pull_mesh, pull_bladder = self.column.tension.components(
             self.column.pressure, jnp.where(pulled, strain, eps_f)
         )
-        past = jnp.where(collapsed, strain - where_positive(collapsed, eps_c), 0.0)
+        past = jnp.where(collapsed, strain - guarded(collapsed, eps_c), 0.0)
         gone = -jnp.expm1(-rate * past)  # nothing has decayed before collapse
         hinged = self.law.post_collapse.force(self.column, self.hinge, _safe(collapsed, strain))
         F_c = jnp.where(collapsed, hinged, 0.0)
@@ -166,4 +166,4 @@ class Pressurized(eqx.Module):
 
 def _safe(collapsed: BoolBatch, strain: Batch) -> Batch:
     """A strain [-] at which the hinged shape exists, also where it isn't asked for."""
-    return where_positive(collapsed, strain, LARGEST_STRAIN)
+    return guarded(collapsed, strain, LARGEST_STRAIN)

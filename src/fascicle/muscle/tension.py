@@ -24,7 +24,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from .._math import root, where_positive
+from .._math import root, guarded
 from .._types import Batch, BatchLike
 from .bladder import Bladder
 
@@ -90,7 +90,7 @@ class Ideal(AbstractTension):
         P, alpha, r0 = jnp.asarray(pressure, dtype=float), bladder.braid.angle, bladder.braid.radius
         _, at_rest = jax.jvp(offset, (jnp.zeros_like(P),), (jnp.ones_like(P),))
         # C1/P is 0/0 without pressure
-        per_pressure = jnp.where(P > 0, offset(P) / where_positive(P > 0, P), at_rest)
+        per_pressure = jnp.where(P > 0, offset(P) / guarded(P > 0, P), at_rest)
         held = 1 / jnp.sin(alpha) ** 2 + per_pressure / (jnp.pi * r0**2)
         return 1 - jnp.tan(alpha) * jnp.sqrt(held / 3)
 

@@ -15,14 +15,12 @@ it; and the transition rate $\beta$ itself.
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
 """
 
-from typing import Any
-
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from .._checks import concrete, finite, positive
-from .._types import Batch, BatchLike
+from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .tension import AbstractTension
 
@@ -44,15 +42,15 @@ class Tuning(eqx.Module):
 
     def __init__(
         self,
-        pressures: Any = (),
-        c1: Any = (),
-        c2: Any = (),
+        pressures: Values = (),
+        c1: Values = (),
+        c2: Values = (),
         *,
-        youngs_modulus_factor: Any = 1.0,
-        collapse_moment_factor: Any = 1.0,
-        hinge_stiffness_factor: Any = 1.0,
-        hinge_stiffness_slope: Any = 0.0,
-        transition_rate: Any = None,
+        youngs_modulus_factor: Values = 1.0,
+        collapse_moment_factor: Values = 1.0,
+        hinge_stiffness_factor: Values = 1.0,
+        hinge_stiffness_slope: Values = 0.0,
+        transition_rate: Values = None,
     ):
         """**Arguments:**
 
@@ -123,7 +121,7 @@ class TunedTension(eqx.Module):
         return self.law.free_strain(self.bladder, pressure, self.tuning.c1_at)
 
 
-def _table(pressures: Any, c1: Any, c2: Any) -> tuple[Batch, Batch, Batch]:
+def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Batch, Batch, Batch]:
     """The table with its row at zero pressure, checked where its values can be seen."""
     P = np.atleast_1d(finite(pressures, "pressures", "Pa")) if np.size(pressures) else np.empty(0)
     rows1, rows2 = jnp.atleast_1d(jnp.asarray(c1, float)), jnp.atleast_1d(jnp.asarray(c2, float))

@@ -1,0 +1,146 @@
+import math
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+
+
+SIZES = {
+    "length": 0.127,
+    "outer_radius": 6.35e-3,
+    "wall_thickness": 1.6e-3,
+    "braid_angle": math.radians(33),
+    "material": "silicone_kim2021",
+}
+FULL = 344.7e3
+muscle = fs.Muscle.from_dimensions(**SIZES)
+thick = fs.Muscle.from_dimensions(**SIZES | {"outer_radius": 9e-3, "wall_thickness": 2.25e-3})
+bent = fs.Muscle.from_dimensions(**SIZES, buckling="elastica")
+unlike = fs.Bundle([fs.MotorUnit(muscle, 2), fs.MotorUnit(bent, 1), fs.MotorUnit(thick, 3)])
+pair = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)])
+
+
+def test_force_is_the_sum_over_its_muscles():
+    P, eps = np.array([300e3, 20e3, 100e3]), np.array([0.0, 0.1, 0.2, 0.35])
+    parts = 2 * muscle.force(P[0], eps) + bent.force(P[1], eps) + 3 * thick.force(P[2], eps)
+    # the same float64 sums, in another order
+    assert_allclose(unlike.force(P, eps), parts, rtol=1e-12)
+    assert_allclose(unlike.unit_forces(P, eps)[..., 2], 3 * thick.force(P[2], eps), rtol=1e-12)
+
+
+def test_without_resistance_no_unit_pushes():
+    P, eps = np.array([300e3, 20e3, 100e3]), np.array([0.1, 0.2])
+    parts = [2 * muscle.force(P[0], eps), bent.force(P[1], eps), 3 * thick.force(P[2], eps)]
+    expected = sum(jnp.maximum(part, 0.0) for part in parts)
+    assert_allclose(unlike.force(P, eps, resistance=False), expected, rtol=1e-12)
+    assert np.all(unlike.force(P, eps) < expected)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+def test_pressures_and_strain_broadcast(shape):
+    P = jnp.broadcast_to(jnp.array([FULL, 50e3]), (*shape, 2))
+    force = pair.force(P, 0.1)
+    assert force.shape == shape and force.dtype == jnp.float64
+    assert_allclose(force, pair.force([FULL, 50e3], 0.1), rtol=1e-14)
+
+
+def test_free_strain_is_the_smallest_zero_and_force_pulls_before_it():
+    P = [FULL, 69e3]
+    zeros = pair.equilibria(P)
+    free = float(pair.free_strain(P))
+    assert_allclose(free, np.nanmin(zeros.strain), atol=1e-12)
+    before = np.linspace(0, free - 1e-6, 5000)
+    assert np.all(np.asarray(pair.force(P, before)) > 0)
+
+
+def test_equilibria_are_zeros_with_the_stability_of_the_slope():
+    P = [FULL, 69e3]
+    zeros = pair.equilibria(P)
+    n = int(zeros.count)
+    strain = np.asarray(zeros.strain)
+    assert n >= 1 and np.all(np.isnan(strain[n:])) and np.all(np.diff(strain[:n]) > 0)
+    # a slope of some 1e3 N turns a root's 1e-14 into 1e-11 N
+    assert_allclose(pair.force(P, strain[:n]), 0, atol=1e-10)
+    falls = pair.force(P, strain[:n] + 1e-7) < pair.force(P, strain[:n] - 1e-7)
+    assert list(np.asarray(zeros.stable)[:n]) == list(np.asarray(falls))
+
+
+def test_equilibria_miss_none_that_a_fine_grid_finds():
+    """Three zeros at once, as the spec says of Table 1's stouter muscle."""
+    tuning = fs.Tuning(
+        youngs_modulus_factor=1.25,
+        collapse_moment_factor=1.1,
+        hinge_stiffness_factor=1.25,
+        hinge_stiffness_slope=0.87e-5,
+        transition_rate=100.0,
+    )
+    stout = fs.Muscle.from_dimensions(**SIZES | {"length": 0.102}, tuning=tuning)
+    bundle = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
+    P = np.array([FULL, 69e3])
+    zeros = bundle.equilibria(P)
+    grid = np.linspace(1e-6, 0.3, 30001)
+    signs = np.asarray(bundle.force(P, grid)) > 0
+    brute = grid[1:][signs[1:] != signs[:-1]]
+    assert_allclose(np.asarray(zeros.strain)[: int(zeros.count)], brute, atol=1e-5)
+    assert_allclose(brute, [0.186, 0.196, 0.230], atol=5e-4)  # model.md, where .1959 is cut to .195
+    assert list(np.asarray(zeros.stable)[:3]) == [True, False, True]
+
+
+def test_equal_pressures_leave_the_muscle_its_own_free_strain():
+    P = [100e3, 100e3]
+    assert_allclose(pair.free_strain(P), muscle.free_strain(100e3), atol=1e-12)
+    assert int(pair.equilibria(P).count) == 1
+    assert_allclose(pair.free_strain([0.0, 0.0]), 0, atol=1e-12)
+
+
+def test_without_resistance_the_strongest_unit_sets_the_free_strain():
+    P = np.array([[FULL, 0.0], [10e3, FULL]])
+    assert_allclose(pair.free_strain(P, resistance=False), muscle.free_strain(FULL), rtol=1e-12)
+    alone = pair.equilibria(P, resistance=False)
+    assert_allclose(alone.strain[:, 0], muscle.free_strain(FULL), rtol=1e-12)
+    assert np.all(alone.count == 1)
+
+
+def test_free_strain_differentiates_implicitly():
+    def free(p2):
+        return pair.free_strain(jnp.array([FULL, 1.0]) * jnp.array([1.0, p2]))
+
+    slope = jax.grad(free)(40e3)
+    step = 1.0  # Pa: central differences lose half the digits of a 1e-13 root
+    numeric = (free(40e3 + step) - free(40e3 - step)) / (2 * step)
+    assert_allclose(slope, numeric, rtol=1e-4)
+    by_muscle = eqx.filter_grad(lambda b: b.free_strain(jnp.array([FULL, 40e3])))(pair)
+    leaves = jax.tree.leaves(eqx.filter(by_muscle, eqx.is_inexact_array))
+    assert leaves and all(np.all(np.isfinite(leaf)) for leaf in leaves)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: fs.Bundle([]), "`motor_units` must hold at least one motor unit"),
+        (lambda: fs.MotorUnit(muscle, 0), "`count` must be a whole number of at least 1, got 0"),
+        (lambda: fs.MotorUnit(muscle, 1.5), "`count` must be a whole number"),
+        (lambda: fs.Bundle([fs.MotorUnit(muscle)], scheme="ordrly"), "did you mean 'orderly'"),
+        (lambda: fs.Bundle([fs.MotorUnit(muscle)], -1.0), r"`supply_pressure` must lie in"),
+        (lambda: pair.force([1e5], 0.1), "one pressure for each of the 2 motor units"),
+        (lambda: pair.force(1e5, 0.1), "got a single pressure"),
+        (lambda: pair.force([1e5, -1.0], 0.1), "`pressures` must lie in"),
+        (lambda: pair.force([1e5, 1e5], 0.7), "`strain` must lie in"),
+        (lambda: pair.free_strain([1e5, math.nan]), "`pressures` must lie in"),
+    ],
+)
+def test_refuses_what_can_not_be(build, message):
+    with pytest.raises(ValueError, match=message) as error:
+        build()
+    assert "\n" not in str(error.value)
+
+
+def test_refuses_muscles_of_unlike_length():
+    long = fs.Muscle.from_dimensions(**SIZES | {"length": 0.2})
+    with pytest.raises(ValueError, match="muscles of one length"):
+        fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(long)])

@@ -1,0 +1,89 @@
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.bundle.recruitment import distinct, overlap, pressures_of, space
+
+
+SUPPLY = 413.7e3
+muscle = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
+two = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
+three = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle), fs.MotorUnit(muscle, 2)], SUPPLY)
+
+
+def test_orderly_recruitment_fills_one_unit_after_another():
+    assert pressures_of(2, 1e5, SUPPLY, 3).tolist() == [SUPPLY, 1e5, 0.0]
+    assert pressures_of(1, [0.0, 1e5], SUPPLY, 2).tolist() == [[0.0, 0.0], [1e5, 0.0]]
+
+
+def test_batch_recruitment_gives_all_active_units_one_pressure():
+    assert pressures_of(2, 1e5, SUPPLY, 3, "batch").tolist() == [1e5, 1e5, 0.0]
+
+
+@pytest.mark.parametrize("scheme", ["orderly", "batch"])
+def test_curves_are_the_bundle_at_the_state_s_pressures(scheme):
+    strain = np.linspace(0, 0.25, 6)
+    found = space(three, levels=4, strain=strain, scheme=scheme)
+    for state in (1, 2, 3):
+        P = pressures_of(state, found.level, SUPPLY, 3, scheme)
+        expected = three.force(P[:, None, :], strain)
+        assert_allclose(found.force[state - 1], expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_region_holds_its_curves_and_has_an_outline():
+    found = space(two)
+    assert np.all(found.low[:, None] <= found.force) and np.all(found.force <= found.high[:, None])
+    strain, force = found.outline(1)
+    assert strain.shape == force.shape and np.all(force >= 0)
+    assert_allclose(force.max(), two.force([SUPPLY, 0.0], 0.0))
+
+
+def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_strain():
+    """Section 4.1's claim on Fig. 9."""
+    with_resistance = overlap(space(two))
+    without = overlap(space(two, resistance=False))
+    assert with_resistance.states == ((1, 2),)
+    assert with_resistance.area[0] > 0 and without.area[0] == 0
+    widest = with_resistance.strain[np.argmax(with_resistance.width[0])]
+    assert widest > 0.6 * with_resistance.strain[-1]
+
+
+def test_points_of_the_overlap_are_reached_by_both_states():
+    found = overlap(space(two))
+    j = int(np.argmax(found.width[0]))
+    middle = 0.5 * (found.low[0, j] + found.high[0, j])
+    levels = np.linspace(0, SUPPLY, 400)
+    for state in (1, 2):
+        reach = np.asarray(two.force(pressures_of(state, levels, SUPPLY, 2), found.strain[j]))
+        assert reach.min() < middle < reach.max()
+
+
+def test_area_is_the_outline_s():
+    found = overlap(space(two))
+    strain, force = found.outline(0)
+    shoelace = 0.5 * abs(np.sum(strain * np.roll(force, -1) - np.roll(strain, -1) * force))
+    # the trapezoids at the tips, where the overlap begins, are counted half more
+    assert_allclose(found.area[0], shoelace, rtol=0.01)
+
+
+def test_equal_units_are_found_to_be_equal():
+    few, places = distinct(three)
+    assert len(few.motor_units) == 2 and places.tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: pressures_of(3, 1e5, SUPPLY, 2), r"`state` must lie in \[1, 2\], got 3"),
+        (lambda: pressures_of(1, 1e5, SUPPLY, 2, "bach"), "did you mean 'batch'"),
+        (lambda: space(fs.Bundle(two.motor_units)), "`supply_pressure` must be given"),
+        (lambda: space(two, levels=[0.0, 5e5]), "`levels` must lie in"),
+        (lambda: space(two, supply_pressure=0.0), "`supply_pressure` must lie in"),
+    ],
+)
+def test_refuses_what_can_not_be(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -1,0 +1,63 @@
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.bundle.reversal import free_strain_curve, onset_pressure, reversal
+
+
+SUPPLY = 344.7e3
+muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+even = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
+uneven = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)], SUPPLY)
+
+
+def test_curve_holds_earlier_units_at_supply():
+    P = np.array([0.0, 50e3, 129e3])
+    expected = even.free_strain(np.stack([np.full(3, SUPPLY), P], axis=-1))
+    assert_allclose(free_strain_curve(even, 2, P), expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("bundle", [even, uneven])
+def test_reversal_is_the_lowest_point_of_the_curve(bundle):
+    found = reversal(bundle)
+    brute = free_strain_curve(bundle, 2, np.linspace(0, SUPPLY, 3001))
+    assert found.depth > 0
+    # the grid can miss the turn by a cell: its lowest is no lower, and near
+    assert brute.min() - 2e-4 < found.free_strain <= brute.min() + 1e-12
+    assert_allclose(found.initial - found.free_strain, found.depth)
+
+
+def test_the_turn_of_one_against_four_is_a_jump():
+    found = reversal(uneven)
+    assert found.jump
+    # with rising pressure the force's dip touches zero at .198 before its zero at .207
+    before = free_strain_curve(uneven, 2, np.array([found.pressure - 1.0]))[0]
+    assert before > found.free_strain + 5e-3
+
+
+def test_reversal_only_with_resistance():
+    found = reversal(even, resistance=False)
+    assert found.depth == 0 and found.pressure == 0 and not found.jump
+
+
+def test_onset_is_where_the_unit_begins_to_help():
+    eps = 0.15
+    onset = onset_pressure(even, eps)
+    idle = muscle.force(0.0, eps)
+    # 10 Pa to either side; the force changes by some 1e-4 N/Pa there
+    assert muscle.force(onset - 10.0, eps) < idle < muscle.force(onset + 10.0, eps)
+
+
+def test_onset_at_rest_is_no_pressure_at_all_and_beyond_reach_none():
+    assert onset_pressure(even, 0.0) == 0.0
+    assert onset_pressure(even, 0.25, supply_pressure=100e3) == math.inf
+
+
+def test_refuses_a_unit_that_does_not_exist():
+    with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
+        onset_pressure(even, 0.1, unit=3)
+    with pytest.raises(ValueError, match="`state` must lie in"):
+        reversal(even, unit=3)

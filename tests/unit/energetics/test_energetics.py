@@ -1,0 +1,118 @@
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+import fascicle as fs
+from fascicle import energetics
+
+
+SUPPLY = 413.7e3
+wide = 9e-3 * math.sqrt(2)
+semu = fs.Muscle.from_dimensions(
+    0.127,
+    wide,
+    0.25 * wide,
+    math.radians(33),
+    fs.MooneyRivlin(c10=118.4e3, c01=105.7e3, youngs_modulus=1.78e6),
+)
+two = energetics.constant_cross_section(semu, 2, SUPPLY)
+thin = two.motor_units[0].muscle
+
+
+@pytest.mark.parametrize("resistance", [True, False])
+@pytest.mark.parametrize("strain", [0.05, 0.2, 0.35, -0.05])
+def test_work_is_the_area_under_the_force(strain, resistance):
+    P = [SUPPLY, 20e3]
+    kinks = [float(thin.free_strain(p)) for p in P] + [float(thin.collapse_strain(20e3))]
+    points = [k for k in kinks if 0 < k < strain] or None
+
+    def force(eps):
+        return float(two.force(P, eps, resistance))
+
+    area = quad(force, 0, strain, points=points, epsabs=1e-8)[0]
+    # quad's own tolerance on some 10 J/m of area
+    assert_allclose(energetics.work(two, P, strain, resistance), 0.127 * area, atol=1e-8)
+
+
+def test_fluid_energy_counts_active_units_at_supply_pressure():
+    swept = float(thin.volume(0.2) - thin.volume(0.0))
+    assert_allclose(energetics.fluid_energy(two, 0.2, SUPPLY, [1, 0]), SUPPLY * swept)
+    assert_allclose(energetics.fluid_energy(two, 0.2, SUPPLY, [1, 1]), 2 * SUPPLY * swept)
+
+
+def test_ideal_muscle_turns_all_fluid_energy_into_work():
+    """Without a bladder W = P ΔV: an isobaric contraction at supply pressure loses nothing."""
+    ideal = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(33), tension="ideal")
+    bundle = fs.Bundle([fs.MotorUnit(ideal)], SUPPLY)
+    force = float(bundle.force([SUPPLY], 0.1))
+    found = energetics.efficiency_map(bundle, path="isobaric", force=force, strain=0.1)
+    # the force is a level's own, so nothing is interpolated
+    assert_allclose(found.efficiency, 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("path", ["isobaric", "isotonic"])
+def test_efficiency_at_a_point_is_work_over_energy(path):
+    strain, pressure = 0.1, 200e3
+    force = float(two.force([pressure, 0.0], strain))
+    found = energetics.efficiency_map(two, path=path, force=force, strain=strain)
+    work = energetics.work(two, [pressure, 0.0], strain) if path == "isobaric" else None
+    work = force * strain * 0.127 if work is None else float(work)
+    expected = work / float(energetics.fluid_energy(two, strain, SUPPLY, [1, 0]))
+    # between levels force and work are linear while unit 1 pulls: only rounding remains
+    assert_allclose(found.efficiency, expected, rtol=1e-9)
+    assert found.state == 1
+
+
+def test_unreached_points_have_no_efficiency_and_no_state():
+    found = energetics.efficiency_map(two, force=[1e5], strain=[0.1])
+    assert np.isnan(found.efficiency) and found.state == 0
+
+
+def test_second_state_costs_more_than_the_first():
+    low = float(two.force([0.3 * SUPPLY, 0.0], 0.05))
+    high = float(two.force([SUPPLY, 0.5 * SUPPLY], 0.05))
+    found = energetics.efficiency_map(two, path="isotonic", force=[low, high], strain=[0.05])
+    assert found.state[:, 0].tolist() == [1, 2]
+
+
+def test_resistance_costs_efficiency_but_little():
+    for path in energetics.PATHS:
+        resisted = energetics.average_efficiency(two, path=path)
+        free = energetics.average_efficiency(two, path=path, resistance=False)
+        assert 0.98 * free < resisted < free  # the paper: negligible; model.md: under 2 %
+
+
+def test_batch_recruitment_throttles_both_units():
+    """At a force just above one unit's reach, both are throttled: half the isobaric work."""
+    strain, pressure = 0.05, 0.6 * SUPPLY
+    force = float(two.force([pressure, pressure], strain))
+    found = energetics.efficiency_map(two, force=force, strain=strain, scheme="batch")
+    energy = energetics.fluid_energy(two, strain, SUPPLY, [1, 1])
+    expected = energetics.work(two, [pressure, pressure], strain) / energy
+    assert_allclose(found.efficiency, expected, rtol=1e-9)
+    assert found.state == 2
+
+
+def test_constant_cross_section_keeps_section_and_shape():
+    five = energetics.constant_cross_section(semu, 5).motor_units
+    areas = [float(unit.muscle.bladder.area) for unit in five]
+    assert_allclose(sum(areas), float(semu.bladder.area), rtol=1e-12)
+    ratio = five[0].muscle.wall_thickness / five[0].muscle.outer_radius
+    assert_allclose(ratio, 0.25, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: energetics.average_efficiency(two, path="isobar"), "did you mean 'isobaric'"),
+        (lambda: energetics.average_efficiency(two, scheme="x"), "`scheme` 'x' is unknown"),
+        (lambda: energetics.efficiency_map(two, strain=[0.0]), "`strain` must be positive"),
+        (lambda: energetics.constant_cross_section(semu, 0), "`units` must be at least 1"),
+    ],
+)
+def test_refuses_what_can_not_be(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
