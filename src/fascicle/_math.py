@@ -59,12 +59,12 @@ def root(
             n, x, a, b, last, done = state
             value, slope = jax.jvp(f, (x,), (jnp.ones_like(x),))
             a, b = jnp.where(value > 0, x, a), jnp.where(value > 0, b, x)
-            newton = x - value / jnp.where(slope == 0, jnp.inf, slope)
+            newton = x - value / slope  # no number where the residual is flat: bisect
             inside = (a <= newton) & (newton <= b) & (jnp.abs(newton - x) < 0.5 * last)
             new = jnp.where(inside, newton, 0.5 * (a + b))
             new = jnp.where(done | (value == 0), x, new)
             moved = jnp.abs(new - x)
-            tiny = 4 * jnp.finfo(x.dtype).eps * (jnp.abs(x) + 1e-3)
+            tiny = 4 * jnp.finfo(x.dtype).eps * (jnp.abs(x) + 1)
             return n + 1, new, a, b, moved, done | (moved <= tiny)
 
         wide = 4 * (b - a) + 1
@@ -72,7 +72,8 @@ def root(
         return lax.while_loop(keep_going, step, (0, x0, a, b, wide, done))[1]
 
     def tangent_solve(linear: Callable[[Batch], Batch], y: Batch) -> Batch:
-        return y / linear(jnp.ones_like(y))
+        slope = linear(jnp.ones_like(y))
+        return y / jnp.where(slope == 0, jnp.inf, slope)  # a flat residual moves no root
 
     shape = jnp.broadcast_shapes(low.shape, high.shape, jax.eval_shape(residual, start).shape)
     x0 = jnp.broadcast_to(start, shape)

@@ -110,7 +110,7 @@ def _straightening(column: Column, xi: Batch) -> Batch:
         w = 1 - u
         return jnp.sqrt(1 - w * xi / (2 - xi)) / (1 - w * xi)
 
-    u = root(lambda u: b - u * (b + h(u)), 0.0, 1.0, start=b / (b + 1))
+    u = root(lambda u: b / (b + h(u)) - u, 0.0, 1.0, start=b / (b + 1))
     return b_per_xi / (b + h(u))
 
 

@@ -39,6 +39,7 @@ from .column import AbstractBuckling, Buckled, Centerline, Column
 
 _ENDS_MEET = 0.8261147659879693  # 2E = K: the elastica's ends touch
 _FARTHEST = 0.6  # strain, the end of the model's domain
+_BRANCH = 16  # points that look for the first of several bent states
 _SCAN = 64  # points that look for the first onset, and for other equilibria
 
 
@@ -187,7 +188,19 @@ def _state(column: Column, onset: Batch, strain: Batch) -> tuple[BoolBatch, Batc
     eps = jnp.where(bent, strain, 0.5 * (eps_f + _FARTHEST))
     # on the branch from the first onset the arc lies between free strain and onset
     least = _modulus((1 - eps) / (1 - jnp.where(bent, onset, eps)))
-    most = _modulus((1 - eps) / (1 - eps_f))
-    m = root(lambda m: -_surplus(column, eps, m), least, most, start=0.5 * (least + most))
+    most = jnp.where(bent, _modulus((1 - eps) / (1 - eps_f)), least)
+
+    def place(i: BatchLike) -> Batch:
+        return least + (most - least) * (i / _BRANCH)
+
+    def look(i: IntBatch, first: IntBatch) -> IntBatch:
+        over = _surplus(column, eps, place(i)) >= 0
+        return jnp.where(over & (first == 0), i, first)
+
+    # a folded branch reaches this strain more than once: the first of them is followed
+    first = lax.fori_loop(1, _BRANCH, look, jnp.zeros(jnp.shape(most), int))
+    first = jnp.where(first == 0, _BRANCH, first)
+    low, high = place(first - 1), place(first)
+    m = root(lambda m: -_surplus(column, eps, m), low, high, start=0.5 * (low + high))
     arc = 1 - (1 - eps) / _chord(elliptic(m))
     return bent, jnp.where(bent, m, 0.0), jnp.where(bent, arc, strain)
