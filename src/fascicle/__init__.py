@@ -7,42 +7,54 @@ and collapse need; set `JAX_ENABLE_X64=0` to forgo it, and be warned once.
 
 import importlib
 import os
+import sys
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax
 
-
-if os.environ.get("JAX_ENABLE_X64", "1").lower() in {"0", "false"}:
+if os.environ.setdefault("JAX_ENABLE_X64", "1").lower() in {"0", "false"}:
     warnings.warn(
         "fascicle runs in float32 since JAX_ENABLE_X64 is off: roots lose their precision.",
         stacklevel=2,
     )
-else:
-    jax.config.update("jax_enable_x64", True)
-
-# after the switch: constants of the materials are arrays already
-from . import energetics as energetics
-from .bundle import Bundle as Bundle
-from .bundle import MotorUnit as MotorUnit
-from .bundle import recruitment as recruitment
-from .bundle import reversal as reversal
-from .muscle import Muscle as Muscle
-from .muscle import Tuning as Tuning
-from .muscle import materials as materials
-from .muscle.materials import MooneyRivlin as MooneyRivlin
-
+elif "jax" in sys.modules:
+    # JAX has read the environment already
+    sys.modules["jax"].config.update("jax_enable_x64", True)
 
 if TYPE_CHECKING:
+    from . import energetics as energetics
+    from .bundle import Bundle as Bundle
+    from .bundle import MotorUnit as MotorUnit
+    from .bundle import recruitment as recruitment
+    from .bundle import reversal as reversal
     from .describe import example as example
     from .describe import examples as examples
     from .describe import load as load
     from .describe import save as save
+    from .muscle import MooneyRivlin as MooneyRivlin
+    from .muscle import Muscle as Muscle
+    from .muscle import Tuning as Tuning
+    from .muscle import materials as materials
 
 __version__ = "0.1.0"
 
-# pint, pydantic and the rest load only where files are asked for
-_LAZY = {"load": "describe", "save": "describe", "example": "describe", "examples": "describe"}
+# each name loads what it needs when it is first used: the command line's help needs no JAX,
+# laws need no pint
+_HOMES = {
+    "Bundle": "bundle",
+    "MooneyRivlin": "muscle",
+    "MotorUnit": "bundle",
+    "Muscle": "muscle",
+    "Tuning": "muscle",
+    "energetics": "",
+    "example": "describe",
+    "examples": "describe",
+    "load": "describe",
+    "materials": "muscle",
+    "recruitment": "bundle",
+    "reversal": "bundle",
+    "save": "describe",
+}
 
 __all__ = [
     "Bundle",
@@ -62,10 +74,15 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(importlib.import_module(f".{_LAZY[name]}", __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = _HOMES[name]
+    if not home:
+        return importlib.import_module(f".{name}", __name__)
+    value = getattr(importlib.import_module(f".{home}", __name__), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LAZY})
+    return sorted({*globals(), *_HOMES})

@@ -38,9 +38,10 @@ def within(
     below = (x <= high) if closed[1] else (x < high)
     good = above & below
     if not np.all(good):
-        interval = f"{'[' if closed[0] else '('}{low:g}, {high:g}{']' if closed[1] else ')'}"
-        rule = " ".join(part for part in (f"{interval} {unit}", why) if part)
-        raise ValueError(f"`{name}` must lie in {rule}, got {x[~good].flat[0]:g} {unit}.")
+        ends = f"{_number(low)}, {_number(high)}"
+        interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
+        rule = " ".join(part for part in (interval, _shown(unit), why) if part)
+        raise ValueError(f"`{name}` must lie in {rule}, got {_amount(x[~good].flat[0], unit)}.")
     return jnp.asarray(x)
 
 
@@ -51,7 +52,9 @@ def positive(value: Values, name: str, unit: str) -> Batch:
     x = _numeric(value, name, unit)
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
-        raise ValueError(f"`{name}` must be positive and finite, got {x[~good].flat[0]:g} {unit}.")
+        raise ValueError(
+            f"`{name}` must be positive and finite, got {_amount(x[~good].flat[0], unit)}."
+        )
     return jnp.asarray(x)
 
 
@@ -75,6 +78,18 @@ def concrete(*values: Values) -> bool:
     return not any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(values))
 
 
+def _shown(unit: str) -> str:
+    return "" if unit == "-" else unit
+
+
+def _number(value: float) -> str:
+    return f"{value:g}".replace("e+0", "e")
+
+
+def _amount(value: float, unit: str) -> str:
+    return " ".join(part for part in (_number(value), _shown(unit)) if part)
+
+
 def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
     try:
         x = np.asarray(value)
@@ -82,5 +97,5 @@ def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
             raise TypeError
         return x.astype(float)
     except (TypeError, ValueError):
-        what = "dimensionless numbers" if unit in ("", "-") else f"numbers in {unit}"
+        what = f"numbers in {unit}" if _shown(unit) else "dimensionless numbers"
         raise ValueError(f"`{name}` takes {what}, got {value!r}.") from None

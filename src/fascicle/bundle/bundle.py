@@ -23,10 +23,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Bool, Float, Int
 
 from .._checks import concrete, one_of, within
-from .._types import Batch, BoolBatch, IntBatch, PerUnit, Values
+from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .zeros import crossings, first_zero
@@ -58,9 +58,9 @@ class Equilibria(eqx.Module):
     are fewer. `stable`: the force falls with strain there. `count`: how many there are.
     """
 
-    strain: Batch
-    stable: BoolBatch
-    count: IntBatch
+    strain: Float[Array, "*#points zero"]
+    stable: Bool[Array, "*#points zero"]
+    count: Int[Array, "*#points"]
 
 
 class Bundle(eqx.Module):

@@ -178,9 +178,18 @@ def state_forces(
     resistance: bool,
     scheme: str,
 ) -> Float[np.ndarray, "state level strain"]:
-    """Force [N] of every state at throttled `levels` [Pa] and `strain` [-].
+    """Force of every state; one table of each unit's force serves all of them.
 
-    One table of each unit's force serves all states, which only add it up.
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: the supply's [Pa].
+    - `levels`: throttled pressures [Pa].
+    - `strain`: contractions [-].
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** forces [N], with state, level and strain axes.
     """
     few, places = distinct(bundle)
     pressures = np.r_[levels, 0.0, supply_pressure][:, None, None] * np.ones(len(few.motor_units))
@@ -190,7 +199,12 @@ def state_forces(
 
 
 def distinct(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
-    """The bundle's unlike units alone, and which of them each of its units is."""
+    """The unlike units of a bundle, so that equal ones needn't be evaluated twice.
+
+    **Arguments:** `bundle`: the bundle [-].
+
+    **Returns:** a bundle of its unlike units alone, and which of them each unit is [-].
+    """
     different: list[MotorUnit] = []
     places = []
     for unit in bundle.motor_units:
@@ -208,7 +222,17 @@ def add_up(
     full: Float[np.ndarray, "*points unit"],
     scheme: str,
 ) -> Float[np.ndarray, "state level *points"]:
-    """Sum over units in every state, from each unit's values throttled, off and full."""
+    """Sum over units in every state of what each gives throttled, off and at full supply.
+
+    **Arguments:**
+
+    - `throttled`: each unit's force [N] or work [J] at every throttled level, units last.
+    - `off`: its force [N] or work [J] at no pressure.
+    - `full`: its force [N] or work [J] at supply pressure.
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** sums, [N] or [J], states on a new first axis.
+    """
     states = []
     for k in range(throttled.shape[-1]):
         if scheme == "orderly":
@@ -220,7 +244,17 @@ def add_up(
 
 
 def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
-    """The supply pressure [Pa] given, else the bundle's own; `ValueError` if neither is."""
+    """The supply pressure that holds: the one given, else the bundle's own.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: the one given [Pa], or None.
+
+    **Returns:** supply pressure [Pa].
+
+    **Raises:** `ValueError` where there is neither.
+    """
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
         raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")

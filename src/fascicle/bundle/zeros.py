@@ -52,7 +52,9 @@ def crossings(
     strain = root(lambda eps: sign * force(eps), low, high, start=0.5 * (low + high))
     # equal units vanish together, at the one strain there is
     single = jnp.arange(most) == 0
-    strain = jnp.where(wide, jnp.where(real, strain, jnp.nan), jnp.where(single, jnp.min(kinks[0]), jnp.nan))
+    strain = jnp.where(
+        wide, jnp.where(real, strain, jnp.nan), jnp.where(single, jnp.min(kinks[0]), jnp.nan)
+    )
     count = jnp.where(wide, jnp.sum(changes), 1)
     return strain, jnp.where(wide, real & falling, single), count
 

@@ -32,7 +32,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 from jax import lax
 
-from .._math import Elliptic, elliptic, jacobi, root, guarded
+from .._math import Elliptic, elliptic, guarded, jacobi, root
 from .._types import Batch, BatchLike, BoolBatch, IntBatch
 from .column import AbstractBuckling, Buckled, Centerline, Column
 

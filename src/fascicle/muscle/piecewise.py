@@ -68,7 +68,7 @@ class Piecewise(eqx.Module):
 
     @property
     def rate(self) -> Batch:
-        """$\beta$ [-]: the tuning's where it has one."""
+        r"""$\beta$ [-]: the tuning's where it has one."""
         tuned = self.tension.tuning.transition_rate
         return self.transition_rate if tuned is None else tuned
 

@@ -24,7 +24,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from .._math import root, guarded
+from .._math import guarded, root
 from .._types import Batch, BatchLike
 from .bladder import Bladder
 

@@ -123,25 +123,26 @@ class TunedTension(eqx.Module):
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Batch, Batch, Batch]:
     """The table with its row at zero pressure, checked where its values can be seen."""
-    P = np.atleast_1d(finite(pressures, "pressures", "Pa")) if np.size(pressures) else np.empty(0)
-    rows1, rows2 = jnp.atleast_1d(jnp.asarray(c1, float)), jnp.atleast_1d(jnp.asarray(c2, float))
+    P, rows1, rows2 = (jnp.atleast_1d(jnp.asarray(x, dtype=float)) for x in (pressures, c1, c2))
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
         raise ValueError(
             "`pressures`, `c1` and `c2` must be lists of equal length,"
             f" got {P.size}, {rows1.size} and {rows2.size} entries."
         )
-    if P.size and (P[0] < 0 or np.any(np.diff(P) <= 0)):
+    seen = P.size and concrete(pressures)
+    if seen and (finite(P, "pressures", "Pa")[0] < 0 or np.any(np.diff(P) <= 0)):
         raise ValueError(f"`pressures` must rise from 0 Pa or above, got {P.tolist()} Pa.")
-    if concrete(c1, c2) and P.size:
+    if P.size and concrete(c1, c2):
         finite(c1, "c1", "N")
         positive(c2, "c2", "-")
-        if P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
+        if seen and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
             raise ValueError(
                 "`c1` and `c2` must be 0 N and 1 at zero pressure,"
                 f" got {rows1[0]:g} N and {rows2[0]:g}."
             )
-    if P.size and P[0] == 0:
-        return jnp.asarray(P), rows1, rows2
+    if seen and P[0] == 0:
+        return P, rows1, rows2
+    # harmless where a traced table begins at zero already: its own row holds there
     zero, one = jnp.zeros(1), jnp.ones(1)
     return (
         jnp.concatenate([zero, P]),
