@@ -1,0 +1,6 @@
+"""`python -m fascicle` is the command `fascicle`."""
+
+from .cli import main
+
+
+main()

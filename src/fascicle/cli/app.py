@@ -1,0 +1,108 @@
+"""The `fascicle` command: its subcommands, and how it ends.
+
+A user's mistake is one line on standard error and exit code 2. Nothing heavy is imported
+here: each command imports the laws when it runs, so `--help` and the shell's completion
+answer at once.
+"""
+
+import contextlib
+import io
+import os
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from .bundle import run as bundle
+from .efficiency import run as efficiency
+from .force import run as force
+from .free_strain import run as free_strain
+from .init import run as init
+from .muscles import run as muscles
+from .problems import UserError
+from .reproduce import run as reproduce
+from .space import run as space
+
+
+app = typer.Typer(
+    name="fascicle",
+    help="Fluidic artificial muscles and their bundles, from the braid angle to the force.",
+    rich_markup_mode=None,  # plain help: rich would take longer to import than all the rest
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command("force")(force)
+app.command("free-strain")(free_strain)
+app.command("bundle")(bundle)
+app.command("space")(space)
+app.command("efficiency")(efficiency)
+app.command("reproduce")(reproduce)
+app.command("muscles")(muscles)
+app.command("init")(init)
+
+
+def _version(wanted: bool) -> bool:
+    if wanted:
+        from fascicle import __version__
+
+        typer.echo(f"fascicle {__version__}")
+        raise typer.Exit
+    return wanted
+
+
+@app.callback()
+def _app(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run one command and exit: 0 if it did, 1 if a claim failed, 2 for a user's mistake.
+
+    **Arguments:** `arguments`: those of the command line [-]; left out, the process's own.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
+    code, message = _run(given)
+    if message:
+        with contextlib.suppress(OSError):
+            sys.stderr.write(f"error: {' '.join(message.split())}\n")
+    sys.exit(code)
+
+
+def _run(arguments: list[str]) -> tuple[int, str]:
+    """Exit code of a command [-], and what to say."""
+    code, message = 0, ""
+    try:
+        result = app(arguments, prog_name="fascicle", standalone_mode=False)
+        sys.stdout.flush()
+        code = result if isinstance(result, int) else 0
+    except UserError as error:
+        code, message = 2, str(error)
+    except (KeyboardInterrupt, typer.Abort):
+        code = 130
+    except OSError as error:  # of standard output itself
+        _drop_output()
+        if not isinstance(error, BrokenPipeError):  # `| head` has seen enough, and is no mistake
+            code, message = 2, f"standard output: can't be written: {error.strerror or error}."
+        else:
+            code = 1
+    except Exception as error:
+        # typer's own, whose class has moved between its versions: a wrong option, a missing one
+        wrong_usage = getattr(error, "format_message", None)
+        if wrong_usage is None:
+            raise
+        code, message = 2, f"{wrong_usage()} Try 'fascicle --help'."
+    return code, message
+
+
+def _drop_output() -> None:
+    """Let the interpreter's own last flush go nowhere."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,259 @@
+"""What commands compute: results as labelled variables, each with its unit and meaning.
+
+Points are evaluated in blocks of a few sizes, filled up with repeats, so that a function
+compiled for one command line and kept on disk serves the next one too.
+"""
+
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import numpy as np
+
+from ..bundle import Bundle, recruitment
+from ..describe.results import Variable
+from ..energetics.efficiency import efficiency_map
+from ..muscle import Muscle
+
+
+_BLOCK = 64  # points of the smallest block; each larger one holds four times as many
+
+
+def muscle_force(
+    muscle: Muscle, pressures: list[float], strains: list[float]
+) -> dict[str, Variable]:
+    """A muscle's force and what makes it up.
+
+    **Arguments:**
+
+    - `muscle`: whose [-].
+    - `pressures`: a list [Pa].
+    - `strains`: a list [-].
+
+    **Returns:** variables by name [-], in the order of the JSON.
+    """
+    P, eps = np.asarray(pressures), np.asarray(strains)
+    points = (np.repeat(P, eps.size), np.tile(eps, P.size))
+    response = evaluate(muscle.response, *points)
+    grid = {
+        name: getattr(response, name).reshape(P.size, eps.size)
+        for name in ("force", "mesh", "bladder", "bending", "region")
+    }
+    regions = "0 tension, 1 post-buckling, 2 post-collapse, 3 straight compression"
+    dims = ("pressure", "strain")
+    return {
+        "pressure": Variable(("pressure",), P, "Pa", "gauge pressure"),
+        "strain": Variable(("strain",), eps, "-", "contraction over length at rest"),
+        "force": Variable(dims, grid["force"], "N", "pulling force, equation (27)"),
+        "mesh": Variable(dims, grid["mesh"], "N", "the braid's part of the force"),
+        "bladder": Variable(dims, grid["bladder"], "N", "the stretched bladder's part"),
+        "bending": Variable(dims, grid["bending"], "N", "the rest, from the bent bladder"),
+        "region": Variable(dims, grid["region"], "-", regions),
+        "free_strain": _by_pressure(muscle.free_strain, P, "-", "strain of zero force"),
+        "collapse_strain": _by_pressure(
+            muscle.collapse_strain, P, "-", "strain of collapse, inf where it never does"
+        ),
+    }
+
+
+def muscle_free_strain(muscle: Muscle, pressures: list[float]) -> dict[str, Variable]:
+    """A muscle's free strain, blocked force and collapse.
+
+    **Arguments:**
+
+    - `muscle`: whose [-].
+    - `pressures`: a list [Pa].
+
+    **Returns:** variables by name [-].
+    """
+    P = np.asarray(pressures)
+    return {
+        "pressure": Variable(("pressure",), P, "Pa", "gauge pressure"),
+        "free_strain": _by_pressure(muscle.free_strain, P, "-", "strain of zero force"),
+        "blocked_force": _by_pressure(muscle.blocked_force, P, "N", "force at rest length"),
+        "collapse_strain": _by_pressure(
+            muscle.collapse_strain, P, "-", "strain of collapse, inf where it never does"
+        ),
+        "collapse_moment": _by_pressure(
+            muscle.collapse_moment, P, "N m", "bending moment at which the bladder collapses"
+        ),
+    }
+
+
+def bundle_force(
+    bundle: Bundle, states: list[list[float]], strains: list[float], resistance: bool
+) -> dict[str, Variable]:
+    """A bundle's force, and that of its motor units.
+
+    **Arguments:**
+
+    - `bundle`: whose [-].
+    - `states`: pressures [Pa], one for each motor unit in each state.
+    - `strains`: a list [-].
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** variables by name [-].
+    """
+    P, eps = np.asarray(states), np.asarray(strains)
+    forces = evaluate(
+        lambda pressures, strain: bundle.unit_forces(pressures, strain, resistance),
+        np.repeat(P, eps.size, axis=0),
+        np.tile(eps, len(P)),
+    ).reshape(len(P), eps.size, P.shape[1])
+    dims = ("state", "strain")
+    return {
+        "strain": Variable(("strain",), eps, "-", "contraction over length at rest"),
+        "force": Variable(dims, forces.sum(axis=-1), "N", "pulling force of the bundle"),
+        "unit_force": Variable((*dims, "motor_unit"), forces, "N", "of each motor unit"),
+    }
+
+
+def bundle_equilibria(
+    bundle: Bundle, states: list[list[float]], resistance: bool
+) -> dict[str, Variable]:
+    """A bundle's free strain, and all strains of zero force with their stability.
+
+    **Arguments:**
+
+    - `bundle`: whose [-].
+    - `states`: pressures [Pa], one for each motor unit in each state.
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** variables by name [-]; `equilibria` is NaN where there are fewer.
+    """
+    P = np.asarray(states)
+    found = evaluate(lambda pressures: bundle.equilibria(pressures, resistance), P)
+    most = max(int(found.count.max()), 1)
+    dims = ("state", "equilibrium")
+    return {
+        # the first zero of the force is the free strain, by definition
+        "free_strain": Variable(
+            ("state",), found.strain[:, 0], "-", "smallest strain of zero force"
+        ),
+        "pressures": Variable(("state", "motor_unit"), P, "Pa", "of each motor unit"),
+        "equilibria": Variable(dims, found.strain[:, :most], "-", "strains of zero force"),
+        "stable": Variable(
+            dims, found.stable[:, :most], "-", "whether the force falls with strain there"
+        ),
+    }
+
+
+def bundle_space(
+    bundle: Bundle,
+    supply_pressure: float | None,
+    levels: list[float] | None,
+    strains: list[float] | None,
+    resistance: bool,
+    scheme: str | None,
+) -> tuple[dict[str, Variable], Any]:
+    """A bundle's recruitment states and their overlap.
+
+    **Arguments:**
+
+    - `bundle`: whose [-].
+    - `supply_pressure`: [Pa]; `None` for the bundle's own.
+    - `levels`: throttled pressures [Pa], or `None`.
+    - `strains`: a rising list [-], or `None`.
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-], or `None`.
+
+    **Returns:** variables by name, and the space itself [-].
+    """
+    _rising(strains)
+    space = recruitment.space(
+        bundle,
+        supply_pressure,
+        7 if levels is None else levels,
+        strains,
+        resistance=resistance,
+        scheme=scheme,
+    )
+    overlap = recruitment.overlap(space)
+    pairs = np.asarray(overlap.states, dtype=int).reshape(-1, 2)
+    edge, shared = ("state", "strain"), ("pair", "strain")
+    curves = ("state", "level", "strain")
+    return {
+        "level": Variable(("level",), space.level, "Pa", "throttled pressure"),
+        "strain": Variable(("strain",), space.strain, "-", "contraction over length at rest"),
+        "force": Variable(curves, space.force, "N", "of each state at each throttled pressure"),
+        "low": Variable(edge, space.low, "N", "least force of each state"),
+        "high": Variable(edge, space.high, "N", "largest force of each state"),
+        "overlap_states": Variable(("pair", "one_of_pair"), pairs, "-", "states that overlap"),
+        "overlap_low": Variable(shared, overlap.low, "N", "lower edge of the overlap"),
+        "overlap_high": Variable(shared, overlap.high, "N", "upper edge of the overlap"),
+        "overlap_area": Variable(("pair",), overlap.area, "N", "force times strain"),
+        "supply_pressure": Variable((), np.asarray(space.supply_pressure), "Pa", "the supply's"),
+        "scheme": Variable((), np.asarray(space.scheme), "-", "of recruitment"),
+    }, space
+
+
+def bundle_efficiency(
+    bundle: Bundle,
+    supply_pressure: float | None,
+    paths: Sequence[str],
+    forces: list[float] | None,
+    strains: list[float] | None,
+    resistance: bool,
+    scheme: str | None,
+) -> tuple[dict[str, Variable], list[Any]]:
+    """A bundle's efficiencies, along each path.
+
+    **Arguments:**
+
+    - `bundle`: whose [-].
+    - `supply_pressure`: [Pa]; `None` for the bundle's own.
+    - `paths`: "isobaric", "isotonic" [-].
+    - `forces`: a list [N], or `None`.
+    - `strains`: a rising list [-], or `None`.
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: "orderly" or "batch" [-], or `None`.
+
+    **Returns:** variables by name, and the maps themselves [-].
+    """
+    _rising(strains)
+    maps = [
+        efficiency_map(bundle, supply_pressure, path, forces, strains, resistance, scheme)
+        for path in paths
+    ]
+    grids = np.stack([one.efficiency for one in maps])
+    reached = np.isfinite(grids)
+    counts = reached.sum(axis=(1, 2))
+    sums = np.where(reached, grids, 0.0).sum(axis=(1, 2))
+    averages = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+    dims = ("path", "force", "strain")
+    return {
+        "path": Variable(("path",), np.asarray(paths), "-", "how the point is reached"),
+        "force": Variable(("force",), maps[0].force, "N", "pulling force"),
+        "strain": Variable(("strain",), maps[0].strain, "-", "contraction over length at rest"),
+        "efficiency": Variable(dims, grids, "-", "work over fluid energy, equation (30)"),
+        "state": Variable(dims, np.stack([one.state for one in maps]), "-", "that is best there"),
+        "average": Variable(("path",), averages, "-", "over the points reached"),
+        "reached": Variable(("path",), counts / grids[0].size, "-", "share of the points"),
+    }, maps
+
+
+def _rising(strains: list[float] | None) -> None:
+    if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
+        raise ValueError("`--strain` must rise from each value to the next.")
+
+
+def evaluate(function: Callable[..., Any], *points: np.ndarray) -> Any:
+    """`function` at `points`, which are filled up to a block of one of few sizes.
+
+    **Arguments:**
+
+    - `function`: of a batch [any unit].
+    - `points`: its arguments [any unit], points on the first axis.
+
+    **Returns:** its result [any unit] as NumPy arrays, points on the first axis.
+    """
+    count, size = len(points[0]), _BLOCK
+    while size < count:
+        size *= 4
+    filled = [np.resize(argument, (size, *argument.shape[1:])) for argument in points]
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[:count], function(*filled))
+
+
+def _by_pressure(function: Callable[..., Any], P: np.ndarray, unit: str, about: str) -> Variable:
+    return Variable(("pressure",), evaluate(function, P), unit, about)

@@ -1,0 +1,76 @@
+"""`fascicle init`: a commented muscle file to begin with."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import complete_target
+from .problems import UserError, refusing
+
+
+_TEMPLATE = """\
+# A muscle file of fascicle. Every quantity carries its unit; `fascicle force FILE` reads it.
+format = 1
+
+[muscle]
+length = "127 mm"                # between the end fittings, at rest
+outer_radius = "6.35 mm"         # of the bladder, at rest; half its diameter
+wall_thickness = "1.6 mm"        # of the bladder, at rest
+braid_angle = "33 deg"           # of a fiber from the axis, at rest; below 54.7 deg to contract
+material = "latex"               # or "silicone_kim2021", or a table such as
+                                 # { c10 = "90 kPa", c01 = "80 kPa", youngs_modulus = "1.8 MPa" }
+tension = "klute_hannaford"      # or "ideal": without the bladder's force
+buckling = "kim2021"             # or "elastica"
+post_collapse = "derived"        # or "consistent", "printed"
+
+[muscle.collapse]
+law = "kim2021"                  # or "wood1958", "brazier1927", "stein_hedgepeth1961"
+transition_rate = 25             # how fast the force falls once the bladder has collapsed
+
+# What measurements correct; left out, nothing.
+# [muscle.tuning]
+# pressure = ["100 kPa", "200 kPa"]    # rows of C1 and C2
+# c1 = ["1.5 N", "2 N"]
+# c2 = [0.95, 0.97]
+# youngs_modulus_factor = 1.25
+# collapse_moment_factor = 1.1
+# hinge_stiffness_factor = { constant = 1.25, slope = "0.87 1/bar" }
+# transition_rate = 100
+
+# Several of them between two plates; muscles that share a pressure are a motor unit.
+# [bundle]
+# supply_pressure = "413.7 kPa"
+# scheme = "orderly"                   # or "batch"
+# [[bundle.motor_unit]]
+# count = 1
+# [[bundle.motor_unit]]
+# count = 4
+"""
+
+
+def run(
+    path: Annotated[
+        str, typer.Argument(metavar="FILE", help="Where it goes.", show_default=False)
+    ] = "muscle.toml",
+    example: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="Begin with this named example.",
+            autocompletion=complete_target,
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+) -> None:
+    """Write a commented muscle file, to be edited."""
+    from ..describe import example_text
+    from ..describe.atomic import write_text
+
+    with refusing():
+        if Path(path).is_file() and not force:
+            raise UserError(f"{path}: is there already; --force replaces it.")
+        write_text(path, _TEMPLATE if example is None else example_text(example))
+    print(f"wrote {path}")

@@ -1,0 +1,153 @@
+"""What a command is given: the muscle or bundle, pressures and strains."""
+
+import difflib
+import itertools
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..units import parse, parse_list
+from .problems import UserError, refusing
+from .startup import prepare
+
+
+if TYPE_CHECKING:
+    from ..bundle import Bundle
+    from ..muscle import Muscle
+
+MAX_GRID = 1_000_000  # points of a table: a slip in a step must not fill the memory
+
+
+def read_target(target: str) -> Any:
+    """The muscle or bundle in a file, or that is a named example.
+
+    **Arguments:** `target`: a path, or a name [-]; a file of that name comes first.
+
+    **Returns:** a `Muscle` or a `Bundle` [-].
+    """
+    from ..describe import examples
+
+    try:
+        found = Path(target).exists()
+    except (OSError, ValueError):  # too long for a name, or a NUL in it
+        found = False
+    if not found and target not in examples():
+        near = difflib.get_close_matches(target, examples(), n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]}?" if near else "see `fascicle muscles`."
+        looks_like_path = "/" in target or "\\" in target or target.endswith(".toml")
+        what = "no such file" if looks_like_path else "no such file or named example"
+        shown = target if target.isprintable() else repr(target)
+        shown = shown if len(shown) < 200 else f"{shown[:100]}…"
+        raise UserError(f"{shown}: {what}" + (f", {hint}" if near or not looks_like_path else "."))
+    prepare()
+    from ..describe import example, load
+
+    with refusing():
+        return load(target) if found else example(target)
+
+
+def read_muscle(target: str, command: str) -> "Muscle":
+    """The muscle in a file, or that is a named example.
+
+    **Arguments:**
+
+    - `target`: a path, or a name [-].
+    - `command`: what a bundle would need instead [-].
+
+    **Returns:** the muscle [-].
+    """
+    found = read_target(target)
+    if is_bundle(found):
+        raise UserError(f"{target}: a bundle, not a muscle: use `{command}`.")
+    return found
+
+
+def read_bundle(target: str) -> "Bundle":
+    """The bundle in a file, or that is a named example; a muscle alone is a bundle of one.
+
+    **Arguments:** `target`: a path, or a name [-].
+
+    **Returns:** the bundle [-].
+    """
+    from ..bundle import Bundle, MotorUnit
+
+    found = read_target(target)
+    return found if is_bundle(found) else Bundle([MotorUnit(found)])
+
+
+def is_bundle(found: Any) -> bool:
+    """Whether what was found [-] is a bundle."""
+    from ..bundle import Bundle
+
+    return isinstance(found, Bundle)
+
+
+def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
+    """The pressures of a bundle's motor units, state by state.
+
+    **Arguments:**
+
+    - `texts`: each a pressure or a range for every unit, between commas [-]; ranges are
+      combined. `None`: the fully activated end of each recruitment state.
+    - `bundle`: whose [-].
+
+    **Returns:** pressures [Pa], one for each motor unit in each state.
+    """
+    units = len(bundle.motor_units)
+    if not texts:
+        if bundle.supply_pressure is None:
+            raise UserError("--pressure: missing, since the bundle has no supply pressure.")
+        supply = float(bundle.supply_pressure)
+        return [[supply] * active + [0.0] * (units - active) for active in range(1, units + 1)]
+    states = []
+    for text in texts:
+        entries = text.split(",")
+        if len(entries) != units:
+            raise UserError(
+                f"--pressure {text}: {len(entries)} pressures for {units} motor units:"
+                " give one for each, between commas."
+            )
+        ranges = [read_list(entry, "pressure", "--pressure") for entry in entries]
+        check_grid(*map(len, ranges), len(states) + 1)
+        states += [list(state) for state in itertools.product(*ranges)]
+    return states
+
+
+def read_list(text: str, dimension: str, option: str) -> list[float]:
+    """The values of an option.
+
+    **Arguments:**
+
+    - `text`: a list, a range or both [-].
+    - `dimension`: what each is [-].
+    - `option`: its name [-].
+
+    **Returns:** the values [-].
+    """
+    with refusing():
+        return parse_list(text, dimension, option)
+
+
+def read_one(text: str, dimension: str, option: str) -> float:
+    """The value of an option.
+
+    **Arguments:**
+
+    - `text`: a quantity [-].
+    - `dimension`: what it is [-].
+    - `option`: its name [-].
+
+    **Returns:** the value [SI unit of the dimension].
+    """
+    with refusing():
+        return parse(text, dimension, option)
+
+
+def check_grid(*sizes: int) -> None:
+    """Refuse a table of more than `MAX_GRID` points; `sizes` [-] are those of its sides."""
+    total = 1
+    for size in sizes:
+        total *= size
+    if total > MAX_GRID:
+        raise UserError(
+            f"{' x '.join(map(str, sizes))} points are more than {MAX_GRID}: take fewer."
+        )

@@ -1,0 +1,96 @@
+"""What a command gives: a readable table, or JSON or CSV; and files beside it."""
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .problems import UserError, refusing
+
+
+if TYPE_CHECKING:
+    from ..describe.results import Variable
+
+_PICTURES = (".png", ".svg")
+
+
+class Outputs:
+    """Where a command's result goes; refuses what can't be written before the work begins."""
+
+    def __init__(self, as_json: bool, as_csv: bool, out: str | None, plot: str | None):
+        """**Arguments:**
+
+        - `as_json`: print JSON [-].
+        - `as_csv`: print CSV [-].
+        - `out`: where the result is written [-], or `None`.
+        - `plot`: where its picture is drawn [-], or `None`.
+        """
+        if as_json and as_csv:
+            raise UserError("--json and --csv: both can't be printed, take one.")
+        self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
+        if out is not None:
+            from ..describe.results import check_result_path
+
+            with refusing("--out "):
+                check_result_path(out)
+        if plot is not None:
+            from ..describe.atomic import check_writable
+
+            if Path(plot).suffix.lower() not in _PICTURES:
+                raise UserError(f"--plot {plot!r}: its name must end in {', '.join(_PICTURES)}.")
+            with refusing("--plot "):
+                check_writable(plot)
+
+    def give(
+        self,
+        variables: Mapping[str, "Variable"],
+        table: Callable[[], None],
+        draw: Callable[[], Any] | None = None,
+        *,
+        json_variables: Mapping[str, "Variable"] | None = None,
+        title: str,
+    ) -> None:
+        """Write the files, then print.
+
+        **Arguments:**
+
+        - `variables`: the result [-].
+        - `table`: prints it for a reader [-].
+        - `draw`: makes its figure [-].
+        - `json_variables`: what JSON shows, if not just that [-].
+        - `title`: what it is [-].
+        """
+        from ..describe import results
+
+        with refusing():
+            if self.out is not None:
+                results.write(variables, self.out, title=title, source=SOURCE)
+            if self.plot is not None and draw is not None:
+                save_figure(draw(), self.plot)
+        if self.as_json:
+            print(results.to_json(json_variables or variables))
+        elif self.as_csv:
+            sys.stdout.write(results.to_csv(variables))
+        else:
+            table()
+            for path in (self.out, self.plot):
+                if path is not None:
+                    print(f"wrote {path}")
+
+
+SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
+
+
+def save_figure(figure: Any, path: str) -> None:
+    """Write a picture, whole or not at all.
+
+    **Arguments:**
+
+    - `figure`: matplotlib's [-].
+    - `path`: ends in the format's name [-].
+    """
+    from ..describe.atomic import write
+    from ..plot import to_bytes
+
+    content = to_bytes(figure, Path(path).suffix.lower()[1:])
+    write(path, lambda draft: draft.write_bytes(content))

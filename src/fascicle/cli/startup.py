@@ -1,0 +1,49 @@
+"""JAX as a command wants it: quiet, on the CPU, with its compiled functions kept on disk."""
+
+import logging
+import os
+import sys
+import warnings
+from pathlib import Path
+
+
+def prepare() -> None:
+    """Set JAX up for one command; call it before the laws are imported.
+
+    A command evaluates a few thousand points: starting a GPU would take longer than that.
+    `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` keeps nothing on disk.
+    """
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on stderr
+    for name in ("jax", "matplotlib"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    warnings.filterwarnings("ignore", module="jax.*")
+    import jax
+
+    if not os.environ.get("JAX_PLATFORMS"):
+        jax.config.update("jax_platforms", "cpu")
+    folder = cache_folder()
+    if folder is not None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        # below this, reading the file costs as much as compiling
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def cache_folder() -> Path | None:
+    """Where compiled functions are kept [-], or `None` where they can't be."""
+    if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
+        return None
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA", "")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME", "") or "~/.cache"
+    try:
+        folder = Path(base, "fascicle", "compiled").expanduser()
+        if not folder.is_absolute():
+            return None
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / f".{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except (OSError, RuntimeError, ValueError):  # RuntimeError: no home
+        return None
+    return folder

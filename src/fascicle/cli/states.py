@@ -1,0 +1,37 @@
+"""A bundle's states as a table: pressures, free strain, equilibria."""
+
+import math
+from typing import Any
+
+from .tables import number, show
+
+
+def show_states(variables: Any) -> None:
+    """Print pressures, free strain and equilibria, a row for each state.
+
+    **Arguments:** `variables`: of `bundle_equilibria` [-].
+    """
+    pressures, free, equilibria, stable = (
+        variables[name].values.tolist()
+        for name in ("pressures", "free_strain", "equilibria", "stable")
+    )
+    rows = [
+        [
+            f"{index + 1}",
+            *(f"{pressure / 1e3:.6g}" for pressure in pressures[index]),
+            number(free[index], 4),
+            ", ".join(
+                number(strain, 4) + ("" if firm else " u")
+                for strain, firm in zip(equilibria[index], stable[index], strict=True)
+                if math.isfinite(strain)  # the rest of the row is NaN
+            ),
+        ]
+        for index in range(len(pressures))
+    ]
+    heads = [
+        "state",
+        *(f"P{unit + 1} kPa" for unit in range(len(pressures[0]))),
+        "free strain",
+        "equilibria",
+    ]
+    show("Strains of zero force", heads, rows, "u: unstable, the force rises with strain there")

@@ -1,0 +1,68 @@
+"""Where a constructor's arguments stand in a file.
+
+The laws refuse what can't be, with a message that begins with the argument's name in
+backticks. A `Place` turns it into the file's error: path, key, value as written, rule.
+"""
+
+import contextlib
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from .problems import line, value
+
+
+# where an argument of a constructor stands, if not under its own name
+_KEYS: dict[str, dict[str, tuple[str, ...]]] = {
+    "muscle": {
+        "collapse": ("collapse", "law"),
+        "factor": ("collapse", "factor"),
+        "transition_rate": ("collapse", "transition_rate"),
+        "c10": ("material", "c10"),
+        "c01": ("material", "c01"),
+        "youngs_modulus": ("material", "youngs_modulus"),
+        "poisson_ratio": ("material", "poisson_ratio"),
+    },
+    "tuning": {
+        "pressures": ("pressure",),
+        "hinge_stiffness_slope": ("hinge_stiffness_factor", "slope"),
+    },
+    "bundle": {"motor_units": ("motor_unit",), "pressures": ("supply_pressure",)},
+    "motor_unit": {},
+}
+
+
+class Place:
+    """A section of a file, which an error in it names."""
+
+    def __init__(self, source: str, data: Any, path: tuple[Any, ...], kind: str):
+        """**Arguments:**
+
+        - `source`: the file's path, or what stands for it [-].
+        - `data`: the whole file's data [-].
+        - `path`: the keys that lead to the section [-].
+        - `kind`: what the section describes [-]: muscle, tuning, bundle or motor_unit.
+        """
+        self.source, self.data, self.path, self.kind = source, data, path, kind
+
+    def inner(self, *keys: Any, kind: str) -> "Place":
+        """The place at `keys` [-] below this one, of another `kind` [-]."""
+        return Place(self.source, self.data, self.path + keys, kind)
+
+    def refuse(self, keys: tuple[Any, ...], rule: str) -> ValueError:
+        """The error [-] for the value at `keys` [-] below this place, which breaks `rule` [-]."""
+        path = self.path + keys
+        written = value(self.data, path)
+        named = [part for part in path if part != ""]  # a lone muscle's name is empty
+        return ValueError(line(self.source, named, rule, written))
+
+    @contextlib.contextmanager
+    def naming(self) -> Iterator[None]:
+        """Name this place in a `ValueError` raised inside."""
+        try:
+            yield
+        except ValueError as error:
+            named = re.match(r"`(\w+)`", str(error))
+            name = named[1] if named else ""
+            keys = _KEYS[self.kind].get(name, (name,) if name else ())
+            raise self.refuse(keys, str(error)) from None

@@ -1,0 +1,264 @@
+"""Quantities with units: text to SI float and back, lists and ranges.
+
+Conversion happens only where data enters or leaves: files and the command line read
+`"34.5 kPa"` here, and the laws only ever see pascals. A number without its unit is
+refused wherever a unit is due.
+
+The units people use are a table of exact SI factors. Decimal text times such a factor is
+a rational number, rounded to float64 once, so `"6.35 mm"` is the float `6.35e-3` to the
+last bit and `"0:0.33:0.03"` holds the float `0.21`. Any other unit goes to pint, which is
+imported only then.
+"""
+
+import difflib
+import functools
+import math
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+
+MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory
+_MAX_TEXT = 100  # longest quantity: long digits and exponents make huge fractions
+
+_POUND = Fraction("0.45359237") * Fraction("9.80665")  # lbf in N, exact by definition
+_INCH = Fraction("0.0254")
+_DEGREE = Fraction(math.pi) / 180
+
+
+class Dimension(NamedTuple):
+    """A kind of quantity: the units it is read in and the ones it is shown in."""
+
+    article: str
+    si: str
+    shown: str
+    exact: tuple[str, ...]  # tried in this order when a value must be read back bitwise
+    factors: Mapping[str, Fraction]
+
+    @property
+    def unitless(self) -> bool:
+        """Whether a bare number is a quantity of this kind."""
+        return "" in self.factors
+
+
+def _table(**factors: Any) -> Mapping[str, Fraction]:
+    return MappingProxyType({unit: Fraction(factor) for unit, factor in factors.items()})
+
+
+_LENGTH = _table(**{"m": 1, "mm": "1e-3", "cm": "1e-2", "µm": "1e-6", "in": _INCH,
+                    "inch": _INCH, "ft": 12 * _INCH})  # fmt: skip
+_FORCE = _table(N=1, mN="1e-3", kN=1000, lbf=_POUND)
+_PRESSURE = _table(Pa=1, hPa=100, kPa=1000, MPa=10**6, bar=10**5, mbar=100,
+                   psi=_POUND / _INCH**2, atm=101325)  # fmt: skip
+_INVERSE = {f"1/{unit}": 1 / factor for unit, factor in _PRESSURE.items()}
+_MOMENT = {f"{f}*{d}": _FORCE[f] * _LENGTH[d] for f in _FORCE for d in ("m", "mm", "in")}
+_STIFFNESS = {f"{f}/{d}": _FORCE[f] / _LENGTH[d] for f in _FORCE for d in _LENGTH}
+_VOLUME = {f"{d}^3": factor**3 for d, factor in _LENGTH.items()}
+
+DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
+    "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH),
+    "angle": Dimension("an angle", "rad", "deg", ("deg", "rad"),
+                       _table(rad=1, mrad="1e-3", deg=_DEGREE, degree=_DEGREE)),
+    "force": Dimension("a force", "N", "N", ("N",), _FORCE),
+    "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE),
+    "inverse_pressure": Dimension("an inverse pressure", "1/Pa", "1/bar",
+                                  ("1/bar", "1/Pa"), _table(**_INVERSE)),
+    "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT)),
+    "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS)),
+    "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
+                        _table(**_VOLUME, L="1e-3", mL="1e-6")),
+    "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
+    "number": Dimension("a number", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
+})  # fmt: skip
+
+_EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure": "34.5 kPa",
+             "inverse_pressure": "0.92 1/bar", "moment": "0.03 N*m", "stiffness": "5 N/mm",
+             "volume": "12 cm^3", "strain": "0.12", "number": "1.25"}  # fmt: skip
+
+_QUANTITY = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)(?![a-z]))\s*(.*?)\s*",
+    re.IGNORECASE | re.ASCII | re.DOTALL,
+)
+# what pint may see: names with one-digit powers, joined by * and /; never an expression
+_UNIT = re.compile(r"(?:1/)?[^\W\d]+(?:\^-?[1-9])?(?:[*/][^\W\d]+(?:\^-?[1-9])?)*")
+_SPELLINGS = str.maketrans({"μ": "µ", "·": "*", "²": "^2", "³": "^3"})
+
+
+def parse(text: Any, dimension: str, name: str | None = None) -> float:
+    """Read one quantity.
+
+    **Arguments:**
+
+    - `text`: a number and its unit [-], such as `"34.5kPa"`; for a strain or a number also
+      a bare number or `"12 %"`.
+    - `dimension`: what it must be [-], a key of `DIMENSIONS`.
+    - `name`: what to call it in an error [-]; the dimension if left out.
+
+    **Returns:** its value [SI unit of the dimension], rounded once.
+
+    **Raises:** `ValueError` for anything else, in one line.
+    """
+    return float(_exact(text, dimension, name or dimension))
+
+
+def parse_list(text: str, dimension: str, name: str | None = None) -> list[float]:
+    """Read a list `a,b,c` or a range `start:stop:step`, or a list of both.
+
+    A range holds both its ends. Where the step doesn't divide it, the last step is the
+    shorter one. A falling range takes a negative step; a step of zero, or one that leads
+    away from the stop, is refused.
+
+    **Arguments:**
+
+    - `text`: the list [-]; each quantity in it carries its unit.
+    - `dimension`: what each must be [-], a key of `DIMENSIONS`.
+    - `name`: what to call it in an error [-]; the dimension if left out.
+
+    **Returns:** the values [SI unit of the dimension], in the order given.
+
+    **Raises:** `ValueError` for a bad quantity or range, or more than `MAX_POINTS` values.
+    """
+    name, values = name or dimension, []
+    for entry in text.split(","):
+        if not entry.strip():
+            raise ValueError(f"`{name}` has an empty entry in {_quote(text)}: drop the comma.")
+        if ":" in entry:
+            values += _range(entry, dimension, name)
+        else:
+            values.append(parse(entry, dimension, name))
+        if len(values) > MAX_POINTS:
+            raise _too_many(text, name)
+    return values
+
+
+def exact(value: float, dimension: str) -> str:
+    """Write `value` so that `parse` gives the same float again, in a handy unit if it can.
+
+    **Arguments:**
+
+    - `value`: a finite number [SI unit of the dimension].
+    - `dimension`: a key of `DIMENSIONS` [-].
+
+    **Returns:** the text [-]: `"6.35 mm"`, or `"0.1234567890123456 m"`.
+    """
+    kind = DIMENSIONS[dimension]
+    for unit in kind.exact:
+        scaled = float(value) / float(kind.factors[unit])
+        text = f"{scaled:.12g} {unit}".strip()
+        # twelve digits of the largest floats could round up to infinity
+        if abs(scaled) < 1e300 and parse(text, dimension) == value:
+            return text
+    return f"{float(value)!r} {kind.si}".strip()
+
+
+def pretty(value: float, dimension: str, digits: int = 4) -> str:
+    """Write `value` for a reader: `"34.5 kPa"`.
+
+    **Arguments:**
+
+    - `value`: a number [SI unit of the dimension]; infinite or NaN reads "-".
+    - `dimension`: a key of `DIMENSIONS` [-].
+    - `digits`: how many count [-].
+
+    **Returns:** the text [-].
+    """
+    kind = DIMENSIONS[dimension]
+    if not math.isfinite(value):
+        return "-"
+    return f"{float(value) / float(kind.factors[kind.shown]):.{digits}g} {kind.shown}".strip()
+
+
+def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
+    kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
+    what = f'`{name}` must be {kind.article}, such as "{example}"'
+    if isinstance(text, int | float) and not isinstance(text, bool) and kind.unitless:
+        text = repr(text)
+    if isinstance(text, int | float) and not isinstance(text, bool):
+        raise ValueError(f"{what}, got the bare number {text!r}: write it with its unit.")
+    if not isinstance(text, str):
+        raise ValueError(f"{what}, got {_quote(text)}.")
+    match = _QUANTITY.fullmatch(text)
+    if match is None or len(text) > _MAX_TEXT:
+        raise ValueError(f"{what}, got {_quote(text)}: start with a number.")
+    number, unit = match[1], match[2].translate(_SPELLINGS)
+    if not math.isfinite(float(number)):
+        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.")
+    if unit.startswith(","):
+        raise ValueError(f"{what}, got {_quote(text)}: write the decimals after a point.")
+    if not unit and not kind.unitless:
+        raise ValueError(f"{what}, got the bare number {number}: write it with its unit.")
+    factor = _factor(unit, dimension)
+    if isinstance(factor, str):
+        raise ValueError(f"{what}, got {_quote(text)}: {factor}")
+    # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
+    value = Fraction(number) * factor if float(number) else float(number)
+    if dimension == "angle" and factor == _DEGREE:
+        value = math.radians(float(number))  # as everybody's code writes it, to the last bit
+    try:
+        float(value)
+    except OverflowError:
+        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.") from None
+    return value
+
+
+@functools.lru_cache(maxsize=256)
+def _factor(unit: str, dimension: str) -> Fraction | str:
+    """SI factor of `unit` [-], or in words why it has none."""
+    kind = DIMENSIONS[dimension]
+    tidy = re.sub(r"\s*([*/^])\s*", r"\1", unit.replace("**", "^").replace("°", "deg"))
+    tidy = re.sub(r"\s+", "*", tidy).replace("1/*", "1/").removesuffix("^1")
+    tidy = re.sub(r"^/", "1/", re.sub(r"^([^\W\d]+)\^-1$", r"1/\1", tidy))
+    if tidy in kind.factors:
+        return kind.factors[tidy]
+    near = difflib.get_close_matches(tidy, [u for u in kind.factors if u], n=1, cutoff=0.5)
+    unknown = f"unknown unit {_quote(unit)}" + (f", did you mean {near[0]!r}?" if near else ".")
+    if not _UNIT.fullmatch(tidy):
+        return unknown
+    from pint import PintError  # half a second, and rarely needed
+
+    try:
+        quantity = _registry().Quantity(1.0, _registry().parse_units(tidy.replace("^", "**")))
+        return Fraction(quantity.to(kind.si.replace("^", "**") or "dimensionless").magnitude)
+    except PintError as error:
+        if type(error).__name__ == "DimensionalityError":
+            return f"{_quote(unit)} is no unit of {kind.article.split(' ', 1)[1]}."
+        return unknown
+    except Exception:  # noqa: BLE001 pint evaluates the user's text, and lets much out
+        return unknown
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def _range(text: str, dimension: str, name: str) -> list[float]:
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise ValueError(f"`{name}` has the range {_quote(text)}: write start:stop:step.")
+    start, stop, step = (Fraction(_exact(part, dimension, name)) for part in parts)
+    if step == 0:
+        raise ValueError(f"`{name}` has the range {_quote(text)}: its step must not be 0.")
+    if (stop - start) * step < 0:
+        raise ValueError(f"`{name}` has the range {_quote(text)}: its step leads away.")
+    count = (stop - start) / step
+    if count > MAX_POINTS:
+        raise _too_many(text, name)
+    # degrees and pint's units are floats already: divides up to rounding is divides
+    whole, divides = round(count), abs(count - round(count)) < Fraction(1, 10**9)
+    inner = whole if divides else math.floor(count) + 1
+    return [float(start + i * step) for i in range(inner)] + [float(stop)]
+
+
+def _too_many(text: str, name: str) -> ValueError:
+    return ValueError(f"`{name}` has more than {MAX_POINTS} values in {_quote(text)}: take fewer.")
+
+
+def _quote(value: Any) -> str:
+    """`value` in one short line, whatever it is."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:40]}…{text[-1]}"

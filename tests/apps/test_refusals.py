@@ -1,0 +1,174 @@
+"""The issue of bad input: each is one line on stderr, exit code 2, nothing half written."""
+
+import pytest
+
+
+MUSCLE = """format = 1
+[muscle]
+length = "127 mm"
+outer_radius = "6.35 mm"
+wall_thickness = "1.6 mm"
+braid_angle = "33 deg"
+"""
+BUNDLE = MUSCLE + '[bundle]\nsupply_pressure = "413.7 kPa"\n' + 2 * "[[bundle.motor_unit]]\n"
+SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
+
+
+@pytest.fixture
+def refused(fascicle, tmp_path):
+    """Run a command that must be refused; its one line."""
+
+    def run(*arguments):
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        code, out, err = fascicle(*arguments)
+        assert code == 2
+        assert out == ""
+        assert err.startswith("error: ")
+        assert err.count("\n") == 1
+        assert err.endswith("\n")
+        assert "Traceback" not in err
+        after = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        assert after == before
+        return err.removeprefix("error: ").rstrip()
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("length", "lenght", 'm.toml: muscle.lenght: unknown key, did you mean "length"?'),
+        ('"127 mm"', "127", "muscle.length = 127: `length` must be a length, such as"),
+        ('"127 mm"', '"127 kPa"', "'kPa' is no unit of length."),
+        ('"127 mm"', '"nan mm"', "it must be finite"),
+        ('"127 mm"', '"-127 mm"', "`length` must be positive"),
+        ("1.6 mm", "6.35 mm", "`wall_thickness` must be less than `outer_radius`"),
+        ("33 deg", "54.7357 deg", "`braid_angle` must lie in (0, 54.7356) deg"),
+        ("33 deg", "0 deg", "`braid_angle` must lie in (0, 54.7356) deg"),
+        ("format = 1", "format = ", "m.toml: not TOML: "),
+    ],
+)
+def test_a_wrong_file(refused, tmp_path, old, new, message):
+    (tmp_path / "m.toml").write_text(MUSCLE.replace(old, new, 1))
+    assert message in refused("force", "m.toml", "--out", "x.nc")
+
+
+def test_an_empty_bundle(refused, tmp_path):
+    (tmp_path / "m.toml").write_text(MUSCLE + "[bundle]\n")
+    assert "`motor_units` must hold at least one" in refused("bundle", "m.toml")
+
+
+def test_several_muscles_without_a_bundle(refused, tmp_path):
+    second = MUSCLE.removeprefix("format = 1\n").replace("[muscle]", "[muscle.b]")
+    (tmp_path / "m.toml").write_text(MUSCLE.replace("[muscle]", "[muscle.a]") + second)
+    assert "several muscles (a, b) and no [bundle]" in refused("force", "m.toml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--pressure", "34.5"], "bare number 34.5: write it with its unit"),
+        (["--pressure", "34.5mm"], "'mm' is no unit of pressure"),
+        (["--pressure", "34.5kpa"], "did you mean 'kPa'?"),
+        (["--pressure", "nan kPa"], "must be finite"),
+        (["--pressure", "-1kPa"], "`pressure` must lie in [0, 1e+06] Pa"),
+        (["--pressure", "1.01MPa"], "`pressure` must lie in [0, 1e+06] Pa"),
+        (["--pressure", "0kPa:10kPa"], "write start:stop:step"),
+        (["--pressure", "0kPa:10kPa:0kPa"], "its step must not be 0"),
+        (["--pressure", ""], "empty entry"),
+        (["--strain", "nan"], "must be finite"),
+        (["--strain", "0.1kPa"], "'kPa' is no unit of strain"),
+        (["--strain", "0.61"], "`strain` must lie in (-0.192363, 0.6]"),
+        (["--strain", "-0.193"], "`strain` must lie in (-0.192363, 0.6]"),
+        (["--strain", "0:0.6:1e-9"], "more than 100000 values"),
+        (["--strain", "0:0.6:1e-5", "-p", "0Pa:50Pa:1Pa"], "51 x 60001 points are more than"),
+        (["--out", "no/x.nc"], "--out no/x.nc: can't be written: no such folder"),
+        (["--out", "x.xls"], "a result's name must end in .nc, .zarr, .csv, .json"),
+        (["--out", "x"], "a result's name must end in .nc, .zarr, .csv, .json"),
+        (["--plot", "no/x.png"], "--plot no/x.png: can't be written: no such folder"),
+        (["--plot", "x.jpg"], "its name must end in .png, .svg"),
+        (["--json", "--csv"], "--json and --csv"),
+        (["--presure", "1kPa"], "No such option: --presure"),
+        (["extra"], "unexpected extra argument"),
+    ],
+)
+def test_a_wrong_option(refused, arguments, message):
+    assert message in refused("force", SIX, *arguments)
+
+
+def test_unwritable_output_is_said_before_the_muscle_is_read(refused, tmp_path):
+    (tmp_path / "folder.nc").mkdir()
+    assert "it is a folder" in refused("force", "no-such-muscle", "--out", "folder.nc")
+    (tmp_path / "file").write_text("kept")
+    assert "no such folder" in refused("force", SIX, "--out", "file/x.nc")
+
+
+@pytest.mark.parametrize(
+    ("target", "message"),
+    [
+        ("nowhere.toml", "nowhere.toml: no such file"),
+        ("no/where.toml", "no/where.toml: no such file"),
+        ("kim2021_figur_6", "did you mean kim2021_figure_6?"),
+        ("xyz", "xyz: no such file or named example, see `fascicle muscles`"),
+        (".", ".: a folder, not a muscle file"),
+        ("a\0b", "no such file"),
+        ("x" * 300, "xxx…: no such file"),
+        ("a\nb", "no such file"),
+    ],
+)
+def test_nothing_to_read(refused, target, message):
+    assert message in refused("force", target)
+
+
+def test_binary_rubbish(refused, tmp_path):
+    (tmp_path / "m.toml").write_bytes(bytes(range(256)) * 40)
+    assert "m.toml: not a text file" in refused("force", "m.toml")
+
+
+@pytest.mark.parametrize("command", ["bundle", "free-strain"])
+@pytest.mark.parametrize("pressure", ["10kPa", "10kPa,20kPa,30kPa"])
+def test_wrong_number_of_pressures(refused, command, pressure):
+    count = pressure.count(",") + 1
+    assert f"{count} pressures for 2 motor units" in refused(command, PAIR, "-p", pressure)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["force", PAIR], "a bundle, not a muscle: use `fascicle bundle`"),
+        (["bundle", PAIR, "-p", "2MPa,0kPa"], "must lie in [0, 1e+06] Pa"),
+        (["bundle", PAIR, "-s", "0.7"], "`strain` must lie in"),
+        (["bundle", SIX], "--pressure: missing, since the bundle has no supply pressure"),
+        (["space", PAIR, "--scheme", "odrerly"], "'odrerly'"),
+        (["space", PAIR, "--supply", "413.7"], "write it with its unit"),
+        (["space", PAIR, "--levels", "500kPa"], "`levels` must lie in"),
+        (["space", PAIR, "--strain", "0.2,0.1"], "`--strain` must rise"),
+        (["space", SIX], "`supply_pressure`"),
+        (["efficiency", PAIR, "--path", "isobar"], "choose one of isobaric, isotonic"),
+        (["efficiency", PAIR, "--force", "10"], "write it with its unit"),
+        (["efficiency", PAIR, "--strain", "0"], "`strain` must be positive"),
+        (["free-strain", SIX, "--no-resistance"], "--no-resistance: it is for bundles"),
+        (["reproduce", "kim2020"], "kim2020: no such paper here"),
+        (["muscles", "kim2021_figur_6"], "did you mean kim2021_figure_6?"),
+        (["forse"], "No such command 'forse'"),
+        (["force"], "Missing argument 'FILE'"),
+        (["--nope"], "No such option: --nope"),
+    ],
+)
+def test_other_commands(refused, arguments, message):
+    assert message in refused(*arguments)
+
+
+def test_reproduce_into_a_file(refused, tmp_path):
+    (tmp_path / "file").write_text("kept")
+    assert "it is no folder" in refused("reproduce", "kim2021", "--out", "file")
+    assert "can't be made" in refused("reproduce", "kim2021", "--out", "file/out")
+
+
+def test_init_keeps_what_is_there(refused, fascicle, tmp_path):
+    (tmp_path / "m.toml").write_text("mine")
+    assert "--force replaces it" in refused("init", "m.toml")
+    assert "no example is named" in refused("init", "n.toml", "--from", "nobody")
+    assert "it is a folder" in refused("init", ".")
+    assert "no such folder" in refused("init", "no/m.toml")
+    assert fascicle("init", "m.toml", "--force")[0] == 0

@@ -1,0 +1,271 @@
+import math
+
+import jax.numpy as jnp
+import pytest
+from numpy.testing import assert_array_equal
+
+from fascicle.bundle import Bundle
+from fascicle.describe import example, example_text, examples, load, loads
+from fascicle.muscle import Muscle
+from fascicle.muscle.collapse import COLLAPSE_LAWS
+from fascicle.muscle.materials import SILICONE_KIM2021
+
+
+MUSCLE = """format = 1
+[muscle]
+length = "127 mm"
+outer_radius = "6.35 mm"
+wall_thickness = "1.6 mm"
+braid_angle = "33 deg"
+"""
+COLLAPSE, TUNING = "[muscle.collapse]\n", "[muscle.tuning]\n"
+UNIT = "[[bundle.motor_unit]]\n"
+TWO = MUSCLE.replace("[muscle]", "[muscle.thin]") + MUSCLE.replace("format = 1\n", "").replace(
+    "[muscle]", "[muscle.thick]"
+).replace("6.35", "9")
+
+
+def refusal(text):
+    with pytest.raises(ValueError, match=r"^m\.toml: ") as caught:
+        loads(text, source="m.toml")
+    message = str(caught.value)
+    assert "\n" not in message
+    assert len(message) < 300
+    return message.removeprefix("m.toml: ")
+
+
+def test_sizes_are_the_floats_that_python_would_write():
+    muscle = loads(MUSCLE)
+    assert isinstance(muscle, Muscle)
+    assert (muscle.length, muscle.outer_radius, muscle.wall_thickness, muscle.braid_angle) == (
+        0.127, 6.35e-3, 1.6e-3, math.radians(33),
+    )  # fmt: skip
+
+
+def test_what_is_left_out_is_the_constructors_default():
+    given = loads(MUSCLE)
+    default = Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33))
+    assert str(given) == str(default)
+    assert given.material.c10 == default.material.c10
+
+
+def test_every_law_by_name():
+    text = MUSCLE + (
+        'material = "silicone_kim2021"\ntension = "ideal"\nbuckling = "elastica"\n'
+        'post_collapse = "printed"\n[muscle.collapse]\nlaw = "wood1958"\nfactor = 0.5\n'
+        "transition_rate = 40\n"
+    )
+    muscle = loads(text)
+    names = (muscle.tension, muscle.buckling, muscle.post_collapse, muscle.collapse)
+    assert [law.name for law in names] == ["ideal", "elastica", "printed", "wood1958"]
+    assert muscle.material.c10 == SILICONE_KIM2021.c10
+    assert (muscle.collapse.factor, muscle.transition_rate) == (0.5, 40)
+
+
+@pytest.mark.parametrize("law", COLLAPSE_LAWS)
+def test_a_factor_on_any_collapse_law(law):
+    text = MUSCLE + COLLAPSE + f'law = "{law}"\nfactor = 0.785\n'
+    assert (loads(text).collapse.name, float(loads(text).collapse.factor)) == (law, 0.785)
+
+
+def test_a_factor_without_a_law_is_on_the_default_one():
+    assert loads(MUSCLE + COLLAPSE + "factor = 2").collapse.name == loads(MUSCLE).collapse.name
+
+
+def test_a_material_of_its_own():
+    inline = 'material = { c10 = "118.4 kPa", c01 = "105.7 kPa", youngs_modulus = "1.78 MPa" }'
+    material = loads(MUSCLE + inline).material
+    assert (material.c10, material.c01, material.youngs_modulus, material.poisson_ratio) == (
+        118.4e3, 105.7e3, 1.78e6, 0.5,
+    )  # fmt: skip
+    by_modulus = loads(MUSCLE + 'material = { youngs_modulus = "1.78 MPa" }').material
+    assert float(6 * (by_modulus.c10 + by_modulus.c01)) == pytest.approx(1.78e6, rel=1e-15)
+
+
+def test_tuning():
+    text = MUSCLE + TUNING + (
+        'pressure = ["50 kPa", "1 bar"]\nc1 = ["1 N", "-2 N"]\nc2 = [0.9, 1.1]\n'
+        "youngs_modulus_factor = 1.25\ncollapse_moment_factor = 1.1\ntransition_rate = 100\n"
+        'hinge_stiffness_factor = { constant = 1.25, slope = "0.87 1/bar" }\n'
+    )  # fmt: skip
+    tuning = loads(text).tuning
+    assert_array_equal(tuning.pressures, [0, 50e3, 100e3])
+    assert_array_equal(tuning.c1, [0, 1, -2])
+    assert_array_equal(tuning.c2, [1, 0.9, 1.1])
+    # Table 1's row, at 1 bar: 0.87 + 1.25
+    assert float(tuning.hinge_stiffness_at(1e5)) == pytest.approx(2.12, rel=1e-15)
+    assert (tuning.youngs_modulus_factor, tuning.collapse_moment_factor) == (1.25, 1.1)
+    assert tuning.transition_rate == 100
+    plain = loads(MUSCLE + TUNING + "hinge_stiffness_factor = 0.5").tuning
+    assert (plain.hinge_stiffness_factor, plain.hinge_stiffness_slope) == (0.5, 0)
+
+
+def test_bundles():
+    bundle = loads(MUSCLE + '[bundle]\nsupply_pressure = "60 psi"\n' + UNIT + UNIT + "count = 4\n")
+    assert isinstance(bundle, Bundle)
+    assert [int(unit.count) for unit in bundle.motor_units] == [1, 4]
+    assert float(bundle.supply_pressure) == pytest.approx(413.7e3, rel=1e-3)
+    assert bundle.scheme == "orderly"
+    unlike = loads(TWO + "[bundle]\n" + UNIT + 'muscle = "thick"\n' + UNIT + 'muscle = "thin"\n')
+    radii = [float(unit.muscle.outer_radius) for unit in unlike.motor_units]
+    assert radii == [9e-3, 6.35e-3]
+
+
+def test_one_named_muscle_is_a_muscle():
+    assert isinstance(loads(MUSCLE.replace("[muscle]", "[muscle.thin]")), Muscle)
+
+
+def test_windows_files_and_byte_order_marks(tmp_path):
+    path = tmp_path / "m.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + MUSCLE.replace("\n", "\r\n").encode())
+    assert isinstance(load(path), Muscle)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        # keys
+        ("length", "lenght", 'muscle.lenght: unknown key, did you mean "length"?'),
+        ("[muscle]", "[musle]", 'musle: unknown key, did you mean "muscle"?'),
+        ("[muscle]", "colour = 3\n[muscle]", "colour: unknown key, choose one of bundle, format"),
+        ('length = "127 mm"\n', "", 'muscle.length: missing, write length = "127 mm".'),
+        ("format = 1\n", "", "format: missing, write format = 1."),
+        ("format = 1", "format = 2", "format = 2: must be 1, the format that this version"),
+        ("format = 1", "format = true", "format = true: must be 1"),
+        # units
+        ('"127 mm"', "127", "muscle.length = 127: `length` must be a length, such as"),
+        ('"127 mm"', '"127"', 'muscle.length = "127": `length` must be a length, such as'),
+        ('"127 mm"', '"127 kPa"', "'kPa' is no unit of length"),
+        ('"127 mm"', '"nan mm"', "it must be finite"),
+        ('"127 mm"', "nan", "muscle.length = NaN: `length` must be a length"),
+        ('"127 mm"', '["127 mm"]', "muscle.length: `length` must be a length"),
+        # sizes: the constructors' own rules
+        ('"127 mm"', '"-127 mm"', 'muscle.length = "-127 mm": `length` must be positive'),
+        ('"127 mm"', '"0 mm"', 'muscle.length = "0 mm": `length` must be positive'),
+        ("1.6 mm", "6.35 mm", 'muscle.wall_thickness = "6.35 mm": `wall_thickness` must be less'),
+        ("33 deg", "54.7357 deg", 'muscle.braid_angle = "54.7357 deg": `braid_angle` must lie in'),
+        ("33 deg", "0 deg", 'muscle.braid_angle = "0 deg": `braid_angle` must lie in'),
+        ("33 deg", "-5 deg", 'muscle.braid_angle = "-5 deg": `braid_angle` must lie in'),
+        # TOML
+        ("[muscle]", "[muscle", "not TOML: Expected ']'"),
+        ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", "not TOML: Cannot overwrite"),
+        ("[muscle]", "x = " + "[" * 5000 + "\n[muscle]", "not TOML: "),
+        (MUSCLE, "format = 1\nmuscle = 5", "muscle = 5: must be a table of keys"),
+        (MUSCLE, "", "format: missing"),
+    ],
+)
+def test_refuses(old, new, message):
+    assert old in MUSCLE
+    assert message in refusal(MUSCLE.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ('material = "silicon"', "muscle.material = \"silicon\": `material` 'silicon' is unknown"),
+        ("material = 3", "muscle.material = 3: must be a name in quotes"),
+        ('material = { c10 = "1 kPa" }', "muscle.material.c01: `c01` is missing"),
+        ('material = { c10 = "1 kPa", c01 = "-1 kPa" }', 'material.c01 = "-1 kPa": `c01` must be'),
+        ('material = { c20 = "1 kPa" }', 'muscle.material.c20: unknown key, did you mean "c10"?'),
+        ('buckling = "elastca"', "muscle.buckling = \"elastca\": `buckling` 'elastca' is unknown"),
+        ('tension = "none"', 'muscle.tension = "none": `tension`'),
+        ('post_collapse = "print"', 'muscle.post_collapse = "print": `post_collapse`'),
+        (COLLAPSE + 'law = "wod1958"', "muscle.collapse.law = \"wod1958\": `collapse` 'wod1958'"),
+        (COLLAPSE + 'law = "wod1958"\nfactor = 2', "muscle.collapse.law"),
+        (COLLAPSE + "factor = -2", "muscle.collapse.factor = -2: `factor` must be positive"),
+        (COLLAPSE + "transition_rate = 0", "collapse.transition_rate = 0: `transition_rate` must"),
+        (COLLAPSE + "beta = 1", "muscle.collapse.beta: unknown key"),
+        (TUNING + 'pressure = ["1 kPa", "2"]', 'tuning.pressure[1] = "2": `pressure` must be'),
+        (TUNING + 'pressure = ["1 kPa"]', "muscle.tuning.pressure: `pressures`, `c1` and `c2`"),
+        (TUNING + 'pressure = "1 kPa"', 'muscle.tuning.pressure = "1 kPa": must be a list'),
+        (TUNING + "hinge_stiffness_factor = { rate = 1 }", "hinge_stiffness_factor.rate: unknown"),
+        (
+            TUNING + 'hinge_stiffness_factor = { slope = "-1 1/bar" }',
+            'muscle.tuning.hinge_stiffness_factor.slope = "-1 1/bar": `hinge_stiffness_slope`',
+        ),
+        ("[bundle]\n", "bundle.motor_unit: `motor_units` must hold at least one"),
+        ("[bundle]\nmotor_unit = []", "bundle.motor_unit: `motor_units` must hold at least one"),
+        ("[bundle]\nsize = 2", "bundle.size: unknown key"),
+        ('[bundle]\nscheme = "batsh"\n' + UNIT, "bundle.scheme = \"batsh\": `scheme` 'batsh'"),
+        ("[bundle]\nsupply_pressure = 5\n" + UNIT, "bundle.supply_pressure = 5: `supply_pressure`"),
+        ('[bundle]\nsupply_pressure = "5 MPa"\n' + UNIT, 'bundle.supply_pressure = "5 MPa": '),
+        ("[bundle]\n" + UNIT + "count = 0", "bundle.motor_unit[0].count = 0: `count` must be"),
+        ("[bundle]\n" + UNIT + "count = 1.5", "bundle.motor_unit[0].count = 1.5: must be a whole"),
+        (
+            "[bundle]\n" + UNIT + "cuont = 2",
+            "motor_unit[0].cuont: unknown key, did you mean",
+        ),
+        ("[bundle]\n" + UNIT + 'muscle = "thin"', 'bundle.motor_unit[0].muscle = "thin": no such'),
+    ],
+)
+def test_refuses_further_keys(more, message):
+    assert message in refusal(MUSCLE + more + "\n")
+
+
+def test_several_muscles_need_a_bundle_that_names_them():
+    assert "several muscles (thin, thick) and no [bundle]" in refusal(TWO)
+    nameless = refusal(TWO + "[bundle]\n" + UNIT)
+    assert nameless.startswith("bundle.motor_unit[0].muscle: missing, write which muscle it has")
+    wrong = refusal(TWO + "[bundle]\n" + UNIT + 'muscle = "thinn"\n')
+    assert 'muscle = "thinn": no such muscle in the file, did you mean "thin"?' in wrong
+
+
+def test_says_which_muscle_is_wrong():
+    assert refusal(TWO.replace('"9 mm"', '"1 mm"')).startswith("muscle.thick.wall_thickness")
+
+
+def test_names_what_cannot_be_read(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.toml: no such file\."):
+        load(tmp_path / "nowhere.toml")
+    with pytest.raises(IsADirectoryError, match="a folder, not a muscle file"):
+        load(tmp_path)
+    binary = tmp_path / "b.toml"
+    binary.write_bytes(bytes(range(256)))
+    with pytest.raises(ValueError, match="not a text file"):
+        load(binary)
+    binary.write_bytes(b"\x00" * 50)
+    with pytest.raises(ValueError, match="not TOML"):
+        load(binary)
+    binary.write_bytes(b"#" * 2_000_000)
+    with pytest.raises(ValueError, match="larger than"):
+        load(binary)
+    with pytest.raises(OSError, match="can't be read"):
+        load("a\0b")
+
+
+@pytest.mark.parametrize("name", examples())
+def test_examples_load_and_name_their_source(name):
+    text = example_text(name)
+    assert isinstance(example(name), Bundle if "bundle" in name else Muscle)
+    comments = [line for line in text.splitlines() if line.startswith("#")]
+    assert any("Source: Actuators 10, 42 (2021)" in line for line in comments)
+    assert any("Not claimed:" in line for line in comments)
+    assert len(examples()[name]) < 100
+
+
+def test_examples_are_the_papers():
+    six, nine = example("kim2021_figure_6"), example("kim2021_figure_9")
+    assert (six.length, six.outer_radius, six.wall_thickness) == (0.127, 6.35e-3, 1.6e-3)
+    assert nine.wall_thickness / nine.outer_radius == 0.25
+    stout, slender = example("kim2021_slenderness_8"), example("kim2021_slenderness_10")
+    # the paper rounds 8.03 and 10
+    assert [round(float(muscle.slenderness)) for muscle in (stout, slender)] == [8, 10]
+    pressure = jnp.asarray(1e5)  # 1 bar: Table 1's numbers add up
+    factors = [
+        [t.youngs_modulus_factor, t.collapse_moment_factor, t.hinge_stiffness_at(pressure)]
+        for t in (stout.tuning, slender.tuning)
+    ]
+    assert [[round(float(x), 12) for x in row] for row in factors] == [
+        [1.25, 1.1, 2.12],
+        [0.95, 0.75, 1.75],
+    ]
+    counts = [
+        [int(unit.count) for unit in example(f"kim2021_bundle_{name}").motor_units]
+        for name in ("1_1", "1_4", "five")
+    ]
+    assert counts == [[1, 1], [1, 4], [1] * 5]
+
+
+def test_an_unknown_example_suggests_the_nearest():
+    with pytest.raises(ValueError, match="did you mean kim2021_figure_6"):
+        example("kim2021_fig_6")

@@ -1,0 +1,118 @@
+import importlib.util
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from fascicle.describe import results
+from fascicle.describe.results import Variable
+
+
+FORCE = np.array([[1.5, np.nan], [-2.0, 0.1], [3.0, 4.0]])
+VARIABLES = {
+    "pressure": Variable(("pressure",), np.array([0.0, 1e5, 2e5]), "Pa", "gauge pressure"),
+    "strain": Variable(("strain",), np.array([0.0, 0.1]), "-", "contraction"),
+    "force": Variable(("pressure", "strain"), FORCE, "N", "pulling force", "a paper, (27)"),
+    "region": Variable(("pressure", "strain"), np.array([[0, 1], [0, 2], [0, 0]]), "-"),
+    "collapse": Variable(("pressure",), np.array([0.1, np.inf, np.inf]), "-"),
+    "parts": Variable(("unit", "pressure"), np.arange(6.0).reshape(2, 3), "N"),
+    "other": Variable(("unit", "root"), np.zeros((2, 5)), "-"),
+    "scheme": Variable((), np.asarray("orderly"), "-"),
+}
+
+
+def test_json_has_null_for_what_is_not_finite():
+    found = json.loads(results.to_json(VARIABLES))
+    assert found["force"] == [[1.5, None], [-2.0, 0.1], [3.0, 4.0]]
+    assert found["collapse"] == [0.1, None, None]
+    assert found["region"] == [[0, 1], [0, 2], [0, 0]]
+    assert found["scheme"] == "orderly"
+    assert list(found) == list(VARIABLES)
+
+
+def test_csv_has_a_row_for_each_point():
+    rows = [line.split(",") for line in results.to_csv(VARIABLES).splitlines()]
+    assert rows[0] == [
+        "pressure [Pa]", "strain [-]", "force [N]", "region [-]", "collapse [-]", "parts_1 [N]",
+        "parts_2 [N]", "scheme [-]",
+    ]  # fmt: skip
+    assert rows[1] == ["0.0", "0.0", "1.5", "0", "0.1", "0.0", "3.0", "orderly"]
+    assert rows[2] == ["0.0", "0.1", "nan", "1", "0.1", "0.0", "3.0", "orderly"]
+    assert rows[6] == ["200000.0", "0.1", "4.0", "0", "inf", "2.0", "5.0", "orderly"]
+    assert len(rows) == 7
+
+
+def test_csv_of_a_transposed_variable():
+    turned = VARIABLES | {"turned": Variable(("strain", "pressure"), FORCE.T, "N")}
+    rows = [line.split(",") for line in results.to_csv(turned).splitlines()]
+    assert [row[-1] for row in rows[1:]] == [row[2] for row in rows[1:]]
+
+
+def test_csv_of_coordinates_alone():
+    assert results.to_csv({"pressure": VARIABLES["pressure"]}).startswith("pressure [Pa]\n0.0\n")
+
+
+def test_datasets_say_unit_meaning_and_source():
+    found = results.dataset(VARIABLES, title="a test", source="ourselves")
+    assert found["force"].attrs == {
+        "units": "N", "long_name": "pulling force", "source": "a paper, (27)",
+    }  # fmt: skip
+    assert found["strain"].attrs["units"] == "1"
+    assert found["region"].attrs["source"] == "ourselves"
+    assert set(found.coords) == {"pressure", "strain"}
+    assert found.attrs == {"title": "a test", "source": "ourselves"}
+
+
+@pytest.mark.parametrize("name", ["x.nc", "x.zarr"])
+def test_what_is_written_reads_back(tmp_path, name):
+    if name == "x.zarr" and importlib.util.find_spec("zarr") is None:
+        pytest.skip("zarr comes with an extra")
+    for _ in range(2):  # the second replaces the first
+        results.write(VARIABLES, tmp_path / name, source="ourselves")
+        again = results.read(tmp_path / name)
+        for key, variable in VARIABLES.items():
+            assert_array_equal(again[key].values, variable.values)
+            assert again[key].attrs["units"] == (variable.unit if variable.unit != "-" else "1")
+        assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_text_formats_by_their_ending(tmp_path):
+    results.write(VARIABLES, tmp_path / "x.csv")
+    results.write(VARIABLES, tmp_path / "x.JSON")
+    assert (tmp_path / "x.csv").read_text() == results.to_csv(VARIABLES)
+    assert (tmp_path / "x.JSON").read_text() == results.to_json(VARIABLES) + "\n"
+
+
+def test_zarr_that_is_not_there_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    with pytest.raises(
+        ValueError, match=r"needs the package zarr: pip install 'fascicle\[sweep\]'"
+    ):
+        results.check_result_path(tmp_path / "x.zarr")
+
+
+def test_a_folder_that_is_no_store_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
+    (tmp_path / "x.zarr").mkdir()
+    with pytest.raises(ValueError, match="it isn't replaced"):
+        results.check_result_path(tmp_path / "x.zarr")
+
+
+def test_a_failure_leaves_what_was_there(tmp_path):
+    path = tmp_path / "x.nc"
+    path.write_bytes(b"old")
+    broken = VARIABLES | {"bad": Variable(("pressure",), np.zeros(7), "-")}
+    with pytest.raises(ValueError, match="conflicting sizes"):
+        results.write(broken, path)
+    assert path.read_bytes() == b"old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["x.nc"]
+
+
+@pytest.mark.parametrize("name", ["x.xls", "x", "x.nc.txt"])
+def test_refuses_other_endings(tmp_path, name):
+    with pytest.raises(ValueError, match="must end in"):
+        results.write(VARIABLES, tmp_path / name)
+    with pytest.raises(ValueError, match=r"only \.nc and \.zarr"):
+        results.read(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []

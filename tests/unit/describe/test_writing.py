@@ -1,0 +1,171 @@
+import math
+
+import jax
+import jax.numpy as jnp
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fascicle.bundle import Bundle, MotorUnit
+from fascicle.describe import dumps, example, examples, load, loads, save
+from fascicle.muscle import Muscle, Tuning
+from fascicle.muscle.buckling import Kim2021
+from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.materials import MATERIALS, MooneyRivlin
+from fascicle.muscle.muscle import BUCKLING_LAWS
+from fascicle.muscle.tension import TENSION_LAWS
+
+
+def bits(obj):
+    """Kinds of laws and the exact values of all parameters."""
+    leaves, structure = jax.tree.flatten(obj)
+    return structure, [
+        (jnp.asarray(x).dtype, x.shape, x.tobytes()) for x in map(jnp.asarray, leaves)
+    ]
+
+
+def floats(low, high):
+    return st.floats(low, high, allow_nan=False)
+
+
+# plain data: muscles are built in the tests, outside of Hypothesis's own bookkeeping
+materials = st.sampled_from(sorted(MATERIALS)) | st.fixed_dictionaries(
+    {"c10": floats(1e3, 1e6), "c01": floats(1e3, 1e6), "youngs_modulus": floats(1e4, 1e7),
+     "poisson_ratio": floats(0, 0.5)}
+)  # fmt: skip
+rows = st.tuples(floats(1.0, 1e6), floats(-50, 50), floats(0.1, 3))
+tables = st.lists(rows, max_size=4, unique_by=lambda row: row[0]).map(sorted)
+tunings = st.fixed_dictionaries(
+    {"table": tables, "youngs_modulus_factor": floats(0.1, 5),
+     "collapse_moment_factor": floats(0.1, 5), "hinge_stiffness_factor": floats(0.1, 5),
+     "hinge_stiffness_slope": st.just(0.0) | floats(0, 1e-4),
+     "transition_rate": st.none() | floats(1, 500)}
+)  # fmt: skip
+muscles = st.fixed_dictionaries(
+    {"length": floats(0.05, 0.5), "outer_radius": floats(1e-3, 0.05), "wall": floats(0.05, 0.9),
+     "braid_angle": floats(0.1, 0.95), "material": materials,
+     "tension": st.sampled_from(sorted(TENSION_LAWS)),
+     "buckling": st.sampled_from(sorted(BUCKLING_LAWS)),
+     "collapse": st.sampled_from(sorted(COLLAPSE_LAWS)), "factor": st.just(1.0) | floats(0.1, 3),
+     "post_collapse": st.sampled_from(sorted(POST_COLLAPSE_LAWS)),
+     "transition_rate": floats(1, 500), "tuning": st.none() | tunings}
+)  # fmt: skip
+
+
+def build(wall, factor, collapse, material, tuning, **rest):
+    if tuning is not None:
+        table, factors = tuning["table"], {k: x for k, x in tuning.items() if k != "table"}
+        tuning = Tuning(*([row[i] for row in table] for i in range(3)), **factors)
+    return Muscle.from_dimensions(
+        wall_thickness=rest["outer_radius"] * wall,
+        material=material if isinstance(material, str) else MooneyRivlin(**material),
+        collapse=COLLAPSE_LAWS[collapse](factor),
+        tuning=tuning,
+        **rest,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(muscles)
+def test_a_muscle_reads_back_bitwise(parameters):
+    muscle = build(**parameters)
+    assert bits(loads(dumps(muscle))) == bits(muscle)
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.lists(muscles, min_size=1, max_size=3),
+    st.lists(st.tuples(st.integers(0, 2), st.integers(1, 9)), min_size=1, max_size=4),
+    st.none() | floats(1, 1e6),
+    st.sampled_from(["orderly", "batch"]),
+)
+def test_a_bundle_reads_back_bitwise(parameters, units, supply_pressure, scheme):
+    # rigid plates want one length
+    kinds = [build(**(one | {"length": 0.127})) for one in parameters]
+    units = [MotorUnit(kinds[which % len(kinds)], count) for which, count in units]
+    bundle = Bundle(units, supply_pressure, scheme)
+    assert bits(loads(dumps(bundle))) == bits(bundle)
+
+
+@pytest.mark.parametrize("name", examples())
+def test_examples_read_back_through_a_file(name, tmp_path):
+    path = tmp_path / "m.toml"
+    save(example(name), path)
+    assert bits(load(path)) == bits(example(name))
+
+
+def test_writes_what_people_would():
+    text = dumps(example("kim2021_slenderness_8"))
+    for line in (
+        'length = "102 mm"',
+        'outer_radius = "6.35 mm"',
+        'braid_angle = "33 deg"',
+        'material = "silicone_kim2021"',
+        "transition_rate = 25",
+        'hinge_stiffness_factor = { constant = 1.25, slope = "0.87 1/bar" }',
+    ):
+        assert line in text.splitlines()
+    assert "tuning" not in dumps(example("kim2021_figure_6"))
+
+
+def test_refuses_what_a_file_cannot_describe(tmp_path):
+    path = tmp_path / "m.toml"
+    several = Muscle.from_dimensions(jnp.array([0.1, 0.2]), 0.01, 0.002, 0.5)
+    muscle = Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5)
+
+    class Stiffer(Kim2021):
+        pass
+
+    mine = Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5, buckling=Stiffer())
+    for obj, words in (
+        (3, "only a Muscle or a Bundle can be saved, got int"),
+        (MotorUnit(muscle), "got MotorUnit"),
+        (several, r"`length` has the shape \(2,\)"),
+        (mine, "`buckling` can be saved if it is one of"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            save(obj, path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_what_cannot_be_written(tmp_path):
+    muscle = example("kim2021_figure_6")
+    (tmp_path / "file").write_text("kept")
+    for path, words in (
+        (tmp_path, "it is a folder"),
+        (tmp_path / "no" / "m.toml", "no such folder"),
+        (tmp_path / "file" / "m.toml", "no such folder"),
+        ("/dev/null", "no regular file"),
+        ("a\0b", "can't be written"),
+        ("x" * 300, "can't be written"),
+    ):
+        with pytest.raises(OSError, match=words) as caught:
+            save(muscle, path)
+        assert "\n" not in str(caught.value)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+def test_replaces_a_file_whole_and_follows_links(tmp_path):
+    path, link = tmp_path / "m.toml", tmp_path / "link.toml"
+    path.write_text("old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    save(example("kim2021_figure_6"), link)
+    assert link.is_symlink()
+    assert math.isclose(load(path).length, 0.127)
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["link.toml", "m.toml"]
+
+
+def test_leaves_the_old_file_when_writing_fails(tmp_path, monkeypatch):
+    path = tmp_path / "m.toml"
+    path.write_text("old")
+
+    def full(self, target):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        save(example("kim2021_figure_6"), path)
+    assert path.read_text() == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["m.toml"]

@@ -1,0 +1,192 @@
+import contextlib
+import math
+import subprocess
+import sys
+
+import pint
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fascicle.units import DIMENSIONS, MAX_POINTS, exact, parse, parse_list, pretty
+
+
+REGISTRY = pint.UnitRegistry()
+UNITS = [(kind, unit) for kind, d in DIMENSIONS.items() for unit in d.factors]
+
+
+@pytest.mark.parametrize(("kind", "unit"), UNITS)
+def test_the_table_agrees_with_pint(kind, unit):
+    si = DIMENSIONS[kind].si.replace("^", "**") or "dimensionless"
+    theirs = REGISTRY.Quantity(1.0, REGISTRY.parse_units(unit.replace("^", "**"))).to(si)
+    # pint multiplies a few rounded floats: some last bits apart, no more
+    assert parse(f"1 {unit}", kind) == pytest.approx(theirs.magnitude, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("34.5kPa", "pressure", 34.5e3),
+        ("5 psi", "pressure", 34473.78646584),  # pint's own digits, to the last one given
+        ("1.2 bar", "pressure", 1.2e5),
+        ("6.35 mm", "length", 6.35e-3),
+        ("0.25in", "length", 0.00635),
+        ("33 deg", "angle", math.radians(33)),
+        ("33°", "angle", math.radians(33)),
+        ("0.576 rad", "angle", 0.576),
+        ("-2 lbf", "force", -8.896443230521),
+        ("1e-5 m³", "volume", 1e-5),
+        ("1e-5 m**3", "volume", 1e-5),
+        ("0.033 N m", "moment", 0.033),
+        ("0.033 N·m", "moment", 0.033),
+        ("0.92 1/bar", "inverse_pressure", 0.92e-5),
+        ("0.92 / bar", "inverse_pressure", 0.92e-5),
+        ("0.92 bar^-1", "inverse_pressure", 0.92e-5),
+        ("5 N/mm", "stiffness", 5000.0),
+        ("12 %", "strain", 0.12),
+        ("0.12", "strain", 0.12),
+        (0.12, "strain", 0.12),
+        (1, "number", 1.0),
+        ("2 yard", "length", 1.8288),  # not in the table: pint's
+        ("3 dyn/cm^2", "pressure", 0.3),
+    ],
+)
+def test_reads_what_people_write(text, kind, value):
+    assert parse(text, kind) == pytest.approx(value, rel=1e-13)
+
+
+def test_rounds_once():
+    # 6.35 × 0.001 in floats is 6.35e-3 only by luck; as a rational it always is
+    for mantissa in range(1, 2000):
+        assert parse(f"{mantissa / 100} mm", "length") == float(f"{mantissa / 100}e-3")
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "words"),
+    [
+        ("34.5", "pressure", "bare number 34.5: write it with its unit"),
+        (34.5, "pressure", "bare number 34.5: write it with its unit"),
+        (0, "length", "bare number 0"),
+        ("34.5 mm", "pressure", "'mm' is no unit of pressure"),
+        ("12 kPa", "strain", "'kPa' is no unit of strain"),
+        ("5 kpa", "pressure", "did you mean 'kPa'"),
+        ("5 psig", "pressure", "did you mean 'psi'"),
+        ("5 furlongish", "length", "unknown unit"),
+        ("nan Pa", "pressure", "must be finite"),
+        ("NaN", "strain", "must be finite"),
+        (math.nan, "strain", "must be finite"),
+        ("-inf kPa", "pressure", "must be finite"),
+        ("1e400 Pa", "pressure", "must be finite"),
+        ("1e308 kPa", "pressure", "must be finite"),
+        ("34,5 kPa", "pressure", "decimals after a point"),
+        ("kPa", "pressure", "start with a number"),
+        ("", "strain", "start with a number"),
+        ("1" * 101 + " Pa", "pressure", "start with a number"),
+        ("2 m**(9**9**9)", "length", "unknown unit"),
+        ("2 __import__('os')", "length", "unknown unit"),
+        ("2 m\nm", "length", "'m\\nm' is no unit of length"),
+        (True, "strain", "got True"),
+        (None, "length", "got None"),
+        ([1], "strain", "got [1]"),
+    ],
+)
+def test_refuses_in_one_line_what_it_cannot_read(text, kind, words):
+    with pytest.raises(ValueError, match=r"^`it` must be a") as caught:
+        parse(text, kind, "it")
+    message = str(caught.value)
+    assert words in message
+    assert "\n" not in message
+    assert len(message) < 200
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(DIMENSIONS)))
+def test_exact_text_reads_back_bitwise(value, kind):
+    again = parse(exact(value, kind), kind)
+    assert again == value
+    assert math.copysign(1, again) == math.copysign(1, value)
+
+
+def test_exact_text_is_handy_where_it_can_be():
+    assert exact(0.00635, "length") == "6.35 mm"
+    assert exact(math.radians(33), "angle") == "33 deg"
+    assert exact(413.7e3, "pressure") == "413.7 kPa"
+    assert exact(0.92e-5, "inverse_pressure") == "0.92 1/bar"
+    assert exact(0.1 + 0.2, "length") == "0.30000000000000004 m"
+    assert exact(1.25, "number") == "1.25"
+
+
+def test_pretty_text():
+    assert pretty(34.5e3, "pressure") == "34.5 kPa"
+    assert pretty(0.25, "strain") == "0.25"
+    assert pretty(math.inf, "strain") == "-"
+
+
+def test_a_range_holds_both_ends_and_the_numbers_written():
+    assert parse_list("0:0.33:0.03", "strain") == [float(f"0.{3 * i:02d}") for i in range(12)]
+    pressures = parse_list("0kPa:413.7kPa:68.95kPa", "pressure")
+    assert pressures == [0, 68.95e3, 137.9e3, 206.85e3, 275.8e3, 344.75e3, 413.7e3]
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("0.1", [0.1]),
+        ("0.2, 0.1", [0.2, 0.1]),
+        ("0:0.1:0.03", [0, 0.03, 0.06, 0.09, 0.1]),  # the last step is the shorter one
+        ("0.1:0:-0.05", [0.1, 0.05, 0]),
+        ("0.1:0.1:0.3", [0.1]),
+        ("0:0.1:0.3", [0, 0.1]),
+        ("0.5,0:0.2:0.1", [0.5, 0, 0.1, 0.2]),
+        ("0:10%:5%", [0, 0.05, 0.1]),
+    ],
+)
+def test_lists_and_ranges(text, values):
+    assert parse_list(text, "strain") == values
+
+
+def test_a_range_in_rounded_units_has_no_point_too_many():
+    assert len(parse_list("0deg:33deg:11deg", "angle")) == 4
+    assert len(parse_list("0yard:3yard:0.1yard", "length")) == 31
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0:0.1", "write start:stop:step"),
+        ("0:1:2:3", "write start:stop:step"),
+        ("0:1:0", "step must not be 0"),
+        ("0:1:-0.1", "step leads away"),
+        ("1:0:0.1", "step leads away"),
+        ("0:1:nan", "must be finite"),
+        ("0:1:1e-9", f"more than {MAX_POINTS}"),
+        ("0:1:1e-300", f"more than {MAX_POINTS}"),
+        (",".join(["0:1:2e-5"] * 3), f"more than {MAX_POINTS}"),
+        ("0.1,", "empty entry"),
+        ("", "empty entry"),
+    ],
+)
+def test_refuses_a_bad_list(text, words):
+    with pytest.raises(ValueError, match=r"^`--strain` (has|must)") as caught:
+        parse_list(text, "strain", "--strain")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_needs_pint_only_for_rare_units():
+    code = (
+        "import sys, fascicle.units as units; units.parse('5 psi', 'pressure');"
+        "assert 'pint' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@given(st.text(st.characters(codec="utf-8"), max_size=12))
+def test_never_fails_in_another_way(unit):
+    with contextlib.suppress(ValueError):
+        parse(f"1 {unit}", "pressure")
+
+
+@pytest.mark.parametrize("unit", ["cp^0", "absiemens^2*dBW^2", "lambda", "ΔdegRe", "None"])
+def test_refuses_what_trips_pint(unit):
+    with pytest.raises(ValueError, match="`pressure` must be a pressure"):
+        parse(f"1 {unit}", "pressure")
