@@ -1,0 +1,20 @@
+import fascicle
+
+
+# the public face; a name leaves it only through a deprecation
+EXPORTS = [
+    "Bundle", "MooneyRivlin", "MotorUnit", "Muscle", "Tuning", "energetics", "example", "examples",
+    "load", "materials", "recruitment", "reversal", "save",
+]  # fmt: skip
+
+
+def test_public_names():
+    assert sorted(fascicle.__all__) == EXPORTS
+
+
+def test_every_public_name_resolves():
+    assert all(getattr(fascicle, name) is not None for name in EXPORTS)
+
+
+def test_dir_lists_the_lazy_names_too():
+    assert set(EXPORTS) <= set(dir(fascicle))

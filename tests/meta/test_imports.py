@@ -1,0 +1,63 @@
+"""What an import costs: the laws load JAX and its kin alone, the help not even that."""
+
+import json
+import subprocess
+import sys
+
+
+HEAVY = {
+    "dask", "diffrax", "fascicle.cli", "IPython", "matplotlib", "netCDF4", "pandas", "panel",
+    "pint", "plotly", "pydantic", "rich", "typer", "xarray", "zarr",
+}  # fmt: skip
+
+
+def loaded(statements: str) -> set[str]:
+    """Modules that a fresh interpreter holds after `statements`."""
+    code = f"import json, sys\n{statements}\nprint('\\n' + json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_importing_the_package_loads_no_files_results_or_pictures():
+    assert not loaded("import fascicle") & HEAVY
+
+
+def test_the_laws_load_no_files_results_or_pictures():
+    modules = loaded(
+        "import fascicle as fs\n"
+        "m = fs.Muscle.from_dimensions("
+        "length=0.127, outer_radius=6.35e-3, wall_thickness=1.6e-3, braid_angle=0.576)\n"
+        "m.force(1e5, 0.1)\n"
+        "fs.Bundle([fs.MotorUnit(m)]).force([1e5], 0.1)"
+    )
+    assert not modules & HEAVY
+    assert "jax" in modules
+
+
+def test_help_loads_no_jax():
+    modules = loaded(
+        "from fascicle.cli import main\n"
+        "sys.argv = ['fascicle', '--help']\n"
+        "try:\n    main()\n"
+        "except SystemExit as end:\n    assert end.code in (0, None)\n"
+    )
+    assert not modules & {"jax", "jaxlib", "equinox", "numpy", "xarray", "matplotlib", "pint"}
+
+
+def test_importing_switches_to_double_precision():
+    assert "jax" in loaded(
+        "import fascicle, jax.numpy as jnp\nassert jnp.asarray(1.0).dtype == 'float64'"
+    )
+
+
+def test_single_precision_asked_for_is_kept_and_warned_about_once():
+    loaded(
+        "import os, warnings\nos.environ['JAX_ENABLE_X64'] = '0'\n"
+        "with warnings.catch_warnings(record=True) as caught:\n"
+        "    warnings.simplefilter('always')\n"
+        "    import fascicle, jax.numpy as jnp\n"
+        "ours = [w for w in caught if 'JAX_ENABLE_X64' in str(w.message)]\n"
+        "assert len(ours) == 1, caught\n"
+        "assert jnp.asarray(1.0).dtype == 'float32'"
+    )

@@ -1,0 +1,24 @@
+"""The README's lines are run, and print what stands below them."""
+
+import contextlib
+import io
+import re
+from pathlib import Path
+
+
+README = Path(__file__).parents[2] / "README.md"
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+def test_the_python_block_prints_what_the_readme_shows():
+    blocks = BLOCK.findall(README.read_text(encoding="utf-8"))
+    first = next((i for i, (language, _) in enumerate(blocks) if language == "python"), None)
+    assert first is not None, "the README shows no Python"
+    assert first + 1 < len(blocks), "no output stands below the README's Python"
+    language, shown = blocks[first + 1]
+    assert language == "text", "the block below the README's Python is its output, as ```text"
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(blocks[first][1], "README.md", "exec"), {"__name__": "__main__"})  # noqa: S102 the README is ours
+    assert printed.getvalue().strip() == shown.strip()
+    assert printed.getvalue().strip()

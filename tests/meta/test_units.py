@@ -1,0 +1,177 @@
+"""Every public argument and return has its unit: the docstrings are read, and held to it.
+
+The long form has `**Arguments:**` with an entry for each parameter and `**Returns:**`; the short
+form is one paragraph that gives the result's unit and its arguments'.
+"""
+
+import ast
+import inspect
+import re
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import fascicle
+from fascicle.muscle.buckling import BUCKLING_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.column import Centerline
+from fascicle.muscle.muscle import Response
+from fascicle.muscle.tension import TENSION_LAWS
+
+
+# SI only: a [kPa] is not found, and so fails
+UNITS = {
+    "-", "1/Pa", "1/s", "J", "J/m³", "N", "N/m", "N·m", "N·m²", "N·s", "Pa", "W", "kg", "m", "m²",
+    "m³", "m³/s", "m⁴", "m/s", "rad", "s",
+}  # fmt: skip
+UNIT = re.compile(r"\[(" + "|".join(re.escape(unit) for unit in sorted(UNITS)) + r")\]")
+SECTION = re.compile(
+    r"\*\*(Arguments|Returns|Raises|Source):\*\*(.*?)(?=\*\*\w+:\*\*|\Z)", re.DOTALL
+)
+SAME_AS = re.compile(r"those of `(\w+)`")
+REGISTRIES = (TENSION_LAWS, BUCKLING_LAWS, COLLAPSE_LAWS, POST_COLLAPSE_LAWS)
+
+
+def faults(function: Callable, owner: type | None = None) -> list[str]:
+    """What `function`'s docstring fails to say."""
+    doc = inspect.getdoc(function) or ""
+    if not doc:
+        return ["no docstring"]
+    signature = inspect.signature(function)
+    parameters = [name for name in signature.parameters if name not in ("self", "cls")]
+    sections = {head: text.strip() for head, text in SECTION.findall(doc)}
+    if not sections.keys() & {"Arguments", "Returns"}:
+        # the short form
+        needed = 1 + bool(parameters) if gives_a_result(function) else bool(parameters)
+        found = len(UNIT.findall(doc))
+        return [f"{found} units, needs {needed}"] if found < needed else []
+    wrong = []
+    arguments = sections.get("Arguments", "")
+    if (same := SAME_AS.search(arguments)) and owner is not None:
+        arguments = dict(SECTION.findall(inspect.getdoc(getattr(owner, same.group(1))) or ""))[
+            "Arguments"
+        ]
+    for name in parameters:
+        entry = re.search(rf"(?:\A|- |; )`{name}`(.*?)(?=\n- `|; `|\Z)", arguments, re.DOTALL)
+        if entry is None:
+            wrong.append(f"`{name}` is not among its arguments")
+        elif not UNIT.search(entry.group(1)):
+            wrong.append(f"`{name}` has no unit")
+    if gives_a_result(function) and not UNIT.search(sections.get("Returns", "")):
+        wrong.append("its result has no unit")
+    return wrong
+
+
+def gives_a_result(function: Callable) -> bool:
+    """Whether the function gives back something that has a unit, if only [-]."""
+    result = inspect.signature(function).return_annotation
+    return function.__name__ != "__init__" and result not in (
+        None,
+        "None",
+        bool,
+        "bool",
+        str,
+        "str",
+    )
+
+
+def public_objects() -> Iterator[tuple[str, object]]:
+    """The exported names, modules opened."""
+    for name in fascicle.__all__:
+        thing = getattr(fascicle, name)
+        if not isinstance(thing, types.ModuleType):
+            yield name, thing
+            continue
+        for inner, value in vars(thing).items():
+            ours = getattr(value, "__module__", None) == thing.__name__
+            if ours and not inner.startswith("_") and callable(value):
+                yield f"{name}.{inner}", value
+
+
+def methods(owner: type) -> Iterator[tuple[str, Callable]]:
+    """Public methods, classmethods and properties that the package itself defines."""
+    for name in dir(owner):
+        found = inspect.getattr_static(owner, name)
+        function = (
+            found.fget
+            if isinstance(found, property)
+            else inspect.unwrap(getattr(owner, name, found))
+        )
+        if not inspect.isroutine(function) or (name.startswith("_") and name != "__init__"):
+            continue
+        written_here = getattr(function, "__module__", "").split(".")[0] == "fascicle"
+        # equinox writes an `__init__` where a class has none
+        if written_here and not (name == "__init__" and generated(function)):
+            yield name, function
+
+
+def generated(function: Callable) -> bool:
+    """Whether an `__init__` was written by equinox, not by us."""
+    return not (inspect.getdoc(function) or "").startswith("**")
+
+
+def cases() -> list:
+    found = []
+    for name, thing in public_objects():
+        if isinstance(thing, type):
+            found += [pytest.param(f, thing, id=f"{name}.{m}") for m, f in methods(thing)]
+        elif inspect.isroutine(thing) or hasattr(thing, "__wrapped__"):
+            found.append(pytest.param(thing, None, id=name))
+    return found
+
+
+@pytest.mark.parametrize(("function", "owner"), cases())
+def test_arguments_and_returns_have_units(function, owner):
+    assert not faults(function, owner)
+
+
+@pytest.mark.parametrize("record", [Centerline, Response])
+def test_results_give_their_fields_units(record):
+    assert UNIT.search(record.__doc__)
+
+
+@pytest.mark.parametrize("law", [law for laws in REGISTRIES for law in laws.values()])
+def test_registered_laws_give_units(law):
+    assert law.__doc__
+    for name, function in methods(law):
+        if name != "__init__":
+            assert UNIT.search(inspect.getdoc(function) or ""), name
+
+
+def test_the_reader_sees_a_missing_unit():
+    def good(pressure, strain) -> float:
+        """**Arguments:**
+
+        - `pressure`: gauge [Pa].
+        - `strain`: contraction [-].
+
+        **Returns:** force [N].
+        """
+
+    def bad(pressure, strain) -> float:
+        """**Arguments:**
+
+        - `pressure`: gauge [kPa].
+
+        **Returns:** force.
+        """
+
+    assert not faults(good)
+    assert faults(bad) == [
+        "`pressure` has no unit",
+        "`strain` is not among its arguments",
+        "its result has no unit",
+    ]
+
+
+def test_no_docstring_lost_a_backslash():
+    # "\alpha" in a plain string is a bell and "lpha"
+    control = re.compile(r"[\x00-\x08\x0b-\x1f]")
+    documented = ast.Module | ast.ClassDef | ast.FunctionDef
+    for path in Path(fascicle.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, documented):
+                doc = ast.get_docstring(node, clean=False) or ""
+                assert not control.search(doc), f"{path.name}: {doc[:60]!r}"
