@@ -26,6 +26,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from .._checks import concrete, one_of, within
+from .._methods import compilable
 from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
@@ -109,6 +110,7 @@ class Bundle(eqx.Module):
         """Muscles in each motor unit [-], on the last axis."""
         return jnp.stack([unit.count for unit in self.motor_units], axis=-1)
 
+    @compilable
     def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
         """Pulling force of all units together, equation (B1).
 
@@ -124,6 +126,7 @@ class Bundle(eqx.Module):
         """
         return jnp.sum(self.unit_forces(pressures, strain, resistance), axis=-1)
 
+    @compilable
     def unit_forces(self, pressures: Values, strain: Values, resistance: bool = True) -> PerUnit:
         """Pulling force of each motor unit, its muscles together.
 
@@ -140,6 +143,7 @@ class Bundle(eqx.Module):
         P, eps = self._pressures(pressures), self._strain(strain)
         return _unit_forces(self, P, eps, bool(resistance))
 
+    @compilable
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
         """Smallest strain at which the force vanishes; without resistance, the largest.
 
@@ -154,6 +158,7 @@ class Bundle(eqx.Module):
         """
         return _free_strain(self, self._pressures(pressures), bool(resistance))
 
+    @compilable
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
 

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._checks import concrete, one_of, positive, within
+from .._methods import compilable
 from .._types import Batch, Values
 from .bladder import Bladder
 from .braid import Braid
@@ -153,6 +154,7 @@ class Muscle(eqx.Module):
         """Length over diameter at rest, $L_0/(2 r_0)$ [-] [R15]."""
         return self.length / (2 * self.outer_radius)
 
+    @compilable
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force, equation (27).
 
@@ -167,6 +169,7 @@ class Muscle(eqx.Module):
         """
         return _force(self, *self._checked(pressure, strain))
 
+    @compilable
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
 
@@ -181,6 +184,7 @@ class Muscle(eqx.Module):
         """
         return _response(self, *self._checked(pressure, strain))
 
+    @compilable
     def free_strain(self, pressure: Values) -> Batch:
         """Strain at which the force vanishes.
 
@@ -190,6 +194,7 @@ class Muscle(eqx.Module):
         """
         return _free_strain(self, _pressure(pressure))
 
+    @compilable
     def blocked_force(self, pressure: Values) -> Batch:
         """Force at rest length.
 
@@ -199,6 +204,7 @@ class Muscle(eqx.Module):
         """
         return _blocked_force(self, _pressure(pressure))
 
+    @compilable
     def collapse_strain(self, pressure: Values) -> Batch:
         """Strain at which the buckled bladder collapses.
 
@@ -208,6 +214,7 @@ class Muscle(eqx.Module):
         """
         return _collapse_strain(self, _pressure(pressure))
 
+    @compilable
     def collapse_moment(self, pressure: Values) -> Batch:
         """Moment at which the bladder collapses, with the tuning's factors.
 
@@ -217,6 +224,7 @@ class Muscle(eqx.Module):
         """
         return _collapse_moment(self, _pressure(pressure))
 
+    @compilable
     def volume(self, strain: Values) -> Batch:
         """Volume of the fluid inside; the bladder's own is taken off [R17].
 
@@ -227,6 +235,7 @@ class Muscle(eqx.Module):
         _, eps = self._checked(0.0, strain)
         return self.braid.volume(eps) - self.bladder.volume
 
+    @compilable
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
 
@@ -237,6 +246,7 @@ class Muscle(eqx.Module):
         _, eps = self._checked(0.0, strain)
         return self.braid.radius_at(eps)
 
+    @compilable
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """How far the axis bows out at the middle.
 
@@ -249,6 +259,7 @@ class Muscle(eqx.Module):
         """
         return _deflection(self, *self._checked(pressure, strain))
 
+    @compilable
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
 
@@ -261,6 +272,7 @@ class Muscle(eqx.Module):
         """
         return _moment(self, *self._checked(pressure, strain))
 
+    @compilable
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
 

@@ -1,0 +1,61 @@
+"""Sphinx: Markdown pages, executed; docstrings in the same Markdown; no outside request."""
+
+import importlib.metadata
+import logging
+import os
+import sys
+from pathlib import Path
+
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+
+# pages share what they compile, and a rebuild compiles nothing
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(HERE / "_build" / "compiled"))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+logging.getLogger("traitlets").setLevel(logging.WARNING)
+
+project = "fascicle"
+author = "the fascicle maintainers"
+copyright = "the fascicle maintainers, Apache-2.0"
+release = version = importlib.metadata.version("fascicle")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx-mathjax-offline",
+    "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
+    "offline",  # _ext: a page that would ask another server fails the build
+]
+exclude_patterns = ["_build", "_ext", "jupyter_execute"]
+nitpicky = True
+nitpick_ignore_regex = [
+    # bases and fields from elsewhere, whose pages are on another server
+    ("py:.*", r"(equinox|jax|jaxtyping|numpy|collections|typing|types|abc|builtins)\..*"),
+]
+
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+math_number_all = False
+
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_execution_show_tb = True
+nb_merge_streams = True
+nb_render_image_options = {"width": "90%"}
+
+autodoc_default_options = {"members": True, "member-order": "bysource"}
+# the docstrings say type and unit in words
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+autoclass_content = "both"
+
+html_theme = "furo"
+html_title = f"fascicle {release}"
+html_copy_source = False
+html_show_sphinx = False
+html_static_path = ["_static"]
+html_css_files = ["equations.css"]
+html_theme_options = {"navigation_with_keys": True}
