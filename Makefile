@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
 
-.PHONY: setup reproduce test lint types layers unit docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -22,6 +22,10 @@ $(STAMP): requirements.lock pyproject.toml
 reproduce: $(STAMP)
 	$(BIN)/fascicle reproduce kim2021 --out out/kim2021
 
+# the README shows the reproduction's own Fig. 9
+picture: reproduce
+	cp out/kim2021/figure_09.png docs/_static/readme.png
+
 test: lint types layers unit docs
 
 lint: $(STAMP)
@@ -35,10 +39,10 @@ layers: $(STAMP)
 	$(BIN)/lint-imports
 
 unit: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 slow: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS) -m slow
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m slow
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
