@@ -1,0 +1,87 @@
+"""Fig. 3: the lengths of a muscle at its free strain and in the post-buckling state."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...describe.results import Variable
+from ...plot.shapes import dimension
+from ...plot.style import in_kilopascals, styled
+from ..claims import Claim
+from ..record import Record
+from . import setting
+from .pair import draw_pair
+from .progression import BENT, PRESSURE, Progression, progression
+
+
+def compute() -> Record:
+    """Fig. 2's (b) and (c) again, with what (8) to (12) call the lengths."""
+    p = progression()
+    return Record(
+        key="figure_03",
+        title="Fig. 3. Parameters at free strain and in the post-buckling state",
+        conditions=(
+            f"Fig. 6's muscle: {setting.sizes(p.muscle)}; {in_kilopascals(PRESSURE)}.",
+            f"(a) at the free strain {p.free_strain:.4f}, (b) at ε = {p.strain[BENT]:.4f}, to "
+            "scale.",
+        ),
+        data=_data(p),
+        draw=lambda: draw(p),
+        claims=_claims(p),
+    )
+
+
+def lengths(p: Progression) -> dict[str, float]:
+    """Lengths [m] of the bent state: $L_{fs}$, $x$, chord, and (10) with and without springs."""
+    L_fs, x = p.free_length, p.compression(BENT)
+    return {
+        "free_length": L_fs,
+        "compression": x,
+        "chord": L_fs - x,
+        "deflection": float(-p.outlines[BENT].y.min()),
+        "inextensible_deflection": float(np.sqrt(4 * x * (L_fs - x)) / np.pi),
+    }
+
+
+@styled
+def draw(p: Progression) -> Figure:
+    """The muscle at free strain and bent, with dimension lines."""
+    figure, ax, level = draw_pair(p, BENT, "post-buckling")
+    found = lengths(p)
+    middle, y_max = found["chord"] * 1e3 / 2, found["deflection"] * 1e3
+    dimension(ax, (middle, level), (middle, level - y_max), rf"$y'_{{max}}$ = {y_max:.1f} mm")
+    return figure
+
+
+def _data(p: Progression) -> dict[str, Variable]:
+    about = {
+        "free_length": ("length at free strain", ""),
+        "compression": ("compression past it", ""),
+        "chord": ("distance of the ends", ""),
+        "deflection": ("largest deflection, with the shortened arc", "(10), (15)"),
+        "inextensible_deflection": ("largest deflection, if the axis kept its length", "(10)"),
+    }
+    bent = p.outlines[BENT]
+    return {
+        "point": Variable(("point",), np.linspace(0, 1, bent.z.size), "-", "share of the chord"),
+        "z": Variable(("point",), bent.z, "m", "centerline, along", "(8)"),
+        "y": Variable(("point",), bent.y, "m", "centerline, across", "(8)"),
+        **{name: Variable((), value, "m", *about[name]) for name, value in lengths(p).items()},
+    }
+
+
+def _claims(p: Progression) -> tuple[Claim, ...]:
+    bent = p.outlines[BENT]
+    mode = bent.y.min() / 2 * (1 - np.cos(2 * np.pi * bent.z / bent.z[-1]))
+    off = float(np.abs(bent.y - mode).max())
+    return (
+        Claim(
+            "section 3.2",
+            "The buckled axis has the first mode shape of a column with clamped ends: level at "
+            "both "
+            "ends, largest deflection in the middle.",
+            f"The drawn centerline is within {off:.0e} m of that cosine, its deflection "
+            f"{-bent.y.min() * 1e3:.2f} mm at the middle.",
+            # rounding of coordinates of a tenth of a meter
+            holds=bool(off < 1e-12 and np.argmin(bent.y) == bent.y.size // 2),
+        ),
+    )

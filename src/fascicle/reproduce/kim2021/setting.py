@@ -1,0 +1,82 @@
+"""What the figures share: the paper's muscles, pressures and the range it tested.
+
+Every muscle is a named example, so its sizes stand in one file with their source.
+"""
+
+from functools import cache
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from ...bundle import Bundle, MotorUnit
+from ...describe import example
+from ...muscle import Muscle, Tuning
+from ...muscle.materials import MooneyRivlin
+from ...plot.components import Components, components_of
+
+
+PRESSURES = np.array([0.0, 34.5, 68.9, 103.4, 137.9, 344.7]) * 1e3  # Pa, Figs 6, 7 and 12
+FIGURE_6, FIGURE_12 = [0, 1, 4, 5], [0, 1, 2, 3, 4]  # which of them
+STRAIN = np.linspace(0.0, 0.3, 301)
+TABLE = np.linspace(0.0, 413.7e3, 13)  # Pa, of C1 and C2: every 5 psi, as tested
+HIGHEST = 413.7e3  # Pa, the largest pressure tested, and the supply's in sections 4.1 and 4.2
+UNIT_1 = 344.7e3  # Pa, motor unit 1 in section 6
+UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
+
+
+def muscle(name: str) -> Muscle:
+    """The named example `kim2021_` + `name`, in one form: its transition rate on the muscle
+    itself, its C1 and C2 written out as tables, so that all are compiled once.
+    """
+    found = example(f"kim2021_{name}")
+    assert isinstance(found, Muscle)
+    t = found.tuning
+    rate = found.transition_rate if t.transition_rate is None else t.transition_rate
+    c1, c2 = np.asarray(t.c1_at(TABLE)), np.asarray(t.c2_at(TABLE))
+    return eqx.tree_at(lambda m: (m.transition_rate, m.tuning), found, (rate, tuned(t, c1, c2)))
+
+
+def tuned(like: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
+    """A tuning with the factors of another and `c1` [N], `c2` [-] at the pressures of `TABLE`."""
+    return Tuning(
+        TABLE, c1, c2,
+        youngs_modulus_factor=like.youngs_modulus_factor,
+        collapse_moment_factor=like.collapse_moment_factor,
+        hinge_stiffness_factor=like.hinge_stiffness_factor,
+        hinge_stiffness_slope=like.hinge_stiffness_slope,
+    )  # fmt: skip
+
+
+@cache
+def forces(name: str) -> Components:
+    """Forces of a named muscle at `PRESSURES` and `STRAIN`, computed once."""
+    return components_of(muscle(name), PRESSURES, STRAIN)
+
+
+def bundle(of: Muscle, counts: tuple[int, ...], supply_pressure: float) -> Bundle:
+    """A bundle of motor units with `counts` of one muscle, at `supply_pressure` [Pa]."""
+    return Bundle([MotorUnit(of, count) for count in counts], supply_pressure)
+
+
+def tested(of: Muscle) -> float:
+    """The largest strain tested [-]: section 5.3 drives to the free strain at 413.7 kPa."""
+    return float(of.free_strain(HIGHEST))
+
+
+def sizes(of: Muscle) -> str:
+    """A line about a muscle's sizes and material, read from the muscle."""
+    length, radius, wall = (1e3 * float(x) for x in (of.length, of.outer_radius, of.wall_thickness))
+    rubber = of.material
+    assert isinstance(rubber, MooneyRivlin)
+    return (
+        f"L₀ {length:.4g} mm, r₀ {radius:.4g} mm, t₀ {wall:.4g} mm, "
+        f"α₀ {float(np.degrees(of.braid_angle)):.3g}°; "
+        f"E {float(rubber.youngs_modulus) / 1e6:.3g} MPa, "
+        f"C₁₀ {float(rubber.c10) / 1e3:.4g} and C₀₁ {float(rubber.c01) / 1e3:.4g} kPa"
+    )
+
+
+def array(values: Any) -> np.ndarray:
+    """Anything numeric as NumPy."""
+    return np.asarray(values, dtype=float)

@@ -1,0 +1,48 @@
+import re
+
+import pytest
+
+from fascicle.reports import Page, data_uri, prose, verdict
+
+
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
+
+
+def page() -> str:
+    made = Page("A <title>")
+    made.heading("First", "first")
+    made.paragraph("1 < 2 & `code`", "lead")
+    made.points(["one", "two"])
+    made.links({"down": "#first"})
+    made.picture(SVG, "svg", 'a "picture"', 0.088)
+    made.table(("claim", "verdict"), [("a", verdict("holds"))])
+    made.files(["figure.csv"])
+    return made.text("the end")
+
+
+def test_text_is_escaped():
+    text = page()
+    assert "<h1>A &lt;title&gt;</h1>" in text
+    assert "1 &lt; 2 &amp; <code>code</code>" in text
+    assert 'alt="a &quot;picture&quot;"' in text
+
+
+def test_nothing_is_asked_for_from_outside():
+    addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page())
+    assert addresses
+    assert all(re.match(r"data:|#|figure\.csv$", address) for address in addresses)
+    assert not re.search(r"@import|url\(|<script", page())
+
+
+def test_a_picture_is_in_its_address():
+    assert data_uri(b"abc", "png") == "data:image/png;base64,YWJj"
+    assert data_uri(SVG, "svg") in page()
+
+
+@pytest.mark.parametrize("word", ["holds", "differs", "fails"])
+def test_a_verdict_has_a_sign_beside_its_color(word):
+    assert re.fullmatch(rf'<span class="{word}">\S\xa0{word}</span>', verdict(word))
+
+
+def test_a_lone_backtick_stays():
+    assert prose("a ` b") == "a ` b"
