@@ -1,0 +1,234 @@
+"""Every registered law, held to the same physics on random muscles.
+
+One compiled function a combination of laws answers all questions: compiling is the cost.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.muscle.buckling import BUCKLING_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.tension import TENSION_LAWS
+
+
+N = 2000
+# each law at least once with either buckling law
+COMBINATIONS = [
+    {"buckling": "kim2021", "collapse": "kim2021", "post_collapse": "derived"},
+    {"buckling": "kim2021", "collapse": "wood1958", "post_collapse": "consistent", "tuned": True},
+    {"buckling": "kim2021", "collapse": "brazier1927", "post_collapse": "printed"},
+    {"buckling": "kim2021", "collapse": "stein_hedgepeth1961", "tension": "ideal"},
+    {"buckling": "elastica", "collapse": "kim2021", "post_collapse": "derived"},
+    {
+        "buckling": "elastica",
+        "collapse": "wood1958",
+        "post_collapse": "printed",
+        "tension": "ideal",
+    },
+    {
+        "buckling": "elastica",
+        "collapse": "brazier1927",
+        "post_collapse": "consistent",
+        "tuned": True,
+    },
+    {"buckling": "elastica", "collapse": "stein_hedgepeth1961"},
+]
+every = pytest.mark.parametrize(
+    "laws", COMBINATIONS, ids=lambda laws: "-".join(map(str, laws.values()))
+)
+
+
+@jax.jit
+@jax.vmap
+def at(muscle, pressure, strain):
+    """Response, kinks, moment and collapse moment; compiled once for each combination."""
+    law = muscle._law()
+    pressurized = law.at(pressure)
+    response = pressurized.response(strain)
+    return response, pressurized.kinks, pressurized.moment(strain), law.collapse_moment(pressure)
+
+
+@jax.jit
+@jax.vmap
+def slopes(muscle, pressure, strain):
+    """Force and its derivative by pressure, strain and each number in the muscle, in a row."""
+    force, by = jax.value_and_grad(lambda of: of[0].force(*of[1:]))((muscle, pressure, strain))
+    return force, jnp.concatenate([jnp.ravel(leaf) for leaf in jax.tree.leaves(by)])
+
+
+def exempt(laws, pressure):
+    """Slopes at zero pressure are infinite for the wrinkled membrane's moment, zero there."""
+    return (laws["collapse"] == "stein_hedgepeth1961") & (np.asarray(pressure) == 0)
+
+
+def test_every_law_is_here():
+    for key, registry in [
+        ("buckling", BUCKLING_LAWS),
+        ("collapse", COLLAPSE_LAWS),
+        ("post_collapse", POST_COLLAPSE_LAWS),
+        ("tension", TENSION_LAWS),
+    ]:
+        default = {"tension": "klute_hannaford", "post_collapse": "derived"}
+        assert {laws.get(key, default.get(key)) for laws in COMBINATIONS} == set(registry)
+
+
+@every
+def test_components_make_the_force_and_it_resists(laws, random_muscles, random_points):
+    muscles = random_muscles(1, N, **laws)
+    P, eps = random_points(2, muscles)
+    response, kinks, _, _ = at(muscles, P, eps)
+    free, onset, collapse = np.asarray(kinks).T
+    force = np.asarray(response.force)
+    largest = np.maximum(np.abs(response.mesh), np.abs(response.bending)) + 1
+    total = response.mesh + response.bladder + response.bending
+    assert np.all(np.isfinite(force))
+    assert np.all(np.abs(np.asarray(total) - force) <= 1e-14 * largest)
+    # a pull up to the free strain, never one past it
+    past = eps > free
+    assert np.all(force[past] <= 0) and np.all(force[~past] >= 0)
+    assert past.sum() > N / 10
+    region = np.asarray(response.region)
+    assert np.array_equal(region == 0, ~past)
+    assert np.array_equal(region == 2, eps > collapse)
+    assert np.array_equal((region == 3), past & (eps <= onset))
+    assert set(region) >= {0, 1, 2}
+
+
+@every
+def test_force_is_continuous_in_strain(laws, random_muscles, random_points):
+    muscles = random_muscles(3, N, **laws)
+    P, eps = random_points(4, muscles)
+    _, kinks, _, _ = at(muscles, P, eps)
+    step = 1e-12  # slopes reach 1e6 N per unit strain: 1e-6 N
+    for place in (eps, *np.asarray(kinks).T):
+        there = np.isfinite(place) & (place <= 0.6 - step)
+        where = np.where(there, place, 0.0)
+        below, _, _, _ = at(muscles, P, where - step)
+        above, _, _, _ = at(muscles, P, where + step)
+        force = np.asarray(below.force)
+        jump = np.abs(np.asarray(above.force) - force)
+        there &= ~exempt(laws, P)  # it collapses at the free strain: the force grows as √x
+        # `elastica` snaps where its branch turns back: there are several equilibria
+        snaps = np.asarray(below.several | above.several)
+        assert np.all(jump[there & ~snaps] < 1e-5 * (np.abs(force[there & ~snaps]) + 1))
+        assert snaps.mean() < 0.02
+
+
+@every
+def test_force_is_continuous_in_pressure(laws, random_muscles, random_points):
+    muscles = random_muscles(5, N, **laws)
+    P, eps = random_points(6, muscles)
+    step = 1e-6  # Pa; without pressure the membrane's moment rises from zero
+    low, before, _, _ = at(muscles, P, eps)
+    high, after, _, _ = at(muscles, np.minimum(P + step, 1e6), eps)
+    force = np.asarray(low.force)
+    jump = np.abs(np.asarray(high.force) - force)
+    with np.errstate(invalid="ignore"):
+        moved = np.abs(
+            np.asarray(after)[:, 2] - np.asarray(before)[:, 2]
+        )  # inf − inf: never, on either side
+    # where the peak just reaches M_collapse the collapse strain's slope is unbounded
+    steady = ~(moved > 1e-8) & ~np.asarray(low.several) & ~exempt(laws, P)
+    # from 0 the mesh grows by πr0²·9/tan²α0, below 0.05 N/Pa; the free strain by 1e-6/Pa
+    assert np.all(jump[steady] < 1e-6 * (np.abs(force[steady]) + 1))
+    assert (
+        steady.mean() > 0.85 if laws["collapse"] == "stein_hedgepeth1961" else steady.mean() > 0.98
+    )
+
+
+@every
+def test_collapse_comes_where_the_moment_first_arrives(laws, random_muscles, random_points):
+    muscles = random_muscles(7, N, **laws)
+    P, eps = random_points(8, muscles)
+    _, kinks, _, limit = at(muscles, P, eps)
+    (free, _, collapse), limit = np.asarray(kinks).T, np.asarray(limit)
+    last = np.minimum(collapse, 0.6)
+    for share in (0.1, 0.5, 0.9, 0.99, 1 - 1e-9):
+        response, _, moment, _ = at(muscles, P, free + share * (last - free))
+        # a membrane without pressure has no moment to reach
+        single = ~np.asarray(response.several) & (limit > 0)
+        # moments are of 1e-4 N·m and more: 1e-15 is rounding
+        assert np.all(np.asarray(moment)[single] <= limit[single] * (1 + 1e-8) + 1e-15)
+    collapsed = (collapse < 0.6) & (collapse > free)
+    assert collapsed.sum() > N / 10
+    response, _, moment, _ = at(muscles, P, np.where(collapsed, collapse, 0.0))
+    single = collapsed & ~np.asarray(response.several) & (limit > 0)
+    assert_allclose(np.asarray(moment)[single], limit[single], rtol=1e-8)
+
+
+@every
+def test_scaling(laws, random_muscles, random_points):
+    """All lengths times s at equal pressure: forces times s², strains as they were."""
+    if laws.get("tuned") or laws.get("post_collapse") == "printed":
+        pytest.skip("C1 is a force of its own; the printed reading has not the units of one")
+    muscles = random_muscles(9, N, **laws)
+    P, eps = random_points(10, muscles)
+    s = 1.7
+    lengths = lambda m: (m.length, m.outer_radius, m.wall_thickness)  # noqa: E731
+    larger = eqx.tree_at(lengths, muscles, [s * x for x in lengths(muscles)])
+    small, kinks, _, _ = at(muscles, P, eps)
+    large, kinks_large, _, _ = at(larger, P, eps)
+    single = ~np.asarray(small.several)
+    # near tangency the collapse strain loses half its digits, and the force after it too
+    far = single & np.all(
+        np.isclose(kinks, kinks_large, rtol=0, atol=1e-10, equal_nan=True), axis=1
+    )
+    assert far.mean() > 0.97
+    assert_allclose(
+        np.asarray(large.force)[far], s**2 * np.asarray(small.force)[far], rtol=1e-6, atol=1e-7
+    )
+
+
+@every
+def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
+    muscles = random_muscles(11, N, **laws)
+    P, eps = random_points(12, muscles)
+    low = np.asarray(1 - 1 / np.cos(muscles.braid_angle))
+    rows = np.arange(N)
+    P = np.where(rows % 3 == 0, 0.0, np.where(rows % 3 == 1, 1e6, P))
+    _, kinks, _, _ = at(muscles, P, eps)
+    free, onset, collapse = np.where(np.asarray(kinks) <= 0.6, kinks, 0.3).T
+    for place in (eps, np.zeros(N), free, onset, collapse, low * (1 - 1e-6), np.full(N, 0.6)):
+        force, row = slopes(muscles, P, place)
+        assert np.all(np.isfinite(force))
+        assert np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
+
+
+@every
+def test_finite_slopes_anywhere(laws, random_muscles, random_points):
+    muscles = random_muscles(13, N, **laws)
+    P, eps = random_points(14, muscles)
+    force, row = slopes(muscles, P, eps)
+    assert np.all(np.isfinite(force)) and np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
+    # the derivative in strain is the force's: the row ends with it
+    step = 1e-6
+    inside = (eps < 0.6 - step) & (eps > 0.99 * np.asarray(1 - 1 / np.cos(muscles.braid_angle)))
+    where = np.where(inside, eps, 0.0)
+    ahead, kinks, _, _ = at(muscles, P, where + step)
+    behind, _, _, _ = at(muscles, P, where - step)
+    smooth = inside & np.all(np.abs(np.asarray(kinks) - where[:, None]) > 2 * step, axis=1)
+    smooth &= ~np.asarray(ahead.several | behind.several)
+    measured = (np.asarray(ahead.force) - np.asarray(behind.force)) / (2 * step)
+    scale = np.abs(measured) + np.abs(np.asarray(force)) + 1
+    assert smooth.mean() > 0.9
+    assert np.all(np.abs(np.asarray(row)[:, -1] - measured)[smooth] < 1e-4 * scale[smooth])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("collapse", COLLAPSE_LAWS)
+@pytest.mark.parametrize("post_collapse", POST_COLLAPSE_LAWS)
+@pytest.mark.parametrize("buckling", BUCKLING_LAWS)
+def test_finite_slopes_at_a_hundred_thousand_points(
+    buckling, collapse, post_collapse, random_muscles, random_points
+):
+    """10⁵ for either buckling law, spread over the twelve choices that go with it."""
+    laws = {"buckling": buckling, "collapse": collapse, "post_collapse": post_collapse}
+    laws["tension"] = "ideal" if post_collapse == "printed" else "klute_hannaford"
+    muscles = random_muscles(15, 8400, tuned=post_collapse == "consistent", **laws)
+    P, eps = random_points(16, muscles)
+    force, row = slopes(muscles, P, eps)
+    assert np.all(np.isfinite(force)) and np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))

@@ -1,0 +1,68 @@
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.test_util import check_grads
+from numpy.testing import assert_allclose
+
+from fascicle.muscle.braid import Braid
+
+
+L0, R0, ANGLE = 0.127, 6.35e-3, np.radians(33)
+braid = Braid(jnp.asarray(L0), jnp.asarray(R0), jnp.asarray(ANGLE))
+STRAIGHT = 1 - 1 / np.cos(ANGLE)
+strains = np.linspace(0.999 * STRAIGHT, 0.6, 33)
+
+
+def test_fibers_keep_their_length():
+    # unrolled, a fiber of n turns is the hypotenuse over L and 2πnr
+    turns = L0 * np.tan(ANGLE) / (2 * np.pi * R0)
+    L, r = L0 * (1 - strains), np.asarray(braid.radius_at(strains))
+    assert_allclose(np.hypot(L, 2 * np.pi * turns * r), L0 / np.cos(ANGLE), rtol=1e-14)
+    # arccos loses half the digits where the fibers are nearly straight
+    assert_allclose(np.tan(braid.angle_at(strains)), 2 * np.pi * turns * r / L, rtol=1e-10)
+
+
+def test_mesh_force_matches_the_closed_form():
+    P, lam = 2e5, 1 - strains
+    expected = np.pi * R0**2 * P * (3 * lam**2 / np.tan(ANGLE) ** 2 - 1 / np.sin(ANGLE) ** 2)
+    # near the neutral angle the terms cancel: the tolerance is of the largest
+    assert_allclose(braid.mesh_force(P, strains), expected, rtol=0, atol=1e-13 * expected.max())
+
+
+def test_at_rest():
+    assert braid.swell(0.0) == 1  # exactly, or a bladder at rest would pull
+    assert_allclose(braid.volume(0.0), np.pi * R0**2 * L0, rtol=1e-15)
+    assert_allclose(braid.angle_at(0.0), ANGLE, rtol=1e-15)
+
+
+def test_ends_of_the_domain():
+    assert_allclose(braid.swell(STRAIGHT), 0, atol=1e-15)  # straight fibers enclose nothing
+    free = braid.ideal_free_strain
+    assert_allclose(free, 0.3116, atol=5e-5)  # the model's table, four digits
+    assert_allclose(np.degrees(braid.angle_at(free)), 54.7356, atol=5e-5)
+    # the two terms are of order πr0²P/sin²α0 = 85 N at 2e5 Pa
+    assert_allclose(braid.mesh_force(2e5, free), 0, atol=1e-12)
+
+
+def test_no_pressure_no_mesh_force():
+    assert np.all(np.asarray(braid.mesh_force(0.0, strains)) == 0)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+def test_batches_like_numpy(shape):
+    eps = jnp.full(shape, 0.1)
+    force = braid.mesh_force(1e5, eps)
+    assert force.shape == shape and force.dtype == jnp.float64
+    assert_allclose(force, braid.mesh_force(1e5, 0.1), rtol=1e-15)
+    assert braid.mesh_force(jnp.ones((3, 1)), jnp.ones(4) * 0.1).shape == (3, 4)
+
+
+def test_gradients():
+    check_grads(lambda P, eps: braid.mesh_force(1e5 * P, eps), (2.0, 0.18), order=2, rtol=1e-6)
+    slopes = eqx.filter_grad(lambda b: b.mesh_force(2e5, 0.1))(braid)
+    assert_allclose(slopes.radius, 2 * braid.mesh_force(2e5, 0.1) / R0, rtol=1e-13)  # F ∝ r0²
+    assert_allclose(slopes.length, 0, atol=1e-9)  # of forces over lengths of 1e3 N/m
+    assert np.isfinite(slopes.angle)
+    assert np.all(np.isfinite(jax.vmap(jax.grad(braid.radius_at))(strains)))

@@ -1,0 +1,167 @@
+import math
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.test_util import check_grads
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import fascicle as fs
+from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021, _straightening
+from fascicle.muscle.elastica import Elastica
+
+
+L0 = 0.127
+muscle = fs.Muscle.from_dimensions(L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+law = Kim2021()
+P = 34.5e3
+column = muscle._law().at(jnp.asarray(P)).column
+EPS_F, L, EI, EA = (
+    float(v)
+    for v in (
+        column.free_strain,
+        column.free_length,
+        column.bending_stiffness,
+        column.axial_stiffness,
+    )
+)
+buckled = jax.jit(lambda eps: law.buckled(column, eps))
+
+
+def springs(x):
+    """l from (13)-(16) as printed, with (10) closed by the shortened arc [R5]."""
+    chord = L - x
+    F_b = 4 * EI * math.pi**2 * (L + x) / chord**3
+    y_max = math.sqrt(4 * x * chord) / math.pi
+    theta = math.acos(chord / L)
+    k1, k2 = 2 * F_b / (y_max * math.sin(theta) * math.cos(theta)), EA / L
+
+    def mismatch(l):
+        y = math.sqrt(4 * (x - 2 * l) * chord) / math.pi
+        theta_l = math.acos(min(chord / (L - 2 * l), 1.0))
+        # (15) times its denominators, which vanish with l
+        return y * k1 * math.sin(theta_l) - 4 * k2 * l
+
+    l = brentq(mismatch, 0, x / 2, xtol=1e-18, rtol=1e-14)
+    y = math.sqrt(4 * (x - 2 * l) * chord) / math.pi
+    theta_l = math.acos(chord / (L - 2 * l))
+    return l, y, 0.5 * k1 * y * math.sin(theta_l) * math.cos(theta_l)  # (16)
+
+
+def test_registry():
+    assert dict(BUCKLING_LAWS) == {"kim2021": Kim2021, "elastica": Elastica}
+    assert all(law.name == name for name, law in BUCKLING_LAWS.items())
+
+
+@pytest.mark.parametrize("strain", [0.08, 0.12, 0.2, 0.4])
+def test_state_solves_the_spring_equations(strain):
+    l, y, F_b = springs((strain - EPS_F) * L0)
+    state = buckled(strain)
+    # arccos near 1 costs the printed form half its digits at small x
+    assert_allclose(state.arc_strain, EPS_F + 2 * l / L0, rtol=1e-10)
+    assert_allclose(state.deflection, y, rtol=1e-8)
+    assert_allclose(-state.bending, F_b, rtol=1e-8)
+    assert_allclose(state.moment, 2 * math.pi**2 * EI * y / (L0 * (1 - strain)) ** 2, rtol=1e-8)
+    assert_allclose(state.mesh, muscle.braid.mesh_force(P, EPS_F + 2 * l / L0), rtol=1e-9)
+    assert_allclose(state.bladder, muscle.bladder.force(EPS_F), rtol=1e-13)
+    assert not state.straight
+
+
+def test_bending_starts_as_an_axial_spring():
+    # w → 1 and F'_b → k2 x: continuous with tension, with k2 = EA/L_fs
+    x = 1e-7
+    state = buckled(EPS_F + x / L0)
+    assert_allclose(-state.bending, EA / L * x, rtol=1e-4)  # the next term is x·EA L/(EI) ~ 2e-5
+    at = buckled(EPS_F)
+    assert at.bending == 0 and at.deflection == 0 and at.moment == 0
+    # the deflection is linear in x there, with no infinite slope
+    assert_allclose(
+        state.deflection / (x / L0), jax.grad(lambda e: buckled(e).deflection)(EPS_F), rtol=1e-3
+    )
+
+
+def test_a_stiff_axis_keeps_its_length():
+    # with EA → ∞ the law is (10) and (12), whose force is the derivative of (11)
+    rigid = eqx.tree_at(lambda c: c.axial_stiffness, column, jnp.asarray(1e9 * EA))
+    for strain in (0.1, 0.3):
+        x = (strain - EPS_F) * L0
+        state = law.buckled(rigid, strain)
+
+        def energy(x):  # (6) with (8) and (10)
+            chord, top = L - x, math.sqrt(4 * x * (L - x)) / math.pi
+
+            def curvature(z):
+                return top / 2 * (2 * math.pi / chord) ** 2 * math.cos(2 * math.pi * z / chord)
+
+            return quad(lambda z: EI / 2 * curvature(z) ** 2, 0, chord, epsabs=0, epsrel=1e-12)[0]
+
+        step = 1e-6
+        F_b = (energy(x + step) - energy(x - step)) / (2 * step)
+        assert_allclose(-state.bending, F_b, rtol=1e-7)
+        assert_allclose(state.deflection, math.sqrt(4 * x * (L - x)) / math.pi, rtol=1e-7)
+        assert_allclose(state.arc_strain, EPS_F, rtol=1e-7)
+
+
+def test_gradients():
+    def both(eps):
+        state = buckled(eps)
+        return state.bending, 100 * state.moment  # of one size
+
+    check_grads(both, (0.2,), order=2, rtol=1e-5)
+
+
+def test_first_strain_at_a_moment():
+    strains = np.linspace(EPS_F, 0.6, 400)
+    moments = np.asarray(buckled(strains).moment)
+    for target in (0.3 * moments.max(), 0.9 * moments.max()):
+        found = float(law.strain_at_moment(column, target))
+        first = strains[np.argmax(moments >= target)]
+        assert first - 0.6 / 400 <= found <= first
+        assert_allclose(buckled(found).moment, target, rtol=1e-11)
+
+
+def test_a_moment_above_the_peak_is_never_reached():
+    peak = np.asarray(buckled(np.linspace(0.5, 0.7, 4001)).moment).max()
+    # the grid's peak is 1e-8 of it short of the true one at most
+    assert np.isfinite(law.strain_at_moment(column, 0.999999 * peak))
+    assert np.isposinf(law.strain_at_moment(column, 1.000001 * peak))
+    slope = jax.grad(lambda M: jnp.where(jnp.isinf(s := law.strain_at_moment(column, M)), 0.0, s))
+    assert slope(2 * peak) == 0
+
+
+def test_shape_is_the_first_mode_and_keeps_its_arc_to_second_order():
+    strains = np.array([0.07, 0.12, 0.4])
+    line, state = law.shape(column, strains, 201), buckled(strains)
+    z, y = np.asarray(line.z), np.asarray(line.y)
+    assert z.shape == y.shape == (3, 201)
+    top, chord = np.asarray(state.deflection)[:, None], z[:, -1:]
+    assert_allclose(chord[:, 0], L0 * (1 - strains), rtol=1e-14)
+    assert_allclose(y, top / 2 * (np.cos(2 * np.pi * z / chord) - 1), atol=1e-15)
+    # a trapezoid sum of a full period of sin² is exact: chord + ½∫y'² = L_fs − 2l
+    slope = -np.pi * top / chord * np.sin(2 * np.pi * z / chord)
+    shortening = 0.5 * np.trapezoid(slope**2, z, axis=1)
+    assert_allclose(chord[:, 0] + shortening, L0 * (1 - np.asarray(state.arc_strain)), rtol=1e-12)
+
+
+def test_one_state_and_one_onset():
+    assert not np.any(law.several(column, jnp.linspace(0.1, 0.6, 5)))
+    assert law.onset(column) == column.free_strain
+
+
+def test_spring_equations_are_solved_for_every_slenderness():
+    """w (1 + a h) = a h, from the stubbiest to the most slender and the whole way together."""
+    xi = np.concatenate([np.geomspace(1e-9, 0.5, 60), 1 - np.geomspace(1e-3, 0.5, 60)])
+    for slender in (10.0, 300.0, 1e5):  # EA L²/EI: 15 for L = 4 r0, 46 000 for 130 r0
+        changed = eqx.tree_at(
+            lambda c: c.axial_stiffness, column, column.bending_stiffness * slender / L**2
+        )
+        stretch = np.asarray(_straightening(changed, jnp.asarray(xi)))
+        slack = xi * stretch  # 1 − w
+        a = 4 * np.pi**2 * (1 + xi) / (slender * (1 - xi) ** 4 * xi)
+        h = np.sqrt(1 - (1 - slack) * xi / (2 - xi)) / (1 - (1 - slack) * xi)
+        # 1/(1 + ah) as it stands: rounding of a h, no more
+        assert_allclose(slack, 1 / (1 + a * h), rtol=1e-12)

@@ -1,0 +1,183 @@
+import math
+
+import jax
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+from jax.test_util import check_grads
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle._math import elliptic
+from fascicle.muscle.elastica import Elastica, _modulus
+
+
+L0 = 0.127
+SIZES = (L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
+never = fs.muscle.collapse.Kim2021Collapse(factor=1e3)  # so that buckling is seen on its own
+muscle = fs.Muscle.from_dimensions(*SIZES, buckling="elastica", collapse=never)
+law = Elastica()
+P = 34.5e3
+column = muscle._law().at(jnp.asarray(P)).column
+onset = float(law.onset(column))
+buckled = jax.jit(lambda eps: law.buckled(column, eps))
+stub = fs.Muscle.from_dimensions(0.027, 6e-3, 1.5e-3, math.radians(27), buckling="elastica")
+
+
+@pytest.mark.parametrize(
+    ("shortening", "load", "deflection", "moment"),
+    [
+        (0.01, 1.0050, 0.0635, 1.2590),
+        (0.05, 1.0257, 0.1401, 2.8368),
+        (0.10, 1.0530, 0.1949, 4.0515),
+        (0.20, 1.1127, 0.2663, 5.8496),
+        (0.30, 1.1807, 0.3143, 7.3254),
+    ],
+)
+def test_table_of_the_exact_elastica(shortening, load, deflection, moment):
+    m = float(_modulus(1 - shortening))
+    K = float(elliptic(m).K)
+    # the table's digits
+    assert_allclose(16 * K**2 / (4 * math.pi**2), load, rtol=0, atol=5.1e-5)
+    assert_allclose(math.sqrt(m) / K, deflection, rtol=0, atol=5.1e-5)
+    assert_allclose(8 * math.sqrt(m) * K, moment, rtol=0, atol=5.1e-5)
+
+
+def test_force_and_moment_of_the_models_table():
+    P = np.array([[0.0], [34.5e3], [137.9e3]])
+    eps = np.array([0.03, 0.12, 0.24])
+    force = [[-3.9067, -4.0951, -4.3806], [7.0478, -4.5622, -4.8880], [50.5601, 19.7488, -6.1192]]
+    moment = [[0.02002, 0.05200, 0.07781], [0, 0.02955, 0.06943], [0, 0, 0.03493]]
+    assert_allclose(muscle.force(P, eps), force, rtol=0, atol=5.1e-5)
+    assert_allclose(muscle.moment(P, eps), moment, rtol=0, atol=5.1e-6)
+    region = [[1, 1, 1], [0, 1, 1], [0, 0, 1]]
+    assert np.array_equal(muscle.response(P, eps).region, region)
+
+
+@pytest.mark.parametrize("strain", [onset + 1e-6, 0.12, 0.3, 0.6])
+def test_state_is_an_equilibrium(strain):
+    """(E2), with mpmath's integrals."""
+    state = buckled(strain)
+    arc = float(state.arc_strain)
+    length, chord = L0 * (1 - arc), (1 - strain) / (1 - arc)
+    # K and E are flat in m at the onset: there the chord alone gives m to 1e-16/1e-5
+    m = float(mpmath.findroot(lambda m: 2 * mpmath.ellipe(m) / mpmath.ellipk(m) - 1 - chord, 0.3))
+    K, k = float(mpmath.ellipk(m)), math.sqrt(m)
+    EI, L_fs = float(column.bending_stiffness), float(column.free_length)
+    N = 16 * K**2 * EI / (L_fs * length)
+    assert_allclose(-column.tension.force(P, arc), N * chord, rtol=1e-9)
+    assert_allclose(state.mesh + state.bladder + state.bending, -N, rtol=1e-9)
+    assert_allclose(state.deflection, length * k / K, rtol=1e-8)
+    assert_allclose(state.moment, 8 * k * K * EI / L_fs, rtol=1e-8)
+    assert_allclose(state.moment, N * state.deflection / 2, rtol=1e-9)
+    assert column.free_strain < arc < onset
+
+
+def test_straight_until_the_first_onset():
+    EI, L_fs = column.bending_stiffness, column.free_length
+    held = -column.tension.force(P, onset) * L0 * (1 - onset) * L_fs
+    assert_allclose(held, 4 * math.pi**2 * EI, rtol=1e-12)
+    below = np.linspace(float(column.free_strain), onset, 9)
+    state = buckled(below)
+    assert np.all(state.straight)
+    assert_allclose(state.arc_strain, below, rtol=1e-15)
+    assert np.all(np.asarray(state.bending) == 0) and np.all(np.asarray(state.moment) == 0)
+    response = muscle.response(P, np.append(below, onset * 1.001))
+    assert np.array_equal(response.region, [0] + 8 * [3] + [1])
+
+
+def test_next_to_the_onset():
+    near = onset + np.array([0, 1, 2, 4, 1e2, 1e4, 1e6, 1e8]) * np.spacing(onset)
+    state = buckled(near)
+    assert np.all(np.isfinite(state.moment)) and np.all(np.isfinite(state.deflection))
+    total = np.asarray(state.mesh + state.bladder + state.bending)
+    assert_allclose(total, total[0], rtol=1e-6)  # 2e8 ulp are 2e-8 of strain, of slopes of 1e2 N
+    slopes = jax.vmap(jax.grad(lambda e: sum(buckled(e).__dict__[f] for f in ("mesh", "bending"))))
+    assert np.all(np.isfinite(slopes(jnp.asarray(near))))
+
+
+def test_gradients():
+    def both(eps):
+        state = buckled(eps)
+        return state.bending, 100 * state.moment  # of one size
+
+    check_grads(both, (0.2,), order=1, rtol=1e-6)
+
+
+def test_first_strain_at_a_moment():
+    target = np.asarray(buckled(np.array([0.1, 0.2, 0.5])).moment)
+    assert_allclose(law.strain_at_moment(column, target), [0.1, 0.2, 0.5], rtol=1e-11)
+    assert law.strain_at_moment(column, 0.0) == pytest.approx(onset, rel=1e-14)
+    ends_meet = 8 * math.sqrt(0.8261147659879693) * float(mpmath.ellipk(0.8261147659879693))
+    most = ends_meet * float(column.bending_stiffness / column.free_length)
+    assert np.isposinf(law.strain_at_moment(column, 1.0001 * most))
+
+
+def test_shape_keeps_its_arc():
+    strains = np.array([0.09, 0.2, 0.6])
+    n = 4001
+    line, state = law.shape(column, strains, n), buckled(strains)
+    z, y = np.asarray(line.z), np.asarray(line.y)
+    arc = L0 * (1 - np.asarray(state.arc_strain))
+    steps = np.hypot(np.diff(z), np.diff(y))
+    # a chord of a circle is short of its arc by (κh)²/24, here 1e-7 at most
+    assert_allclose(steps, np.broadcast_to(arc[:, None] / (n - 1), steps.shape), rtol=1e-6)
+    assert_allclose(steps.sum(axis=1), arc, rtol=1e-6)
+    assert_allclose(z[:, -1], L0 * (1 - strains), rtol=1e-12)
+    assert_allclose(y[:, [0, -1]], 0, atol=1e-16)
+    assert_allclose(-y.min(axis=1), state.deflection, rtol=1e-12)
+
+
+def test_curvature_of_the_shape_is_the_moment():
+    strain, n = 0.3, 4001
+    line, state = law.shape(column, strain, n), buckled(strain)
+    angle = np.unwrap(np.arctan2(np.diff(line.y), np.diff(line.z)))
+    arc = L0 * (1 - float(state.arc_strain))
+    curvature = np.abs(np.diff(angle)) / (arc / (n - 1))
+    # curvature counts on the length at free strain: κ ℓ/L_fs
+    counted = curvature * arc / float(column.free_length)
+    assert_allclose(counted.max() * column.bending_stiffness, state.moment, rtol=1e-5)
+    # clamped: half a step's turn at most
+    assert abs(angle[0]) < 2 * math.pi / n and abs(angle[-1]) < 2 * math.pi / n
+
+
+def test_straight_shape_is_straight():
+    line = law.shape(column, onset * 0.999, 11)
+    assert np.all(np.asarray(line.y) == 0)
+    assert_allclose(line.z, L0 * (1 - onset * 0.999) * np.linspace(0, 1, 11), atol=1e-16)
+
+
+def test_a_slender_muscle_has_one_equilibrium():
+    assert not np.any(law.several(column, jnp.linspace(0.0, 0.6, 61)))
+
+
+def test_a_stub_has_several_and_follows_the_first():
+    """Bent states m(ε_a) joined to the onset; the strain they need turns back on the way."""
+    stubs = stub._law().at(jnp.asarray(0.0)).column
+    first = float(law.onset(stubs))
+    arc = first + (float(stubs.free_strain) - first) * np.linspace(0, 1, 4001)[1:-1]
+    stiffness = float(stubs.bending_stiffness / (stubs.free_length * stubs.rest_length))
+    load = -np.asarray(stubs.tension.force(0.0, arc)) * (1 - arc) / stiffness  # 16K²(2E/K − 1)
+    table = np.linspace(0, 0.8261147659879693, 20001)
+    integrals = elliptic(table)
+    asked = np.asarray(16 * integrals.K * (2 * integrals.E - integrals.K))
+    m = np.interp(-load, -asked, table)
+    strain = 1 - (1 - arc) * np.interp(m, table, 2 * np.asarray(integrals.E / integrals.K) - 1)
+    assert np.any(np.diff(strain) < 0)  # it does fold
+    seen = np.linspace(first, 0.6, 41)[1:]
+    followed = m[np.argmax(np.maximum.accumulate(strain) >= seen[:, None], axis=1)]
+    state = law.buckled(stubs, seen)
+    chord = (1 - seen) / (1 - np.asarray(state.arc_strain))
+    ours = np.asarray(jax.vmap(_modulus)(jnp.asarray(chord)))
+    assert_allclose(ours, followed, rtol=0, atol=2e-3)  # the walk's own steps
+    assert np.any(law.several(stubs, jnp.linspace(first - 0.05, 0.6, 41)))
+
+
+def test_without_any_compression_it_stays_straight():
+    # the mesh alone, without pressure: no force at all, at any strain
+    idle = fs.Muscle.from_dimensions(*SIZES, tension="ideal", buckling="elastica")
+    response = idle.response(0.0, 0.5)
+    assert response.force == 0 and response.region == 3
+    assert np.isposinf(idle.collapse_strain(0.0))
+    assert all(np.isfinite(jax.grad(idle.force, (0, 1))(0.0, 0.5)))

@@ -1,0 +1,208 @@
+import math
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.test_util import check_grads
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.muscle.buckling import Kim2021
+from fascicle.muscle.collapse import Derived, Wood1958
+from fascicle.muscle.tension import Ideal
+
+
+ANGLE = math.radians(33)
+SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": ANGLE}
+LOWEST = 1 - 1 / math.cos(ANGLE)
+table = fs.Muscle.from_dimensions(**SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.78e6))
+latex = fs.Muscle.from_dimensions(**SIZES)
+P, EPS = np.array([[0.0], [34.5e3], [137.9e3]]), np.linspace(0, 0.33, 12)
+
+
+def test_forces_of_the_models_table():
+    expected = [
+        [0, -1.77, -2.71, -2.07, -1.47, -1.20, -1.09, -1.08, -1.12, -1.19, -1.30, -1.44],
+        [16.36, 4.56, -1.74, -3.83, -4.91, -2.85, -1.88, -1.45, -1.28, -1.25, -1.31, -1.41],
+        [65.37, 48.07, 34.75, 23.67, 13.89, 4.81, -3.47, -8.18, -11.76, -6.71, -3.84, -2.54],
+    ]
+    assert_allclose(table.force(P, EPS), expected, rtol=0, atol=5.1e-3)  # two decimals
+    assert_allclose(table.free_strain(P[:, 0]), [0, 0.0459, 0.1664], rtol=0, atol=5.1e-5)
+    assert_allclose(table.collapse_strain(P[:, 0]), [0.0674, 0.1173, 0.2427], rtol=0, atol=5.1e-5)
+
+
+def test_regions():
+    region = table.response(P, EPS).region
+    expected = [[0, 1, 1] + 9 * [2], [0, 0, 1, 1] + 8 * [2], 6 * [0] + 3 * [1] + 3 * [2]]
+    assert np.array_equal(region, expected)
+
+
+def test_components_make_the_force():
+    now = table.response(P, EPS)
+    assert now.mesh.shape == now.region.shape == now.several.shape == (3, 12)
+    assert_allclose(now.mesh + now.bladder + now.bending, now.force, rtol=0, atol=1e-13)
+    # compiled apart, so equal but for rounding
+    assert_allclose(table.force(P, EPS), now.force, rtol=0, atol=1e-12)
+    assert not np.any(now.several)
+
+
+def test_plain_numbers_and_arrays_agree():
+    one = table.force(34500, 0)
+    assert one.shape == () and one.dtype == jnp.float64
+    assert_allclose(one, 16.36, atol=5e-3)
+    rows = table.force(P, EPS)
+    for pressure, strain in [(P.tolist(), EPS.tolist()), (jnp.asarray(P), jnp.asarray(EPS))]:
+        assert np.array_equal(table.force(pressure, strain), rows)
+    single = table.force(np.float32(34.5e3), np.float32(0.25))  # float32 comes in exactly
+    assert_allclose(single, table.force(34.5e3, 0.25), rtol=1e-14)
+
+
+def test_broadcasting():
+    shapes = [((3, 1), (4,), (3, 4)), ((), (4,), (4,)), ((2,), (), (2,)), ((0,), (), (0,))]
+    for p, e, both in shapes:
+        assert table.force(np.full(p, 1e5), np.full(e, 0.1)).shape == both
+    with pytest.raises((ValueError, TypeError)):
+        table.force(np.zeros(3), np.zeros(4))
+
+
+def test_inside_jit_vmap_and_grad():
+    expected = np.asarray(table.force(P, EPS))
+    assert_allclose(jax.jit(table.force)(P, EPS), expected, rtol=1e-12, atol=1e-12)
+    each = jax.vmap(jax.vmap(table.force, (None, 0)), (0, None))(P[:, 0], EPS)
+    assert_allclose(each, expected, rtol=1e-12, atol=1e-12)
+    passed = eqx.filter_jit(lambda m, P, e: m.force(P, e))(table, P, EPS)
+    assert_allclose(passed, expected, rtol=1e-12, atol=1e-12)
+    assert_allclose(table.compile()(P, EPS), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_stack_of_muscles():
+    def force(length):
+        sizes = SIZES | {"length": length}
+        return fs.Muscle.from_dimensions(**sizes).force(34.5e3, 0.1)
+
+    lengths = jnp.array([0.1, 0.127, 0.3])
+    stacked = jax.vmap(lambda L: fs.Muscle.from_dimensions(**SIZES | {"length": L}))(lengths)
+    forces = jax.vmap(lambda m: m.force(34.5e3, 0.1))(stacked)
+    assert_allclose(forces[1], latex.force(34.5e3, 0.1), rtol=1e-12)
+    assert_allclose(forces, jax.vmap(force)(lengths), rtol=1e-12)
+
+
+@pytest.mark.parametrize("strain", [0.01, 0.1, 0.25])  # one in each region at 34.5 kPa
+def test_gradients(strain):
+    def force(kilopascal, strain, radius):
+        moved = eqx.tree_at(lambda m: m.outer_radius, table, radius / 1e3)
+        return moved.force(1e3 * kilopascal, strain)
+
+    # of central differences, with steps scaled to kPa and mm
+    check_grads(force, (34.5, strain, 6.35), order=1, modes="rev", rtol=1e-5)
+
+
+def test_force_is_continuous_at_free_strain_and_collapse():
+    for pressure in (34.5e3, 137.9e3):
+        for at in (table.free_strain(pressure), table.collapse_strain(pressure)):
+            sides = table.force(pressure, at + np.array([-1e-10, 0.0, 1e-10]))
+            # slopes are below 1e4 N per unit strain: 1e-6 N
+            assert_allclose(sides, sides[1], rtol=0, atol=1e-6)
+
+
+def test_blocked_force_and_free_strain_are_the_ends_of_the_pull():
+    assert_allclose(table.blocked_force(P), table.force(P, 0.0), rtol=1e-14)
+    assert_allclose(table.force(P, table.free_strain(P)), 0, atol=1e-10)
+    assert table.force(0.0, 0.0) == 0
+
+
+def test_a_stretched_muscle_pulls_without_pressure():
+    eps = np.linspace(LOWEST * 0.99, -0.01, 12)
+    force = np.asarray(table.force(0.0, eps))
+    assert np.all(force > 0) and np.all(np.diff(force) < 0)
+
+
+def test_volume_and_radius():
+    # the bladder's own volume is not the fluid's
+    fluid = math.pi * 0.127 * (6.35e-3 - 1.6e-3) ** 2
+    assert_allclose(table.volume(0.0), fluid, rtol=1e-13)
+    eps = np.array([-0.1, 0.0, 0.3])
+    lam = 1 - eps
+    r = 6.35e-3 * np.sqrt(1 - math.cos(ANGLE) ** 2 * lam**2) / math.sin(ANGLE)
+    assert_allclose(table.radius(eps), r, rtol=1e-13)
+    solid = math.pi * 0.127 * (6.35e-3**2 - 4.75e-3**2)
+    assert_allclose(table.volume(eps), math.pi * r**2 * 0.127 * lam - solid, rtol=1e-12)
+
+
+def test_slenderness():
+    assert table.slenderness == 10  # [R15]
+
+
+def test_laws_by_name_object_or_class():
+    named = fs.Muscle.from_dimensions(**SIZES, tension="ideal", collapse="wood1958")
+    made = fs.Muscle.from_dimensions(**SIZES, tension=Ideal(), collapse=Wood1958(factor=0.5))
+    assert type(named.tension) is type(made.tension)
+    assert_allclose(made.collapse_moment(1e5), 0.5 * named.collapse_moment(1e5), rtol=1e-15)
+    assert isinstance(named.buckling, Kim2021) and isinstance(named.post_collapse, Derived)
+    silicone = fs.Muscle.from_dimensions(**SIZES, material="silicone_kim2021")
+    assert silicone.material is fs.materials.SILICONE_KIM2021
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"length": -0.1}, r"^`length` must be positive and finite, got -0\.1 m\.$"),
+        ({"length": math.nan}, r"^`length` must be positive and finite, got nan m\.$"),
+        ({"length": "127 mm"}, r"^`length` takes numbers in m, got '127 mm'\.$"),
+        ({"outer_radius": 0}, r"^`outer_radius` must be positive and finite, got 0 m\.$"),
+        (
+            {"wall_thickness": 7e-3},
+            r"^`wall_thickness` must be less than `outer_radius`, got 0\.007 m",
+        ),
+        ({"wall_thickness": 6.35e-3}, r"^`wall_thickness` must be less than `outer_radius`"),
+        (
+            {"braid_angle": 33},
+            r"^`braid_angle` must lie in \(0, 54\.7356\) deg to contract, got 1890",
+        ),
+        ({"braid_angle": math.radians(54.7357)}, r"^`braid_angle` must lie in .* to contract"),
+        ({"braid_angle": 0.0}, r"^`braid_angle` must lie in .*, got 0 deg\.$"),
+        ({"braid_angle": "33 deg"}, r"^`braid_angle` takes numbers in rad, got '33 deg'\.$"),
+        ({"transition_rate": -25.0}, r"^`transition_rate` must be positive and finite, got -25"),
+        ({"material": "latx"}, r"^`material` 'latx' is unknown: did you mean 'latex'\?"),
+        (
+            {"buckling": "euler"},
+            r"^`buckling` 'euler' is unknown: .*choose one of elastica, kim2021\.$",
+        ),
+        ({"tension": "hooke"}, r"^`tension` 'hooke' is unknown"),
+        ({"collapse": "wood"}, r"^`collapse` 'wood' is unknown: did you mean 'wood1958'\?"),
+        (
+            {"post_collapse": "derive"},
+            r"^`post_collapse` 'derive' is unknown: did you mean 'derived'\?",
+        ),
+    ],
+)
+def test_refuses_a_muscle_that_cannot_be(change, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        fs.Muscle.from_dimensions(**SIZES | change)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "strain", "message"),
+    [
+        (-1.0, 0.1, r"^`pressure` must lie in \[0, 1e6\] Pa .*, got -1 Pa\.$"),
+        (1.1e6, 0.1, r"^`pressure` must lie in .*, got 1\.1e6 Pa\.$"),
+        (math.nan, 0.1, r"^`pressure` must lie in .*, got nan Pa\.$"),
+        ("34.5 kPa", 0.1, r"^`pressure` takes numbers in Pa, got '34\.5 kPa'\.$"),
+        (1e5, 0.61, r"^`strain` must lie in \(-0\.192363, 0\.6\].*, got 0\.61"),
+        (1e5, LOWEST, r"^`strain` must lie in .*fibers straight.*, got -0\.192363"),
+        (1e5, [0.1, math.nan], r"^`strain` must lie in .*, got nan"),
+    ],
+)
+def test_refuses_what_is_off_the_domain(pressure, strain, message):
+    for method in (latex.force, latex.response, latex.moment, latex.deflection, latex.shape):
+        with pytest.raises(ValueError, match=message) as caught:
+            method(pressure, strain)
+        assert "\n" not in str(caught.value)
+
+
+def test_refuses_a_shape_of_too_few_points():
+    with pytest.raises(ValueError, match=r"^`points` must be at least 3, got 2\.$"):
+        latex.shape(1e5, 0.1, points=2)

@@ -1,0 +1,96 @@
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.muscle.tension import TENSION_LAWS, Ideal, KluteHannaford
+
+
+ANGLE = np.radians(33)
+SIZES = (0.127, 6.35e-3, 1.6e-3, ANGLE)
+muscle = fs.Muscle.from_dimensions(*SIZES, material="silicone_kim2021")
+ideal = fs.Muscle.from_dimensions(*SIZES, tension="ideal")
+
+
+def no_offset(pressure):
+    return jnp.zeros_like(pressure)
+
+
+def test_registry():
+    assert dict(TENSION_LAWS) == {"klute_hannaford": KluteHannaford, "ideal": Ideal}
+    assert all(law.name == name for name, law in TENSION_LAWS.items())
+
+
+@pytest.mark.parametrize(
+    ("kilopascal", "expected"), [(34.5, 0.0634), (137.9, 0.1920), (344.7, 0.2515)]
+)
+def test_free_strain_of_the_models_table(kilopascal, expected):
+    # the table has four digits
+    assert_allclose(muscle.free_strain(kilopascal * 1e3), expected, rtol=0, atol=5.1e-5)
+
+
+def test_free_strain_of_the_papers_figure_9():
+    figure_9 = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, ANGLE, "silicone_kim2021")
+    assert_allclose(figure_9.free_strain(275.8e3), 0.24, rtol=0, atol=5e-3)  # two digits in print
+
+
+def test_force_vanishes_at_the_free_strain():
+    P = np.array([1.0, 1e3, 1e5, 1e6])
+    # a root good to 1e-12 of strain, times the steepest slope, some 2500 N at 1 MPa
+    assert_allclose(muscle.force(P, muscle.free_strain(P)), 0, atol=2.5e-9)
+
+
+def test_no_pressure_no_free_strain():
+    assert muscle.free_strain(0.0) == 0
+    # near rest F ≈ F_b'(0) ε + P A_m: the slope at P = 0 is finite and of the ratio's size
+    slope = jax.grad(muscle.free_strain)(0.0)
+    mesh = np.pi * 6.35e-3**2 * (3 / np.tan(ANGLE) ** 2 - 1 / np.sin(ANGLE) ** 2)
+    wall = -jax.grad(muscle.bladder.force)(0.0)
+    assert_allclose(slope, mesh / wall, rtol=1e-12)
+
+
+def test_ideal_free_strain_is_that_of_the_braid():
+    P = np.array([0.0, 1.0, 1e6])
+    assert_allclose(ideal.free_strain(P), 1 - 1 / (np.sqrt(3) * np.cos(ANGLE)), rtol=1e-14)
+    assert_allclose(ideal.response(1e5, 0.1).bladder, 0, atol=0)
+    assert_allclose(ideal.force(1e5, 0.1), ideal.braid.mesh_force(1e5, 0.1), rtol=1e-15)
+
+
+@pytest.mark.parametrize("law", [KluteHannaford(), Ideal()])
+def test_offset_moves_the_free_strain(law):
+    P, c1 = jnp.array([5e4, 2e5]), lambda P: 2e-5 * P
+    found = law.free_strain(muscle.bladder, P, c1)
+    mesh, wall = law.components(muscle.bladder, P, found)
+    assert_allclose(mesh + wall, c1(P), rtol=1e-11)
+    assert np.all(np.asarray(found) < law.free_strain(muscle.bladder, P, no_offset))
+
+
+def test_ideal_offset_has_its_limit_without_pressure():
+    def offset(P):
+        return 2e-5 * P
+
+    without = Ideal().free_strain(muscle.bladder, 0.0, offset)
+    # C1/P is constant here, so the free strain is the same at every pressure
+    assert_allclose(without, Ideal().free_strain(muscle.bladder, 1e5, offset), rtol=1e-14)
+    slope = jax.grad(lambda P: Ideal().free_strain(muscle.bladder, P, offset))(0.0)
+    assert np.isfinite(slope)
+
+
+@pytest.mark.parametrize("of", [muscle, ideal])
+def test_free_strain_has_a_gradient_in_every_parameter(of):
+    slopes = eqx.filter_grad(lambda m: m.free_strain(1e5))(of)
+    assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))
+    step = 1e-6  # central differences of a smooth root: good to 1e-9 or so
+    moved = [eqx.tree_at(lambda m: m.braid_angle, of, ANGLE + s) for s in (step, -step)]
+    measured = (moved[0].free_strain(1e5) - moved[1].free_strain(1e5)) / (2 * step)
+    assert_allclose(slopes.braid_angle, measured, rtol=1e-7)
+
+
+def test_batches():
+    P = jnp.linspace(0, 1e6, 6).reshape(2, 3)
+    found = muscle.free_strain(P)
+    assert found.shape == (2, 3) and found.dtype == jnp.float64
+    assert_allclose(found[1, 2], muscle.free_strain(1e6), rtol=1e-15)

@@ -1,0 +1,150 @@
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+
+
+SIZES = (0.127, 6.35e-3, 1.6e-3, math.radians(33))
+TABLE = {"pressures": [1e5, 3e5], "c1": [2.0, 4.0], "c2": [0.9, 1.1]}
+plain = fs.Muscle.from_dimensions(*SIZES)
+tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE))
+
+
+def with_factors(**factors):
+    return fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**factors))
+
+
+def test_left_out_it_is_the_identity():
+    P, eps = np.array([[0.0], [5e4], [1e6]]), np.linspace(-0.1, 0.6, 15)
+    identity = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning())
+    assert_allclose(identity.force(P, eps), plain.force(P, eps), rtol=0, atol=0)
+    # a table of ones and zeros is one too, up to the order of the sums
+    ones = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning([1e5], [0.0], [1.0]))
+    assert_allclose(ones.force(P, eps), plain.force(P, eps), rtol=1e-12)
+
+
+def test_tables_are_linear_from_rest_and_flat_beyond():
+    tuning = fs.Tuning(**TABLE)
+    P = np.array([0.0, 5e4, 1e5, 2e5, 3e5, 1e6])
+    assert_allclose(tuning.c1_at(P), [0, 1, 2, 3, 4, 4], rtol=1e-15)
+    assert_allclose(tuning.c2_at(P), [1, 0.95, 0.9, 1, 1.1, 1.1], rtol=1e-15)
+    written = fs.Tuning([0.0, 1e5], [0.0, 2.0], [1.0, 0.9])  # the row at zero may be written
+    assert_allclose(written.c1_at(P[:3]), [0, 1, 2], rtol=1e-15)
+
+
+def test_tension_is_corrected_as_the_paper_says():
+    P, eps = 2e5, np.linspace(-0.1, 0.1, 6)  # C1 = 3 N, C2 = 1
+    before, after = plain.response(P, eps), tuned.response(P, eps)
+    assert_allclose(after.force, before.force - 3, rtol=1e-13)
+    assert_allclose(after.mesh, before.mesh, rtol=1e-13)
+    assert_allclose(after.bladder, before.bladder - 3, rtol=1e-12)
+    before, after = plain.response(1e5, eps), tuned.response(1e5, eps)  # C1 = 2 N, C2 = 0.9
+    assert_allclose(after.force, 0.9 * (before.force - 2), rtol=1e-12)
+    assert_allclose(after.mesh, 0.9 * before.mesh, rtol=1e-13)
+
+
+def test_it_restores_what_was_measured():
+    # (34) and (35) from a free strain and a blocked force that were "measured"
+    P, free, blocked = 1e5, 0.11, 30.0
+    c1 = float(plain.force(P, free))
+    c2 = blocked / (float(plain.blocked_force(P)) - c1)
+    fitted = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning([P], [c1], [c2]))
+    assert_allclose(fitted.free_strain(P), free, rtol=1e-12)
+    assert_allclose(fitted.blocked_force(P), blocked, rtol=1e-13)
+
+
+def test_without_pressure_it_does_nothing_to_the_tension():
+    assert tuned.free_strain(0.0) == 0
+    eps = np.linspace(-0.1, 0.0, 5)
+    assert_allclose(tuned.force(0.0, eps), plain.force(0.0, eps), rtol=0, atol=0)
+
+
+def test_modulus_factor_stands_wherever_the_modulus_does():
+    stiff = with_factors(youngs_modulus_factor=1.25)
+    made = fs.Muscle.from_dimensions(
+        *SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.25 * 6 * (118.4e3 + 105.7e3))
+    )
+    P, eps = np.array([[0.0], [1e5]]), np.linspace(-0.1, 0.6, 29)
+    assert_allclose(stiff.force(P, eps), made.force(P, eps), rtol=1e-11)
+    assert_allclose(stiff.collapse_moment(P), made.collapse_moment(P), rtol=1e-14)
+    assert_allclose(stiff.force(P, -0.05), plain.force(P, -0.05), rtol=0)  # never in C10, C01
+
+
+def test_factors_on_moment_and_hinge():
+    P = np.array([0.0, 2e5])
+    weak = with_factors(collapse_moment_factor=0.5)
+    assert_allclose(weak.collapse_moment(P), 0.5 * plain.collapse_moment(P), rtol=1e-15)
+    hinged = with_factors(hinge_stiffness_factor=0.8, hinge_stiffness_slope=1e-6)
+    at = 0.55  # collapsed: the moment is the hinge's own, a constant in strain
+    assert_allclose(hinged.moment(P, at) / plain.moment(P, at), [0.8, 1.0], rtol=1e-13)
+    assert_allclose(hinged.collapse_strain(P), plain.collapse_strain(P), rtol=0)
+
+
+def test_transition_rate_replaces_the_muscles_own():
+    quick = with_factors(transition_rate=100.0)
+    made = fs.Muscle.from_dimensions(*SIZES, transition_rate=100.0)
+    assert_allclose(quick.force(0.0, 0.2), made.force(0.0, 0.2), rtol=1e-15)
+    assert abs(float(quick.force(0.0, 0.2) - plain.force(0.0, 0.2))) > 0.01
+
+
+def test_gradient_in_every_entry():
+    everything = fs.Tuning(**TABLE, hinge_stiffness_slope=1e-7, transition_rate=50.0)
+    muscle = fs.Muscle.from_dimensions(*SIZES, tuning=everything)
+    P, eps = jnp.array([0.0, 1e5, 2e5, 1e6]), jnp.array([0.3, 0.05, 0.3, 0.6])
+    slopes = jax.vmap(jax.grad(lambda m, P, eps: m.force(P, eps)), (None, 0, 0))(muscle, P, eps)
+    assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes.tuning))
+
+
+def test_tables_may_be_differentiated_into():
+    def force(c1):
+        tuning = fs.Tuning(jnp.array([1e5]), c1, jnp.array([1.0]))
+        return fs.Muscle.from_dimensions(*SIZES, tuning=tuning).force(1e5, 0.05)
+
+    assert_allclose(jax.jit(jax.grad(force))(jnp.array([2.0])), [-1.0], rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            {"pressures": [1e5], "c1": [1.0, 2.0], "c2": [1.0]},
+            r"lists of equal length, got 1, 2 and 1",
+        ),
+        (
+            {"pressures": [2e5, 1e5], "c1": [1, 2], "c2": [1, 1]},
+            r"^`pressures` must rise from 0 Pa",
+        ),
+        ({"pressures": [-1.0], "c1": [1.0], "c2": [1.0]}, r"^`pressures` must rise from 0 Pa"),
+        ({"pressures": [1e5, 1e5], "c1": [1, 2], "c2": [1, 1]}, r"^`pressures` must rise"),
+        (
+            {"pressures": [0.0], "c1": [1.0], "c2": [1.0]},
+            r"must be 0 N and 1 at zero pressure, got 1 N",
+        ),
+        (
+            {"pressures": [1e5], "c1": [math.nan], "c2": [1.0]},
+            r"^`c1` must lie in .*, got nan N\.$",
+        ),
+        (
+            {"pressures": [1e5], "c1": [1.0], "c2": [0.0]},
+            r"^`c2` must be positive and finite, got 0\.$",
+        ),
+        ({"youngs_modulus_factor": 0.0}, r"^`youngs_modulus_factor` must be positive"),
+        ({"collapse_moment_factor": -1.0}, r"^`collapse_moment_factor` must be positive"),
+        ({"hinge_stiffness_factor": math.inf}, r"^`hinge_stiffness_factor` must be positive"),
+        ({"hinge_stiffness_slope": math.nan}, r"^`hinge_stiffness_slope` must lie in"),
+        (
+            {"hinge_stiffness_slope": -2e-6},
+            r"^`hinge_stiffness_slope` must leave .* got a factor of -1",
+        ),
+        ({"transition_rate": 0.0}, r"^`transition_rate` must be positive"),
+    ],
+)
+def test_refuses_what_cannot_be(arguments, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        fs.Tuning(**arguments)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,139 @@
+import jax
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+from jax.test_util import check_grads
+from numpy.testing import assert_allclose
+
+from fascicle._math import elliptic, guarded, jacobi, maximum_of, newton, root
+
+
+def square_root(theta, start=0.5):
+    return root(lambda x: theta - x**2, 0.0, 10.0, start=start)
+
+
+def test_root_is_found_to_the_last_bits():
+    # the search stops when a step is below 4 ulp of 1 + |x|
+    theta = jnp.array([1e-4, 0.25, 2.0, 81.0])
+    assert_allclose(square_root(theta), np.sqrt(theta), rtol=0, atol=1e-14)
+
+
+def test_root_has_the_implicit_derivative_of_any_order():
+    # x = √θ: x' = 1/(2x), x'' = −1/(4x³)
+    first, second = jax.grad(square_root), jax.grad(jax.grad(square_root))
+    assert_allclose(first(2.0), 1 / (2 * np.sqrt(2)), rtol=1e-13)
+    assert_allclose(second(2.0), -1 / (4 * np.sqrt(8)), rtol=1e-12)
+    check_grads(square_root, (2.0,), order=2, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("residual", "expected"),
+    [
+        (lambda x: -jnp.arctan(50 * (x - 0.03)), 0.03),  # Newton alone diverges
+        (lambda x: 0.5 - x**3, 0.5 ** (1 / 3)),  # flat where it starts
+        (lambda x: -x, 0.0),  # at the bracket's low end
+        (lambda x: 1 - x, 1.0),  # at its high end
+        (lambda x: jnp.where(x > 0.7, -1.0, 1.0), 0.7),  # nothing but a jump
+    ],
+)
+def test_root_stays_in_its_bracket(residual, expected):
+    assert_allclose(root(residual, 0.0, 1.0, start=0.0), expected, rtol=0, atol=1e-14)
+
+
+def test_root_stops_at_the_noise_of_its_residual():
+    # near the root rounding makes Newton's step wander: that is the end, not a reason to
+    # bisect anew. Quadratic convergence and a few bisections at the start: 20 are plenty
+    calls = []
+
+    def noisy(x):
+        calls.append(1)
+        return 1e4 * ((1 - x) - 0.8) + jnp.sin(1e19 * x) * 1e-12
+
+    with jax.disable_jit():
+        assert_allclose(root(noisy, 0.0, 0.8, start=0.0), 0.2, atol=1e-14)
+    assert len(calls) < 20
+
+
+def test_a_flat_residual_moves_no_root():
+    # every x solves 0 = 0: no derivative exists, and none must poison a sum as a NaN
+    slope = jax.grad(lambda theta: root(lambda x: 0 * theta * x, 0.0, 1.0, start=0.5))(1.0)
+    assert slope == 0
+
+
+def test_where_a_root_is_sought_has_no_derivative():
+    def sought(low):
+        return root(lambda x: 0.5 - x, jnp.sqrt(low), 1.0, start=jnp.sqrt(low))
+
+    assert jax.grad(sought)(0.0) == 0  # √ has an infinite slope there
+
+
+def test_root_broadcasts_and_maps():
+    theta, shift = jnp.linspace(0.5, 2, 4), jnp.zeros((3, 1))
+    both = root(lambda x: theta + shift - x**2, jnp.zeros((3, 1)), 10.0, start=1.0)
+    assert both.shape == (3, 4) and both.dtype == jnp.float64
+    assert_allclose(both, np.broadcast_to(jax.vmap(square_root)(theta), (3, 4)), rtol=1e-14)
+
+
+def test_newton_carries_first_and_second_derivatives():
+    def root_of(theta):
+        return newton(lambda x: theta - x**2, 1.5, 6)
+
+    theta = 2.0
+    assert_allclose(root_of(theta), np.sqrt(2), rtol=1e-15)
+    assert_allclose(jax.grad(root_of)(theta), 1 / (2 * np.sqrt(2)), rtol=1e-14)
+    assert_allclose(jax.grad(jax.grad(root_of))(theta), -1 / (4 * np.sqrt(8)), rtol=1e-13)
+    assert root_of(jnp.ones((3, 1))).shape == (3, 1)
+
+
+def test_maximum_is_found_to_the_root_of_the_precision():
+    center = jnp.array([0.1, 0.5, 0.93])
+    found = maximum_of(lambda x: 1 - (x - center) ** 2, jnp.zeros(3), jnp.ones(3))
+    assert_allclose(found, center, rtol=0, atol=3e-8)  # √ε of float64 is 1.5e-8
+    assert jax.grad(lambda c: maximum_of(lambda x: -((x - c) ** 2), 0.0, 1.0))(0.3) == 0
+
+
+def test_maximum_at_an_end():
+    assert_allclose(maximum_of(lambda x: x, 0.0, 1.0), 1.0, rtol=0, atol=2e-9)  # 0.618⁴⁴
+
+
+@pytest.mark.parametrize("m", [-0.5, -1e-9, 0.0, 1e-12, 0.1, 0.5, 0.8261147659879693, 0.9])
+def test_complete_integrals(m):
+    ours = elliptic(m)
+    assert_allclose(ours.K, float(mpmath.ellipk(m)), rtol=1e-15, atol=0)
+    assert_allclose(ours.E, float(mpmath.ellipe(m)), rtol=2e-15, atol=0)
+
+
+@pytest.mark.parametrize("m", [0.2, 0.6, 0.82])
+def test_slopes_of_complete_integrals(m):
+    K, E = float(mpmath.ellipk(m)), float(mpmath.ellipe(m))
+    dK, dE = jax.grad(lambda m: elliptic(m).K)(m), jax.grad(lambda m: elliptic(m).E)(m)
+    assert_allclose(dK, (E - (1 - m) * K) / (2 * m * (1 - m)), rtol=1e-13)
+    assert_allclose(dE, (E - K) / (2 * m), rtol=1e-13)
+
+
+def test_complete_integrals_are_smooth_at_zero():
+    # K = π/2 (1 + m/4 + 9m²/64 …), E = π/2 (1 − m/4 − 3m²/64 …)
+    K, E = (lambda m: elliptic(m).K), (lambda m: elliptic(m).E)
+    assert_allclose([jax.grad(K)(0.0), jax.grad(E)(0.0)], [np.pi / 8, -np.pi / 8], rtol=1e-15)
+    assert_allclose(jax.grad(jax.grad(K))(0.0), 9 * np.pi / 64, rtol=1e-14)
+
+
+@pytest.mark.parametrize("m", [0.0, 0.3, 0.7, 0.82])
+def test_amplitude_and_incomplete_integral(m):
+    u = np.linspace(0, 4 * float(mpmath.ellipk(m)), 17)
+    phase, epsilon = jacobi(u, elliptic(m))
+    expected = [float(mpmath.ellipfun("sn", u=x, m=m)) for x in u]
+    assert_allclose(np.sin(phase), expected, rtol=0, atol=3e-15)
+    assert_allclose(phase[-1], 2 * np.pi, rtol=1e-15)  # four quarters are a full turn
+    incomplete = [float(mpmath.ellipe(mpmath.mpf(float(p)), m)) for p in phase]
+    assert_allclose(epsilon, incomplete, rtol=0, atol=1e-14)
+
+
+def test_a_guarded_branch_leaves_no_trace_in_the_gradient():
+    def root_or_zero(x):
+        good = x > 0
+        return jnp.where(good, jnp.sqrt(guarded(good, x)), 0.0)
+
+    assert jax.grad(root_or_zero)(0.0) == 0
+    assert_allclose(jax.grad(root_or_zero)(4.0), 0.25)
