@@ -1,5 +1,7 @@
 """The issue of bad input: each is one line on stderr, exit code 2, nothing half written."""
 
+import errno
+
 import pytest
 
 
@@ -172,3 +174,12 @@ def test_init_keeps_what_is_there(refused, fascicle, tmp_path):
     assert "it is a folder" in refused("init", ".")
     assert "no such folder" in refused("init", "no/m.toml")
     assert fascicle("init", "m.toml", "--force")[0] == 0
+
+
+def test_reproduce_onto_a_full_disk(refused, monkeypatch):
+    def run(_folder, _progress):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("fascicle.reproduce.kim2021.run", run)
+    message = refused("reproduce", "kim2021", "--out", "made")
+    assert message == "--out made: can't be written: No space left on device."

@@ -141,7 +141,9 @@ class Bundle(eqx.Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P, eps = self._pressures(pressures), self._strain(strain)
-        return _unit_forces(self, P, eps, bool(resistance))
+        forces = _unit_forces(self, P, eps)
+        # outside what is compiled, so that one compilation serves both
+        return forces if resistance else jnp.where(forces > 0, forces, 0.0)
 
     @compilable
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
@@ -230,10 +232,9 @@ def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
     return Pressurized(tuple(groups), tuple(map(tuple, alike.values())), bundle.counts)
 
 
-@partial(jax.jit, static_argnums=3)
-def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Batch, resistance: bool) -> PerUnit:
-    forces = pressurized(bundle, pressures).unit_forces(strain)
-    return forces if resistance else jnp.where(forces > 0, forces, 0.0)
+@jax.jit
+def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Batch) -> PerUnit:
+    return pressurized(bundle, pressures).unit_forces(strain)
 
 
 @partial(jax.jit, static_argnums=2)

@@ -41,7 +41,10 @@ def run(
     with refusing(f"--out {folder}: "):
         _check(folder)
     prepare()
-    claims = _made(folder)
+    try:
+        claims = _made(folder)
+    except OSError as error:  # a full disk, a folder gone
+        raise UserError(f"--out {folder}: can't be written: {error.strerror or error}.") from error
     _show(claims)
     print(f"report: {folder / 'report.html'}")
     from ..reproduce.claims import failed

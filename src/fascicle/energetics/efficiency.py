@@ -78,18 +78,20 @@ def efficiency_map(
     one_of(scheme, SCHEMES, "scheme")
     one_of(path, PATHS, "path")
     units = len(bundle.motor_units)
+    few, places = distinct(bundle)
+    full = np.full(len(few.motor_units), supply)
     if force is None:
-        largest = float(bundle.force(np.full(units, supply), 0.0))
+        blocked = np.asarray(few.unit_forces(full, 0.0))[places]
+        largest = float(blocked.sum())
         force = largest * np.arange(1, _FORCES + 1) / _FORCES
     if strain is None:
-        reach = float(bundle.free_strain(np.full(units, supply), resistance=False))
+        reach = float(few.free_strain(full, resistance=False))
         strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
     force, strain = np.atleast_1d(force).astype(float), np.atleast_1d(strain).astype(float)
     if np.any(strain <= 0):
         raise ValueError(f"`strain` must be positive, got {strain.min():g}.")
 
     levels = np.linspace(0.0, supply, _LEVELS)
-    few, places = distinct(bundle)
     pressures = np.r_[levels, 0.0][:, None, None] * np.ones(len(few.motor_units))
     forces = np.asarray(few.unit_forces(pressures, strain, resistance))[..., places]
     states_force = add_up(forces[:-1], forces[-1], forces[-2], scheme)

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import fascicle as fs
-from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021, _straightening
+from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021, _moment, _straightening
 from fascicle.muscle.elastica import Elastica
 
 
@@ -169,3 +169,14 @@ def test_spring_equations_are_solved_for_every_slenderness():
         h = np.sqrt(1 - (1 - slack) * xi / (2 - xi)) / (1 - (1 - slack) * xi)
         # 1/(1 + ah) as it stands: rounding of a h, no more
         assert_allclose(slack, 1 / (1 + a * h), rtol=1e-12)
+
+
+@pytest.mark.parametrize("slender", [10.0, 100.0, 1e3, 1e5])  # as above
+def test_moment_has_one_peak(slender):
+    # the collapse strain is bracketed by it; xi alone counts, and the one slenderness
+    changed = eqx.tree_at(
+        lambda c: c.axial_stiffness, column, column.bending_stiffness * slender / L**2
+    )
+    moment = np.asarray(_moment(changed, jnp.linspace(0, 1 - 1e-6, 2001)))
+    rising = np.diff(moment) > 0
+    assert rising[0] and np.count_nonzero(rising[1:] != rising[:-1]) == 1
