@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .named import example, example_text, examples
-    from .reading import load, loads
+    from .reading import load, loads, provenance
     from .writing import dumps, save
 
-__all__ = ["load", "loads", "save", "dumps", "example", "example_text", "examples"]
+__all__ = [
+    "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",
+]  # fmt: skip
 
 _HOMES = {
-    "load": "reading", "loads": "reading",
+    "load": "reading", "loads": "reading", "provenance": "reading",
     "save": "writing", "dumps": "writing",
     "example": "named", "example_text": "named", "examples": "named",
 }  # fmt: skip

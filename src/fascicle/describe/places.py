@@ -23,6 +23,7 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
         "youngs_modulus": ("material", "youngs_modulus"),
         "poisson_ratio": ("material", "poisson_ratio"),
     },
+    "tension": {"tension": ("law",)},
     "tuning": {
         "pressures": ("pressure",),
         "hinge_stiffness_slope": ("hinge_stiffness_factor", "slope"),
@@ -41,7 +42,7 @@ class Place:
         - `source`: the file's path, or what stands for it [-].
         - `data`: the whole file's data [-].
         - `path`: the keys that lead to the section [-].
-        - `kind`: what the section describes [-]: muscle, tuning, bundle or motor_unit.
+        - `kind`: what the section describes [-]: a key of `_KEYS`.
         """
         self.source, self.data, self.path, self.kind = source, data, path, kind
 

@@ -3,15 +3,18 @@
 import os
 import tomllib
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from .._checks import one_of
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
 from ..muscle.collapse import COLLAPSE_LAWS
 from ..muscle.materials import MooneyRivlin
+from ..muscle.tension import TENSION_LAWS, AbstractTension
 from ..muscle.tuning import Tuning
 from .places import Place
 from .problems import from_validation, line, nearest
@@ -23,12 +26,13 @@ from .schema import (
     MaterialSection,
     MotorUnitSection,
     MuscleSection,
+    TensionSection,
     TuningSection,
 )
 
 
 _LARGEST_FILE = 1_000_000  # bytes; a muscle takes 500
-_SECTIONS = ("material", "collapse", "tuning")  # keys of one muscle that hold a table
+_SECTIONS = ("material", "tension", "collapse", "tuning")  # keys of one muscle that hold a table
 _DEFAULT_COLLAPSE = "kim2021"  # the muscle's own, needed by name where a factor stands on it
 
 
@@ -42,7 +46,27 @@ def load(path: str | os.PathLike[str]) -> Muscle | Bundle:
     **Raises:** `OSError` where it can't be read; `ValueError`, in one line with the path and
     the key, where what it says can't be.
     """
-    path = Path(path)
+    return loads(_read(Path(path)), source=str(path))
+
+
+def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read where a muscle file's muscle comes from.
+
+    **Arguments:** `path`: the TOML file [-].
+
+    **Returns:** its `[calibration]` as nested tables and lists [-]; empty if it has none.
+
+    **Raises:** as `load`, for what stands outside of the other tables.
+    """
+    source = os.fspath(path)
+    table = _parsed(_read(Path(path)), source).get("calibration", {})
+    if not isinstance(table, dict):
+        raise ValueError(line(source, ["calibration"], "must be a table of keys.", table))
+    return table
+
+
+def _read(path: Path) -> str:
+    """The text of a muscle file."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: a folder, not a muscle file.")
     try:
@@ -56,10 +80,9 @@ def load(path: str | os.PathLike[str]) -> Muscle | Bundle:
     if len(raw) > _LARGEST_FILE:
         raise ValueError(f"{path}: larger than {_LARGEST_FILE} bytes, not a muscle file.")
     try:
-        text = raw.decode("utf-8-sig")
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; a muscle file is TOML in UTF-8.") from None
-    return loads(text, source=str(path))
 
 
 def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
@@ -74,18 +97,7 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
     **Raises:** `ValueError` as `load`.
     """
-    try:
-        data = tomllib.loads(text.replace("\r\n", "\n"))
-    except tomllib.TOMLDecodeError as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"{source}: not TOML: {reason}.") from None
-    except RecursionError:
-        raise ValueError(f"{source}: not TOML: nested too deep.") from None
-    version = data.get("format")
-    if version is not None and (version != 1 or isinstance(version, bool)):
-        rule = "must be 1, the format that this version of fascicle reads."
-        raise ValueError(line(source, ["format"], rule, version))
-    data = _filed(data)
+    data = _filed(_parsed(text, source))
     try:
         file = FileSection.model_validate(data)
     except ValidationError as error:
@@ -103,6 +115,22 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
             f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
         )
     return next(iter(muscles.values()))
+
+
+def _parsed(text: str, source: str) -> dict[str, Any]:
+    """The tables of a file of this format."""
+    try:
+        data = tomllib.loads(text.replace("\r\n", "\n"))
+    except tomllib.TOMLDecodeError as error:
+        reason = " ".join(str(error).split())
+        raise ValueError(f"{source}: not TOML: {reason}.") from None
+    except RecursionError:
+        raise ValueError(f"{source}: not TOML: nested too deep.") from None
+    version = data.get("format")
+    if version is not None and (version != 1 or isinstance(version, bool)):
+        rule = "must be 1, the format that this version of fascicle reads."
+        raise ValueError(line(source, ["format"], rule, version))
+    return data
 
 
 def _filed(data: dict[str, Any]) -> dict[str, Any]:
@@ -123,6 +151,8 @@ def _muscle(section: MuscleSection, place: Place) -> Muscle:
     given: dict[str, Any] = {
         name: value for name, value in section if value is not None and name not in _SECTIONS
     }
+    if section.tension is not None:
+        given["tension"] = _tension(section.tension, place.inner("tension", kind="tension"))
     if section.tuning is not None:
         given["tuning"] = _tuning(section.tuning, place.inner("tuning", kind="tuning"))
     with place.naming():
@@ -143,6 +173,21 @@ def _material(material: str | MaterialSection) -> str | MooneyRivlin:
         if name not in given:
             raise ValueError(f"`{name}` is missing, write c10 and c01, or youngs_modulus alone.")
     return MooneyRivlin(**given)
+
+
+def _tension(tension: str | TensionSection, place: Place) -> str | AbstractTension:
+    if isinstance(tension, str):
+        return tension  # an unknown one is the muscle's to refuse
+    given = tension.model_dump(exclude_none=True, exclude={"law"})
+    with place.naming():
+        law: Any = TENSION_LAWS[one_of(tension.law, TENSION_LAWS, "tension")]
+    known = [field.name for field in fields(law)]
+    for key in given:
+        if key not in known:
+            rule = nearest(key, known) if known else ": it has none, drop it."
+            raise place.refuse((key,), f"not a parameter of {tension.law}{rule}")
+    with place.naming():
+        return law(**given)
 
 
 def _collapse(collapse: CollapseSection) -> dict[str, Any]:

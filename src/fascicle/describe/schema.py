@@ -58,6 +58,17 @@ class MaterialSection(Section):
     poisson_ratio: Number | None = None
 
 
+class TensionSection(Section):
+    """`tension = { … }`: the law and its own numbers; which of them it has is its business."""
+
+    law: StrictStr = Field(examples=['"tondu_lopez"'])
+    strain_factor: Number | None = None
+    strain_factor_rise: Number | None = None
+    decay_pressure: Pressure | None = None
+    force_factor: Number | None = None
+    pressure_term: StrictStr | None = None
+
+
 class CollapseSection(Section):
     """`[muscle.collapse]`: the law, the factor on its moment, the transition rate."""
 
@@ -74,7 +85,7 @@ class HingeSection(Section):
 
 
 class TuningSection(Section):
-    """`[muscle.tuning]`: the tables of C1 and C2 in pressure, and the four factors."""
+    """`[muscle.tuning]`: tables of C1 and C2 in pressure, four factors, the dead band."""
 
     pressure: list[Pressure] | None = None
     c1: list[Force] | None = None
@@ -89,6 +100,7 @@ class TuningSection(Section):
         | None
     ) = None
     transition_rate: Number | None = None
+    dead_band: Pressure | None = None
 
 
 class MuscleSection(Section):
@@ -105,7 +117,13 @@ class MuscleSection(Section):
         ]
         | None
     ) = None
-    tension: StrictStr | None = None
+    tension: (
+        Annotated[
+            Annotated[StrictStr, Tag(PLAIN)] | Annotated[TensionSection, Tag(TABLE)],
+            Discriminator(_plain_or_table),
+        ]
+        | None
+    ) = None
     buckling: StrictStr | None = None
     post_collapse: StrictStr | None = None
     collapse: CollapseSection | None = None
@@ -124,6 +142,7 @@ class BundleSection(Section):
 
     supply_pressure: Pressure | None = None
     scheme: StrictStr | None = None
+    length: Length | None = None
     motor_unit: list[MotorUnitSection] = Field(
         default_factory=list[MotorUnitSection], examples=["{ count = 1 }"]
     )
@@ -135,3 +154,4 @@ class FileSection(Section):
     format: StrictInt = Field(examples=["1"])
     muscle: dict[str, MuscleSection] = Field(examples=["[muscle]"])
     bundle: BundleSection | None = None
+    calibration: dict[str, Any] | None = None  # where the muscle comes from: `provenance`

@@ -2,6 +2,8 @@
 
 import json
 import os
+from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -15,32 +17,43 @@ from ..muscle.tension import TENSION_LAWS
 from ..muscle.tuning import Tuning
 from ..units import exact
 from .atomic import write_text
+from .calibration import calibration_lines
 
 
-def save(obj: Any, path: str | os.PathLike[str]) -> None:
+def save(
+    obj: Any, path: str | os.PathLike[str], calibration: Mapping[str, Any] | None = None
+) -> None:
     """Write a muscle file, whole or not at all.
 
     **Arguments:**
 
     - `obj`: a `Muscle` or a `Bundle` [-].
     - `path`: where it goes [-]; a file that is there is replaced.
+    - `calibration`: where it comes from [-], as `dumps` takes it.
 
     **Raises:** `ValueError` for anything that a file can't describe; `OSError` where it
     can't be written.
     """
-    write_text(path, dumps(obj))
+    write_text(path, dumps(obj, calibration))
 
 
-def dumps(obj: Any) -> str:
+def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     """Write what a muscle file holds.
 
-    **Arguments:** `obj`: a `Muscle` or a `Bundle` [-].
+    **Arguments:**
+
+    - `obj`: a `Muscle` or a `Bundle` [-].
+    - `calibration`: where it comes from [-]: text, numbers, booleans and lists of them by
+      key, and one level of tables or lists of tables; `provenance` reads it back.
 
     **Returns:** the TOML [-]; `loads` gives back every parameter bitwise.
 
     **Raises:** `ValueError` for anything that a file can't describe.
     """
-    return "\n".join(["format = 1", "", *_lines(obj)]) + "\n"
+    lines = ["format = 1", "", *_lines(obj)]
+    if calibration is not None:
+        lines += ["", *calibration_lines(calibration)]
+    return "\n".join(lines) + "\n"
 
 
 def _lines(obj: Any) -> list[str]:
@@ -70,7 +83,7 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
             )
         ),
         f"material = {_material(muscle.material)}",
-        f"tension = {_law(muscle.tension, TENSION_LAWS, 'tension')}",
+        f"tension = {_tension(muscle.tension)}",
         f"buckling = {_law(muscle.buckling, BUCKLING_LAWS, 'buckling')}",
         f"post_collapse = {_law(muscle.post_collapse, POST_COLLAPSE_LAWS, 'post_collapse')}",
         "",
@@ -79,6 +92,23 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
     ]
     tuning = _tuning(muscle.tuning)
     return [*lines, "", f"[{table}.tuning]", *tuning] if tuning else lines
+
+
+def _tension(law: Any) -> str:
+    """The law's name, with its own numbers where they aren't the default ones."""
+    name = _law(law, TENSION_LAWS, "tension")
+    entries, defaults = {}, type(law)()
+    for key in (field.name for field in fields(law)):
+        value = getattr(law, key)
+        if isinstance(value, str):
+            entries[key] = json.dumps(value)
+        elif law.parameters[key] == "number":
+            entries[key] = _number(value, key)
+        else:
+            entries[key] = _quantity(value, law.parameters[key], key)
+    if all(getattr(law, key) == getattr(defaults, key) for key in entries):
+        return name
+    return f"{{ law = {name}, {', '.join(f'{key} = {text}' for key, text in entries.items())} }}"
 
 
 def _material(material: Any) -> str:
@@ -120,6 +150,8 @@ def _tuning(tuning: Tuning) -> list[str]:
         lines.append(f"hinge_stiffness_factor = {constant!r}")
     if tuning.transition_rate is not None:
         lines.append(f"transition_rate = {_number(tuning.transition_rate, 'transition_rate')}")
+    if _scalar(tuning.dead_band, "dead_band"):
+        lines.append(f"dead_band = {_quantity(tuning.dead_band, 'pressure', 'dead_band')}")
     return lines
 
 
@@ -142,6 +174,8 @@ def _bundle(bundle: Bundle) -> list[str]:
             f"supply_pressure = {_quantity(bundle.supply_pressure, 'pressure', 'supply_pressure')}"
         )
     lines.append(f"scheme = {json.dumps(bundle.scheme)}")
+    if bundle.plate_distance is not None:
+        lines.append(f"length = {_quantity(bundle.plate_distance, 'length', 'length')}")
     for unit, index in zip(bundle.motor_units, which, strict=True):
         lines += ["", "[[bundle.motor_unit]]", f"count = {int(unit.count)}"]
         lines += [f'muscle = "unit_{index + 1}"'] if several else []

@@ -112,7 +112,7 @@ class Muscle(eqx.Module):
         - `wall_thickness`: $t_0$ [m], less than the radius.
         - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
         - `material`: the bladder's, a name or an object [-].
-        - `tension`: "klute_hannaford" or "ideal" [-].
+        - `tension`: "klute_hannaford", "ideal", "tondu_lopez", "meller2014" or "kothera2009" [-].
         - `buckling`: "kim2021" or "elastica" [-].
         - `collapse`: "kim2021", "wood1958", "brazier1927" or "stein_hedgepeth1961" [-].
         - `post_collapse`: "derived", "consistent" or "printed" [-].

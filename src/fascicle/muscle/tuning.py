@@ -12,6 +12,14 @@ Four factors correct what happens past the free strain: one on $E$ wherever $E$ 
 the collapse moment and one, affine in pressure, on the hinge's stiffness, both on top of
 it; and the transition rate $\beta$ itself.
 
+A dead band $P_d$ is the pressure that closes the gap between bladder and braid. The tension
+law, and $C_1$ and $C_2$ with it, see what is left of the pressure,
+
+$$P_e = \max(P - P_d, 0); \tag{D}$$
+
+collapse and hinge see $P$, which the bladder holds. The kink at $P = P_d$ is physics; value
+and slope are finite there, the slope that of $P > P_d$.
+
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
 """
 
@@ -19,7 +27,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete, finite, positive
+from .._checks import concrete, finite, positive, within
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .tension import AbstractTension
@@ -39,6 +47,7 @@ class Tuning(eqx.Module):
     hinge_stiffness_factor: Batch
     hinge_stiffness_slope: Batch
     transition_rate: Batch | None
+    dead_band: Batch
 
     def __init__(
         self,
@@ -51,6 +60,7 @@ class Tuning(eqx.Module):
         hinge_stiffness_factor: Values = 1.0,
         hinge_stiffness_slope: Values = 0.0,
         transition_rate: Values = None,
+        dead_band: Values = 0.0,
     ):
         """**Arguments:**
 
@@ -62,6 +72,7 @@ class Tuning(eqx.Module):
         - `hinge_stiffness_factor`: on $k_r$ at zero pressure [-], positive.
         - `hinge_stiffness_slope`: its rise with pressure [1/Pa].
         - `transition_rate`: $\\beta$ [-], instead of the muscle's own.
+        - `dead_band`: pressure $P_d$ [Pa] that closes the gap between bladder and braid.
 
         **Raises:** `ValueError` where a table or a factor can't be.
         """
@@ -77,6 +88,9 @@ class Tuning(eqx.Module):
         self.transition_rate = (
             None if transition_rate is None else positive(transition_rate, "transition_rate", "-")
         )
+        self.dead_band = within(
+            dead_band, 0.0, _LARGEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
+        )
         if concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
             highest = self.hinge_stiffness_at(_LARGEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
@@ -85,12 +99,18 @@ class Tuning(eqx.Module):
                     f" got a factor of {np.min(np.asarray(highest)):g} there."
                 )
 
+    def effective_pressure(self, pressure: BatchLike) -> Batch:
+        """$P_e$ [Pa] at gauge `pressure` [Pa], equation (D)."""
+        P, P_d = jnp.asarray(pressure, dtype=float), self.dead_band
+        # not `maximum`, which would halve the slope at P = 0 where there is no dead band
+        return jnp.where(P_d <= P, P - P_d, 0.0)
+
     def c1_at(self, pressure: BatchLike) -> Batch:
-        """$C_1$ [N] at `pressure` [Pa]."""
+        """$C_1$ [N] at effective `pressure` [Pa]."""
         return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c1)
 
     def c2_at(self, pressure: BatchLike) -> Batch:
-        """$C_2$ [-] at `pressure` [Pa]."""
+        """$C_2$ [-] at effective `pressure` [Pa]."""
         return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c2)
 
     def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
@@ -107,8 +127,9 @@ class TunedTension(eqx.Module):
 
     def components(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (32) and (33)."""
-        c1, c2 = self.tuning.c1_at(pressure), self.tuning.c2_at(pressure)
-        mesh, bladder = self.law.components(self.bladder, pressure, strain)
+        P_e = self.tuning.effective_pressure(pressure)
+        c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
+        mesh, bladder = self.law.components(self.bladder, P_e, strain)
         return c2 * mesh, c2 * (bladder - c1)
 
     def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
@@ -118,7 +139,8 @@ class TunedTension(eqx.Module):
 
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
-        return self.law.free_strain(self.bladder, pressure, self.tuning.c1_at)
+        P_e = self.tuning.effective_pressure(pressure)
+        return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at)
 
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Batch, Batch, Batch]:

@@ -20,6 +20,7 @@ braid_angle = "33 deg"
 """
 COLLAPSE, TUNING = "[muscle.collapse]\n", "[muscle.tuning]\n"
 UNIT = "[[bundle.motor_unit]]\n"
+TONDU = 'tension = { law = "tondu_lopez", '
 TWO = MUSCLE.replace("[muscle]", "[muscle.thin]") + MUSCLE.replace("format = 1\n", "").replace(
     "[muscle]", "[muscle.thick]"
 ).replace("6.35", "9")
@@ -62,6 +63,19 @@ def test_every_law_by_name():
     assert (muscle.collapse.factor, muscle.transition_rate) == (0.5, 40)
 
 
+def test_a_tension_law_with_its_numbers():
+    tension = loads(
+        MUSCLE + 'tension = { law = "tondu_lopez", strain_factor = 1.2, decay_pressure = "2 bar" }'
+    ).tension
+    assert tension.name == "tondu_lopez"
+    assert (tension.strain_factor, tension.decay_pressure) == (1.2, 2e5)
+    assert tension.strain_factor_rise == 0
+    section = loads(MUSCLE + '[muscle.tension]\nlaw = "meller2014"\nforce_factor = 0.9\n').tension
+    assert (section.name, section.force_factor, section.strain_factor) == ("meller2014", 0.9, 1)
+    by_term = loads(MUSCLE + 'tension = { law = "kothera2009", pressure_term = "ideal" }').tension
+    assert by_term.pressure_term == "ideal"
+
+
 @pytest.mark.parametrize("law", COLLAPSE_LAWS)
 def test_a_factor_on_any_collapse_law(law):
     text = MUSCLE + COLLAPSE + f'law = "{law}"\nfactor = 0.785\n'
@@ -96,6 +110,8 @@ def test_tuning():
     assert float(tuning.hinge_stiffness_at(1e5)) == pytest.approx(2.12, rel=1e-15)
     assert (tuning.youngs_modulus_factor, tuning.collapse_moment_factor) == (1.25, 1.1)
     assert tuning.transition_rate == 100
+    assert tuning.dead_band == 0
+    assert loads(MUSCLE + TUNING + 'dead_band = "12 kPa"').tuning.dead_band == 12e3
     plain = loads(MUSCLE + TUNING + "hinge_stiffness_factor = 0.5").tuning
     assert (plain.hinge_stiffness_factor, plain.hinge_stiffness_slope) == (0.5, 0)
 
@@ -127,7 +143,7 @@ def test_windows_files_and_byte_order_marks(tmp_path):
         # keys
         ("length", "lenght", 'muscle.lenght: unknown key, did you mean "length"?'),
         ("[muscle]", "[musle]", 'musle: unknown key, did you mean "muscle"?'),
-        ("[muscle]", "colour = 3\n[muscle]", "colour: unknown key, choose one of bundle, format"),
+        ("[muscle]", "colour = 3\n[muscle]", "colour: unknown key, choose one of bundle, calib"),
         ('length = "127 mm"\n', "", 'muscle.length: missing, write length = "127 mm".'),
         ("format = 1\n", "", "format: missing, write format = 1."),
         ("format = 1", "format = 2", "format = 2: must be 1, the format that this version"),
@@ -169,12 +185,29 @@ def test_refuses(old, new, message):
         ('material = { c20 = "1 kPa" }', 'muscle.material.c20: unknown key, did you mean "c10"?'),
         ('buckling = "elastca"', "muscle.buckling = \"elastca\": `buckling` 'elastca' is unknown"),
         ('tension = "none"', 'muscle.tension = "none": `tension`'),
+        (
+            'tension = { law = "none" }',
+            "muscle.tension.law = \"none\": `tension` 'none'",
+        ),
+        ("tension = {}", 'muscle.tension.law: missing, write law = "tondu_lopez".'),
+        (TONDU + "k = 1 }", "muscle.tension.k: unknown key, choose one of"),
+        (TONDU + "strain_factor = -1 }", "tension.strain_factor = -1: `strain_factor` must be"),
+        (TONDU + "strain_factor_rise = -1 }", "tension.strain_factor_rise = -1: `strain_factor_r"),
+        (TONDU + "decay_pressure = 1 }", "tension.decay_pressure = 1: `decay_pressure` must be"),
+        (TONDU + "force_factor = 1 }", "tension.force_factor = 1: not a parameter of tondu_lopez"),
+        ('tension = { law = "ideal", force_factor = 1 }', "of ideal: it has none, drop it."),
+        (
+            'tension = { law = "kothera2009", pressure_term = "idea" }',
+            "muscle.tension.pressure_term = \"idea\": `pressure_term` 'idea' is unknown: did you",
+        ),
         ('post_collapse = "print"', 'muscle.post_collapse = "print": `post_collapse`'),
         (COLLAPSE + 'law = "wod1958"', "muscle.collapse.law = \"wod1958\": `collapse` 'wod1958'"),
         (COLLAPSE + 'law = "wod1958"\nfactor = 2', "muscle.collapse.law"),
         (COLLAPSE + "factor = -2", "muscle.collapse.factor = -2: `factor` must be positive"),
         (COLLAPSE + "transition_rate = 0", "collapse.transition_rate = 0: `transition_rate` must"),
         (COLLAPSE + "beta = 1", "muscle.collapse.beta: unknown key"),
+        (TUNING + "dead_band = 12", "tuning.dead_band = 12: `dead_band` must be a pressure"),
+        (TUNING + 'dead_band = "-1 Pa"', 'tuning.dead_band = "-1 Pa": `dead_band` must lie in'),
         (TUNING + 'pressure = ["1 kPa", "2"]', 'tuning.pressure[1] = "2": `pressure` must be'),
         (TUNING + 'pressure = ["1 kPa"]', "muscle.tuning.pressure: `pressures`, `c1` and `c2`"),
         (TUNING + 'pressure = "1 kPa"', 'muscle.tuning.pressure = "1 kPa": must be a list'),

@@ -11,6 +11,8 @@ from fascicle.describe import dumps, example, examples, load, loads, save
 from fascicle.muscle import Muscle, Tuning
 from fascicle.muscle.buckling import Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.corrected import TonduLopez
+from fascicle.muscle.force_balance import PRESSURE_TERMS
 from fascicle.muscle.materials import MATERIALS, MooneyRivlin
 from fascicle.muscle.muscle import BUCKLING_LAWS
 from fascicle.muscle.tension import TENSION_LAWS
@@ -39,12 +41,17 @@ tunings = st.fixed_dictionaries(
     {"table": tables, "youngs_modulus_factor": floats(0.1, 5),
      "collapse_moment_factor": floats(0.1, 5), "hinge_stiffness_factor": floats(0.1, 5),
      "hinge_stiffness_slope": st.just(0.0) | floats(0, 1e-4),
-     "transition_rate": st.none() | floats(1, 500)}
+     "transition_rate": st.none() | floats(1, 500), "dead_band": st.just(0.0) | floats(0, 9e5)}
 )  # fmt: skip
+tensions = st.sampled_from(sorted(TENSION_LAWS)) | st.one_of(
+    st.tuples(st.just("tondu_lopez"), floats(0.5, 2), floats(-0.4, 1), floats(1e3, 1e6)),
+    st.tuples(st.just("meller2014"), floats(0.5, 2), floats(0.1, 2)),
+    st.tuples(st.just("kothera2009"), st.sampled_from(PRESSURE_TERMS)),
+)
 muscles = st.fixed_dictionaries(
     {"length": floats(0.05, 0.5), "outer_radius": floats(1e-3, 0.05), "wall": floats(0.05, 0.9),
      "braid_angle": floats(0.1, 0.95), "material": materials,
-     "tension": st.sampled_from(sorted(TENSION_LAWS)),
+     "tension": tensions,
      "buckling": st.sampled_from(sorted(BUCKLING_LAWS)),
      "collapse": st.sampled_from(sorted(COLLAPSE_LAWS)), "factor": st.just(1.0) | floats(0.1, 3),
      "post_collapse": st.sampled_from(sorted(POST_COLLAPSE_LAWS)),
@@ -52,7 +59,9 @@ muscles = st.fixed_dictionaries(
 )  # fmt: skip
 
 
-def build(wall, factor, collapse, material, tuning, **rest):
+def build(wall, factor, collapse, material, tuning, tension, **rest):
+    if not isinstance(tension, str):
+        tension = TENSION_LAWS[tension[0]](*tension[1:])
     if tuning is not None:
         table, factors = tuning["table"], {k: x for k, x in tuning.items() if k != "table"}
         tuning = Tuning(*([row[i] for row in table] for i in range(3)), **factors)
@@ -61,6 +70,7 @@ def build(wall, factor, collapse, material, tuning, **rest):
         material=material if isinstance(material, str) else MooneyRivlin(**material),
         collapse=COLLAPSE_LAWS[collapse](factor),
         tuning=tuning,
+        tension=tension,
         **rest,
     )
 
@@ -106,6 +116,18 @@ def test_writes_what_people_would():
     ):
         assert line in text.splitlines()
     assert "tuning" not in dumps(example("kim2021_figure_6"))
+
+
+def test_a_tension_law_is_a_name_unless_it_has_numbers_of_its_own():
+    def written(law):
+        text = dumps(Muscle.from_dimensions(0.1, 0.01, 0.002, 0.5, tension=law))
+        return next(entry for entry in text.splitlines() if entry.startswith("tension"))
+
+    assert written(TonduLopez()) == 'tension = "tondu_lopez"'
+    assert written(TonduLopez(1.25, 0.5)) == (
+        'tension = { law = "tondu_lopez", strain_factor = 1.25, strain_factor_rise = 0.5, '
+        'decay_pressure = "100 kPa" }'
+    )
 
 
 def test_refuses_what_a_file_cannot_describe(tmp_path):

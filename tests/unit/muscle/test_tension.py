@@ -1,3 +1,5 @@
+from dataclasses import fields
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -6,7 +8,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.muscle.corrected import Meller2014, TonduLopez
+from fascicle.muscle.force_balance import Kothera2009
 from fascicle.muscle.tension import TENSION_LAWS, Ideal, KluteHannaford
+from fascicle.units import DIMENSIONS
 
 
 ANGLE = np.radians(33)
@@ -20,7 +25,9 @@ def no_offset(pressure):
 
 
 def test_registry():
-    assert dict(TENSION_LAWS) == {"klute_hannaford": KluteHannaford, "ideal": Ideal}
+    assert set(TENSION_LAWS.values()) == {
+        KluteHannaford, Ideal, TonduLopez, Meller2014, Kothera2009,
+    }  # fmt: skip
     assert all(law.name == name for name, law in TENSION_LAWS.items())
 
 
@@ -59,7 +66,47 @@ def test_ideal_free_strain_is_that_of_the_braid():
     assert_allclose(ideal.force(1e5, 0.1), ideal.braid.mesh_force(1e5, 0.1), rtol=1e-15)
 
 
-@pytest.mark.parametrize("law", [KluteHannaford(), Ideal()])
+LAWS = [
+    KluteHannaford(), Ideal(), TonduLopez(1.2, 0.3), Meller2014(1.15, 0.9), Kothera2009(),
+    Kothera2009("ideal"),
+]  # fmt: skip
+every = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+
+
+@every
+def test_law_by_name_and_by_object(law):
+    by_object = fs.Muscle.from_dimensions(*SIZES, tension=law)
+    assert by_object.tension is law
+    by_name = fs.Muscle.from_dimensions(*SIZES, tension=law.name)
+    assert by_name.tension == type(law)()
+
+
+@every
+def test_law_numbers_are_named(law):
+    numbers = {f.name for f in fields(law) if not f.metadata.get("static")}
+    assert set(law.parameters) == numbers
+    assert all(dimension in DIMENSIONS for dimension in law.parameters.values())
+
+
+@every
+def test_no_pressure_no_force_at_rest_and_finite_slopes_there(law):
+    of = fs.Muscle.from_dimensions(*SIZES, tension=law)
+    assert of.force(0.0, 0.0) == 0
+    for P, eps in [(0.0, 0.0), (0.0, -0.1), (1e5, 0.0), (1e6, -0.19)]:
+        slopes = jax.grad(lambda m, P, eps: m.force(P, eps), (0, 1, 2))(of, P, eps)
+        assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))
+
+
+@every
+def test_law_broadcasts(law):
+    P, eps = jnp.array([[0.0], [1e5], [3e5]]), jnp.linspace(-0.1, 0.2, 4)
+    mesh, wall = jnp.broadcast_arrays(*law.components(muscle.bladder, P, eps))
+    assert mesh.shape == (3, 4)
+    alone = law.components(muscle.bladder, 1e5, 0.1)
+    assert_allclose((mesh[1, 2], wall[1, 2]), alone, rtol=1e-13)
+
+
+@every
 def test_offset_moves_the_free_strain(law):
     P, c1 = jnp.array([5e4, 2e5]), lambda P: 2e-5 * P
     found = law.free_strain(muscle.bladder, P, c1)
@@ -79,7 +126,9 @@ def test_ideal_offset_has_its_limit_without_pressure():
     assert np.isfinite(slope)
 
 
-@pytest.mark.parametrize("of", [muscle, ideal])
+@pytest.mark.parametrize(
+    "of", [muscle, *(fs.Muscle.from_dimensions(*SIZES, tension=law) for law in LAWS)]
+)
 def test_free_strain_has_a_gradient_in_every_parameter(of):
     slopes = eqx.filter_grad(lambda m: m.free_strain(1e5))(of)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))

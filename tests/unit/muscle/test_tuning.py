@@ -92,8 +92,45 @@ def test_transition_rate_replaces_the_muscles_own():
     assert abs(float(quick.force(0.0, 0.2) - plain.force(0.0, 0.2))) > 0.01
 
 
+def test_without_a_dead_band_the_effective_pressure_is_the_pressure():
+    P = jnp.array([0.0, 1e-300, 34.5e3, 1e6])
+    assert np.array_equal(fs.Tuning().effective_pressure(P), P)
+    # 1 at P = 0 too, where `maximum` would halve it
+    slope = jax.vmap(jax.grad(fs.Tuning().effective_pressure))(P)
+    assert_allclose(slope, 1, rtol=0)
+    mesh = math.pi * 6.35e-3**2 * (3 / math.tan(SIZES[3]) ** 2 - 1 / math.sin(SIZES[3]) ** 2)
+    assert_allclose(jax.grad(plain.force)(0.0, 0.0), mesh, rtol=1e-14)
+
+
+def test_a_dead_band_delays_the_tension_and_its_tables():
+    P_d, P = 40e3, np.array([[0.0], [2e4], [40e3], [140e3], [340e3], [1e6]])
+    late = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE, dead_band=P_d))
+    P_e = np.maximum(P - P_d, 0)
+    assert_allclose(late.free_strain(P), tuned.free_strain(P_e), rtol=0, atol=0)
+    assert_allclose(late.blocked_force(P), tuned.blocked_force(P_e), rtol=0, atol=0)
+    eps = np.linspace(-0.1, 0.0, 5)  # the tension law's alone at every pressure
+    assert_allclose(late.force(P, eps), tuned.force(P_e, eps), rtol=0, atol=0)
+    # the bladder holds the whole pressure
+    assert_allclose(late.collapse_moment(P), tuned.collapse_moment(P), rtol=0, atol=0)
+
+
+def test_the_kink_where_the_gap_closes():
+    P_d = 40e3
+
+    def force(P, P_d):
+        muscle = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(dead_band=P_d))
+        return muscle.force(P, 0.0)
+
+    by = jax.jit(jax.vmap(jax.value_and_grad(force, (0, 1)), (0, None)))
+    values, (by_P, by_P_d) = by(jnp.array([0.0, P_d - 1e-6, P_d, P_d + 1e-6]), P_d)
+    mesh = math.pi * 6.35e-3**2 * (3 / math.tan(SIZES[3]) ** 2 - 1 / math.sin(SIZES[3]) ** 2)
+    assert_allclose(values, [0, 0, 0, mesh * 1e-6], atol=1e-12)
+    assert_allclose(by_P, [0, 0, mesh, mesh], rtol=1e-12)
+    assert_allclose(by_P_d, -by_P, rtol=0)
+
+
 def test_gradient_in_every_entry():
-    everything = fs.Tuning(**TABLE, hinge_stiffness_slope=1e-7, transition_rate=50.0)
+    everything = fs.Tuning(**TABLE, hinge_stiffness_slope=1e-7, transition_rate=50.0, dead_band=1e4)
     muscle = fs.Muscle.from_dimensions(*SIZES, tuning=everything)
     P, eps = jnp.array([0.0, 1e5, 2e5, 1e6]), jnp.array([0.3, 0.05, 0.3, 0.6])
     slopes = jax.vmap(jax.grad(lambda m, P, eps: m.force(P, eps)), (None, 0, 0))(muscle, P, eps)
@@ -142,6 +179,8 @@ def test_tables_may_be_differentiated_into():
             r"^`hinge_stiffness_slope` must leave .* got a factor of -1",
         ),
         ({"transition_rate": 0.0}, r"^`transition_rate` must be positive"),
+        ({"dead_band": -1.0}, r"^`dead_band` must lie in \[0, 1e6\) Pa, got -1 Pa\.$"),
+        ({"dead_band": 1e6}, r"^`dead_band` must lie in"),
     ],
 )
 def test_refuses_what_cannot_be(arguments, message):

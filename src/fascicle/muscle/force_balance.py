@@ -1,0 +1,86 @@
+r"""A balance of forces with a thinning wall: Kothera et al. (2009).
+
+The braid, pressed outward by $p_b$, pulls with $2 \pi r_0^2 \lambda^2 \cot^2\alpha_0\, p_b$;
+the pressure pushes on the bore, $-P \pi r_i^2$; the wall, of Young's modulus $E$, holds
+$E(\lambda - 1)$ along the axis and $E(r/r_0 - 1)$ around it. Around it, equilibrium takes
+$p_b r = P r_i - \sigma_\theta t$, so that
+
+$$T = P \left(2 \pi r_0^2 \lambda^2 \cot^2\alpha_0 \frac{r_i}{r} - \pi r_i^2\right)
+    + E A \frac{\lambda - 1}{\lambda}
+    - 2 \pi r_0^2 \lambda^2 \cot^2\alpha_0 \frac{t}{r} E \left(\frac{r}{r_0} - 1\right), \tag{K}$$
+
+where the wall keeps its volume: $r_i^2 = r^2 - A/(\pi\lambda)$, $t = r - r_i$. The first
+term is `pressure_term="inner_radius"`, as published. It leaves out that a wall between
+fluid and braid is itself under pressure: with it, the term is exactly that of the ideal
+law, which virtual work gives too, `pressure_term="ideal"`.
+
+**Sign:** pull and contraction positive; the bladder resists contraction and extension, and
+is at ease at rest. **Assumes** a bladder that keeps to the braid. **Valid for**
+$0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$; drawn out so far that the
+wall fills the braid ($r^2 \lambda \le A/\pi$) there is no bore, and $r_i = 0$: there the
+force has a vertical tangent. **Source:** Kothera, Jangid, Sirohi and Wereley (2009), derived
+anew; where it differs is on the theory page.
+"""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._checks import one_of
+from .._math import guarded
+from .._types import Batch, BatchLike
+from .bladder import Bladder
+from .ideal import NOTHING, AbstractTension, Offset, solved_free_strain
+
+
+PRESSURE_TERMS = ("inner_radius", "ideal")
+
+
+class Kothera2009(AbstractTension):
+    """Braid, bore and thinning wall in equilibrium, equation (K)."""
+
+    name: ClassVar[str] = "kothera2009"
+    parameters: ClassVar[Mapping[str, str]] = NOTHING
+
+    pressure_term: str = eqx.field(static=True)
+
+    def __init__(self, pressure_term: str = "inner_radius"):
+        """**Arguments:**
+
+        - `pressure_term`: "inner_radius", as published, or "ideal", as virtual work has it [-].
+
+        **Raises:** `ValueError` for another.
+        """
+        self.pressure_term = one_of(pressure_term, PRESSURE_TERMS, "pressure_term")
+
+    @property
+    def conservative(self) -> bool:
+        """Whether the mesh works as much as the pressure does [-]: with the ideal term."""
+        return self.pressure_term == "ideal"
+
+    def components(
+        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
+    ) -> tuple[Batch, Batch]:
+        """Pressure and wall force [N], the first and the other terms of equation (K)."""
+        braid, E, A = bladder.braid, bladder.material.youngs_modulus, bladder.area
+        P, eps = jnp.asarray(pressure, dtype=float), jnp.asarray(strain, dtype=float)
+        lam, r0, square = 1 - eps, braid.radius, braid.swell(eps)
+        bore = _bore(A / (jnp.pi * r0**2), lam * square)
+        braid_area = 2 * jnp.pi * (r0 * lam / jnp.tan(braid.angle)) ** 2
+        hoop = jnp.sqrt(square) - 1
+        wall = E * A * (lam - 1) / lam - braid_area * (1 - bore) * E * hoop
+        if self.conservative:
+            return braid.mesh_force(P, eps), wall
+        return P * (braid_area * bore - jnp.pi * r0**2 * square * bore**2), wall
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The root of $T = C_1$ [-]; 0 at $P = 0$, rising with $P$."""
+        return solved_free_strain(self, bladder, pressure, offset)
+
+
+def _bore(wall: Batch, inside: Batch) -> Batch:
+    """$r_i/r$ [-] for a wall of `wall` and a braid of `inside`, both over $\\pi r_0^2 L_0$ [-]."""
+    share = 1 - wall / inside
+    return jnp.where(share > 0, jnp.sqrt(guarded(share > 0, share)), 0.0)

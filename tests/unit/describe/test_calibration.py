@@ -1,0 +1,107 @@
+import math
+import tomllib
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fascicle.describe import dumps, example, load, loads, provenance, save
+from fascicle.describe.calibration import calibration_lines
+
+
+MUSCLE = example("kim2021_figure_6")
+REPORT = {
+    "data": "martens-boblan.csv",
+    "sha256": "0" * 64,
+    "seed": 7,
+    "rmse": 1.2345678901234567,
+    "synthetic": False,
+    "free": ["c10", "braid_angle"],
+    "covariance": [[1e-05, -2.5e-300], [-2.5e-300, math.pi]],
+    "nothing": [],
+    "solver": {"status": "converged", "starts": 3, "limits": [0.1, math.inf]},
+    "parameter": [
+        {"name": "c10", "value": 118.4e3, "identifiable": True},
+        {"name": "braid angle", "value": 0.5, "identifiable": False},
+    ],
+}
+
+
+def read_back(table):
+    return tomllib.loads("\n".join(calibration_lines(table)))["calibration"]
+
+
+def shown(value):
+    """Its `repr`, in which 1 isn't 1.0 nor -0.0 0.0, whatever the order of keys."""
+    if isinstance(value, dict):
+        return str(sorted((key, shown(inner)) for key, inner in value.items()))
+    return str([shown(inner) for inner in value]) if isinstance(value, list) else repr(value)
+
+
+def test_provenance_reads_back_what_was_saved(tmp_path):
+    path = tmp_path / "m.toml"
+    save(MUSCLE, path, REPORT)
+    assert provenance(path) == REPORT
+    # the muscle is the one that was saved: the report is passed over
+    assert str(load(path)) == str(MUSCLE) and load(path).length == MUSCLE.length
+
+
+def test_without_a_report_it_is_empty(tmp_path):
+    save(MUSCLE, tmp_path / "m.toml")
+    assert provenance(tmp_path / "m.toml") == {}
+    assert "calibration" not in dumps(MUSCLE)
+
+
+def test_beside_a_bundle_too(tmp_path):
+    bundle = example("kim2021_bundle_1_4")
+    save(bundle, tmp_path / "b.toml", REPORT)
+    assert provenance(tmp_path / "b.toml") == REPORT
+    assert len(load(tmp_path / "b.toml").motor_units) == 2
+
+
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+numbers = st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False)
+plain = texts | numbers | st.booleans()
+values = plain | st.recursive(plain, lambda inner: st.lists(inner, max_size=3), max_leaves=6)
+tables = st.dictionaries(texts, values, max_size=4)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.dictionaries(texts, values | tables | st.lists(tables, min_size=1, max_size=3), max_size=5)
+)
+def test_anything_reads_back(table):
+    assert shown(read_back(table)) == shown(table)
+
+
+def test_arrays_are_lists():
+    table = {"a": np.arange(3), "b": jnp.asarray([[0.5, 1.0]]), "c": np.float64(0.1), "d": (1, 2)}
+    assert read_back(table) == {"a": [0, 1, 2], "b": [[0.5, 1.0]], "c": 0.1, "d": [1, 2]}
+    assert math.isnan(read_back({"a": math.nan})["a"])
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"a": None}, "got a NoneType for 'a'"),
+        ({"a": {"b": {"c": 1}}}, "one level of tables, got a dict for 'b'"),
+        ({"a": [1, {"b": 2}]}, "got a dict for 'a'"),
+    ],
+)
+def test_refuses_what_toml_has_no_place_for(table, words, tmp_path):
+    with pytest.raises(ValueError, match=words) as caught:
+        save(MUSCLE, tmp_path / "m.toml", table)
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_report_that_is_no_table(tmp_path):
+    path, text = tmp_path / "m.toml", "calibration = 3\n" + dumps(MUSCLE)
+    path.write_text(text)
+    for read in (load, provenance):
+        with pytest.raises(ValueError, match="calibration = 3: must be a table of keys"):
+            read(path)
+    with pytest.raises(ValueError, match="must be a table"):
+        loads(text)
