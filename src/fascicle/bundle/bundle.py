@@ -10,8 +10,10 @@ paper did. With resistance the force can vanish at several strains. The free str
 *smallest* of them [R16], where the force followed from $\varepsilon = 0$ at fixed
 pressures first reaches zero; without resistance it is its units' largest.
 
-**Sign:** as for a muscle. **Assumes** that the muscles don't touch, and equal lengths at
-rest: between rigid plates muscles of unlike length couldn't share a strain.
+Muscles of unlike length share the plates' distance, not the strain: `plates` says what
+each one's is, and the bundle is told the distance at rest.
+
+**Sign:** as for a muscle. **Assumes** that the muscles don't touch.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
 
@@ -30,6 +32,7 @@ from .._methods import compilable
 from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
+from .plates import muscle_strain, plate_distance, plate_strain, within_reach
 from .zeros import crossings, first_zero
 
 
@@ -70,20 +73,26 @@ class Bundle(eqx.Module):
     motor_units: tuple[MotorUnit, ...]
     supply_pressure: Batch | None
     scheme: str = eqx.field(static=True)
+    plate_distance: Batch | None
 
     def __init__(
         self,
         motor_units: Sequence[MotorUnit],
         supply_pressure: Values = None,
         scheme: str = "orderly",
+        length: Values = None,
     ):
         """**Arguments:**
 
         - `motor_units`: in the order of recruitment [-], at least one.
         - `supply_pressure`: the supply's gauge pressure [Pa], if it is known.
         - `scheme`: "orderly" or "batch" [-].
+        - `length`: the distance between the plates at rest [m]; left out, the muscles' length,
+          which must then be the same for all. It is `None` in the field of that distance
+          wherever all muscles are as long.
 
-        **Raises:** `ValueError` for no units, unlike lengths, an unknown scheme.
+        **Raises:** `ValueError` for no units, an unknown scheme, unlike lengths without a
+        distance between the plates, and lengths that can't go together.
         """
         units = tuple(motor_units)
         if not units:
@@ -91,10 +100,8 @@ class Bundle(eqx.Module):
         for unit in units:
             if not isinstance(unit, MotorUnit):
                 raise ValueError(f"`motor_units` must hold MotorUnit objects, got {unit!r}.")
-        lengths = [unit.muscle.length for unit in units]
-        if concrete(*lengths):
-            _equal(lengths)
         self.motor_units = units
+        self.plate_distance = plate_distance(length, [unit.muscle for unit in units])
         self.supply_pressure = None
         if supply_pressure is not None:
             self.supply_pressure = _pressure(supply_pressure, "supply_pressure")
@@ -102,8 +109,17 @@ class Bundle(eqx.Module):
 
     @property
     def length(self) -> Batch:
-        """Length at rest $L_0$ [m], the same for all units."""
-        return self.motor_units[0].muscle.length
+        """Length at rest $L$ [m], between the plates."""
+        common = self.motor_units[0].muscle.length
+        return common if self.plate_distance is None else self.plate_distance
+
+    @property
+    def ratios(self) -> Batch | None:
+        """$L/L_i$ [-] of each motor unit, on the last axis; `None` where all are 1."""
+        if self.plate_distance is None:
+            return None
+        L = self.plate_distance
+        return jnp.stack([L / unit.muscle.length for unit in self.motor_units], axis=-1)
 
     @property
     def counts(self) -> IntBatch:
@@ -177,7 +193,10 @@ class Bundle(eqx.Module):
         return _equilibria(self, self._pressures(pressures), bool(resistance))
 
     def _strain(self, strain: Values) -> Batch:
-        checked = [unit.muscle._checked(0.0, strain)[1] for unit in self.motor_units]
+        muscles = [unit.muscle for unit in self.motor_units]
+        if self.plate_distance is not None:
+            return within_reach(strain, self.plate_distance, muscles)
+        checked = [muscle._checked(0.0, strain)[1] for muscle in muscles]
         return checked[0]
 
     def _pressures(self, pressures: Values) -> PerUnit:
@@ -201,20 +220,52 @@ class Pressurized(eqx.Module):
     groups: tuple[MusclesAtPressures, ...]
     places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
     counts: IntBatch
+    ratios: Batch | None
 
     def each(self, function: Callable[[MusclesAtPressures], Batch]) -> PerUnit:
         """`function` of one muscle of every unit, units on a new last axis."""
-        values = [jax.vmap(function, out_axes=-1)(group) for group in self.groups]
-        order = np.argsort([i for places in self.places for i in places])
-        return jnp.concatenate(values, axis=-1)[..., order]
+        return self._ordered([jax.vmap(function, out_axes=-1)(group) for group in self.groups])
+
+    def along(self, function: Callable[..., Batch], *strains: Batch) -> PerUnit:
+        """`function` of one muscle of every unit and of its strains [-] at the bundle's."""
+        if self.ratios is None:
+            return self.each(lambda muscle: function(muscle, *strains))
+
+        def one(muscle: MusclesAtPressures, ratio: Batch) -> Batch:
+            return function(muscle, *(muscle_strain(ratio, strain) for strain in strains))
+
+        return self._ordered(
+            [
+                jax.vmap(one, in_axes=(0, -1), out_axes=-1)(
+                    group, self.ratios[..., np.array(places)]
+                )
+                for group, places in zip(self.groups, self.places, strict=True)
+            ]
+        )
+
+    @property
+    def kinks(self) -> PerUnit:
+        """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
+        kinks = self.each(lambda muscle: muscle.kinks)
+        return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
+
+    @property
+    def free_strains(self) -> PerUnit:
+        """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
+        strains = self.each(lambda muscle: muscle.column.free_strain)
+        return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def unit_forces(self, strain: Batch) -> PerUnit:
         """Force of each unit [N], its muscles together, at `strain` [-]."""
-        return self.counts * self.each(lambda muscle: muscle.response(strain).force)
+        return self.counts * self.along(lambda muscle, eps: muscle.response(eps).force, strain)
 
     def force(self, strain: Batch) -> Batch:
         """Force of all units [N] at `strain` [-], (B1)."""
         return jnp.sum(self.unit_forces(strain), axis=-1)
+
+    def _ordered(self, values: list[Batch]) -> PerUnit:
+        order = np.argsort([i for places in self.places for i in places])
+        return jnp.concatenate(values, axis=-1)[..., order]
 
 
 def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
@@ -229,7 +280,8 @@ def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
         stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *muscles)
         at = jax.vmap(lambda muscle, pressure: muscle._law().at(pressure), in_axes=(0, -1))
         groups.append(at(stacked, pressures[..., np.array(places)]))
-    return Pressurized(tuple(groups), tuple(map(tuple, alike.values())), bundle.counts)
+    places = tuple(map(tuple, alike.values()))
+    return Pressurized(tuple(groups), places, bundle.counts, bundle.ratios)
 
 
 @jax.jit
@@ -242,8 +294,8 @@ def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Batch:
     def one(pressures: PerUnit) -> Batch:
         at = pressurized(bundle, pressures)
         if not resistance:
-            return jnp.max(at.each(lambda muscle: muscle.column.free_strain))
-        return first_zero(at.force, at.each(lambda muscle: muscle.kinks))
+            return jnp.max(at.free_strains)
+        return first_zero(at.force, at.kinks)
 
     return _batched(one, pressures)
 
@@ -255,7 +307,7 @@ def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilib
 
     def one(pressures: PerUnit) -> tuple[Array, Array, Array]:
         at = pressurized(bundle, pressures)
-        return crossings(at.force, at.each(lambda muscle: muscle.kinks), most)
+        return crossings(at.force, at.kinks, most)
 
     if resistance:
         return Equilibria(*_batched(one, pressures))
@@ -272,14 +324,3 @@ def _batched(function: Callable, pressures: PerUnit) -> Any:
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:
     return within(value, 0.0, _HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
-
-
-def _equal(lengths: Sequence[Batch]) -> None:
-    first = np.asarray(lengths[0])
-    for i, length in enumerate(lengths[1:], start=2):
-        if not np.allclose(length, first, rtol=1e-9, atol=0):
-            raise ValueError(
-                "`motor_units` must hold muscles of one length, since rigid plates give them"
-                f" one strain, got {float(np.max(first)):g} m in unit 1 and"
-                f" {float(np.max(np.asarray(length))):g} m in unit {i}."
-            )

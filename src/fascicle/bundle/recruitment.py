@@ -213,7 +213,7 @@ def distinct(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
         if place == len(different):
             different.append(unit)
         places.append(place)
-    return Bundle(different), np.array(places)
+    return Bundle(different, length=bundle.plate_distance), np.array(places)
 
 
 def add_up(

@@ -18,6 +18,7 @@ from jaxtyping import Float
 from .._checks import within
 from .._types import Values
 from .bundle import Bundle
+from .plates import muscle_strain
 from .recruitment import pressures_of, supply_of
 
 
@@ -123,6 +124,8 @@ def onset_pressure(
         raise ValueError(f"`unit` must lie in [1, {len(bundle.motor_units)}], got {unit}.")
     muscle = bundle.motor_units[unit - 1].muscle
     eps = float(within(strain, -np.inf, np.inf, "strain", "-"))
+    if bundle.ratios is not None:
+        eps = float(muscle_strain(bundle.ratios[..., unit - 1], bundle._strain(eps)))
 
     def gain(pressures: Values) -> Float[np.ndarray, " pressure"]:
         force = np.asarray(muscle.force(np.r_[0.0, pressures], eps))
