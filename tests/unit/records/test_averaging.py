@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle.records import Record, averaged
+
+
+WIDTH = 6.0  # N, between the branches
+
+
+def loops(points=120, noise=0.0, seed=0, timed=True):
+    """Half-way force 1e-3 P (1 − 4 ε), less on the way there."""
+    rng = np.random.default_rng(seed)
+    one = np.concatenate([np.linspace(0, 0.2, points), np.linspace(0.2, 0, points)])
+    pressure = np.repeat([1e5, 2e5, 3e5], one.size)
+    strain = np.tile(one, 3)
+    way = np.tile(np.repeat([1, -1], points), 3)
+    force = 1e-3 * pressure * (1 - 4 * strain) - way * WIDTH / 2
+    force = force + noise * rng.normal(size=force.size)
+    time = np.arange(force.size) * 0.01 if timed else None
+    return Record.of(pressure, strain, force, time=time, synthetic=True, rest_length=0.3)
+
+
+def test_the_half_way_curve_and_the_width():
+    record = loops()
+    before = record.force.copy()
+    half = averaged(record, points=20)
+    assert len(half.record) == 3 * 20
+    expected = 1e-3 * half.record.pressure * (1 - 4 * half.record.strain)
+    assert_allclose(half.record.force, expected, rtol=0, atol=1e-11)
+    assert_allclose(half.width, WIDTH, rtol=0, atol=1e-11)
+    assert_array_equal(np.unique(half.record.pressure), [1e5, 2e5, 3e5])
+    # what it was made of stays, and what it is stays known
+    assert_array_equal(record.force, before)
+    assert (half.record.synthetic, half.record.rest_length, half.record.time) == (True, 0.3, None)
+    assert "hysteresis averaged: 3 of 3 levels have both branches" in half.record.notes[-1]
+
+
+def test_noise_is_averaged_in_cells():
+    half = averaged(loops(points=2000, noise=1.0), points=20)
+    expected = 1e-3 * half.record.pressure * (1 - 4 * half.record.strain)
+    # 50 to 100 readings in a cell, two branches: 1 N/√100, five of these; a half cell at the
+    # ends is off by a quarter of a cell, 0.2/19/4 · 1200 N
+    ends = np.isin(half.record.strain, [0, 0.2])
+    error = np.abs(half.record.force - expected)
+    assert np.max(error[1:-1]) < 5 * 0.1 + 0.2 / 19 / 4 * 1200
+    assert np.sqrt(np.mean(error[~ends] ** 2)) < 2 * 0.1
+    assert np.mean(half.width) == pytest.approx(WIDTH, abs=5 * 2**0.5 / 6000**0.5)
+
+
+def test_equal_strains_need_no_grid():
+    strains = [0.0, 0.07, 0.1, 0.15]
+    record = Record.of(
+        1e5, np.array(strains + strains), [8.0, 6, 4, 2, 10, 8, 6, 4], branch=[1] * 4 + [-1] * 4
+    )
+    half = averaged(record)
+    assert_array_equal(half.record.strain, strains)
+    assert_array_equal(half.record.force, [9, 7, 5, 3])
+    assert_array_equal(half.width, 2)
+
+
+def test_a_clipped_branch_makes_a_clipped_mean():
+    record = Record.of(
+        1e5, np.tile([0.0, 0.1, 0.2], 2), [8.0, 4, 0, 10, 6, 2],
+        censored=[False, False, True, False, False, False], branch=[1] * 3 + [-1] * 3,
+    )  # fmt: skip
+    assert_array_equal(averaged(record).record.censored, [False, False, True])
+
+
+def test_one_branch_is_kept_as_it_is():
+    loop = loops(points=30)
+    record = loop.only(np.arange(len(loop)) < 90)  # the second loop never comes back
+    half = averaged(record, points=30)
+    single = half.record.only(half.record.pressure == 2e5)
+    assert_array_equal(single.force, record.force[60:90])
+    assert np.isnan(half.width[half.record.pressure == 2e5]).all()
+    assert "1 of 2 levels" in half.record.notes[-1]
+
+
+def test_what_it_refuses():
+    with pytest.raises(ValueError, match="`points` must be at least 2"):
+        averaged(loops(), points=1)
+    t = np.linspace(0, 1, 300)
+    with pytest.raises(ValueError, match="no runs"):
+        averaged(Record.of(4e5 * t, 0.2 * t, t))

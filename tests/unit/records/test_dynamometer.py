@@ -1,0 +1,180 @@
+"""What the virtual dynamometer does to a muscle's law, fault by fault."""
+
+import math
+
+import equinox as eqx
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle import records
+from fascicle.records.dynamometer import VirtualDynamometer
+
+
+muscle = fs.example("kim2021_slenderness_10")
+LEVELS, SAMPLES = (0.0, 100e3, 300e3), 25
+QUIET = {"pressures": LEVELS, "samples": SAMPLES, "noise": 0.0}
+
+
+def measured(seed=0, **settings):
+    return VirtualDynamometer(**QUIET | settings).record(muscle, seed)
+
+
+def shaped(values, ways=2):
+    return values.reshape(len(LEVELS), ways, SAMPLES)
+
+
+def test_the_protocol_is_that_of_section_5_3():
+    record = VirtualDynamometer().record(muscle, 3)
+    pressure, strain, branch = (
+        x.reshape(13, 2, 200) for x in (record.pressure, record.strain, record.branch)
+    )
+    assert_allclose(pressure[:, 0, 0], np.linspace(0, 413.7e3, 13), rtol=1e-15)
+    assert np.all(np.ptp(pressure, axis=(1, 2)) == 0)
+    stroke = float(muscle.free_strain(413.7e3))
+    assert strain.min() == 0 and strain.max() == stroke
+    assert np.all(np.diff(strain[:, 0]) > 0) and np.all(np.diff(strain[:, 1]) < 0)
+    assert np.all(branch[:, 0] == 1) and np.all(branch[:, 1] == -1)
+    # one sample's way at the plates' speed
+    assert_allclose(np.diff(record.time), stroke * 0.127 / 199 / 1e-3)
+    assert record.rest_length == 0.127
+    assert not record.censored.any()
+
+
+def test_the_load_cell_s_noise_is_a_share_of_the_largest_force():
+    record = VirtualDynamometer().record(muscle, 3)
+    exact = np.asarray(muscle.force(record.pressure, record.strain))
+    error = record.force - exact
+    scale = 0.005 * np.abs(exact).max()
+    # 5200 readings: a standard deviation is known to 1 %, a mean to 1.4 % of it
+    assert_allclose(error.std(), scale, rtol=0.05)
+    assert abs(error.mean()) < 0.06 * scale
+
+
+def test_a_seed_fixes_every_bit_and_another_one_changes_them():
+    noisy = {"noise": 0.01, "pressure_noise": 50.0, "displacement_noise": 1e-5,
+             "length_scatter": 0.01, "angle_scatter": 0.01}  # fmt: skip
+    first, again, other = (measured(seed, **noisy) for seed in (5, 5, 6))
+    for name in ("pressure", "strain", "force"):
+        assert_array_equal(getattr(first, name), getattr(again, name))
+        assert np.any(getattr(first, name) != getattr(other, name))
+    assert first.rest_length == again.rest_length != other.rest_length
+
+
+def test_many_tests_are_those_that_are_recorded_one_by_one():
+    machine = VirtualDynamometer(**QUIET | {"noise": 0.02, "clip": True, "resolution": 0.5})
+    seeds = [0, 7, 8]
+    many = machine.forces(muscle, seeds)
+    assert many.shape == (3, len(LEVELS), 2 * SAMPLES)
+    for row, seed in zip(many, seeds, strict=True):
+        assert_array_equal(row.ravel(), machine.record(muscle, seed).force)
+    assert_array_equal(machine.forces(machine.sweeps(muscle), seeds), many)
+
+
+def test_friction_opposes_motion_by_half_a_loop():
+    force = shaped(measured(hysteresis=0.1).force)
+    closing, opening = force[:, 0], force[:, 1, ::-1]
+    blocked = np.asarray(muscle.blocked_force(np.array(LEVELS)))
+    expected = np.broadcast_to(0.1 * blocked[:, None], closing.shape)
+    # differences of some 1e2 N
+    assert_allclose(opening - closing, expected, atol=1e-12)
+    exact = shaped(measured().force)[:, 0]
+    assert_allclose((opening + closing) / 2, exact, atol=1e-12)
+
+
+def test_readings_come_in_the_load_cell_s_steps():
+    force = measured(noise=0.01, resolution=0.25).force
+    assert_allclose(force / 0.25, np.round(force / 0.25), atol=1e-9)
+    assert np.ptp(force) > 0.25
+
+
+def test_a_gauge_that_only_pulls_reads_zero_for_a_push_and_says_so():
+    free, clipped = measured(noise=0.01), measured(noise=0.01, clip=True)
+    assert_array_equal(clipped.force, np.maximum(free.force, 0))
+    assert_array_equal(clipped.censored, free.force <= 0)
+    assert 0 < clipped.censored.sum() < len(clipped)
+
+
+def test_new_rubber_is_stiffer_and_softens_cycle_by_cycle():
+    force = shaped(measured(mullins=0.4, mullins_cycles=2.0, preconditioning=1).force)[:, 0]
+    strain = shaped(measured().strain)[0, 0]
+    for level, (pressure, row) in enumerate(zip(LEVELS, force, strict=True)):
+        factor = 1 + 0.4 * math.exp(-(1 + level) / 2)
+        rubber = muscle.material
+        stiff = fs.MooneyRivlin(
+            factor * rubber.c10, factor * rubber.c01, factor * rubber.youngs_modulus
+        )
+        expected = eqx.tree_at(lambda m: m.material, muscle, stiff).force(pressure, strain)
+        assert_allclose(row, expected, rtol=1e-10, atol=1e-10)
+    worn = measured(mullins=0.4, preconditioning=200)
+    assert_allclose(worn.force, measured().force, rtol=1e-12, atol=1e-12)
+
+
+def test_gauges_of_pressure_and_length_err_in_what_they_read_alone():
+    record, exact = measured(pressure_noise=200.0, displacement_noise=1e-4), measured()
+    assert_array_equal(record.force, exact.force)
+    pressure = shaped(record.pressure)
+    assert np.all(pressure >= 0) and np.any(pressure[0] > 0)
+    # 100 readings: a standard deviation is known to 7 %
+    assert_allclose((pressure[1:] - shaped(exact.pressure)[1:]).std(), 200.0, rtol=0.25)
+    assert_allclose((record.strain - exact.strain).std() * 0.127, 1e-4, rtol=0.25)
+
+
+def test_the_muscle_on_the_machine_is_the_one_that_was_made():
+    machine = VirtualDynamometer(**QUIET, length_scatter=0.02, angle_scatter=0.01)
+    made = [machine.fabricated(muscle, seed) for seed in range(400)]
+    lengths = np.array([float(one.length) for one in made]) / 0.127 - 1
+    angles = np.array([float(one.braid_angle) for one in made]) - float(muscle.braid_angle)
+    # 400 draws: a standard deviation is known to 3.5 %, a mean to 5 % of it
+    assert_allclose([lengths.std(), angles.std()], [0.02, 0.01], rtol=0.15)
+    assert abs(lengths.mean()) < 0.004 and abs(angles.mean()) < 0.002
+    record = machine.record(muscle, 4)
+    assert record.rest_length == float(made[4].length)
+    assert_allclose(record.force, made[4].force(record.pressure, record.strain), atol=1e-10)
+
+
+def test_one_way_is_half_of_both():
+    half = measured(both_ways=False, noise=0.0)
+    assert np.all(half.branch == 1)
+    assert_array_equal(shaped(half.force, 1)[:, 0], shaped(measured().force)[:, 0])
+
+
+def test_what_comes_out_says_that_it_is_synthetic_in_the_file_too(tmp_path):
+    record = measured(2, noise=0.01, clip=True)
+    assert record.synthetic
+    records.write(record, tmp_path / "made.csv")
+    assert "synthetic" in (tmp_path / "made.csv").read_text().splitlines()[0]
+    again = records.load(tmp_path / "made.csv")
+    assert again.synthetic and again.rest_length == 0.127
+    assert_array_equal(again.force, record.force)
+    assert_array_equal(again.censored, record.censored)
+    assert any("noise = 0.01" in note for note in record.notes)
+    assert any("seed 2" in note for note in record.notes)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"pressures": [-1.0, 1e5]}, "`pressures` must lie in"),
+        ({"pressures": [0.0]}, "at least one pressure above 0 Pa"),
+        ({"pressures": []}, "at least one pressure above 0 Pa"),
+        ({"noise": -0.1}, "`noise` must lie in"),
+        ({"noise": math.nan}, "`noise` must lie in"),
+        ({"speed": 0.0}, "`speed` must lie in"),
+        ({"samples": 1}, "`samples` must be at least 2"),
+        ({"angle_scatter": 1.0}, "`braid_angle` must lie in"),
+    ],
+)
+def test_refuses_settings_that_can_not_be(settings, message):
+    with pytest.raises(ValueError, match=message) as error:
+        VirtualDynamometer(**settings)
+    assert "\n" not in str(error.value)
+
+
+def test_refuses_a_batch_and_many_tests_of_unlike_muscles():
+    batch = eqx.tree_at(lambda m: m.length, muscle, np.array([0.1, 0.2]))
+    with pytest.raises(ValueError, match="must be a single muscle"):
+        VirtualDynamometer().record(batch)
+    with pytest.raises(ValueError, match="`length_scatter` and `angle_scatter` must be 0"):
+        VirtualDynamometer(length_scatter=0.01).forces(muscle, [0, 1])

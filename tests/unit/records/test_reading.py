@@ -1,0 +1,339 @@
+import hashlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_array_equal
+
+from fascicle.records import Record, load, loads
+from fascicle.records import table as tables
+
+
+GOOD = """pressure [kPa],length [mm],force [N]
+100,300,50.5
+100,270,20.25
+200,300,120
+"""
+
+
+def refusal(text, **given):
+    with pytest.raises(ValueError, match=r"^m\.csv") as caught:
+        loads(text, source="m.csv", **given)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert len(message) < 300
+    return message
+
+
+def same(a, b):
+    for name in ("pressure", "strain", "force", "censored", "branch"):
+        assert_array_equal(getattr(a, name), getattr(b, name))
+
+
+def test_a_record_is_in_si_and_in_one_sign():
+    record = loads(GOOD, rest_length=0.3)
+    assert_array_equal(record.pressure, [100e3, 100e3, 200e3])
+    # to the last bit: a millimeter is divided by, and (300 − 270)/300 rounds once
+    assert_array_equal(record.strain, [0, (0.3 - 0.27) / 0.3, 0])
+    assert_array_equal(record.force, [50.5, 20.25, 120])
+    assert (record.rest_length, record.time, record.synthetic) == (0.3, None, False)
+    assert not record.censored.any()
+    assert not record.branch.any()
+
+
+def test_what_was_guessed_is_said():
+    notes = loads("junk;" + GOOD.replace(",", ";").replace("\n", "\n1;").removesuffix("1;"),
+                  source="m.csv", rest_length=0.3).notes  # fmt: skip
+    assert "m.csv: column `pressure [kPa]` read as pressure in kPa" in notes
+    assert "m.csv: column `length [mm]` read as length in mm" in notes
+    assert "m.csv: column `force [N]` read as force in N" in notes
+    assert "m.csv: columns not read: `junk`" in notes
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        GOOD.replace(",", ";"),
+        GOOD.replace(",", "\t"),
+        GOOD.replace("\n", "\r\n"),
+        GOOD.replace("\n", "\r"),
+        GOOD.replace("\n", "\n\n"),
+        GOOD.removesuffix("\n"),
+        GOOD.replace(",", " , "),
+        GOOD + ",,\n,,\n",
+        "# a remark, with a comma\n\n" + GOOD,
+        GOOD.replace("\n100,270", "\n# in between\n100,270"),
+        GOOD.replace("50.5", '"50.5"'),
+        GOOD.replace("50.5", '50.5,"up, or so"')
+        .replace("[N]", "[N],note")
+        .replace("25", "25,a")
+        .replace("120", '120, "a ""b"""'),
+        GOOD.replace("[kPa],length [mm],force [N]", ",length,force\nkPa,mm,N"),
+        GOOD.replace("[kPa],length [mm],force [N]", ",length,force\n(kPa),(mm),(N)"),
+        GOOD.replace("pressure [kPa]", '"Pressure, kPa"'),
+        GOOD.replace(",", ";").replace(".", ","),
+        GOOD.replace(",", "\t").replace(".", ","),
+        "pressure [Pa],length [m],force [kN],note [a; b]\n1e5,.3,0.0505,a\n1E+5,27e-2,0.02025,\n"
+        "200000.,3.0e-1,0.12,'c'\n",
+    ],
+)
+def test_one_record_in_many_spellings(text):
+    # kN scale the decimals, which rounds once more
+    record, expected = loads(text, rest_length=0.3), loads(GOOD, rest_length=0.3)
+    assert_array_equal(record.pressure, expected.pressure)
+    np.testing.assert_allclose(record.strain, expected.strain, rtol=0, atol=1e-16)
+    np.testing.assert_allclose(record.force, expected.force, rtol=1e-15)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1", "utf-8"])
+def test_encodings(tmp_path, encoding):
+    path = tmp_path / "m.csv"
+    path.write_bytes(("#  µ\n" + GOOD.replace("length", "Länge")).encode(encoding))
+    same(load(path, rest_length=0.3), loads(GOOD, rest_length=0.3))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fragments"),
+    [
+        # cells
+        ("20.25", "", ["line 3, column `force [N]`", "no value", "hole"]),
+        ("20.25", "NaN", ["line 3, column `force [N]`", "NaN is no reading"]),
+        ("20.25", "-inf", ["line 3, column `force [N]`", "-inf is no reading"]),
+        ("20.25", "1e999", ["line 3, column `force [N]`", "'1e999' is no finite number"]),
+        ("20.25", "20.25 N", ["line 3, column `force [N]`", "'20.25 N' is no finite number"]),
+        ("20.25", "2_0", ["line 3, column `force [N]`", "'2_0' is no finite number"]),
+        ("20.25", "0x14", ["line 3, column `force [N]`", "'0x14'"]),
+        ("20.25", "٢", ["line 3, column `force [N]`", "is no finite number"]),
+        ("20.25", '"20,25"', ["line 3, column `force [N]`", "write the decimals after a point"]),
+        ("100,300,50.5", "100,three,50.5", ["line 2, column `length [mm]`", "'three'"]),
+        ("200,300,120", "200,300", ["line 4: 2 cells", "header has 3"]),
+        ("20.25", "20,25", ["line 3: 4 cells", "header has 3"]),
+        ("\n200", "\n\n\n200x", ["line 6, column `pressure [kPa]`", "'200x'"]),
+        ("\n200", "\n# remark\n200x", ["line 5, column `pressure [kPa]`", "'200x'"]),
+        # whole files
+        (GOOD, "", ["m.csv: empty"]),
+        (GOOD, "# only remarks\n\n", ["m.csv: empty"]),
+        (GOOD, GOOD.splitlines()[0], ["m.csv: no readings below the header in line 1"]),
+        (GOOD, "\0\1\2", ["not a text file"]),
+        (GOOD, "x" * 200_000, ["line 1: too long"]),
+        (GOOD, GOOD.split("\n", 1)[1], ["line 1: no header, but numbers"]),
+        ("force [N]", "force [N]" + "x" * 200, ["line 1: a column's name is longer"]),
+        # columns
+        ("pressure [kPa]", "junk", ["line 1: no column of pressure", "`junk`", "columns"]),
+        ("force [N]", "junk", ["line 1: no column of force"]),
+        ("length [mm]", "junk", ["line 1: no column of length, strain or displacement"]),
+        ("length [mm]", "force [N]", ["column `force [N]` is there 2 times"]),
+        ("length [mm]", "load [N]", ["several columns could be force", "`load [N]`"]),
+        # units
+        ("pressure [kPa]", "pressure", ["line 1, column `pressure`: no unit", "pressure [kPa]"]),
+        ("force [N]", "force", ["column `force`: no unit", '{"force": "N"}']),
+        ("length [mm]", "length", ["column `length`: no unit", "length [mm]"]),
+        ("pressure [kPa]", "pressure [N]", ["'N' is no unit of pressure", "[kPa]"]),
+        ("pressure [kPa]", "pressure [psia]", ["'psia' is absolute"]),
+        ("pressure [kPa]", "pressure [bar(a)]", ["is absolute"]),
+        ("force [N]", "force [kg]", ["'kg' is no unit of force"]),
+        # plausibility
+        ("[kPa]", "[Pa]", ["line 4, column `pressure [Pa]`", "200 Pa", "did you mean kPa?"]),
+        ("[kPa]", "[MPa]", ["line 4, column `pressure [MPa]`", "did you mean kPa?"]),
+        ("[kPa]", "[bar]", ["200 bar is above 1 MPa", "did you mean kPa?"]),
+        ("200,", "413700,", ["line 4", "413700 kPa is above 1 MPa", "did you mean Pa?"]),
+        ("200,", "-3,", ["line 4, column `pressure [kPa]`", "-3 kPa is below zero"]),
+        ("[N]", "[kN]", ["line 4, column `force [kN]`", "m² of cross section: did you mean N?"]),
+        ("270", "390", ["line 3, column `length [mm]`", "390 mm", "longer than at rest"]),
+        ("270", "12", ["line 3, column `length [mm]`", "12 mm", "shorter than at rest"]),
+        ("270", "-1", ["line 3, column `length [mm]`", "-1 is no length"]),
+        ("[mm]", "[cm]", ["line 2, column `length [cm]`", "check rest length, unit"]),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_is_refused_in_one_line(old, new, fragments):
+    assert old in GOOD
+    message = refusal(GOOD.replace(old, new, 1), rest_length=0.3)
+    assert all(fragment in message for fragment in fragments), message
+
+
+def test_lengths_need_the_rest_length():
+    message = refusal(GOOD)
+    assert "line 1, column `length [mm]`" in message
+    assert 'rest_length = "300 mm" in m.toml' in message
+    for wrong in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="`rest_length` must be positive"):
+            loads(GOOD, rest_length=wrong)
+
+
+def test_percent_is_asked_for():
+    text = "pressure [kPa],strain,force [N]\n100,{},50\n200,{},80\n"
+    message = refusal(text.format(12, 3))
+    assert "line 2, column `strain`: 12 is a contraction of 12: did you mean %?" in message
+    assert_array_equal(loads(text.format(0.12, 0.03)).strain, [0.12, 0.03])
+    assert_array_equal(loads(text.format(12, 3), units={"strain": "%"}).strain, [0.12, 0.03])
+    assert "0.95" in refusal(text.format(0.95, 0))
+    assert "-0.25" in refusal(text.format(-0.25, 0))
+
+
+def test_displacements_and_what_grows_as_the_muscle_lengthens():
+    text = "p [bar],{},F [lbf]\n1,0,10\n1,30,5\n"
+    for header in ("stroke [mm]", "displacement (mm)", "contraction [mm]", "x [mm]"):
+        record = loads(text.format(header), rest_length=0.3)
+        assert_array_equal(record.strain, [0, 0.1])
+    out = loads(text.format("extension [mm]"), rest_length=0.3)
+    assert_array_equal(out.strain, [0, -0.1])
+    assert any("its sign turned" in note for note in out.notes)
+    assert any("stretched beyond rest" in note for note in out.notes)
+
+
+def test_a_transducers_noise_around_zero_is_no_suction():
+    record = loads(GOOD.replace("100,270", "-1.5,270"), rest_length=0.3)
+    assert_array_equal(record.pressure, [100e3, 0, 200e3])
+    assert any("1 pressures below zero" in note for note in record.notes)
+
+
+def test_a_passive_record_has_no_pressure():
+    text = GOOD.replace("100,", "0,").replace("200,", "0,")
+    assert_array_equal(loads(text, rest_length=0.3).pressure, 0)
+
+
+def test_branches_times_and_clipped_readings():
+    text = (
+        "time [ms],branch,pressure [kPa],strain [%],force [N],clipped\n"
+        "0,inflating,100,0,50,no\n500,UP,100,10,0,Yes\n1000,-1,100,5,30,0\n1500,,100,0,40,false\n"
+    )
+    record = loads(text)
+    assert_array_equal(record.time, [0, 0.5, 1, 1.5])
+    assert_array_equal(record.branch, [1, 1, -1, 0])
+    assert_array_equal(record.censored, [False, True, False, False])
+    message = refusal(text.replace("UP", "sideways"))
+    assert "line 3, column `branch`: 'sideways' isn't known: write up or down" in message
+    assert "column `clipped`: 'maybe'" in refusal(text.replace("Yes", "maybe"))
+    back = loads(text.replace("1000", "400"))
+    assert any("time goes back in line 4" in note for note in back.notes)
+
+
+def test_zeros_are_clipped_only_where_that_is_said():
+    text = GOOD.replace("20.25", "0")
+    assert not loads(text, rest_length=0.3).censored.any()
+    record = loads(text, rest_length=0.3, clipped_at_zero=True)
+    assert_array_equal(record.censored, [False, True, False])
+
+
+def test_columns_and_units_can_be_given():
+    text = "A,B,Load cell 2,Load cell 1\n100,300,50,1\n100,270,20,1\n"
+    given = {"pressure": "A", "length": "B", "force": "load cell 2"}
+    units = {"pressure": "kPa", "length": "mm", "force": "N"}
+    record = loads(text, columns=given, units=units, rest_length=0.3)
+    assert_array_equal(record.force, [50, 20])
+    message = refusal(text, columns=given | {"force": "Load cell 3"}, units=units)
+    assert "no column `Load cell 3` for force: did you mean `Load cell" in message
+    with pytest.raises(ValueError, match=r"`columns` has the unknown key 'forc'.*\"force\"\?"):
+        loads(text, columns={"forc": "A"})
+    with pytest.raises(ValueError, match=r"`units` has the unknown key 'colour'"):
+        loads(text, units={"colour": "red"})
+
+
+def test_a_given_unit_wins_over_the_headers():
+    record = loads(GOOD, units={"force": "lbf"}, rest_length=0.3)
+    assert record.force[2] == pytest.approx(120 * 4.4482216152605, rel=1e-15)
+
+
+def test_remarks_of_the_file():
+    remarks = "# synthetic: made by a model\n# rest_length = 300 mm\n# source: a paper\n"
+    record = loads(remarks + GOOD)
+    assert record.synthetic
+    assert record.rest_length == 0.3
+    assert any(note.endswith("source: a paper") for note in record.notes)
+    # what is given wins
+    assert loads(remarks + GOOD, rest_length=0.31).rest_length == 0.31
+    assert not loads(GOOD, rest_length=0.3).synthetic
+    assert "in its remarks" in refusal("# rest_length = 300\n" + GOOD)
+
+
+def test_several_files_are_one_record(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.csv").write_text(GOOD)
+    (tmp_path / "a.toml").write_text('rest_length = "300 mm"')
+    (tmp_path / "b.toml").write_text('rest_length = "300 mm"')
+    record = load([tmp_path / "a.csv", tmp_path / "b.csv"])
+    assert len(record) == 6
+    assert [source.name for source in record.sources] == ["a.csv", "b.csv"]
+    assert record.sources[0].sha256 == hashlib.sha256(GOOD.encode()).hexdigest()
+    (tmp_path / "b.toml").write_text('rest_length = "310 mm"')
+    with pytest.raises(ValueError, match="one rest length"):
+        load([tmp_path / "a.csv", tmp_path / "b.csv"])
+    with pytest.raises(ValueError, match="at least one file"):
+        load([])
+
+
+def test_files_that_cannot_be_read(tmp_path, monkeypatch):
+    with pytest.raises(FileNotFoundError, match=r"no such file\.$"):
+        load(tmp_path / "none.csv")
+    with pytest.raises(IsADirectoryError, match="a folder"):
+        load(tmp_path)
+    with pytest.raises(OSError, match="can't be read"):
+        load("a\0b.csv")
+    (tmp_path / "m.csv").write_text(GOOD)
+    monkeypatch.setattr("fascicle.records.reading.LARGEST_FILE", 10)
+    with pytest.raises(ValueError, match="larger than"):
+        load(tmp_path / "m.csv")
+    monkeypatch.undo()
+    monkeypatch.setattr(tables, "MAX_ROWS", 2)
+    with pytest.raises(ValueError, match="more than 2 rows"):
+        load(tmp_path / "m.csv")
+
+
+def test_the_quick_way_and_the_careful_one_agree(monkeypatch):
+    rng = np.random.default_rng(4)
+    rows = np.column_stack([
+        rng.uniform(0, 4e5, 3000), rng.uniform(0, 0.3, 3000), rng.normal(0, 10, 3000)
+    ])  # fmt: skip
+    text = "pressure [Pa],strain [-],force [N],branch\n" + "".join(
+        f"{p!r},{s!r},{f!r},{'up' if f > 0 else 'down'}\n" for p, s, f in rows.tolist()
+    )
+    monkeypatch.setattr(tables, "_BLOCK", 10_000)  # many blocks
+    quick = loads(text)
+    assert_array_equal(quick.pressure, rows[:, 0])
+    monkeypatch.setattr(tables, "_rows", lambda *_: None)
+    same(quick, loads(text))
+    # and lines are counted over blocks, either way
+    spoiled = text.splitlines()
+    spoiled[2500] = spoiled[2500].replace(",", ",x", 1)
+    assert "line 2501, column `strain [-]`" in refusal("\n".join(spoiled))
+    monkeypatch.undo()
+    monkeypatch.setattr(tables, "_BLOCK", 10_000)
+    assert "line 2501, column `strain [-]`" in refusal("\n".join(spoiled))
+    far = text.replace(f"{rows[2700, 1].item()!r},", "0.99,")
+    assert "line 2702, column `strain [-]`: 0.99" in refusal(far)
+
+
+PIECES = st.sampled_from([
+    "pressure", "[kPa]", "force", "[N]", "strain", "length", "(mm)", "time_s", "branch", "clipped",
+    ",", ",", ",", ";", "\t", "\n", "\n", "\n", "\r", " ", '"', "#", "1", "0.1", "-3", "1e9", "nan",
+    "1,5", "up", "1e-400", "é", "\0", "/", "%", "[", ")", "rest_length = 300 mm", "synthetic",
+])  # fmt: skip
+
+
+@given(st.one_of(st.text(), st.lists(PIECES, max_size=40).map("".join)))
+@settings(max_examples=400, deadline=None)
+def test_whatever_a_file_holds_is_read_or_refused_in_one_line(text):
+    for body in (text, "pressure [kPa],strain,force [N]\n" + text):
+        try:
+            record = loads(body, source="m.csv")
+        except ValueError as error:
+            message = str(error)
+            assert message.startswith("m.csv")
+            assert "\n" not in message
+        else:
+            assert isinstance(record, Record)
+            assert len(record) > 0
+            assert all(np.isfinite(x).all() for x in (record.pressure, record.strain, record.force))
+
+
+def test_reading_loads_no_jax():
+    code = (
+        "import sys\nfrom fascicle import records\n"
+        "records.loads('pressure [kPa],strain,force [N]\\n100,0,50\\n')\n"
+        "assert not {'jax', 'pint', 'scipy'} & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

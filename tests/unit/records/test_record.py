@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from fascicle.records import Record, Source, join
+
+
+ONE = Record.of(
+    1e5, [0.0, 0.1], [50, 20], rest_length=0.3, sources=(Source("a", "1"),), notes=("n",)
+)
+
+
+def test_readings_broadcast_and_are_ones_own():
+    strain = np.array([0.0, 0.1])
+    record = Record.of(1e5, strain, 5.0)
+    strain[0] = 9
+    assert_array_equal(record.strain, [0, 0.1])
+    assert_array_equal(record.pressure, [1e5, 1e5])
+    assert (len(record), record.branch.dtype, record.censored.dtype) == (2, np.int8, bool)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_readings_are_finite(bad):
+    with pytest.raises(ValueError, match=f"`force` must be finite, got {bad} in reading 2"):
+        Record.of(1e5, [0.0, 0.1], [1.0, bad])
+
+
+def test_some_of_them():
+    timed = Record.of(1e5, [0.0, 0.1], [50, 20], time=np.array([0.0, 1.0]), notes=("n",))
+    some = timed.only([False, True], "the last")
+    assert_array_equal(some.strain, [0.1])
+    assert_array_equal(some.time, [1.0])
+    assert some.notes == ("n", "the last")
+
+
+def test_joined():
+    strains_only = Record.of(
+        2e5, 0.2, 30, synthetic=True, sources=(Source("b", "2"),), notes=("n",)
+    )
+    for records in ([ONE, strains_only], [strains_only, ONE]):
+        both = join(records)
+        assert len(both) == 3
+        # strains alone are taken to refer to the same length
+        assert (both.rest_length, both.synthetic, both.time, both.notes) == (
+            0.3,
+            True,
+            None,
+            ("n",),
+        )
+    assert [source.name for source in both.sources] == ["b", "a"]
+    with pytest.raises(ValueError, match=r"one rest length, got \['0.3', '0.4'\] m"):
+        join([ONE, Record.of(1e5, 0.1, 5, rest_length=0.4)])

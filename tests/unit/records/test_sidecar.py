@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle.records import load
+from fascicle.records.sidecar import read
+
+
+TABLE = "A,position [mm],pressure [kPa]\n-50,12.5,100\n0,-17.5,100\n"
+WHOLE = """rest_length = "300 mm"
+displacement_at_rest = "12.5 mm"
+clipped_at_zero = true
+source = "a bench, 2020"
+notes = ["of one muscle", "slowly"]
+[columns]
+force = "A"
+[units]
+force = "N"
+[signs]
+force = "pushing positive"
+displacement = "extension positive"
+"""
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "m.csv").write_text(TABLE)
+
+    def with_toml(text, name="m.toml"):
+        (tmp_path / name).write_text(text)
+        return tmp_path / "m.csv"
+
+    return with_toml
+
+
+def test_all_of_it(files):
+    record = load(files(WHOLE))
+    assert_array_equal(record.force, [50, 0])
+    # 30 mm of 300 mm; the difference of the positions rounds
+    assert_allclose(record.strain, [0, 0.1], rtol=0, atol=1e-16)
+    assert_array_equal(record.censored, [False, True])
+    assert not np.signbit(record.strain).any()
+    for note in ("m.toml beside it read", "source: a bench, 2020", "of one muscle", "slowly"):
+        assert f"m.csv: {note}" in record.notes
+
+
+def test_what_is_given_wins(files):
+    record = load(files(WHOLE), rest_length=0.6, units={"force": "lbf"}, clipped_at_zero=False)
+    assert_allclose(record.force, [50 * 4.4482216152605, 0], rtol=1e-15)
+    assert record.rest_length == 0.6
+    assert not record.censored.any()
+
+
+def test_another_file_of_any_name(files, tmp_path):
+    path = files(WHOLE, "setup.toml")
+    with pytest.raises(ValueError, match="no column of force"):
+        load(path)
+    assert load(path, sidecar=tmp_path / "setup.toml").rest_length == 0.3
+    with pytest.raises(OSError, match="can't be read"):
+        load(path, sidecar=tmp_path / "none.toml")
+
+
+def test_a_muscles_file_of_the_same_name_is_not_meant(files):
+    path = files('format = 1\n[muscle]\nlength = "127 mm"\n')
+    record = load(path, columns={"force": "A"}, units={"force": "N"}, rest_length=0.3)
+    assert "m.csv: m.toml beside it not read: it describes a muscle" in record.notes
+
+
+def test_synthetic(files):
+    assert load(files(WHOLE.replace("[columns]", "synthetic = true\n[columns]"))).synthetic
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('rest_lenght = "1 m"', r'rest_lenght: unknown, did you mean "rest_length"\?'),
+        ("rest_length = 300", "rest_length: `rest_length` must be a length.*with its unit"),
+        ('rest_length = "300 N"', "rest_length: .*'N' is no unit of length"),
+        ('rest_length = "-3 mm"', "rest_length = '-3 mm': must be positive"),
+        ("clipped_at_zero = 1", "clipped_at_zero = 1: must be true or false"),
+        ("columns = 3", "columns: must be a table of names in quotes"),
+        ("[columns]\nforce = 3", "columns: must be a table of names in quotes"),
+        ('[columns]\nforc = "A"', "`columns` has the unknown key 'forc'"),
+        ('[signs]\nforc = "A"', r'signs.forc: unknown, did you mean "force"\?'),
+        ('[signs]\nforce = "pushing"', 'signs.force = .*did you mean "pushing positive"'),
+        ("notes = [1]", "source and notes must be texts"),
+        ("a = ", "not TOML: "),
+        ("\0", "not TOML: "),
+    ],
+)
+def test_what_it_refuses(tmp_path, text, said):
+    path = tmp_path / "m.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=said) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
