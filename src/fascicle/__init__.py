@@ -22,7 +22,9 @@ elif "jax" in sys.modules:
     sys.modules["jax"].config.update("jax_enable_x64", True)
 
 if TYPE_CHECKING:
+    from . import calibrate as calibrate
     from . import energetics as energetics
+    from . import records as records
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
@@ -46,11 +48,13 @@ _HOMES = {
     "MotorUnit": "bundle",
     "Muscle": "muscle",
     "Tuning": "muscle",
+    "calibrate": "",
     "energetics": "",
     "example": "describe",
     "examples": "describe",
     "load": "describe",
     "materials": "muscle",
+    "records": "",
     "recruitment": "bundle",
     "reversal": "bundle",
     "save": "describe",
@@ -62,11 +66,13 @@ __all__ = [
     "MotorUnit",
     "Muscle",
     "Tuning",
+    "calibrate",
     "energetics",
     "example",
     "examples",
     "load",
     "materials",
+    "records",
     "recruitment",
     "reversal",
     "save",

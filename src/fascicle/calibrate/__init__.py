@@ -1,0 +1,50 @@
+"""Fitting a muscle to a record, and how sure that is.
+
+Names are looked up when they are asked for, so that the command line's help loads no JAX.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+
+if TYPE_CHECKING:
+    from .calibration import Calibration as Calibration
+    from .calibration import Estimate as Estimate
+    from .comparing import compare as compare
+    from .comparing import compare_tension as compare_tension
+    from .fitting import Prior as Prior
+    from .fitting import fit as fit
+    from .posterior import sample as sample
+    from .profiling import profiles as profiles
+
+_HOMES = {
+    "Calibration": "calibration",
+    "Estimate": "calibration",
+    "Prior": "fitting",
+    "compare": "comparing",
+    "compare_tension": "comparing",
+    "fit": "fitting",
+    "profiles": "profiling",
+    "sample": "posterior",
+}
+
+__all__ = [
+    "Calibration",
+    "Estimate",
+    "Prior",
+    "compare",
+    "compare_tension",
+    "fit",
+    "profiles",
+    "sample",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

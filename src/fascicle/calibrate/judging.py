@@ -1,0 +1,116 @@
+"""What the data could not tell, in words: a calibration's warnings."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .solving import CONVERGED
+
+
+if TYPE_CHECKING:
+    from .calibration import Calibration
+
+_TIED = 0.95  # correlation from which two parameters are told apart no longer
+_AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
+
+
+def remarks(made: "Calibration") -> list[str]:
+    """Lines [-] to read before the fitted muscle of `made` [-] is used."""
+    return [*_search(made), *_reach(made), *_parameters(made), *_curves(made), *_scatter(made)]
+
+
+def _search(made: "Calibration") -> list[str]:
+    status = np.asarray(made.solutions.status)
+    if status[int(made.solutions.best)] != CONVERGED:
+        return [f"The search {made.status}: take the result with caution, or give more starts."]
+    return []
+
+
+def _reach(made: "Calibration") -> list[str]:
+    """What part of the law the data cover."""
+    data, lines = made.problem.data, []
+    used = np.asarray(data.uncensored)
+    strain = np.asarray(made.conclusion.strain)
+    free, collapse = made.conclusion.free_strain, made.conclusion.collapse_strain
+    past = used & (strain > np.asarray(free)[:, None] + 1e-9)
+    if made.censored:
+        lines.append(
+            f"{made.censored} readings are clipped at zero: they only say that the force was not"
+            " above it, so nothing past the free strain was measured there."
+        )
+    names = _named(made, _AFTER)
+    if not np.any(past):
+        lines.append(
+            "Nothing past the free strain was measured: the data say nothing of bending, collapse"
+            " and the hinge."
+        )
+    elif names and not np.any(past & (strain > np.asarray(collapse)[:, None])):
+        lines.append(
+            f"No reading lies past a collapse: {_list(names)} can't be determined and"
+            f" {'stay' if len(names) > 1 else 'stays'} at the prior."
+        )
+    if made.readings is not None:
+        highest = float(np.max(np.asarray(made.muscle.tuning.pressures)))
+        lines.append(
+            f"C1 and C2 are read up to {highest / 1e3:.4g} kPa and held constant above it."
+        )
+    return lines
+
+
+def _parameters(made: "Calibration") -> list[str]:
+    lines = []
+    found = made.parameters
+    lost = [one.name for one in found if not one.identifiable]
+    if lost:
+        lines.append(
+            f"The data alone do not determine {_list(lost)}: what stands there is mostly its prior."
+        )
+    known = [one.identifiable for one in found]
+    for i in range(len(found)):
+        for j in range(i):
+            r = made.correlation[i, j]
+            if abs(r) > _TIED and known[i] and known[j]:
+                lines.append(
+                    f"{found[j].name} and {found[i].name} are known together, not apart"
+                    f" (correlation {r:.3f}): don't read one without the other."
+                )
+    return lines
+
+
+def _curves(made: "Calibration") -> list[str]:
+    if made.readings is None:
+        return []
+    lines = []
+    valid, P = np.asarray(made.readings.valid), np.asarray(made.readings.pressure)
+    unread = P[~valid & (0.01 * P.max() < P)]
+    if unread.size:
+        lines.append(
+            "Blocked force and free strain could not be read at"
+            f" {', '.join(f'{p / 1e3:.4g}' for p in unread)} kPa: too few readings pull there."
+        )
+    what = ("free strain is no polynomial of order 3 or less times the law's",
+            "blocked force is not linear in pressure")  # fmt: skip
+    for misfit, words in zip(np.asarray(made.readings.misfit), what, strict=True):
+        if misfit > 1:
+            lines.append(
+                f"The {words} within its readings' errors ({np.sqrt(misfit):.3g} times them): the"
+                " smooth curve misses some of them, and its uncertainty is widened."
+            )
+    return lines
+
+
+def _scatter(made: "Calibration") -> list[str]:
+    if made.inflation <= 1:
+        return []
+    return [
+        "Residuals follow one another along a sweep: what is left is the model's or the gauge's"
+        f" own error, not noise. Intervals are widened by {np.sqrt(made.inflation):.3g}."
+    ]
+
+
+def _named(made: "Calibration", names: tuple[str, ...]) -> list[str]:
+    return [name for name in made.names if name in names]
+
+
+def _list(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

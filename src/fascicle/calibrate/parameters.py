@@ -1,0 +1,268 @@
+r"""What can be fitted: named constants of a muscle, each on a scale where it is free.
+
+A fit moves coordinates $z$ without bounds; each parameter turns its own into a value that
+can exist, so no step of a solver ever leaves the domain: $\log$ for what must be positive,
+the logit of $\alpha_0/54.7°$ for the braid angle. The hinge's factor is affine in pressure
+and must stay positive up to 1 MPa [R14]: its coordinates are the logarithm of its value at
+zero pressure, and $z$ in $\ln(1 + e^z)$, its value at 1 MPa. Forces are linear in that one,
+and so, nearly, is the coordinate.
+
+Each carries a weak prior, a factor of $e^3 \approx 20$ either way around the muscle's own
+value: a parameter that the data say nothing about stays there, one they determine doesn't
+notice it.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from operator import attrgetter
+from types import MappingProxyType
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._checks import one_of
+from .._types import Batch
+from ..muscle import Muscle
+
+
+WEAK = 3.0  # standard deviation of a prior that nobody gave, on a logarithmic scale
+_NEUTRAL_ANGLE = math.atan(math.sqrt(2))
+_HIGHEST = 1e6  # Pa
+_SIGNED = ("strain_factor_rise",)  # of a tension law: its coordinate is itself
+_SMALLEST_BAND = 1e3  # Pa, where a dead band of zero starts from: it has no logarithm
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A constant of a muscle, and the coordinate that a fit moves instead of it.
+
+    - `name`: as in files and on the command line [-].
+    - `dimension`: a key of `units.DIMENSIONS` [-].
+    - `about`: what it is, in a few words [-].
+    - `value`: of a muscle [SI unit of the dimension].
+    - `coordinate`: of a muscle [-].
+    - `put`: a muscle with another coordinate [-].
+    - `deviation`: of the prior on the coordinate that holds where nobody gave one [-].
+    - `linear`: whether its interval is even about the value, not in the coordinate [-].
+    """
+
+    name: str
+    dimension: str
+    about: str
+    value: Callable[[Muscle], Batch]
+    coordinate: Callable[[Muscle], Batch]
+    put: Callable[[Muscle, Batch], Muscle]
+    deviation: float = WEAK
+    linear: bool = False
+
+
+def _positive(
+    name: str, dimension: str, about: str, where: Callable[[Muscle], Batch], least: float = 0.0
+) -> Parameter:
+    """A positive constant at `where` in a muscle; below `least` it starts from there."""
+    return Parameter(
+        name,
+        dimension,
+        about,
+        value=where,
+        coordinate=lambda muscle: jnp.log(jnp.maximum(where(muscle), least)),
+        put=lambda muscle, z: eqx.tree_at(where, muscle, jnp.exp(z), is_leaf=_missing),
+    )
+
+
+def _missing(leaf: object) -> bool:
+    return leaf is None
+
+
+def _rate(muscle: Muscle) -> Batch:
+    tuned = muscle.tuning.transition_rate
+    return muscle.transition_rate if tuned is None else tuned
+
+
+def _put_rate(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(lambda m: m.tuning.transition_rate, muscle, jnp.exp(z), is_leaf=_missing)
+
+
+def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
+    def put(muscle: Muscle, z: Batch) -> Muscle:
+        old: Any = muscle.material
+        new = eqx.tree_at(lambda m: getattr(m, name), old, jnp.exp(z))
+        # a modulus that was measured apart stays; one that follows the constants follows them
+        follows = jnp.isclose(old.youngs_modulus, 6 * (old.c10 + old.c01), rtol=1e-9, atol=0)
+        E = jnp.where(follows, 6 * (new.c10 + new.c01), old.youngs_modulus)
+        return eqx.tree_at(
+            lambda m: m.material, muscle, eqx.tree_at(lambda m: m.youngs_modulus, new, E)
+        )
+
+    return put
+
+
+def _angle(muscle: Muscle) -> Batch:
+    share = muscle.braid_angle / _NEUTRAL_ANGLE
+    return jnp.log(share / (1 - share))
+
+
+def _put_angle(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(
+        lambda m: m.braid_angle, muscle, _NEUTRAL_ANGLE / (1 + jnp.exp(-jnp.asarray(z)))
+    )
+
+
+def _hinge(muscle: Muscle) -> Any:  # `tree_at` looks through it at what is no array yet
+    return muscle.tuning.hinge_stiffness_factor
+
+
+def _put_hinge(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(_hinge, muscle, jnp.exp(z))
+
+
+def _slope(muscle: Muscle) -> Any:
+    return muscle.tuning.hinge_stiffness_slope
+
+
+def _put_slope(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(_slope, muscle, (jnp.logaddexp(z, 0.0) - _hinge(muscle)) / _HIGHEST)
+
+
+def _far(muscle: Muscle) -> Batch:
+    factor = muscle.tuning.hinge_stiffness_at(_HIGHEST)
+    return factor + jnp.log(-jnp.expm1(-factor))
+
+
+def _wall(muscle: Muscle) -> Batch:
+    share = muscle.wall_thickness / muscle.outer_radius
+    return jnp.log(share / (1 - share))
+
+
+def _put_wall(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(
+        lambda m: m.wall_thickness, muscle, muscle.outer_radius / (1 + jnp.exp(-jnp.asarray(z)))
+    )
+
+
+def _put_radius(muscle: Muscle, z: Batch) -> Muscle:
+    return eqx.tree_at(
+        lambda m: m.outer_radius, muscle, muscle.wall_thickness + jnp.exp(jnp.asarray(z))
+    )
+
+
+FACTORS: tuple[Parameter, ...] = (
+    _positive("youngs_modulus_factor", "number", "on E", lambda m: m.tuning.youngs_modulus_factor),
+    _positive(
+        "collapse_moment_factor",
+        "number",
+        "on the collapse moment",
+        lambda m: m.tuning.collapse_moment_factor,
+    ),
+    Parameter(
+        "hinge_stiffness_factor",
+        "number",
+        "on the hinge's stiffness at zero pressure",
+        _hinge,
+        lambda m: jnp.log(_hinge(m)),
+        _put_hinge,
+    ),
+    Parameter(
+        "hinge_stiffness_slope",
+        "inverse_pressure",
+        "rise of that factor with pressure",
+        _slope,
+        _far,
+        _put_slope,
+        deviation=10 * WEAK,  # one unit is a tenth of the factor per bar
+        linear=True,
+    ),
+    Parameter(
+        "transition_rate",
+        "number",
+        "β, from buckled to collapsed",
+        _rate,
+        lambda m: jnp.log(_rate(m)),
+        _put_rate,
+    ),
+)
+
+CONSTANTS: tuple[Parameter, ...] = (
+    *(
+        Parameter(
+            name,
+            "pressure",
+            f"of the bladder's rubber, {symbol}",
+            # each function has its own name
+            value=lambda m, name=name: getattr(m.material, name),
+            coordinate=lambda m, name=name: jnp.log(getattr(m.material, name)),
+            put=_put_rubber(name),
+        )
+        for name, symbol in (("c10", "C10"), ("c01", "C01"))
+    ),
+    _positive(
+        "youngs_modulus",
+        "pressure",
+        "of the bladder in bending",
+        lambda m: m.material.youngs_modulus,
+    ),
+    Parameter("braid_angle", "angle", "at rest, from the axis", lambda m: m.braid_angle, _angle,
+              _put_angle),
+    # in this order: a radius keeps clear of the wall it starts with, then the wall is a share
+    Parameter("outer_radius", "length", "of bladder and braid at rest", lambda m: m.outer_radius,
+              lambda m: jnp.log(m.outer_radius - m.wall_thickness), _put_radius),
+    Parameter("wall_thickness", "length", "of the bladder at rest", lambda m: m.wall_thickness,
+              _wall, _put_wall),
+    _positive("active_length", "length", "without the end fittings", lambda m: m.length),
+    _positive("dead_band", "pressure", "that closes the gap between bladder and braid",
+              lambda m: m.tuning.dead_band, least=_SMALLEST_BAND),
+)  # fmt: skip
+
+PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {parameter.name: parameter for parameter in (*FACTORS, *CONSTANTS)}
+)
+
+
+def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
+    """The parameters of these `names` [-] in the order in which they are put, those of the
+    `muscle`'s own tension law [-] among them.
+    """
+    known = dict(PARAMETERS) | {parameter.name: parameter for parameter in _of_law(muscle)}
+    if not names:
+        raise ValueError("`fit` must name at least one parameter, got none.")
+    for name in names:
+        one_of(name, known, "fit")
+    return tuple(parameter for name, parameter in known.items() if name in names)
+
+
+def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> Muscle:
+    """`muscle` [-] with the `coordinates` [-] of `parameters` [-], one after the other."""
+    for parameter, z in zip(parameters, coordinates, strict=True):
+        muscle = parameter.put(muscle, z)
+    return muscle
+
+
+def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
+    """Values of `parameters` [-] in `muscle` [-], each in its own SI unit [SI]."""
+    return jnp.stack([jnp.asarray(parameter.value(muscle)) for parameter in parameters])
+
+
+def coordinates(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
+    """Coordinates of `parameters` [-] in `muscle` [-]."""
+    return jnp.stack([jnp.asarray(parameter.coordinate(muscle)) for parameter in parameters])
+
+
+@cache
+def _law_parameter(law: str, name: str, dimension: str) -> Parameter:
+    """A constant of a tension law; cached, since what is compiled is found by its identity."""
+    where = attrgetter(f"tension.{name}")
+    if name in _SIGNED:
+        return Parameter(
+            name, dimension, f"of {law}", where, where,
+            lambda muscle, z: eqx.tree_at(where, muscle, z), linear=True,
+        )  # fmt: skip
+    return _positive(name, dimension, f"of {law}", where)
+
+
+def _of_law(muscle: Muscle) -> list[Parameter]:
+    """The tension law's own constants, where it has any."""
+    law = muscle.tension
+    return [_law_parameter(law.name, name, kind) for name, kind in law.parameters.items()]
