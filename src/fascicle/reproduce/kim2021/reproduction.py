@@ -23,6 +23,7 @@ from . import (
     figure_09,
     figure_10,
     figure_12,
+    figure_12_calibrated,
     figure_13,
     figure_14,
 )
@@ -37,7 +38,7 @@ FIGURES: tuple[Compute, ...] = tuple(
     module.compute
     for module in (
         figure_02, figure_03, figure_04, figure_05, figure_06, figure_07, figure_08, figure_09,
-        figure_10, figure_12, figure_13, figure_14,
+        figure_10, figure_12, figure_12_calibrated, figure_13, figure_14,
     )
 )  # fmt: skip
 ALTERNATIVES: tuple[Compute, ...] = alternatives.RECORDS
@@ -47,6 +48,7 @@ CHAINS: tuple[tuple[Compute, ...], ...] = (
     (figure_10.compute,),
     (figure_13.compute, figure_14.compute),
     (figure_09.compute,),
+    (figure_12_calibrated.compute,),
     ALTERNATIVES,
 )  # fmt: skip
 _AT_ONCE = 2
