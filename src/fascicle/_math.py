@@ -58,7 +58,8 @@ def root(
             n, x, a, b, last, done = state
             value, slope = jax.jvp(f, (x,), (jnp.ones_like(x),))
             a, b = jnp.where(value > 0, x, a), jnp.where(value > 0, b, x)
-            newton = x - value / slope  # no number where the residual is flat: bisect
+            # no number where the residual is flat or vertical: bisect
+            newton = jnp.where(jnp.isfinite(slope), x - value / slope, jnp.nan)
             inside = (a <= newton) & (newton <= b) & (jnp.abs(newton - x) < 0.5 * last)
             new = jnp.where(inside, newton, 0.5 * (a + b))
             new = jnp.where(done | (value == 0), x, new)

@@ -32,6 +32,7 @@ def test_root_has_the_implicit_derivative_of_any_order():
     [
         (lambda x: -jnp.arctan(50 * (x - 0.03)), 0.03),  # Newton alone diverges
         (lambda x: 0.5 - x**3, 0.5 ** (1 / 3)),  # flat where it starts
+        (lambda x: 0.3 - jnp.sqrt(x), 0.09),  # vertical where it starts
         (lambda x: -x, 0.0),  # at the bracket's low end
         (lambda x: 1 - x, 1.0),  # at its high end
         (lambda x: jnp.where(x > 0.7, -1.0, 1.0), 0.7),  # nothing but a jump
