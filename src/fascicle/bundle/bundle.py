@@ -207,6 +207,8 @@ class Bundle(eqx.Module):
                 f"`pressures` must hold one pressure for each of the {n} motor units"
                 f" on the last axis, got {got}."
             )
+        for i, unit in enumerate(self.motor_units):
+            unit.muscle.tuning.warn_beyond(P[..., i])
         return P
 
 

@@ -192,7 +192,7 @@ class Muscle(eqx.Module):
 
         **Returns:** $\\varepsilon_f$ [-].
         """
-        return _free_strain(self, _pressure(pressure))
+        return _free_strain(self, self._gauge(pressure))
 
     @compilable
     def blocked_force(self, pressure: Values) -> Batch:
@@ -202,7 +202,7 @@ class Muscle(eqx.Module):
 
         **Returns:** $F(P, 0)$ [N].
         """
-        return _blocked_force(self, _pressure(pressure))
+        return _blocked_force(self, self._gauge(pressure))
 
     @compilable
     def collapse_strain(self, pressure: Values) -> Batch:
@@ -212,7 +212,7 @@ class Muscle(eqx.Module):
 
         **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
         """
-        return _collapse_strain(self, _pressure(pressure))
+        return _collapse_strain(self, self._gauge(pressure))
 
     @compilable
     def collapse_moment(self, pressure: Values) -> Batch:
@@ -222,7 +222,7 @@ class Muscle(eqx.Module):
 
         **Returns:** $M_{collapse}$ [N·m].
         """
-        return _collapse_moment(self, _pressure(pressure))
+        return _collapse_moment(self, self._gauge(pressure))
 
     @compilable
     def volume(self, strain: Values) -> Batch:
@@ -299,9 +299,15 @@ class Muscle(eqx.Module):
         low = -np.inf
         if concrete(self.braid_angle):
             low = float(np.max(1 - 1 / np.cos(np.asarray(self.braid_angle))))
-        closed = (False, True)
         why = "(fibers straight at the lower end)"
-        return _pressure(pressure), within(strain, low, LARGEST_STRAIN, "strain", "-", why, closed)
+        eps = within(strain, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
+        return self._gauge(pressure), eps
+
+    def _gauge(self, pressure: Values) -> Batch:
+        closed = (True, True)
+        P = within(pressure, 0.0, _HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+        self.tuning.warn_beyond(P)
+        return P
 
     def _law(self) -> Piecewise:
         tension = TunedTension(self.tension, self.bladder, self.tuning)
@@ -356,10 +362,6 @@ def _moment(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
 @partial(jax.jit, static_argnums=3)
 def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Centerline:
     return muscle._law().at(pressure).shape(strain, points)
-
-
-def _pressure(value: Values) -> Batch:
-    return within(value, 0.0, _HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
 
 
 def _contracting(value: Values) -> Batch:

@@ -23,6 +23,8 @@ and slope are finite there, the slope that of $P > P_d$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
 """
 
+import warnings
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -104,6 +106,19 @@ class Tuning(eqx.Module):
         P, P_d = jnp.asarray(pressure, dtype=float), self.dead_band
         # not `maximum`, which would halve the slope at P = 0 where there is no dead band
         return jnp.where(P_d <= P, P - P_d, 0.0)
+
+    def warn_beyond(self, pressure: Values) -> None:
+        """Warn of a `pressure` [Pa] above the table's last row, which holds from there on."""
+        if self.pressures.size < 2 or not concrete(self.pressures, self.dead_band, pressure):
+            return
+        last = np.max(np.asarray(self.pressures)) + np.max(np.asarray(self.dead_band))
+        # a row's own pressure, written in other units, may come back a rounding higher
+        if np.size(pressure) and np.max(np.asarray(pressure)) > last * (1 + 1e-9):
+            warnings.warn(
+                f"the tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
+                f" it, got {np.max(np.asarray(pressure)) / 1e3:.4g} kPa.",
+                stacklevel=4,
+            )
 
     def c1_at(self, pressure: BatchLike) -> Batch:
         """$C_1$ [N] at effective `pressure` [Pa]."""

@@ -11,6 +11,8 @@ import fascicle as fs
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, math.radians(33))
 TABLE = {"pressures": [1e5, 3e5], "c1": [2.0, 4.0], "c2": [0.9, 1.1]}
+# the last row holds beyond the table, which is told
+beyond = pytest.mark.filterwarnings("ignore:the tuning was measured up to")
 plain = fs.Muscle.from_dimensions(*SIZES)
 tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE))
 
@@ -19,6 +21,7 @@ def with_factors(**factors):
     return fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**factors))
 
 
+@beyond
 def test_left_out_it_is_the_identity():
     P, eps = np.array([[0.0], [5e4], [1e6]]), np.linspace(-0.1, 0.6, 15)
     identity = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning())
@@ -102,6 +105,7 @@ def test_without_a_dead_band_the_effective_pressure_is_the_pressure():
     assert_allclose(jax.grad(plain.force)(0.0, 0.0), mesh, rtol=1e-14)
 
 
+@beyond
 def test_a_dead_band_delays_the_tension_and_its_tables():
     P_d, P = 40e3, np.array([[0.0], [2e4], [40e3], [140e3], [340e3], [1e6]])
     late = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(**TABLE, dead_band=P_d))
@@ -187,3 +191,12 @@ def test_refuses_what_cannot_be(arguments, message):
     with pytest.raises(ValueError, match=message) as caught:
         fs.Tuning(**arguments)
     assert "\n" not in str(caught.value)
+
+
+def test_a_pressure_past_the_table_is_told():
+    tuning = fs.Tuning([1e5, 2e5], [0.1, 0.2], [1.0, 1.1], dead_band=1e4)
+    tuning.warn_beyond(2.1e5)  # the table is in effective pressures
+    with pytest.warns(UserWarning, match=r"measured up to 210 kPa.*got 220 kPa"):
+        tuning.warn_beyond(jnp.asarray([1e5, 2.2e5]))
+    fs.Tuning().warn_beyond(1e6)
+    jax.jit(lambda P: (tuning.warn_beyond(P), P)[1])(9e5)
