@@ -48,7 +48,8 @@ class Calibration:
     - `covariance`: theirs [-].
     - `from_curves`: the part of it that blocked forces and free strains cause [-].
     - `readings`: those, or `None` [-].
-    - `conclusion`: forces, residuals and noise at the minimum [-].
+    - `conclusion`: what holds at the minimum [-].
+    - `force`: the fitted muscle's at each place of the problem's grid [N].
     - `solutions`: where each start ended [-].
     - `inflation`: of the covariance, for residuals that follow one another [-].
     - `warnings`: what to know before using it, a line each [-].
@@ -64,6 +65,7 @@ class Calibration:
     from_curves: np.ndarray
     readings: Readings | None
     conclusion: Conclusion
+    force: np.ndarray
     solutions: Solutions
     inflation: float
     warnings: tuple[str, ...] = field(default=())
@@ -83,11 +85,6 @@ class Calibration:
         """Correlations of the coordinates [-]."""
         scale = np.sqrt(np.diag(self.covariance))
         return self.covariance / np.outer(scale, scale)
-
-    @property
-    def force(self) -> np.ndarray:
-        """The fitted muscle's force at each place of the problem's grid [N]."""
-        return np.asarray(self.conclusion.force)
 
     @property
     def residual(self) -> np.ndarray:

@@ -27,6 +27,7 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
 from ..records.record import Record
+from .alternatives import collapse_named, post_collapse_named
 from .calibration import Calibration, largest_force, root_mean_square
 from .fitting import Prior, fit
 from .problem import Problem, Vector
@@ -78,7 +79,12 @@ def compare(
     """
     rows = []
     for names in itertools.product(buckling, collapse, post_collapse):
-        other = _with(muscle, buckling=names[0], collapse=names[1], post_collapse=names[2])
+        other = _with(
+            muscle,
+            buckling=names[0],
+            collapse=collapse_named(names[1]),
+            post_collapse=post_collapse_named(names[2]),
+        )
         made = fit(record, other, parameters, priors)
         rows.append(row(", ".join(names), made))
     return ranked(rows)
@@ -137,8 +143,8 @@ _TENSION = (
 )
 
 
-def _with(muscle: Muscle, **laws: str) -> Muscle:
-    """`muscle` with other laws by name, each with its own defaults."""
+def _with(muscle: Muscle, **laws: Any) -> Muscle:
+    """`muscle` with other laws, by name or as they are."""
     names = ("length", "outer_radius", "wall_thickness", "braid_angle", "material", "tension",
              "buckling", "collapse", "post_collapse", "transition_rate", "tuning")  # fmt: skip
     given: dict[str, Any] = {name: getattr(muscle, name) for name in names}

@@ -127,6 +127,7 @@ def fit(
         from_curves=np.asarray(end.from_curves),
         readings=readings,
         conclusion=end,
+        force=np.asarray(_force(fitted, data.pressure, end.strain)),
         solutions=solutions,
         inflation=inflation,
     )
@@ -137,6 +138,11 @@ _UNREAD = (
     "`record` shows no blocked force and free strain at any pressure: it needs at least two"
     " readings that pull at one pressure, or name constants to fit instead, such as c10, c01."
 )
+
+
+@eqx.filter_jit
+def _force(muscle: Muscle, pressure: jnp.ndarray, strain: jnp.ndarray) -> jnp.ndarray:
+    return muscle.force(pressure, strain)
 
 
 def _remarked(made: Calibration) -> Calibration:

@@ -25,6 +25,8 @@ from .problem import LOSSES, Problem
 
 INSTALL = "`--posterior` needs the package numpyro: pip install 'fascicle[posterior]'."
 
+_ACCEPT = 0.95
+
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
@@ -33,6 +35,7 @@ class Posterior:
     - `names`: of the parameters [-].
     - `values`: a row for each draw [SI unit of each parameter].
     - `coordinates`: the same draws as coordinates [-].
+    - `curves`: coefficients of the readings' curves [-], [N], for each draw.
     - `noise`: of a reading [N], for each draw.
     - `r_hat`: near 1 where chains agree [-]. `ess`: how many independent draws they are
       worth [-]; both for each parameter.
@@ -42,6 +45,7 @@ class Posterior:
     names: tuple[str, ...]
     values: np.ndarray
     coordinates: np.ndarray
+    curves: np.ndarray
     noise: np.ndarray
     r_hat: np.ndarray
     ess: np.ndarray
@@ -91,21 +95,24 @@ def sample(
         # the standard normal draws it by is taken off again: the target alone counts
         numpyro.factor("target", target.log_density(u) + 0.5 * jnp.sum(u**2))
 
-    kernel = NUTS(model, init_strategy=init_to_median(num_samples=5))
+    # short steps: a kink at each collapse, and what the data don't determine, need them
+    kernel = NUTS(model, init_strategy=init_to_median(num_samples=5), target_accept_prob=_ACCEPT)
     run = MCMC(
         kernel, num_warmup=warmup, num_samples=draws, num_chains=chains,
         chain_method="vectorized", progress_bar=False,
     )  # fmt: skip
     run.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
     u = run.get_samples(group_by_chain=True)["u"]
-    z, noise = jax.vmap(jax.vmap(target.unpacked))(u)[::2]
-    found = jax.vmap(target.values)(z.reshape(-1, z.shape[-1]))
+    z, problems, noise = jax.vmap(target.unpacked)(u.reshape(-1, u.shape[-1]))
+    found = jax.vmap(target.values)(z)
+    curves = problems.curves
     by_chain = np.asarray(found).reshape(chains, draws, -1)
     return Posterior(
         names=made.names,
         values=np.asarray(found),
-        coordinates=np.asarray(z).reshape(-1, z.shape[-1]),
-        noise=np.asarray(noise).reshape(-1),
+        coordinates=np.asarray(z),
+        curves=np.zeros((len(z), 0)) if curves is None else np.asarray(curves),
+        noise=np.asarray(noise),
         r_hat=np.asarray(split_gelman_rubin(by_chain)),
         ess=np.asarray(effective_sample_size(by_chain)),
         divergences=int(np.sum(run.get_extra_fields()["diverging"])),

@@ -9,18 +9,21 @@ import contextlib
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Annotated
 
 import typer
 
 from .bundle import run as bundle
+from .calibrate import run as calibrate
 from .efficiency import run as efficiency
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
 from .muscles import run as muscles
 from .problems import UserError
+from .record import run as record
 from .reproduce import run as reproduce
 from .space import run as space
 
@@ -37,6 +40,8 @@ app.command("free-strain")(free_strain)
 app.command("bundle")(bundle)
 app.command("space")(space)
 app.command("efficiency")(efficiency)
+app.command("record")(record)
+app.command("calibrate")(calibrate)
 app.command("reproduce")(reproduce)
 app.command("muscles")(muscles)
 app.command("init")(init)
@@ -69,11 +74,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
+    warnings.showwarning = _warn
     code, message = _run(given)
     if message:
         with contextlib.suppress(OSError):
             sys.stderr.write(f"error: {' '.join(message.split())}\n")
     sys.exit(code)
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    """Say a warning in one line, as a command's errors are said."""
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"warning: {' '.join(str(message).split())}\n")
 
 
 def _run(arguments: list[str]) -> tuple[int, str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import units as _units
+from ..units import parse, pretty
 from .columns import POSITIONS, Column, check_roles, choose
 from .plausible import Fault, check_force, check_pressure, check_strain
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
@@ -213,12 +213,12 @@ def _rest_length(
     if given.rest_length is not None or "rest_length" not in remarks:
         return given.rest_length, ()
     try:
-        rest = _units.parse(remarks["rest_length"].strip('" '), "length", "rest_length")
+        rest = parse(remarks["rest_length"].strip('" '), "length", "rest_length")
     except ValueError as error:
         raise ValueError(f"{table.source}: in its remarks, {error}") from None
     if rest <= 0:
         raise ValueError(f"{table.source}: in its remarks, `rest_length` must be positive.")
-    return rest, (f"rest length {_units.pretty(rest, 'length')} read from its remarks",)
+    return rest, (f"rest length {pretty(rest, 'length')} read from its remarks",)
 
 
 def _strain(

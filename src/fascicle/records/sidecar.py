@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .. import units as _units
+from ..units import parse
 from .columns import check_roles
 
 
@@ -159,7 +159,7 @@ def _known(name: str, choices: Iterable[str], where: str) -> None:
 
 def _length(value: Any, where: str) -> float:
     try:
-        return _units.parse(value, "length", where.rpartition(" ")[2])
+        return parse(value, "length", where.rpartition(" ")[2])
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
 

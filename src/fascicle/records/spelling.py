@@ -10,7 +10,7 @@ import re
 
 import numpy as np
 
-from .. import units as _units
+from ..units import DIMENSIONS, parse
 
 
 _TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
@@ -67,14 +67,14 @@ def factor(unit: str, dimension: str) -> float:
         return 1.0
     if dimension == "strain" and text.lower() == "mm/m":
         return 1e-3
-    exact = _units.DIMENSIONS[dimension].factors if dimension in _units.DIMENSIONS else _TIME
+    exact = DIMENSIONS[dimension].factors if dimension in DIMENSIONS else _TIME
     # the case counts where it can: mN and MN
     name = text if text in exact else _SPELLINGS[dimension].get(text.lower(), "")
     if dimension == "time" and name:
         return _TIME[name]
     if not name and not (dimension == "force" and text == "mN"):
         raise ValueError(f"{unit!r} is no unit of {dimension}")
-    return _units.parse(f"1 {name or text}", dimension)
+    return parse(f"1 {name or text}", dimension)
 
 
 def is_unit(text: str, dimensions: tuple[str, ...] = tuple(_SPELLINGS)) -> bool:

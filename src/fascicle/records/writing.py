@@ -10,7 +10,7 @@ import os
 import secrets
 from pathlib import Path
 
-from .. import units as _units
+from ..units import exact
 from .record import Record
 
 
@@ -72,6 +72,6 @@ def _remarks(record: Record) -> list[tuple[str, str]]:
     if record.synthetic:
         remarks.append(("synthetic", "a model made these readings, no muscle was measured"))
     if record.rest_length is not None:
-        remarks.append(("rest_length", _units.exact(record.rest_length, "length")))
+        remarks.append(("rest_length", exact(record.rest_length, "length")))
     remarks += [("source", f"{source.name} sha256 {source.sha256}") for source in record.sources]
     return remarks + [("note", note) for note in record.notes]

@@ -1,0 +1,188 @@
+"""What `fascicle calibrate` found: printed, as JSON, and as a folder of files."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..units import pretty
+from .problems import UserError, refusing
+
+
+if TYPE_CHECKING:
+    from ..calibrate.calibration import Calibration
+
+_FILES = ("muscle.toml", "report.html")
+_FIGURES = ("fit", "residuals", "readings", "profiles")
+_OURS = {*_FILES, *(f"{name}.{kind}" for name in _FIGURES for kind in ("png", "svg"))}
+
+
+@dataclass(frozen=True)
+class Found:
+    """A calibration with all that was asked about it."""
+
+    made: "Calibration"
+    remarks: tuple[str, ...]
+    profiles: tuple[Any, ...] = ()
+    posterior: Any = None
+    comparison: list[Any] = field(default_factory=list)
+    figures: Mapping[str, Any] = field(default_factory=dict)
+
+    def summary(self) -> dict[str, Any]:
+        """What JSON shows, in SI units; what isn't finite is null."""
+        made = self.made
+        found = {
+            "rmse": made.rmse,
+            "relative_rmse": made.relative_rmse,
+            "points": made.points,
+            "censored": made.censored,
+            "status": made.status,
+            "parameters": {
+                one.name: {
+                    "value": one.value, "low": one.low, "high": one.high,
+                    "identifiable": one.identifiable,
+                }
+                for one in made.parameters
+            },
+            "synthetic": made.record.synthetic,
+            "method": made.method,
+            "noise": float(made.problem.noise),
+            "warnings": list(made.warnings),
+            "notes": [*self.remarks, *made.record.notes],
+            "starts": made.starts,
+        }  # fmt: skip
+        if self.profiles:
+            found["profiles"] = {
+                one.name: {"low": one.low, "high": one.high} for one in self.profiles
+            }
+        if self.posterior is not None:
+            found["posterior"] = _posterior(self.posterior)
+        if self.comparison:
+            found["comparison"] = [vars(row) for row in self.comparison]
+        return _finite(found)
+
+    def show(self) -> None:
+        """Print it for a reader."""
+        from .tables import show
+
+        made = self.made
+        if made.record.synthetic:
+            print("synthetic: a model made these readings, no muscle was measured")
+        # what was guessed is always shown; what a file remarks about itself is in the report
+        for note in (*self.remarks, *(n for n in made.record.notes if ": note: " not in n)):
+            print(note)
+        rows = [
+            [
+                one.name,
+                pretty(one.value, one.dimension),
+                f"{pretty(one.low, one.dimension, 3)} to {pretty(one.high, one.dimension, 3)}",
+                "" if one.identifiable else "not known",
+            ]
+            for one in made.parameters
+        ]
+        caption = "not known: the data alone do not determine it"
+        show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
+        if self.comparison:
+            rows = [
+                [row.label, str(row.free), f"{row.rmse:.4g}", f"{row.left_out_rmse:.4g}",
+                 f"{row.aic:.1f}", f"{row.bic:.1f}"]
+                for row in self.comparison
+            ]  # fmt: skip
+            show("Laws, errors in N", ["", "free", "rmse", "left out", "AIC", "BIC"], rows)
+        if self.posterior is not None:
+            good = "good enough" if self.posterior.agrees else "not good enough yet"
+            print(
+                f"posterior: draws {good}, R-hat to {max(self.posterior.r_hat):.4f}, worth"
+                f" {min(self.posterior.ess):.0f} draws, {self.posterior.divergences} divergences"
+            )
+        print(
+            f"{made.points} readings, {made.censored} of them clipped: rmse {made.rmse:.4g} N,"
+            f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
+        )
+        for warning in made.warnings:
+            print(f"warning: {warning}")
+
+    def write(self, folder: Path, date: str) -> list[str]:
+        """Write muscle, report and figures into a new `folder` [-], whole or not at all."""
+        from ..describe import dumps
+        from ..describe.atomic import write
+        from ..describe.calibrated import provenance_of
+        from ..plot import to_bytes
+        from ..reports.calibration import report
+
+        made = self.made
+        page = report(
+            made, date, self.figures, self.profiles, self.posterior, self.comparison,
+            remarks=self.remarks,
+        )  # fmt: skip
+        content = {
+            "muscle.toml": dumps(made.muscle, provenance_of(made, date)).encode(),
+            "report.html": page.encode(),
+        }
+        for name, figure in self.figures.items():
+            for kind in ("png", "svg"):
+                content[f"{name}.{kind}"] = to_bytes(figure, kind)
+
+        def fill(draft: Path) -> None:
+            draft.mkdir()
+            for name, raw in content.items():
+                (draft / name).write_bytes(raw)
+
+        write(folder, fill, folder=True)
+        return [str(folder / name) for name in content]
+
+
+def folder_for(out: str | None, paths: list[str], as_json: bool) -> Path | None:
+    """Where the files go.
+
+    **Arguments:**
+
+    - `out`: the folder that was asked for [-], or `None`.
+    - `paths`: the data's files [-].
+    - `as_json`: whether JSON is printed [-].
+
+    **Returns:** the folder [-], checked; `None` where nothing is written.
+    """
+    from ..describe.atomic import check_writable
+
+    if out is None and as_json:
+        return None
+    folder = Path(f"calibrated-{Path(paths[0]).stem}" if out is None else out)
+    with refusing("--out "):
+        target = check_writable(folder, folder=True)
+        # it will be replaced as a whole
+        others = (
+            sorted({entry.name for entry in target.iterdir()} - _OURS) if target.is_dir() else []
+        )
+        if others:
+            raise UserError(
+                f"--out {folder}: holds {others[0]}, which isn't this command's: name a new folder."
+            )
+    return folder
+
+
+def _posterior(posterior: Any) -> dict[str, Any]:
+    ends = posterior.interval()
+    return {
+        "agrees": posterior.agrees,
+        "divergences": posterior.divergences,
+        "parameters": {
+            name: {
+                "low": float(ends[i, 0]), "high": float(ends[i, 1]),
+                "r_hat": float(posterior.r_hat[i]), "ess": float(posterior.ess[i]),
+            }
+            for i, name in enumerate(posterior.names)
+        },
+    }  # fmt: skip
+
+
+def _finite(value: Any) -> Any:
+    """The same, with `None` for numbers that JSON has none for."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

@@ -1,0 +1,229 @@
+"""What `fascicle calibrate` does between its options and its results: read, then fit."""
+
+import contextlib
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ..units import parse, pretty
+from .calibrated import Found
+from .inputs import read_muscle, read_one
+from .problems import UserError, refusing
+from .startup import prepare
+
+
+if TYPE_CHECKING:
+    from ..calibrate.calibration import Calibration
+    from ..calibrate.fitting import Prior
+    from ..muscle import Muscle
+    from ..records.record import Record
+
+_SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
+          "braid_angle": "angle"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Begin:
+    """The muscle to begin with: a file or an example, sizes and laws that win over it, as
+    they were typed.
+    """
+
+    target: str | None
+    sizes: Mapping[str, str | None]
+    laws: Mapping[str, str | None]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The data's files, and what they don't say themselves, as it was typed."""
+
+    paths: list[str]
+    rest_length: str | None
+    units: Mapping[str, str]
+    columns: Mapping[str, str]
+    clipped_at_zero: bool
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is fitted, and how."""
+
+    names: list[str] | None
+    priors: Mapping[str, str]
+    loss: str
+    weights: str
+    starts: int
+    seed: int
+    posterior: bool
+    compare: bool
+    profile: bool
+
+
+def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> Found:
+    """Read the data and fit the muscle.
+
+    **Arguments:**
+
+    - `begin`: the muscle [-].
+    - `reading`: the data [-].
+    - `search`: what is fitted [-].
+    - `drawn`: whether figures are made [-].
+
+    **Returns:** what was found [-].
+    """
+    muscle = _muscle(begin)
+    record, remarks = _record(reading, float(muscle.length))
+    _check(search)
+    from ..calibrate.fitting import fit
+
+    with refusing(), _telling() as tell:
+        priors = _priors(search.priors, muscle)
+        tell("fitting")
+        made = fit(
+            record, muscle, search.names, priors, loss=search.loss, weights=search.weights,
+            starts=search.starts, seed=search.seed,
+        )  # fmt: skip
+        found = Found(made, remarks)
+        if search.profile:
+            from ..calibrate.profiling import profiles
+
+            tell("profiling")
+            found = replace(found, profiles=profiles(made))
+        if search.posterior:
+            from ..calibrate.posterior import sample
+
+            tell("sampling")
+            found = replace(found, posterior=sample(made, seed=search.seed))
+        if search.compare:
+            tell("comparing laws")
+            found = replace(found, comparison=_compared(record, muscle, search, priors, made))
+        if drawn:
+            from ..reports.fitted import figures
+
+            tell("drawing")
+            pictures = figures(made, found.profiles, found.posterior, search.seed)
+            found = replace(found, figures=pictures)
+    return found
+
+
+def _muscle(begin: Begin) -> "Muscle":
+    missing = [f"--{name.replace('_', '-')}" for name in _SIZES if begin.sizes[name] is None]
+    if begin.target is None and missing:
+        raise UserError(
+            f"the muscle's sizes are needed: give --muscle FILE, or {', '.join(missing)}."
+        )
+    sizes = {
+        name: read_one(text, _SIZES[name], f"--{name.replace('_', '-')}")
+        for name, text in begin.sizes.items()
+        if text is not None
+    }
+    laws: dict[str, Any] = {name: text for name, text in begin.laws.items() if text is not None}
+    if begin.target is None:
+        prepare()
+        from ..muscle import Muscle
+
+        with refusing():
+            return Muscle.from_dimensions(**sizes, **laws)
+    muscle = read_muscle(begin.target, "--muscle on each of its muscles")
+    with refusing():
+        parts: dict[str, Any] = {**_parts(muscle), **sizes, **laws}
+        return type(muscle)(**parts)
+
+
+def _parts(muscle: "Muscle") -> dict[str, Any]:
+    from dataclasses import fields
+
+    return {one.name: getattr(muscle, one.name) for one in fields(muscle)}
+
+
+def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]:
+    """The record, and what was assumed of it."""
+    from ..records import join, load
+
+    given = {
+        "units": reading.units,
+        "columns": reading.columns,
+        "clipped_at_zero": True if reading.clipped_at_zero else None,
+    }
+    rest = None
+    if reading.rest_length is not None:
+        rest = read_one(reading.rest_length, "length", "--rest-length")
+    assumed = False
+
+    def one(path: str) -> "Record":
+        nonlocal assumed
+        try:
+            return load(path, rest_length=rest, **given)
+        except ValueError:
+            if rest is not None:
+                raise
+        # a length or displacement in a file that names no rest length; else it fails again
+        record = load(path, rest_length=length, **given)
+        assumed = True
+        return record
+
+    with refusing():
+        record = join([one(path) for path in reading.paths])
+    if record.rest_length is None:
+        record, assumed = replace(record, rest_length=length), True
+    if not assumed:
+        return record, ()
+    return record, (
+        f"rest length not given: strains are taken over the muscle's, {pretty(length, 'length')}",
+    )
+
+
+def _check(search: Search) -> None:
+    """Refuse what would only fail after the fit."""
+    if not search.posterior:
+        return
+    from importlib.util import find_spec
+
+    if search.loss != "linear":
+        raise UserError("--posterior: needs --loss linear, a robust loss is no model of noise.")
+    if find_spec("numpyro") is None:
+        from ..calibrate.posterior import INSTALL
+
+        raise UserError(INSTALL)
+
+
+def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
+    from ..calibrate.fitting import Prior
+    from ..calibrate.parameters import named
+
+    out = {}
+    for name, text in texts.items():
+        dimension = named([name], muscle)[0].dimension
+        parts = text.split(",")
+        if len(parts) != 2:
+            raise UserError(
+                f"--prior {name}={text}: write a value and its standard deviation, between them"
+                " a comma."
+            )
+        out[name] = Prior(*(parse(part, dimension, f"--prior {name}") for part in parts))
+    return out
+
+
+def _compared(
+    record: "Record", muscle: "Muscle", search: Search, priors: Any, made: "Calibration"
+) -> list[Any]:
+    """Laws side by side: of what resists for the tuning, of tension for constants."""
+    from ..calibrate import comparing
+
+    if made.method == "constants":
+        return comparing.compare_tension(record, muscle)
+    return comparing.compare(record, muscle, search.names, priors)
+
+
+@contextlib.contextmanager
+def _telling() -> Iterator[Any]:
+    """Say what is being done, on stderr, where somebody watches."""
+    from rich.console import Console
+
+    console = Console(file=sys.stderr)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status("reading") as status:
+        yield lambda what: status.update(f"{what}; the first time, the laws are compiled")

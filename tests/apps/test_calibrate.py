@@ -1,0 +1,168 @@
+"""`fascicle calibrate`: from a CSV to a folder, in one fit of a small synthetic record."""
+
+import contextlib
+import io
+import json
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import records
+from fascicle.cli import main
+from fascicle.describe import provenance
+
+
+TEN = "kim2021_slenderness_10"
+SIZES = ("--length", "127mm", "--outer-radius", "6.35mm", "--wall-thickness", "1.6mm",
+         "--braid-angle", "33deg")  # fmt: skip
+FACTORS = ["youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
+           "hinge_stiffness_slope", "transition_rate"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a synthetic record of the example, d.csv, that names no rest length."""
+    folder = tmp_path_factory.mktemp("calibrate")
+    muscle = fs.example(TEN)
+    P = np.linspace(0, 413.7e3, 5)
+    eps = np.linspace(0, float(muscle.free_strain(P[-1])), 24)
+    force = np.asarray(muscle.force(P[:, None], eps))
+    noise = 0.005 * force.max() * np.random.default_rng(0).normal(size=force.shape)
+    record = records.Record.of(P[:, None], eps, force + noise, synthetic=True)
+    records.write(record, folder / "d.csv")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def ran(folder):
+    """The command as a new user types it, and again as a program does: what each printed."""
+
+    def run(*arguments):
+        out, err = io.StringIO(), io.StringIO()
+        with (
+            contextlib.chdir(folder),
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+            pytest.raises(SystemExit) as end,
+        ):
+            main(["calibrate", *arguments])
+        return end.value.code, out.getvalue(), err.getvalue()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FASCICLE_NO_CACHE", "1")
+        patch.setenv("COLUMNS", "100")
+        told = run("d.csv", "--muscle", TEN)
+        # one start alone would be another shape, and compile anew
+        program = run("d.csv", "--muscle", TEN, "--json")
+    return told, program
+
+
+def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
+    (code, out, err), _ = ran
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[0].startswith("synthetic")
+    assert "rest length not given: strains are taken over the muscle's, 127 mm" in lines
+    assert any("read as force" in line for line in lines)
+    assert all(name in out for name in FACTORS)
+    assert "1/bar" in out and "rmse" in out
+    assert "wrote calibrated-d/muscle.toml, calibrated-d/report.html" in lines[-1]
+    names = [path.name for path in (folder / "calibrated-d").iterdir()]
+    pictures = {
+        f"{name}.{kind}"
+        for name in ("fit", "profiles", "readings", "residuals")
+        for kind in ("png", "svg")
+    }
+    assert set(names) == {"muscle.toml", "report.html"} | pictures
+
+
+def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
+    _, (code, out, err) = ran
+    assert (code, err) == (0, "")
+    found, path = json.loads(out), folder / "calibrated-d/muscle.toml"
+    muscle = fs.load(path)
+    assert found["parameters"]["transition_rate"]["value"] == float(muscle.tuning.transition_rate)
+    told = provenance(path)
+    assert [one["name"] for one in told["parameter"]] == FACTORS
+    assert told["synthetic"] and told["method"] == "tuning"
+    assert "Synthetic" in (folder / "calibrated-d/report.html").read_text(encoding="utf-8")
+
+
+def test_json_has_the_keys_of_its_contract_in_their_order(ran):
+    found = json.loads(ran[1][1])
+    contract = ["rmse", "relative_rmse", "points", "censored", "status", "parameters"]
+    assert list(found)[:6] == contract
+    assert (found["points"], found["censored"]) == (5 * 24, 0)
+    assert found["status"].startswith("converged")
+    assert list(found["parameters"]) == FACTORS
+    for one in found["parameters"].values():
+        assert list(one) == ["value", "low", "high", "identifiable"]
+        assert one["low"] < one["value"] < one["high"] and isinstance(one["identifiable"], bool)
+    # the noise was 0.5 % of the largest force
+    assert 0.004 < found["relative_rmse"] < 0.007
+
+
+def test_json_alone_writes_nothing(ran, folder):
+    assert sorted(path.name for path in folder.iterdir()) == ["calibrated-d", "d.csv"]
+
+
+@pytest.fixture
+def refused(fascicle, folder, tmp_path):
+    """Run a command that must be refused; its one line."""
+
+    def run(*arguments):
+        before = sorted(tmp_path.rglob("*"))
+        code, out, err = fascicle("calibrate", *arguments)
+        assert (code, out) == (2, "")
+        assert err.startswith("error: ") and err.count("\n") == 1 and "Traceback" not in err
+        assert sorted(tmp_path.rglob("*")) == before
+        return err
+
+    return run
+
+
+def test_without_a_muscle_one_line_names_the_missing_sizes(refused, folder):
+    said = refused(folder / "d.csv", "--length", "127mm", "--braid-angle", "33deg")
+    assert "--muscle FILE" in said and "--outer-radius, --wall-thickness" in said
+    assert "--length" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--muscle", "no.toml"], "no.toml: no such file"),
+        (["--muscle", "kim2021_bundle_1_1"], "a bundle, not a muscle"),
+        (["--muscle", TEN, "--length", "127"], "`--length` must be a length"),
+        (["--muscle", TEN, "--collapse", "nobody"], "`collapse` 'nobody' is unknown"),
+        (["--muscle", TEN, "--fit", "c10,c11"], "`fit` 'c11' is unknown: did you mean 'c10'?"),
+        (["--muscle", TEN, "--fit", ""], "`fit` '' is unknown"),
+        (["--muscle", TEN, "--prior", "c10"], "--prior 'c10': write NAME=VALUE"),
+        (["--muscle", TEN, "--prior", "c10=1kPa"], "a value and its standard deviation"),
+        (["--muscle", TEN, "--fit", "c10", "--prior", "c10=1mm,2kPa"], "'mm' is no unit of"),
+        (["--muscle", TEN, "--fit", "c10", "--prior", "c10=-1kPa,2kPa"], "must be positive"),
+        (["--muscle", TEN, "--prior", "c10=1kPa,2kPa"], "`priors` 'c10' is unknown"),
+        (["--muscle", TEN, "--loss", "huber"], "`loss` 'huber' is unknown"),
+        (["--muscle", TEN, "--weights", "heavy"], "`weights` 'heavy' is unknown"),
+        (["--muscle", TEN, "--loss", "cauchy", "--posterior"], "--posterior: needs --loss linear"),
+        (["--muscle", TEN, "--rest-length", "0mm"], "`rest_length` must be positive"),
+        (["--muscle", TEN, "--column", "force=nothing"], "nothing"),
+        (["--muscle", TEN, "--unit", "force"], "--unit 'force': write NAME=VALUE"),
+        (["--muscle", TEN, "--out", "no/where"], "--out no/where: can't be written"),
+        ([*SIZES, "--material", "steel"], "`material` 'steel' is unknown"),
+    ],
+)
+def test_a_mistake_is_one_line(refused, folder, arguments, message):
+    assert message in refused(folder / "d.csv", *arguments)
+
+
+def test_a_folder_with_something_else_in_it_is_kept(refused, folder, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/thesis.txt").write_text("years")
+    assert "thesis.txt" in refused(folder / "d.csv", "--muscle", TEN, "--out", "mine")
+
+
+def test_a_record_that_cant_be_is_one_line(refused, tmp_path):
+    (tmp_path / "x.csv").write_text("pressure [kPa],length [mm],force [N]\n100,nan,1\n")
+    said = refused("x.csv", "--muscle", TEN)
+    assert "x.csv, line 2" in said

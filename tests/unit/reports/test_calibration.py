@@ -1,0 +1,185 @@
+"""The page of a calibration, and the provenance that is saved with its muscle."""
+
+import re
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import units
+from fascicle.calibrate.calibration import Calibration
+from fascicle.calibrate.comparing import Row
+from fascicle.calibrate.grid import grid
+from fascicle.calibrate.parameters import coordinates, named
+from fascicle.calibrate.posterior import Posterior
+from fascicle.calibrate.problem import Problem
+from fascicle.calibrate.profiling import Profile
+from fascicle.calibrate.solving import Solutions
+from fascicle.calibrate.uncertainty import Conclusion
+from fascicle.describe import provenance
+from fascicle.describe.calibrated import provenance_of
+from fascicle.records import Record, Source
+from fascicle.reports.calibration import report
+from fascicle.reports.fitted import figures, fitted_of, profiled_of, read_of
+
+
+DATE = "2026-05-04"
+SHA = "0123456789abcdef" * 4
+
+
+def calibration(**changes):
+    """A calibration by hand: no fit is needed to describe one."""
+    muscle = fs.example("kim2021_slenderness_10")
+    P, eps = np.array([100e3, 200e3, 300e3]), np.linspace(0, 0.2, 6)
+    force = np.asarray(muscle.force(P[:, None], eps))
+    record = Record.of(
+        P[:, None], eps, np.maximum(force, 0), censored=force < 0, rest_length=0.127,
+        synthetic=True, sources=(Source("a <b>.csv", SHA),), notes=("column `F` read as force",),
+    )  # fmt: skip
+    free = named(["c10", "outer_radius"], muscle)
+    data, center = grid(record), coordinates(free, muscle)
+    problem = Problem(
+        muscle, data, jnp.ones(data.force.shape), jnp.asarray(0.5), center, jnp.full(2, 3.0),
+        jnp.asarray(0.127), None, free,
+    )  # fmt: skip
+    # the first is known to 5 %, the second no better than its prior
+    covariance = np.array([[0.05**2, 0.0], [0.0, 2.99**2]])
+    conclusion = Conclusion(
+        jnp.asarray(covariance), jnp.zeros((2, 2)), jnp.asarray(0.5), jnp.asarray(force),
+        jnp.zeros(force.shape), data.strain, jnp.asarray([0.1, 0.2, 0.3]),
+        jnp.full(3, jnp.inf),
+    )  # fmt: skip
+    solutions = Solutions(
+        jnp.stack([center, center]), jnp.asarray([1.0, 2.0]), jnp.asarray([0, 1]),
+        jnp.asarray([7, 100]),
+    )  # fmt: skip
+    made = {
+        "muscle": muscle, "start": muscle, "record": record, "method": "constants",
+        "problem": problem, "coordinates": np.asarray(center), "covariance": covariance,
+        "from_curves": np.zeros((2, 2)), "readings": None, "conclusion": conclusion,
+        "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
+    }  # fmt: skip
+    return Calibration(**{**made, **changes})
+
+
+@pytest.fixture(scope="module")
+def made():
+    return calibration()
+
+
+@pytest.fixture(scope="module")
+def profiles(made):
+    x = np.linspace(-3, 3, 11)
+    return tuple(
+        Profile(one.name, one.value * np.exp(one.deviation * x), x**2, low, np.inf)
+        for one, low in zip(made.parameters, (80e3, -np.inf), strict=True)
+    )
+
+
+@pytest.fixture(scope="module")
+def drawn(made, profiles):
+    return figures(made, profiles)
+
+
+@pytest.fixture(scope="module")
+def page(made, profiles, drawn):
+    rows = [Row("a <law>", 2, 1.25, np.nan, 0.01, np.nan, 0.0, 3.5, "converged")]
+    posterior = Posterior(
+        made.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(made.coordinates, (10, 1)),
+        np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
+    )  # fmt: skip
+    return report(made, DATE, drawn, profiles, posterior, rows, remarks=["rest length assumed"])
+
+
+def test_warnings_come_first_then_what_the_data_cant_tell(page):
+    heads = re.findall(r"<h2[^>]*>([^<]*)</h2>", page)
+    assert heads[:3] == ["Read this first", "What the data can&#x27;t tell", "Parameters"]
+    assert "Mind &lt; the step." in page
+    untold = page[page.index('id="untold"') : page.index('id="parameters"')]
+    assert "outer_radius" in untold and "c10" not in untold
+    assert "clipped readings" in untold
+
+
+def test_the_page_says_what_was_fitted(page, made):
+    assert "Synthetic: a model made these readings" in page
+    assert "a &lt;b&gt;.csv" in page and SHA in page
+    assert "column <code>F</code> read as force" in page and "rest length assumed" in page
+    assert f"{made.points} readings at 3 pressures from 100 to 300 kPa" in page
+
+
+def test_parameters_carry_units_intervals_and_a_word(page, made):
+    first, second = (
+        re.findall(rf"<tr><td><code>{name}</code><br>.*?</tr>", page)[0] for name in made.names
+    )
+    one = made.parameters[0]
+    assert units.pretty(one.value, "pressure") in first and "kPa to " in first and "yes" in first
+    assert "80 kPa to ∞" in first and "−∞ to ∞" in second and "no</span>" in second
+
+
+def test_every_start_law_and_chain_is_there(page):
+    assert "start 2: stopped after" in page
+    assert "a &lt;law&gt;" in page and "<td>1.25 N</td><td>-</td>" in page
+    assert "Not good enough yet" in page and "1.2500" in page and "3 divergences" in page
+
+
+def test_nothing_is_asked_for_from_outside(page):
+    addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page)
+    assert sum(address.startswith("data:image/svg+xml") for address in addresses) == 3
+    assert all(address.startswith(("data:", "#")) for address in addresses)
+
+
+def test_only_the_date_changes_the_page(made, profiles, drawn):
+    first, again, later = (
+        report(made, date, drawn, profiles) for date in (DATE, DATE, "2027-01-01")
+    )
+    assert first == again
+    assert first.replace(DATE, "2027-01-01") == later
+
+
+def test_without_warnings_the_page_says_so(drawn):
+    assert "Nothing to warn of" in report(calibration(warnings=()), DATE, drawn)
+
+
+def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):
+    fitted = fitted_of(made)
+    half = 0.5 * (fitted.high - fitted.low)
+    # 90 % of a normal deviate; rounding alone could make it less
+    assert np.all(half > 1.6448 * fitted.noise)
+    assert np.all((fitted.low < fitted.curve_force) & (fitted.curve_force < fitted.high))
+    # each curve ends where its readings do
+    np.testing.assert_array_equal(fitted.curve_strain[:, [0, -1]], [[0, 0.2]] * 3)
+    np.testing.assert_allclose(
+        fitted.curve_force[0], made.muscle.force(100e3, fitted.curve_strain[0]), rtol=1e-9
+    )
+
+
+def test_profiles_are_shown_in_handy_units(made, profiles):
+    first, second = profiled_of(made, profiles)
+    assert (first.unit, second.unit) == ("kPa", "mm")
+    assert first.estimate == pytest.approx(made.parameters[0].value / 1e3)
+    assert first.crosses == (80.0, np.inf)
+
+
+def test_a_fit_of_constants_has_no_readings_to_show(made, drawn):
+    assert set(drawn) == {"fit", "residuals", "profiles"}
+    with pytest.raises(ValueError, match="holds no readings"):
+        read_of(made)
+
+
+def test_provenance_is_read_back_as_it_was_saved(made, tmp_path):
+    path = tmp_path / "muscle.toml"
+    fs.save(made.muscle, path, calibration=provenance_of(made, DATE))
+    # the same bits, and what is told of them
+    assert float(fs.load(path).outer_radius) == float(made.muscle.outer_radius)
+    found = provenance(path)
+    assert found == provenance_of(made, DATE)
+    assert found["date"] == DATE and found["synthetic"] is True
+    assert found["record"] == [{"file": "a <b>.csv", "sha256": SHA}]
+    assert found["laws"]["collapse"] == "kim2021"
+    np.testing.assert_array_equal(found["covariance"], made.covariance)
+    assert found["coordinate_names"] == list(made.names)
+    first, second = found["parameter"]
+    assert (first["identifiable"], second["identifiable"]) == (True, False)
+    assert units.parse(first["value"], "pressure") == made.parameters[0].value
+    assert units.parse(found["rmse"], "force") == made.rmse
