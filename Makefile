@@ -49,6 +49,8 @@ docs: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python benchmarks/force_field.py
+	$(BIN)/python benchmarks/fitting.py
+	$(BIN)/python benchmarks/recovery.py --seeds 50
 
 # extras that nothing uses yet stay out, so that set-up is quick
 lock:

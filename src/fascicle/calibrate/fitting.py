@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -24,7 +25,7 @@ from .judging import remarks
 from .parameters import FACTORS, Parameter, coordinates, named, put
 from .problem import LOSSES, Problem
 from .readings import Readings, tables
-from .solving import Solutions, around, joined, least, scattered, solve
+from .solving import Solutions, around, joined, scattered, solve
 from .tuned import tune
 from .uncertainty import Conclusion, conclude
 
@@ -83,6 +84,7 @@ def fit(
     names = [one.name for one in FACTORS] if parameters is None else list(parameters)
     free = named(names, muscle)
     method = "tuning" if all(one in FACTORS for one in free) else "constants"
+    record = _steady(record)
     data = _on_length(grid(record), record, muscle if method == "tuning" else None)
     _enough(data, free)
     start = _centered(muscle, free, priors or {})
@@ -92,8 +94,8 @@ def fit(
     places = jnp.asarray(scattered(np.asarray(center), max(int(starts), 1), seed))
     if method == "tuning":
 
-        def search(places: jnp.ndarray) -> _Found:
-            found = tune(start, data, weight, center, deviation, places, free, loss)
+        def search(places: jnp.ndarray, noise: jnp.ndarray) -> _Found:
+            found = tune(start, data, weight, center, deviation, places, noise, free, loss)
             return _Found(found.problem, found.solutions, found.conclusion, found.readings)
     else:
         # a strain without the length it refers to is the muscle's own
@@ -102,19 +104,20 @@ def fit(
         problem = Problem(start, data, weight, noise, center, deviation, rest, None, free, loss)
         problem = _with_noise(problem, places)
 
-        def search(places: jnp.ndarray) -> _Found:
+        def search(places: jnp.ndarray, noise: jnp.ndarray) -> _Found:  # noqa: ARG001 settled above
             return _Found(problem, *_solved(problem, places), None)
 
-    problem, solutions, end, readings = _searched(search, places, seed)
-    if readings is not None and not bool(jnp.any(readings.valid)):
+    found, solutions = _searched(search, places, seed)
+    problem, end, readings = found.problem, found.conclusion, found.readings
+    if readings is not None and not bool(jnp.any(readings.valid)) and _pressed(data):
         raise ValueError(_UNREAD)
-    best = solutions.coordinates[solutions.best]
+    best = found.solutions.coordinates[found.solutions.best]
     problem = eqx.tree_at(lambda p: p.noise, problem, end.noise)
     used = np.asarray((problem.weight > 0) & data.uncensored)
     inflation = follows(np.where(used, np.asarray(end.misfits), np.nan))
     covariance = inflation * (end.covariance - end.from_curves) + end.from_curves
     fitted = put(free, start, best)
-    if readings is not None:
+    if readings is not None and _pressed(data):
         fitted = _with_tables(fitted, readings)
     made = Calibration(
         muscle=fitted,
@@ -179,18 +182,37 @@ class _Found(NamedTuple):
     readings: Readings | None
 
 
-def _searched(search: Callable[[jnp.ndarray], _Found], places: jnp.ndarray, seed: int) -> _Found:
-    """A search from `places` [-], and a second one about its best.
+def _searched(
+    search: Callable[[jnp.ndarray, jnp.ndarray], _Found], places: jnp.ndarray, seed: int
+) -> tuple[_Found, Solutions]:
+    """A search from `places` [-], then a second one about its best; the ends of both.
 
     Each collapse is a kink in strain, which passes from one reading to the next as its place
     moves: that leaves shallow minima side by side, within the fit's own uncertainty.
     """
-    wide = search(places)
+    wide = search(places, jnp.asarray(0.0))
     best = wide.solutions.coordinates[wide.solutions.best]
     near = around(np.asarray(best), np.asarray(wide.conclusion.covariance), len(places), seed)
-    close = search(jnp.asarray(near))
-    better = close if least(close.solutions) < least(wide.solutions) else wide
-    return better._replace(solutions=joined(wide.solutions, close.solutions))
+    # the second takes the noise that the first one left: priors weigh against it
+    close = search(jnp.asarray(near), wide.conclusion.noise)
+    scale = (wide.problem.noise / close.problem.noise) ** 2
+    begun = eqx.tree_at(lambda s: s.cost, wide.solutions, wide.solutions.cost * scale)
+    return close, joined(begun, close.solutions)
+
+
+def _steady(record: Record) -> Record:
+    """The readings of a `record` [-] taken in time that belong to sweeps, without the ramps."""
+    if record.time is None:
+        return record
+    from ..records.splitting import runs  # only sampled data need it
+
+    ramps = np.zeros(len(record), dtype=bool)
+    for run in runs(record):
+        ramps[run.points] = run.kind == "mixed"
+    if not 0 < np.sum(ramps) < len(record) / 2:
+        return record
+    note = f"{np.sum(ramps)} readings of ramps between sweeps left out of the fit"
+    return record.only(~ramps, note)
 
 
 def _on_length(data: Grid, record: Record, muscle: Muscle | None) -> Grid:
@@ -198,6 +220,11 @@ def _on_length(data: Grid, record: Record, muscle: Muscle | None) -> Grid:
     if muscle is None or record.rest_length is None:
         return data
     return eqx.tree_at(lambda d: d.strain, data, data.strain * (record.rest_length / muscle.length))
+
+
+def _pressed(data: Grid) -> bool:
+    """Whether any reading was taken under pressure."""
+    return bool(jnp.max(data.pressure) > 1.0)
 
 
 def _enough(data: Grid, free: Sequence[Parameter]) -> None:
@@ -216,29 +243,40 @@ def _centered(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Pr
     for one in free:
         prior = priors.get(one.name)
         if prior is not None:
-            positive(prior.value, one.name, "SI")
-            positive(prior.deviation, f"{one.name}'s deviation".replace("'s ", "_"), "SI")
-            muscle = put([one], muscle, jnp.asarray([_coordinate(one, muscle, prior.value)]))
+            (finite if one.linear else positive)(prior.value, one.name, "SI")
+            positive(prior.deviation, f"{one.name}_deviation", "SI")
+            muscle = one.put(muscle, jnp.asarray(_coordinate(one, muscle, prior.value)))
     return muscle
 
 
 def _coordinate(parameter: Parameter, muscle: Muscle, value: float) -> float:
     """The coordinate [-] that gives `value`, found by bisection: each is monotone."""
+
+    def of(z: float) -> float:
+        return float(parameter.value(parameter.put(muscle, jnp.asarray(z))))
+
     low, high = -60.0, 60.0
-    for _ in range(200):
+    for _ in range(70):
         middle = 0.5 * (low + high)
-        below = float(parameter.value(parameter.put(muscle, jnp.asarray(middle)))) < value
-        low, high = (middle, high) if below else (low, middle)
-    return 0.5 * (low + high)
+        low, high = (middle, high) if of(middle) < value else (low, middle)
+    size = max(abs(of(0.0)), abs(value))
+    if abs(of(low) - value) > 1e-9 * size:
+        raise ValueError(
+            f"`priors` of {parameter.name} must be a value that it can have in this muscle,"
+            f" got {value:g} (SI): check its unit."
+        )
+    return low
 
 
 def _deviation(parameter: Parameter, muscle: Muscle, prior: Prior | None) -> float:
-    """Deviation of the prior on the coordinate [-]."""
+    """Deviation of the prior on the coordinate [-], by its slope at the prior's value."""
     if prior is None:
         return parameter.deviation
-    half = 0.5 * prior.deviation
-    high, low = (_coordinate(parameter, muscle, prior.value + side * half) for side in (1.0, -1.0))
-    return float(finite(high - low, parameter.name, "-"))
+    z = jnp.asarray(parameter.coordinate(muscle), dtype=float)
+    _, slope = jax.jvp(
+        lambda z: parameter.value(parameter.put(muscle, z)), (z,), (jnp.ones_like(z),)
+    )
+    return prior.deviation / abs(float(slope))
 
 
 def _weight(data: Grid, weights: str) -> jnp.ndarray:

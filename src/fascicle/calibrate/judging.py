@@ -11,12 +11,16 @@ if TYPE_CHECKING:
     from .calibration import Calibration
 
 _TIED = 0.95  # correlation from which two parameters are told apart no longer
+_DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 
 def remarks(made: "Calibration") -> list[str]:
     """Lines [-] to read before the fitted muscle of `made` [-] is used."""
-    return [*_search(made), *_reach(made), *_parameters(made), *_curves(made), *_scatter(made)]
+    return [
+        *_search(made), *_reach(made), *_parameters(made), *_dense(made), *_curves(made),
+        *_scatter(made),
+    ]  # fmt: skip
 
 
 def _search(made: "Calibration") -> list[str]:
@@ -49,7 +53,7 @@ def _reach(made: "Calibration") -> list[str]:
             f"No reading lies past a collapse: {_list(names)} can't be determined and"
             f" {'stay' if len(names) > 1 else 'stays'} at the prior."
         )
-    if made.readings is not None:
+    if made.readings is not None and np.size(made.muscle.tuning.pressures) > 1:
         highest = float(np.max(np.asarray(made.muscle.tuning.pressures)))
         lines.append(
             f"C1 and C2 are read up to {highest / 1e3:.4g} kPa and held constant above it."
@@ -75,6 +79,26 @@ def _parameters(made: "Calibration") -> list[str]:
                     f" (correlation {r:.3f}): don't read one without the other."
                 )
     return lines
+
+
+def _dense(made: "Calibration") -> list[str]:
+    """Whether sweeps are dense enough to see the transition after collapse."""
+    rate = next((one for one in made.parameters if one.name == "transition_rate"), None)
+    if rate is None or not rate.identifiable:
+        return []
+    used = np.asarray(made.problem.data.uncensored)
+    strain = np.where(used, np.asarray(made.conclusion.strain), np.nan)[np.any(used, axis=1)]
+    spacing = (np.nanmax(strain, axis=1) - np.nanmin(strain, axis=1)) / np.sum(
+        np.isfinite(strain), axis=1
+    )
+    within = 1 / (rate.value * float(np.median(spacing)))
+    if within >= _DENSE:
+        return []
+    return [
+        f"Only {within:.2g} readings at a pressure fall into the transition after collapse (1/β of"
+        f" strain): below {_DENSE} the intervals of β and of the collapse moment come out too"
+        " narrow."
+    ]
 
 
 def _curves(made: "Calibration") -> list[str]:

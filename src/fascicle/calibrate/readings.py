@@ -77,7 +77,7 @@ def read(muscle: Muscle, data: Grid) -> Readings:
     P = data.pressure[:, 0]
     T = law.force(data.pressure, data.strain)
     at_rest = law.force(P, jnp.zeros_like(P))
-    top = jnp.max(P)
+    top = _top(P)
     pressed = _NO_PRESSURE * top < P
     free_th = law.free_strain(P)
 
@@ -116,7 +116,7 @@ def free_strain_of(
     """Free strain [-] of the smooth curves with `coefficients` at each `pressure` [Pa], which
     they take over `top` [Pa], the largest one if left out; 0 without pressure [R13].
     """
-    share = pressure / (jnp.max(pressure) if top is None else top)
+    share = pressure / (_top(pressure) if top is None else top)
     quotient = jnp.polyval(coefficients[:_ORDERS][::-1], share)
     free = _untuned(muscle).free_strain(pressure) * quotient
     return jnp.where(share > _NO_PRESSURE, free, 0.0)
@@ -124,7 +124,7 @@ def free_strain_of(
 
 def free_strain_deviation(muscle: Muscle, readings: Readings) -> Level:
     """Standard deviation [-] of the smooth curve's free strain at each level."""
-    share = readings.pressure / jnp.max(readings.pressure)
+    share = readings.pressure / _top(readings.pressure)
     basis = share[:, None] ** jnp.arange(_ORDERS)
     covariance = readings.covariance[:_ORDERS, :_ORDERS]
     variance = jnp.einsum("li,ij,lj->l", basis, covariance, basis)
@@ -138,7 +138,7 @@ def tables(
     """$C_1$ [N] and $C_2$ [-] of the smooth curves, (34) and (35); arguments and the case
     without pressure, where they are 0 and 1, as `free_strain_of`.
     """
-    law, share = _untuned(muscle), pressure / (jnp.max(pressure) if top is None else top)
+    law, share = _untuned(muscle), pressure / (_top(pressure) if top is None else top)
     some = share > _NO_PRESSURE
     blocked = coefficients[_ORDERS] + coefficients[_ORDERS + 1] * share
     c1 = law.force(pressure, free_strain_of(muscle, coefficients, pressure, top))
@@ -201,7 +201,7 @@ def _scatter(T: Table, F: Table, weight: Table) -> Float[Array, ""]:
     left = jnp.sum(jnp.where(free > 0, free, 0))
     total = jnp.sum(jnp.where(free > 0, squares, 0.0))
     # too few readings to see any scatter: a hundredth of the largest force is a load cell's
-    blind = 0.01 * jnp.max(jnp.where(weight > 0, F, 0.0))
+    blind = 0.01 * jnp.maximum(jnp.max(jnp.abs(F)), 1e-9)
     return jnp.where(left > 0, jnp.sqrt(total / guarded(left > 0, left)), blind)
 
 
@@ -265,6 +265,11 @@ def _strain_at(law: TunedTension, pressure: Level, force: Level, otherwise: Leve
 def _slope(law: TunedTension, pressure: Level, strain: Level) -> Level:
     """Slope of the untuned law with strain [N]."""
     return jax.jvp(lambda eps: law.force(pressure, eps), (strain,), (jnp.ones_like(strain),))[1]
+
+
+def _top(pressure: Level) -> Float[Array, ""]:
+    # a passive muscle's record has no pressure to refer to
+    return jnp.maximum(jnp.max(pressure), 1.0)
 
 
 def _untuned(muscle: Muscle) -> TunedTension:

@@ -16,6 +16,7 @@ from .problem import Problem, Vector
 
 
 STEPS = 200
+_SAME = 0.02  # of the cost, a fifth of a standard deviation
 _FAR = 1.0  # coordinates that the data don't determine are not sent further
 _TOLERANCE = 1e-8  # of coordinates and cost: far below any parameter's uncertainty
 
@@ -23,7 +24,7 @@ CONVERGED, STOPPED, BROKE = 0, 1, 2
 _WORDS = {
     CONVERGED: "converged",
     STOPPED: f"stopped after {STEPS} steps, still improving",
-    BROKE: "stopped where the residuals are no numbers",
+    BROKE: "stopped where the solver could not go on",
 }
 
 
@@ -110,7 +111,7 @@ def in_words(solutions: Solutions) -> list[str]:
         how = f"start {i}: {_WORDS[status]} ({steps} steps)"
         if status != BROKE:
             # two ends are one minimum if no data could tell them apart
-            same = cost - best < 1e-3
+            same = cost - best < _SAME
             how += ", at the best minimum" if same else f", at a worse one (cost {cost:.6g})"
         lines.append(how)
     return lines

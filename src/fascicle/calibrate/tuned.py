@@ -83,16 +83,22 @@ def tune(
     center: Vector,
     deviation: Vector,
     starts: Float[Array, "start parameter"],
+    noise: Float[Array, ""],
     parameters: tuple[Parameter, ...],
     loss: str = "linear",
 ) -> Tuned:
     """The whole tuning.
 
-    **Arguments:** as `problem_of`, and `starts`: coordinates to begin from [-].
+    **Arguments:** as `problem_of`, and
+
+    - `starts`: coordinates to begin from [-].
+    - `noise`: of a reading [N] past the free strain; 0 for the one that the readings show.
 
     **Returns:** a `Tuned` [-].
     """
     readings, problem = problem_of(muscle, data, weight, center, deviation, parameters, loss)
+    known = jnp.where(noise > 0, noise, problem.noise)
+    problem = eqx.tree_at(lambda p: p.noise, problem, known)
     solutions = solve(problem, starts)
     z = solutions.coordinates[solutions.best]
     return Tuned(readings, problem, solutions, z, conclude(problem, z, readings.covariance))

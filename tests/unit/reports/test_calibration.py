@@ -58,7 +58,7 @@ def calibration(**changes):
         "muscle": muscle, "start": muscle, "record": record, "method": "constants",
         "problem": problem, "coordinates": np.asarray(center), "covariance": covariance,
         "from_curves": np.zeros((2, 2)), "readings": None, "conclusion": conclusion,
-        "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
+        "force": force, "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
     }  # fmt: skip
     return Calibration(**{**made, **changes})
 
@@ -87,7 +87,7 @@ def page(made, profiles, drawn):
     rows = [Row("a <law>", 2, 1.25, np.nan, 0.01, np.nan, 0.0, 3.5, "converged")]
     posterior = Posterior(
         made.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(made.coordinates, (10, 1)),
-        np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
+        np.zeros((10, 0)), np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
     )  # fmt: skip
     return report(made, DATE, drawn, profiles, posterior, rows, remarks=["rest length assumed"])
 

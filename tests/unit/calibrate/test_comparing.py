@@ -1,0 +1,105 @@
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
+from fascicle.calibrate.grid import grid
+from fascicle.calibrate.reference import SAROSI_DMSP_20_200N, refitted, sarosi
+from fascicle.records.record import Record
+
+
+@pytest.fixture(scope="module")
+def made(straight):
+    censored = np.zeros((4, 10), bool)
+    censored[1, :3] = True
+    return straight(censored=censored, sigma=0.3)
+
+
+@pytest.fixture(scope="module")
+def errors(made):
+    return left_out_errors(made)
+
+
+def test_left_out_errors_are_those_of_refits_by_hand(straight):
+    made = straight(prior=1.0)
+    X, F = np.asarray(made.problem.design), np.asarray(made.problem.data.force)
+    errors = left_out_errors(made)
+    for level in range(4):
+        seen = np.arange(4) != level
+        A, y = X[seen].reshape(-1, 2) / 0.3, F[seen].reshape(-1) / 0.3
+        z = np.linalg.solve(A.T @ A + np.eye(2), A.T @ y)
+        # the search ends when nothing moves by more than 1e-8
+        assert_allclose(errors[level], F[level] - X[level] @ z, atol=1e-6)
+    # what was fitted was seen, and is nearer
+    assert np.sqrt(np.mean(errors**2)) > made.rmse
+
+
+def test_clipped_readings_have_no_error(made, errors):
+    assert_array_equal(np.isnan(errors), np.asarray(made.problem.data.censored))
+
+
+def test_criteria_by_hand(made, errors):
+    found = row("a law", made)
+    F, mu = np.asarray(made.problem.data.force), np.asarray(made.force)
+    measured = ~np.asarray(made.problem.data.censored)
+    n, k = 37, 2
+    assert n == measured.sum()
+    spread = n * np.log(np.mean((F - mu)[measured] ** 2))
+    assert_allclose(found.aic, spread + 2 * k, rtol=1e-12)
+    assert_allclose(found.bic, spread + k * np.log(n), rtol=1e-12)
+    assert_allclose(found.rmse, np.exp(spread / n / 2), rtol=1e-12)
+    assert_allclose(found.left_out_rmse, np.sqrt(np.nanmean(errors**2)), rtol=1e-12)
+    top = F[measured].max()
+    assert_allclose(found.relative_rmse * top, found.rmse, rtol=1e-12)
+    assert_allclose(found.relative_left_out_rmse * top, found.left_out_rmse, rtol=1e-12)
+    assert (found.label, found.free) == ("a law", 2)
+    assert found.status.startswith("converged")
+
+
+def test_an_average_counts_as_what_it_averages(made):
+    data = made.problem.data
+    count = np.asarray(data.count).copy()
+    count[0, 0] = 9.0
+    heavy = replace(made.problem, data=replace(data, count=jnp.asarray(count)))
+    found = row("", replace(made, problem=heavy))
+    r = (np.asarray(data.force) - made.force)[~np.asarray(data.censored)]
+    assert_allclose(found.rmse, np.sqrt((np.sum(r**2) + 8 * r[0] ** 2) / 45), rtol=1e-12)
+
+
+def test_ranks_begin_at_the_least_of_each():
+    rows = [
+        Row("a", 4, 1.0, 2.0, 0.1, 0.2, aic, bic, "converged")
+        for aic, bic in ((5.0, 1.0), (-3.0, 2.0), (0.0, -7.0))
+    ]
+    assert [(one.aic, one.bic) for one in ranked(rows)] == [(0.0, 9.0), (3.0, 0.0), (8.0, 8.0)]
+
+
+def test_sarosis_law_at_numbers_worked_by_hand():
+    constants = jnp.asarray([2.0, 3.0, -0.5, 4.0, 5.0, 6.0])
+    # 2 bar and 10 %: (2*2 + 3) e^-5 + 4*2*10 + 5*2 + 6
+    assert_allclose(sarosi(constants, jnp.asarray(2e5), jnp.asarray(0.1)),
+                    7 * np.exp(-5.0) + 96, rtol=1e-14)  # fmt: skip
+    # the published muscle at 5 bar without contraction, term by term:
+    # -20.00903525 + 292.4620246 + 1470.269128 - 280.498151
+    published = jnp.asarray(SAROSI_DMSP_20_200N)
+    assert_allclose(
+        sarosi(published, jnp.asarray(5e5), jnp.asarray(0.0)), 1462.22396635, rtol=1e-11
+    )
+
+
+def test_a_refit_finds_the_constants_that_made_the_data():
+    P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.25, 12), indexing="ij")
+    truth = np.array(SAROSI_DMSP_20_200N) * [1.5, 0.8, 1.2, 0.9, 1.1, 0.7]
+    F = np.asarray(sarosi(jnp.asarray(truth), jnp.asarray(P), jnp.asarray(eps)))
+    clipped = F < 0
+    data = grid(Record.of(P, eps, np.where(clipped, 0.0, F), clipped))
+    weight = jnp.ones(data.count.shape)
+    # no noise: down to the solver's 1e-9, times how badly the six are conditioned
+    assert_allclose(refitted(data, weight), truth, rtol=1e-5)
+    # a level of no weight is not seen
+    spoiled = replace(data, force=data.force.at[2].add(500.0))
+    assert_allclose(refitted(spoiled, weight.at[2].set(0.0)), truth, rtol=1e-5)
+    assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)

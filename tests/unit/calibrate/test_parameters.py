@@ -1,0 +1,203 @@
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle.calibrate.parameters import CONSTANTS, FACTORS, PARAMETERS, coordinates, named, put
+from fascicle.calibrate.parameters import values as values_of
+
+
+TUNING = fs.Tuning(
+    youngs_modulus_factor=0.95,
+    collapse_moment_factor=0.75,
+    hinge_stiffness_factor=0.83,
+    hinge_stiffness_slope=0.92e-5,
+    transition_rate=90.0,
+    dead_band=20e3,
+)
+SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
+muscle = fs.Muscle.from_dimensions(*SIZES, tuning=TUNING)
+LAWS = {
+    "tondu_lopez": ("strain_factor", "strain_factor_rise", "decay_pressure"),
+    "meller2014": ("strain_factor", "force_factor"),
+}
+WILD = (-50.0, -5.0, 0.0, 5.0, 50.0)
+
+
+def leaves(a):
+    return [np.asarray(leaf) for leaf in jax.tree.leaves(a)]
+
+
+def test_the_names_are_those_of_the_paper_and_the_issue():
+    assert [one.name for one in FACTORS] == [
+        "youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
+        "hinge_stiffness_slope", "transition_rate",
+    ]  # fmt: skip
+    assert {one.name for one in CONSTANTS} >= {
+        "c10", "c01", "braid_angle", "outer_radius", "wall_thickness", "active_length",
+        "dead_band",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_round_trip(name):
+    one = PARAMETERS[name]
+    again = one.put(muscle, one.coordinate(muscle))
+    # a logarithm and its exponential cost some ulps; near 1 MPa the slope's softplus more
+    for was, is_now in zip(leaves(muscle), leaves(again), strict=True):
+        assert_allclose(is_now, was, rtol=1e-12, atol=0)
+    for away in (-2.0, 0.3, 2.0):
+        z = one.coordinate(muscle) + away
+        moved = one.put(muscle, z)
+        # what cancels in the slope's coordinate, far from the factor at zero, is 1e-14 or so
+        assert_allclose(one.coordinate(moved), z, rtol=1e-10)
+        back = one.put(moved, one.coordinate(muscle))
+        assert_allclose(one.value(back), one.value(muscle), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_value_is_what_the_muscle_has(name):
+    at = {
+        "youngs_modulus_factor": 0.95, "collapse_moment_factor": 0.75,
+        "hinge_stiffness_factor": 0.83, "hinge_stiffness_slope": 0.92e-5, "transition_rate": 90.0,
+        "c10": 118.4e3, "c01": 105.7e3, "youngs_modulus": 6 * (118.4e3 + 105.7e3),
+        "braid_angle": np.radians(33), "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3,
+        "active_length": 0.127, "dead_band": 20e3,
+    }  # fmt: skip
+    assert_allclose(PARAMETERS[name].value(muscle), at[name], rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+@pytest.mark.parametrize("z", WILD)
+def test_wherever_the_search_goes_the_muscle_can_be(name, z):
+    moved = PARAMETERS[name].put(muscle, jnp.asarray(z))
+    assert all(np.all(np.isfinite(leaf)) for leaf in leaves(moved))
+    tuning = moved.tuning
+    for size in (
+        moved.length, moved.wall_thickness, moved.outer_radius, moved.braid_angle,
+        moved.material.c10, moved.material.c01, moved.material.youngs_modulus,
+        tuning.youngs_modulus_factor, tuning.collapse_moment_factor, tuning.hinge_stiffness_factor,
+        tuning.transition_rate,
+    ):  # fmt: skip
+        assert size > 0
+    # e^-50 is lost beside 1: the wall may fill the radius to the last bit, not more
+    assert moved.wall_thickness <= moved.outer_radius
+    assert moved.braid_angle <= np.arctan(np.sqrt(2))
+
+
+@pytest.mark.parametrize("factor", WILD)
+@pytest.mark.parametrize("slope", WILD)
+def test_hinge_stays_positive_up_to_the_highest_pressure(factor, slope):
+    both = named(["hinge_stiffness_factor", "hinge_stiffness_slope"], muscle)
+    tuning = put(both, muscle, jnp.asarray([factor, slope])).tuning
+    # affine: its ends bound it; what e^50 leaves of e^-50 at 1 MPa is rounding
+    top = float(tuning.hinge_stiffness_at(1e6))
+    assert tuning.hinge_stiffness_at(0.0) > 0
+    assert top > -1e-15 * float(tuning.hinge_stiffness_factor)
+    if factor <= 5:
+        assert_allclose(top, np.logaddexp(slope, 0), rtol=1e-9, atol=1e-13)
+
+
+def test_both_values_of_the_hinge_are_free_of_each_other():
+    # its rise is put after its value at zero, and holds the value at 1 MPa
+    factor, slope = named(["hinge_stiffness_factor", "hinge_stiffness_slope"], muscle)
+    z = coordinates((factor, slope), muscle)
+    moved = put((factor, slope), muscle, z.at[0].add(0.5))
+    assert_allclose(moved.tuning.hinge_stiffness_at(1e6), 0.83 + 9.2, rtol=1e-13)
+    assert_allclose(moved.tuning.hinge_stiffness_at(0.0), 0.83 * np.exp(0.5), rtol=1e-13)
+    # alone, the value at zero moves the whole line
+    lifted = factor.put(muscle, jnp.asarray(np.log(1.83)))
+    assert_allclose(lifted.tuning.hinge_stiffness_slope, 0.92e-5, rtol=1e-14)
+
+
+def test_a_modulus_that_follows_the_constants_follows_them():
+    two = named(["c10", "c01"], muscle)
+    moved = put(two, muscle, jnp.log(jnp.asarray([2e5, 3e5])))
+    assert_allclose(moved.material.youngs_modulus, 6 * 5e5, rtol=1e-14)
+    apart = fs.Muscle.from_dimensions(*SIZES, material=fs.MooneyRivlin(1e5, 1e5, 1.78e6))
+    moved = put(two, apart, jnp.log(jnp.asarray([2e5, 3e5])))
+    assert_allclose(moved.material.youngs_modulus, 1.78e6, rtol=0)
+    assert_allclose([moved.material.c10, moved.material.c01], [2e5, 3e5], rtol=1e-14)
+    # named itself, it is what it is named
+    three = named(["youngs_modulus", "c10", "c01"], muscle)
+    moved = put(three, muscle, jnp.log(jnp.asarray([2e5, 3e5, 4e5])))
+    assert_allclose(moved.material.youngs_modulus, 4e5, rtol=1e-14)
+
+
+def test_the_order_of_the_names_does_not_matter():
+    names = list(PARAMETERS)
+    assert named(names[::-1], muscle) == named(names, muscle) == tuple(PARAMETERS.values())
+    # every value comes through, though walls are shares of radii and rises hang on factors
+    free = named(names, muscle)
+    z = coordinates(free, muscle)
+    assert_allclose(values_of(free, put(free, muscle, z)), values_of(free, muscle), rtol=1e-12)
+
+
+def test_a_radius_and_its_wall_together_can_be():
+    both = named(["wall_thickness", "outer_radius"], muscle)
+    for z in np.array(np.meshgrid(WILD, WILD)).reshape(2, -1).T:
+        moved = put(both, muscle, jnp.asarray(z))
+        assert 0 < moved.wall_thickness <= moved.outer_radius
+
+
+def test_no_transition_rate_in_the_tuning_is_the_muscles_own():
+    bare = fs.Muscle.from_dimensions(*SIZES, transition_rate=30.0)
+    rate = PARAMETERS["transition_rate"]
+    assert float(rate.value(bare)) == 30.0
+    moved = rate.put(bare, jnp.log(40.0))
+    assert_allclose(moved.tuning.transition_rate, 40.0, rtol=1e-14)
+    assert float(moved.transition_rate) == 30.0
+
+
+def test_a_dead_band_of_zero_has_a_place_to_start_from():
+    bare = fs.Muscle.from_dimensions(*SIZES)
+    assert_allclose(PARAMETERS["dead_band"].coordinate(bare), np.log(1e3), rtol=1e-14)
+
+
+def test_unknown_names_are_refused_with_a_suggestion():
+    with pytest.raises(ValueError, match="`fit` 'braid_angel' is unknown: did you mean 'braid_an"):
+        named(["braid_angel"], muscle)
+    with pytest.raises(ValueError, match="at least one parameter"):
+        named([], muscle)
+    # a constant of a law that this muscle doesn't have
+    with pytest.raises(ValueError, match="'strain_factor' is unknown"):
+        named(["strain_factor"], muscle)
+
+
+@pytest.mark.parametrize(("law", "names"), LAWS.items())
+def test_a_tension_laws_own_constants(law, names):
+    other = fs.Muscle.from_dimensions(*SIZES, tension=law)
+    assert set(names) <= set(other.tension.parameters)
+    free = named(names, other)
+    assert [one.name for one in free] == [n for n in other.tension.parameters if n in names]
+    assert free == named(names, other)  # the same objects: what was compiled for them is found
+    z = coordinates(free, other)
+    assert_allclose(values_of(free, put(free, other, z)), values_of(free, other), rtol=1e-12)
+    for one in free:
+        moved = one.put(other, jnp.asarray(-3.0))
+        assert_allclose(one.coordinate(moved), -3.0, rtol=1e-13)
+        assert (float(one.value(moved)) > 0) == (one.name != "strain_factor_rise")
+
+
+def test_everything_moves_and_nothing_else():
+    for one in PARAMETERS.values():
+        moved = one.put(muscle, one.coordinate(muscle) + 0.1)
+        others = [other for other in PARAMETERS.values() if other is not one]
+        changed = {
+            other.name
+            for other in others
+            if not np.isclose(other.value(moved), other.value(muscle), rtol=1e-12, atol=0)
+        }
+        follow = {"c10": {"youngs_modulus"}, "c01": {"youngs_modulus"}}
+        assert changed == follow.get(one.name, set()), one.name
+        assert not np.isclose(one.value(moved), one.value(muscle), rtol=1e-3, atol=0)
+
+
+def test_coordinates_are_logarithms_or_like_them():
+    names = ["youngs_modulus_factor", "c10", "active_length"]
+    free = named(names, muscle)
+    moved = put(free, muscle, coordinates(free, muscle) + np.log(2))
+    assert_allclose(values_of(free, moved) / values_of(free, muscle), [2, 2, 2], rtol=1e-12)
+    assert_array_equal([one.linear for one in free], False)

@@ -1,0 +1,130 @@
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.optimize import least_squares
+from scipy.stats import norm
+
+import fascicle as fs
+from fascicle.calibrate.grid import Grid
+from fascicle.calibrate.parameters import named
+from fascicle.calibrate.problem import LOSSES, Problem
+
+
+muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33))
+SIGMA = 0.7
+
+
+def problem(force, censored=False, count=1.0, weight=1.0, loss="linear", **more):
+    """A problem of one level with these forces."""
+    F = jnp.atleast_2d(jnp.asarray(force, dtype=float))
+    full = {
+        "rest_length": None,
+        "parameters": named(["braid_angle"], muscle),
+        "center": jnp.zeros(1),
+        "deviation": jnp.full(1, 3.0),
+    } | more
+    return Problem(
+        muscle, Grid(
+            jnp.full((F.shape[0], 1), 1e5), jnp.full(F.shape, 0.1), F,
+            jnp.full(F.shape, count), jnp.full(F.shape, censored),
+        ),
+        jnp.full(F.shape, weight), jnp.asarray(SIGMA), full["center"], full["deviation"],
+        full["rest_length"], None, full["parameters"], loss,
+    )  # fmt: skip
+
+
+def test_a_measured_force_misses_by_its_deviations():
+    F, mu = np.array([3.0, -1.0, 0.0]), np.array([2.0, 1.0, 0.0])
+    r = problem(F).misfits_of(jnp.atleast_2d(mu))
+    assert_allclose(r[0], (F - mu) / SIGMA, rtol=1e-15)
+    # the mean of n readings scatters by sigma/sqrt(n); a weight stands before it all
+    r = problem(F, count=9.0, weight=0.5).misfits_of(jnp.atleast_2d(mu))
+    assert_allclose(r[0], 0.5 * 3 * (F - mu) / SIGMA, rtol=1e-15)
+
+
+def test_a_place_that_is_filled_up_says_nothing():
+    mu = jnp.asarray([[5.0, -8.0]])
+    assert_array_equal(problem([1.0, 2.0], count=0.0).misfits_of(mu), 0)
+
+
+# in deviations, from "as sure as can be" to far where the model pulls and nothing was seen
+SCALED = np.array([-29.0, -10.0, -3.0, -1.0, 0.0, 0.5, 2.0, 6.0, 20.0, 60.0, 300.0])
+
+
+@pytest.mark.parametrize("count", [1.0, 4.0])
+def test_a_clipped_reading_says_not_above(count):
+    mu = SCALED * SIGMA / np.sqrt(count)
+    made = problem(np.zeros(mu.size), censored=True, count=count)
+    r = np.asarray(made.misfits_of(jnp.atleast_2d(mu)))[0]
+    # half the square is the negative logarithm of the chance of a force below zero
+    # jax's log_ndtr keeps ten digits between its series, scipy's 14
+    assert_allclose(0.5 * r**2, -norm.logcdf(-SCALED), rtol=1e-9)
+    # far on the pulling side it is as much as any other deviation
+    assert_allclose(r[-1] / SCALED[-1], 1, rtol=1e-3)
+
+
+def test_gradients_of_a_clipped_reading_are_finite_and_right():
+    made = problem(np.zeros(SCALED.size), censored=True)
+
+    @jax.jit
+    def one(mu):
+        return made.misfits_of(mu[None])[0]
+
+    mu = jnp.asarray(SCALED * SIGMA)
+    slope = np.diag(np.asarray(jax.jacfwd(one)(mu)))
+    assert np.all(np.isfinite(slope))
+    # d(r²/2)/dmu = phi/Phi /sigma, the inverse Mills ratio
+    r = np.asarray(one(mu))
+    mills = np.exp(norm.logpdf(SCALED) - norm.logcdf(-SCALED)) / SIGMA
+    assert_allclose(r * slope, mills, rtol=1e-8)
+    # beyond, to a million deviations either way
+    far = SIGMA * jnp.asarray([-1e6, -1e3, -40.0, -31.0, -30.0, 1e3, 1e4, 1e5, 1e6, 1e6, 1e6])
+    r, back = one(far), jax.grad(lambda mu: jnp.sum(one(mu) ** 2))(far)
+    slope = np.diag(np.asarray(jax.jacfwd(one)(far)))
+    assert np.all(np.isfinite(r)) and np.all(np.isfinite(back)) and np.all(np.isfinite(slope))
+    assert_allclose(r[:5], 0, atol=1e-90)
+    assert_allclose(r[5:], far[5:] / SIGMA, rtol=1e-4)
+
+
+R = np.concatenate([[0.0], np.geomspace(1e-12, 1e4, 65), -np.geomspace(1e-12, 1e4, 65)])
+
+
+@pytest.mark.parametrize("loss", [loss for loss in LOSSES if loss != "linear"])
+def test_losses_are_scipys(loss):
+    made = problem(R * SIGMA, loss=loss)
+    r = made.residuals_of(jnp.zeros((1, R.size)), jnp.zeros(1))[:-1]
+    for mine, plain in zip(np.asarray(r), R, strict=True):
+        # scipy's cost at a residual that doesn't move is rho/2
+        rho = 2 * least_squares(lambda _, x=plain: [x], [0.0], loss=loss, max_nfev=1).cost
+        # scipy's soft_l1 loses to cancellation what (1 + r²)^1/2 - 1 leaves of 1: eps absolute
+        assert_allclose(mine**2, rho, rtol=1e-9, atol=1e-15)
+    assert_array_equal(np.sign(r), np.sign(R))
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_losses_are_smooth_through_zero(loss):
+    made = problem(np.zeros(4), loss=loss)
+
+    def one(mu):
+        return made.residuals_of(mu[None], jnp.zeros(1))[:-1]
+
+    mu = jnp.asarray([0.0, 1e-9, -1e-6, 1.1e-6]) * SIGMA
+    # all losses begin as r itself: the slope differs from it by r²
+    assert_allclose(np.diag(jax.jacfwd(one)(mu)), -1 / SIGMA, rtol=1e-11)
+    assert_allclose(jax.grad(lambda mu: jnp.sum(one(mu) ** 2))(mu), 2 * mu / SIGMA**2, rtol=1e-9)
+
+
+def test_the_prior_closes_the_residuals_and_no_loss_touches_it():
+    made = problem([0.0], loss="cauchy", center=jnp.asarray([1.0]), deviation=jnp.asarray([0.01]))
+    r = made.residuals_of(jnp.zeros((1, 1)), jnp.asarray([1.2]))
+    assert_allclose(r, [0.0, 20.0], rtol=1e-13, atol=1e-15)
+
+
+def test_strains_refer_to_the_length_they_were_measured_on():
+    free = named(["active_length"], muscle)
+    made = problem([0.0], parameters=free, rest_length=jnp.asarray(0.15))
+    half = made.muscle_at(jnp.log(jnp.asarray([0.075])))
+    assert_allclose(made.strain(half), 0.2, rtol=1e-14)
+    assert_allclose(problem([0.0], parameters=free).strain(half), 0.1, rtol=0)
