@@ -96,8 +96,7 @@ def _dense(made: "Calibration") -> list[str]:
         return []
     return [
         f"Only {within:.2g} readings at a pressure fall into the transition after collapse (1/β of"
-        f" strain): below {_DENSE} the intervals of β and of the collapse moment come out too"
-        " narrow."
+        f" strain): below {_DENSE} the collapse moment's interval comes out too narrow."
     ]
 
 
