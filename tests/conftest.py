@@ -1,6 +1,26 @@
 """Turns the package's annotations into checks, before anything imports it."""
 
+import gc
+from pathlib import Path
+
+import pytest
 from jaxtyping import install_import_hook
 
 
+_MANY_MAPS = 20_000
+
 install_import_hook("fascicle", "beartype.beartype")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def memory_maps_are_freed():
+    """Compiled functions each take several memory maps, of which a process may have 65530: a
+    worker that keeps all of them ends in a segmentation fault.
+    """
+    yield
+    import jax  # after the hook, and only in workers that used it
+
+    maps = Path("/proc/self/maps")
+    if maps.exists() and maps.read_bytes().count(b"\n") > _MANY_MAPS:
+        jax.clear_caches()
+        gc.collect()
