@@ -24,14 +24,17 @@ class Given(Problem):
     """Rosenbrock's valley, no numbers beyond a wall, and the ways to be caught by either."""
 
     wall: float = 1e9
-    endless: bool = eqx.field(static=True, default=False)
+    winding: bool = eqx.field(static=True, default=False)
+    flat: bool = eqx.field(static=True, default=False)
 
     def residuals(self, coordinates):
-        """Of the valley, or of a slope without an end."""
+        """Of the valley, of a valley too winding to walk, or of one that flattens out."""
         x, y = coordinates
         r = jnp.stack([10 * (y - x**2), 1 - x])
-        if self.endless:
-            r = jnp.stack([jnp.exp(-1e-3 * x), 0.0 * y + 1e-9 * y])
+        if self.winding:
+            r = jnp.stack([1e6 * (y - jnp.sin(20 * x)), 10 - x])
+        if self.flat:
+            r = jnp.stack([x - 1, y**400])
         return jnp.where(x < self.wall, r, jnp.nan)
 
 
@@ -74,9 +77,19 @@ def test_a_start_without_numbers_is_said_to_have_broken(given):
 
 
 def test_a_search_that_does_not_end_is_said_to_have_stopped(given):
-    found = solve(given(endless=True), jnp.asarray([[0.0, 0.0]]))
+    found = solve(given(winding=True), jnp.asarray([[0.0, 0.0]]))
+    assert found.cost[0] > 1
     assert_array_equal(found.status, [STOPPED])
-    assert in_words(found)[0].startswith(f"start 1: stopped after {STEPS} steps, still improving")
+    assert in_words(found)[0].startswith(f"start 1: stopped after {STEPS} steps, before it settled")
+
+
+def test_a_coordinate_that_creeps_where_nothing_is_left_to_win_has_settled(given):
+    # no step takes more than a four-hundredth off y: after all of them it moves still
+    found = solve(given(flat=True), jnp.asarray([[0.0, 1.0]]))
+    assert found.steps[0] == STEPS
+    assert_array_equal(found.status, [CONVERGED])
+    assert 0.5 < found.coordinates[0, 1] < 0.99
+    assert found.cost[0] < 1e-9
 
 
 def test_least_squares_of_a_straight_law_are_the_normal_equations(straight):
@@ -94,7 +107,7 @@ def test_least_squares_of_a_straight_law_are_the_normal_equations(straight):
 def test_words_tell_minima_apart():
     lines = in_words(ends([5.0, 5.01, 5.05, np.nan], [CONVERGED, STOPPED, CONVERGED, BROKE]))
     assert lines[0] == "start 1: converged (3 steps), at the best minimum"
-    assert lines[1].endswith("still improving (3 steps), at the best minimum")
+    assert lines[1].endswith("before it settled (3 steps), at the best minimum")
     assert lines[2] == "start 3: converged (3 steps), at a worse one (cost 5.05)"
     assert lines[3] == "start 4: stopped where the solver could not go on (3 steps)"
 
