@@ -47,10 +47,9 @@ slow: $(STAMP)
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 
+# takes up to ten minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)
-	$(BIN)/python benchmarks/force_field.py
-	$(BIN)/python benchmarks/fitting.py
-	$(BIN)/python benchmarks/recovery.py --seeds 50
+	$(BIN)/python benchmarks/run_all.py
 
 # extras that nothing uses yet stay out, so that set-up is quick
 lock:

@@ -17,6 +17,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from scipy.optimize import brentq, least_squares
+from timing import Measured, Row, run
 
 import fascicle as fs
 from fascicle.calibrate.grid import grid
@@ -27,11 +28,12 @@ from fascicle.records import VirtualDynamometer
 
 
 REPEATS = 5
+OWN = "fascicle, exact Jacobian"
 
 
-def problem(truth: fs.Muscle, untuned: fs.Muscle) -> Problem:
+def problem(truth: fs.Muscle, untuned: fs.Muscle, samples: int = 200) -> Problem:
     """The factors' problem on a synthetic record, blocked force and free strain as they are."""
-    data = grid(VirtualDynamometer(both_ways=False).record(truth, seed=1))
+    data = grid(VirtualDynamometer(samples=samples, both_ways=False).record(truth, seed=1))
     past = data.strain > truth.free_strain(data.pressure)
     return Problem(
         untuned, data, past.astype(float), jnp.asarray(1.0), coordinates(FACTORS, untuned),
@@ -136,13 +138,13 @@ class Student:
         return np.concatenate([r.ravel(), (z - self.center) / self.deviation])
 
 
-def main() -> None:
-    """Print times, ratios, and where each ends."""
+def rows(small: bool = False) -> list[Row]:
+    """Times against the library's, and where each way ends."""
     truth: Any = fs.example("kim2021_slenderness_10")
     untuned = fs.Muscle.from_dimensions(
         truth.length, truth.outer_radius, truth.wall_thickness, truth.braid_angle, truth.material
     )
-    task = problem(truth, untuned)
+    task = problem(truth, untuned, 20 if small else 200)
     start = np.asarray(task.center)
     search = eqx.filter_jit(lambda task, starts: solve(task, starts).coordinates[0])
     compiled = eqx.filter_jit(lambda task, z: task.residuals(z))
@@ -150,7 +152,7 @@ def main() -> None:
     first = np.asarray(compiled(task, jnp.asarray(start)))
     apart = np.max(np.abs(first - student.residuals(start)))
     ways = {
-        "fascicle, exact Jacobian": lambda: np.asarray(search(task, jnp.asarray(start)[None])),
+        OWN: lambda: np.asarray(search(task, jnp.asarray(start)[None])),
         "SciPy on the same compiled residuals": lambda: (
             least_squares(
                 lambda z: np.asarray(compiled(task, jnp.asarray(z))), start, xtol=1e-8, ftol=1e-8
@@ -160,24 +162,36 @@ def main() -> None:
             least_squares(student.residuals, start, xtol=1e-8, ftol=1e-8).x
         ),
     }
-    times: dict[str, list[float]] = {name: [] for name in ways}
-    ends = {name: way() for name, way in ways.items()}  # compiled and warm from here on
-    for _ in range(REPEATS):
-        for name, way in ways.items():
-            if name.endswith("NumPy residuals") and len(times[name]) == 2:
-                continue  # it takes a minute: twice is enough
-            begun = time.perf_counter()
-            way()
-            times[name].append(time.perf_counter() - begun)
-    own = statistics.median(times["fascicle, exact Jacobian"])
+    if small:
+        del ways["SciPy on NumPy residuals"]
     print(f"residuals differ by at most {apart:.1e} N between JAX and NumPy")
-    for name, end in ends.items():
-        taken = statistics.median(times[name])
-        cost = 0.5 * float(np.sum(np.asarray(compiled(task, jnp.asarray(end))) ** 2))
-        fitted = np.asarray(values(FACTORS, put(FACTORS, untuned, jnp.asarray(end))))
-        numbers = ", ".join(f"{x:.5g}" for x in fitted)
-        print(f"{name:38s} {taken:9.4f} s  ×{taken / own:7.1f}  cost {cost:.6f}  {numbers}")
+    times: dict[str, list[float]] = {name: [] for name in ways}
+    for turn in range(1 + (1 if small else REPEATS)):
+        for name, way in ways.items():
+            plain = name.endswith("NumPy residuals")
+            if plain and turn:
+                continue  # it takes a minute: once is enough
+            begun = time.perf_counter()
+            end = way()
+            if turn or plain:  # the others compile at first
+                times[name].append(time.perf_counter() - begun)
+            if not turn:
+                cost = 0.5 * float(np.sum(np.asarray(compiled(task, jnp.asarray(end))) ** 2))
+                fitted = np.asarray(values(FACTORS, put(FACTORS, untuned, jnp.asarray(end))))
+                numbers = ", ".join(f"{x:.5g}" for x in fitted)
+                print(f"{name:38s} cost {cost:.6f}  {numbers}")
+    own = statistics.median(times[OWN])
+    return [
+        Row(
+            "a fit of four factors, 13 pressures × 200 strains",
+            Measured.of(np.array(times[name]) / own),
+            "×",
+            f"{name}, {statistics.median(times[name]):.2g} s",
+        )
+        for name in ways
+        if name != OWN
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    run(rows, __doc__)

@@ -1,54 +1,47 @@
 """The force field against the cost of only moving its numbers through memory.
 
-`muscle.force`, as `muscle.compile()` gives it, is timed beside `x + 1` over as many float64
-values, in the same process and the same run, all compiled and warm. The ratio says how many
-plain passes over memory one evaluation of the laws costs, on this machine. Two cases: a field,
-pressures along one axis and strains along the other, whose free and collapse strains are solved
-for once for each pressure; and a cloud, where every point has a pressure of its own.
+`muscle.compile()` over 1000 pressures × 10 000 strains, all regions of the law within; beside
+it `x + 1` and `exp` over as many float64 values. A ratio of 1 is the speed of memory. Each
+call writes into new memory, the floors' too, as results of JAX do; what that costs is told by
+NumPy's `x + 1` into memory that it already has.
+
+    python benchmarks/force_field.py
 """
 
-import math
-import statistics
-import time
-from collections.abc import Callable
-
-import jax
 import jax.numpy as jnp
-
-import fascicle as fs
-
-
-SIDE = 500
-REPEATS = 5
+import numpy as np
+from cases import done, exponential, field, muscle, stream
+from timing import Row, interleaved, run
 
 
-def seconds(function: Callable[..., jax.Array], *arguments: jax.Array) -> float:
-    """Median time [s] of a warm call."""
-    function(*arguments).block_until_ready()
-    times = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        function(*arguments).block_until_ready()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
-
-
-def main() -> None:
-    """Print times, rates and ratios."""
-    muscle = fs.Muscle.from_dimensions(
-        length=0.127, outer_radius=6.35e-3, wall_thickness=1.6e-3, braid_angle=math.radians(33)
+def rows(small: bool = False) -> list[Row]:
+    shape = (20, 30) if small else (1000, 10_000)
+    force, points = muscle().compile(), field(*shape)
+    as_many = jnp.broadcast_to(points[1], shape) + 0.0
+    values, kept = np.array(as_many), np.zeros(shape)
+    times = interleaved(
+        {
+            "in place": lambda: np.add(values, 1, out=kept),
+            "x + 1": lambda: done(stream(as_many)),
+            "exp": lambda: done(exponential(as_many)),
+            "field": lambda: done(force(*points)),
+        }
     )
-    pressure, strain = jnp.linspace(0.0, 4e5, SIDE)[:, None], jnp.linspace(0.0, 0.4, SIDE)
-    everywhere = jnp.broadcast_arrays(pressure, strain)
-    force = muscle.compile()
-    stream = seconds(jax.jit(lambda x: x + 1), everywhere[1])
-    print(f"{SIDE}² points on {jax.devices()[0].device_kind}, median of {REPEATS} warm calls")
-    print(f"x + 1  {stream * 1e3:10.3f} ms")
-    for name, arguments in (("field", (pressure, strain)), ("cloud", everywhere)):
-        taken = seconds(force, *arguments)
-        rate = SIDE**2 / taken / 1e6
-        print(f"{name}  {taken * 1e3:10.3f} ms  {rate:8.3f} million/s  ratio {taken / stream:.0f}")
+    name = f"force field, {shape[0]:,} pressures × {shape[1]:,} strains"
+    rate = shape[0] * shape[1] / times.median("field") / 1e6
+    passes = times.median("field") / times.median("x + 1")
+    limit = f"{rate:.0f} million points/s, as long as {passes:.1f} passes of x + 1"
+    return [
+        Row(name, times.ratio("x + 1", "field"), "×", "rate of x + 1", 0.6, limit=limit),
+        Row(name, times.ratio("exp", "field"), "×", "rate of exp"),
+        Row(
+            "the floor x + 1 itself",
+            times.ratio("in place", "x + 1"),
+            "×",
+            "rate of NumPy's x + 1, one core, into memory it has",
+        ),
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    run(rows, __doc__)

@@ -13,16 +13,18 @@ arithmetic-geometric mean: Abramowitz and Stegun (1964), 16.4 and 17.6.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import lax
 
-from ._types import Batch, BatchLike, BoolBatch, IntBatch
+from ._types import Batch, BatchLike, BoolBatch
 
 
 _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
+_TINY = 4 * 2.0**-52
 _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
 
 
@@ -36,40 +38,52 @@ def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Ba
 
 
 def root(
-    residual: Callable[[Batch], Batch], low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Callable[[Batch], Batch],
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    steps: int = 0,
 ) -> Batch:
     """The root of an elementwise `residual` that is positive below it, negative above.
 
     Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by
-    bisection where it leaves the bracket or fails to halve its step.
+    bisection where it leaves the bracket or fails to halve its step. From a good start give
+    the number of `steps` that nearly always suffice: they are one pass over the points, and
+    the loop, a pass for each step, has only the others left.
     """
     # where the search begins doesn't move the root; unstopped, zero cotangents would flow
     # back into how the bracket was found, and meet infinite slopes there
     low, high, start = (lax.stop_gradient(jnp.asarray(x, dtype=float)) for x in (low, high, start))
 
+    # whether a search has ended is asked of numbers that are stored: the compiler may evaluate
+    # an expression once for each of its uses, and differently in the last bits
+    def ended(x: Batch, before: Batch) -> BoolBatch:
+        return jnp.abs(x - before) <= (jnp.abs(x) + 1) * _TINY
+
     def solve(f: Callable[[Batch], Batch], x0: Batch) -> Batch:
         a, b = jnp.broadcast_to(low, x0.shape), jnp.broadcast_to(high, x0.shape)
 
         def keep_going(state: tuple) -> BoolBatch:
-            n, _, _, _, _, done = state
-            return (n < _STEPS) & ~jnp.all(done)
+            n, x, before, _, _ = state
+            return (n < _STEPS) & ~jnp.all(ended(x, before))
 
         def step(state: tuple) -> tuple:
-            n, x, a, b, last, done = state
+            n, x, before, a, b = state
             value, slope = jax.jvp(f, (x,), (jnp.ones_like(x),))
             a, b = jnp.where(value > 0, x, a), jnp.where(value > 0, b, x)
             # no number where the residual is flat or vertical: bisect
             newton = jnp.where(jnp.isfinite(slope), x - value / slope, jnp.nan)
-            inside = (a <= newton) & (newton <= b) & (jnp.abs(newton - x) < 0.5 * last)
-            new = jnp.where(inside, newton, 0.5 * (a + b))
-            new = jnp.where(done | (value == 0), x, new)
-            moved = jnp.abs(new - x)
-            tiny = 4 * jnp.finfo(x.dtype).eps * (jnp.abs(x) + 1)
-            return n + 1, new, a, b, moved, done | (moved <= tiny)
+            newton = jnp.where(value == 0, x, newton)
+            halved = jnp.abs(newton - x) < 0.5 * jnp.abs(x - before)
+            good = (a <= newton) & (newton <= b) & halved
+            here = ended(x, newton)  # within rounding, also of the bracket's ends
+            new = jnp.where(good | here, jnp.clip(newton, a, b), 0.5 * (a + b))
+            return n + 1, jnp.where(ended(x, before), x, new), x, a, b
 
-        wide = 4 * (b - a) + 1
-        done = jnp.zeros(x0.shape, bool)
-        return lax.while_loop(keep_going, step, (0, x0, a, b, wide, done))[1]
+        state = (0, x0, x0 + 4 * (b - a) + 1, a, b)
+        for _ in range(steps):
+            state = step(state)
+        return lax.while_loop(keep_going, step, state)[1]
 
     def tangent_solve(linear: Callable[[Batch], Batch], y: Batch) -> Batch:
         slope = linear(jnp.ones_like(y))
@@ -81,41 +95,29 @@ def root(
     return lax.custom_root(lambda x: residual(x), x0, solve, tangent_solve)  # noqa: PLW0108
 
 
-def newton(residual: Callable[[Batch], Batch], start: BatchLike, steps: int) -> Batch:
-    """The root of an elementwise `residual` by a fixed number of Newton `steps`.
+@partial(jax.custom_jvp, nondiff_argnums=(0, 2))
+def newton(
+    residual: Callable[..., Batch], start: BatchLike, steps: int, *parameters: BatchLike
+) -> Batch:
+    """The root of an elementwise `residual(x, *parameters)` by a fixed number of `steps`.
 
-    For residuals that are known to converge from `start` all over their domain: no loop,
-    no bracket, a few operations. The last two steps carry the derivatives; at the root
-    they give the implicit first and second ones exactly.
+    For residuals that are known to converge from `start` all over their domain: no loop, no
+    bracket, a few operations. `residual` must not close over what is differentiated.
     """
-    x = jnp.asarray(start, dtype=float)
-    for step in range(steps):
-        if step == steps - 2:
-            x = lax.stop_gradient(x)
-        value, slope = jax.jvp(residual, (x,), (jnp.ones_like(x),))
+    x = jnp.asarray(start)
+    for _ in range(steps):
+        value, slope = jax.jvp(lambda x: residual(x, *parameters), (x,), (jnp.ones_like(x),))
         x = x - value / slope
     return x
 
 
-def maximum_of(
-    function: Callable[[Batch], Batch], low: BatchLike, high: BatchLike, steps: int = 44
-) -> Batch:
-    """Where an elementwise function with one peak in [`low`, `high`] is largest.
-
-    Golden-section search; the peak's place is known to the square root of the float's
-    precision, its height to the precision. Not differentiable: differentiate at the place.
-    """
-    ratio = 0.6180339887498949  # 1/φ
-
-    def shrink(_: IntBatch, bracket: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
-        a, b = bracket
-        c, d = b - ratio * (b - a), a + ratio * (b - a)
-        left = function(c) >= function(d)
-        return jnp.where(left, a, c), jnp.where(left, d, b)
-
-    a, b = jnp.broadcast_arrays(jnp.asarray(low, dtype=float), jnp.asarray(high, dtype=float))
-    a, b = lax.fori_loop(0, steps, shrink, (lax.stop_gradient(a), lax.stop_gradient(b)))
-    return lax.stop_gradient(0.5 * (a + b))
+@newton.defjvp
+def _(residual: Callable[..., Batch], steps: int, primals: tuple, tangents: tuple) -> tuple:
+    start, *parameters = primals
+    x = newton(residual, start, steps, *parameters)
+    _, slope = jax.jvp(lambda x: residual(x, *parameters), (x,), (jnp.ones_like(x),))
+    _, moved = jax.jvp(lambda *p: residual(x, *p), tuple(parameters), tuple(tangents[1:]))
+    return x, -moved / slope
 
 
 class Elliptic(NamedTuple):

@@ -257,3 +257,26 @@ def test_finite_slopes_at_a_hundred_thousand_points(
     P, eps = random_points(16, muscles)
     force, row = slopes(muscles, P, eps)
     assert np.all(np.isfinite(force)) and np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
+
+
+@jax.jit
+@jax.vmap
+def thrust_and_load(muscle, pressure, strain):
+    """Whether a muscle is bent, its push, and the elastica's end load $2 M/y$ [N]."""
+    state = muscle.buckling.buckled(muscle._law().at(pressure).column, strain)
+    thrust = -(state.mesh + state.bladder + state.bending)
+    load = 2 * state.moment / jnp.where(state.straight, 1.0, state.deflection)
+    return ~state.straight, thrust, load
+
+
+@pytest.mark.parametrize("past", [3e-6, 3e-5, 3e-4])
+def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
+    """(E2), just past the onset, where some of a batch were once left unfinished."""
+    muscles = random_muscles(3, N, buckling="elastica", tuned=True)
+    P, _ = random_points(4, muscles)
+    onset = np.asarray(jax.jit(jax.vmap(lambda m, P: m._law().at(P).kinks))(muscles, P))[:, 1]
+    strain = np.where(np.isfinite(onset), onset + past, 0.3)
+    bent, thrust, load = (np.asarray(x) for x in thrust_and_load(muscles, P, strain))
+    assert bent.sum() > N / 2
+    # m is known to 1e-16/1e-6 there, a push of 1e3 N and its parts to 1e-12 N
+    assert_allclose(thrust[bent], load[bent], rtol=1e-8)

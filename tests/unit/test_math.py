@@ -6,7 +6,7 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle._math import elliptic, guarded, jacobi, maximum_of, newton, root
+from fascicle._math import elliptic, guarded, jacobi, newton, root
 
 
 def square_root(theta, start=0.5):
@@ -78,26 +78,31 @@ def test_root_broadcasts_and_maps():
     assert_allclose(both, np.broadcast_to(jax.vmap(square_root)(theta), (3, 4)), rtol=1e-14)
 
 
+def test_first_steps_need_not_be_looped():
+    # from a good start they suffice, from a bad one the loop ends what they began
+    for start in (1.4, 9.0):
+        for steps in (0, 1, 3):
+            found = root(lambda x: 2 - x**2, 0.0, 10.0, start, steps)
+            assert_allclose(found, np.sqrt(2), rtol=1e-15)
+
+
+def test_a_short_first_step_is_not_taken_for_the_last():
+    # 1e-5 to go, and a curvature that makes Newton's error there larger than the rounding
+    def residual(x):
+        return (0.5 - x) + 1e3 * (0.5 - x) ** 2
+
+    assert_allclose(root(residual, 0.4999, 0.6, 0.5 - 1e-5), 0.5, rtol=0, atol=1e-15)
+
+
 def test_newton_carries_first_and_second_derivatives():
     def root_of(theta):
-        return newton(lambda x: theta - x**2, 1.5, 6)
+        return newton(lambda x, theta: theta - x**2, 1.5, 6, theta)
 
     theta = 2.0
     assert_allclose(root_of(theta), np.sqrt(2), rtol=1e-15)
     assert_allclose(jax.grad(root_of)(theta), 1 / (2 * np.sqrt(2)), rtol=1e-14)
     assert_allclose(jax.grad(jax.grad(root_of))(theta), -1 / (4 * np.sqrt(8)), rtol=1e-13)
     assert root_of(jnp.ones((3, 1))).shape == (3, 1)
-
-
-def test_maximum_is_found_to_the_root_of_the_precision():
-    center = jnp.array([0.1, 0.5, 0.93])
-    found = maximum_of(lambda x: 1 - (x - center) ** 2, jnp.zeros(3), jnp.ones(3))
-    assert_allclose(found, center, rtol=0, atol=3e-8)  # √ε of float64 is 1.5e-8
-    assert jax.grad(lambda c: maximum_of(lambda x: -((x - c) ** 2), 0.0, 1.0))(0.3) == 0
-
-
-def test_maximum_at_an_end():
-    assert_allclose(maximum_of(lambda x: x, 0.0, 1.0), 1.0, rtol=0, atol=2e-9)  # 0.618⁴⁴
 
 
 @pytest.mark.parametrize("m", [-0.5, -1e-9, 0.0, 1e-12, 0.1, 0.5, 0.8261147659879693, 0.9])

@@ -196,7 +196,9 @@ class Bundle(eqx.Module):
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
             return within_reach(strain, self.plate_distance, muscles)
-        checked = [muscle._checked(0.0, strain)[1] for muscle in muscles]
+        # a muscle that stands for several units needn't be asked again
+        once = {id(muscle): muscle for muscle in muscles}.values()
+        checked = [muscle._checked(0.0, strain)[1] for muscle in once]
         return checked[0]
 
     def _pressures(self, pressures: Values) -> PerUnit:

@@ -6,7 +6,7 @@ recruitment gives all of $1 \dots k$ one pressure. As the throttled pressure goe
 to the supply's, a state sweeps a region of the force-strain space. The force isn't
 monotone in that pressure where resistance counts, so a region's edges are the least and
 the largest force over all pressures, and regions of different states overlap: points that
-two states reach.
+two states reach. `recruit` is the way back, from a force to the pressures that give it.
 
 **Resolution:** regions are taken over a fixed number of pressures; their edges are exact
 where the force is linear in pressure, that is, wherever the muscle pulls.
@@ -17,14 +17,18 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from .._checks import one_of, within
-from .._types import Values
+from .._checks import concrete, finite, one_of, within
+from .._types import Batch, Values
 from .bundle import SCHEMES, Bundle, MotorUnit
+from .curves import unlike
+from .inverse import Recruited, recruited
 
 
+PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
 Forces = Float[np.ndarray, "state strain"]
 
@@ -170,6 +174,66 @@ def overlap(space: Space) -> Overlap:
     return Overlap(pairs, space.strain, low, high, area)
 
 
+def recruit(
+    bundle: Bundle,
+    force: Values,
+    strain: Values,
+    supply: Values = None,
+    scheme: str | None = None,
+    prefer: str = "efficiency",
+    *,
+    present: Values = None,
+    resistance: bool = True,
+) -> Recruited:
+    """Which state and pressures give a force at a strain, equation (B9).
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `force`: the demanded pulling force [N].
+    - `strain`: the bundle's contraction [-]; broadcasts against `force`.
+    - `supply`: the supply's pressure [Pa], one for all; left out, the bundle's own.
+    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+    - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
+      "nearest" for the one whose pressures are nearest to `present` [-].
+    - `present`: the pressures now [Pa], units on the last axis; the rest broadcasts.
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** `Recruited`: pressures [Pa], state [-], force [N] and status [-], and all
+    solutions. Where the demanded force can't be reached, the nearest that can, and a status.
+
+    **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
+    "nearest" without `present`.
+    """
+    scheme = one_of(scheme or bundle.scheme, SCHEMES, "scheme")
+    one_of(prefer, PREFERENCES, "prefer")
+    F, eps = finite(force, "force", "N"), bundle._strain(strain)
+    P = _supply(bundle, supply)
+    now = None
+    if prefer == "nearest":
+        if present is None:
+            raise ValueError(
+                "`present` must be given in Pa with `prefer` 'nearest': a pressure for each"
+                f" of the {len(bundle.motor_units)} motor units."
+            )
+        now = bundle._pressures(present)
+    muscles = [unit.muscle for unit in bundle.motor_units]
+    firsts = unlike(muscles)
+    kept = sorted(set(firsts))
+    return recruited(
+        tuple(muscles[i] for i in kept),
+        tuple(unit.count for unit in bundle.motor_units),
+        bundle.plate_distance,
+        P,
+        F,
+        eps,
+        now,
+        places=tuple(kept.index(i) for i in firsts),
+        scheme=scheme,
+        resistance=bool(resistance),
+    )
+
+
 def state_forces(
     bundle: Bundle,
     supply_pressure: float,
@@ -259,3 +323,9 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     if supply is None:
         raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
     return float(within(supply, 0.0, 1e6, "supply_pressure", "Pa", "(gauge)", (False, True)))
+
+
+def _supply(bundle: Bundle, supply: Values) -> Batch:
+    supply = bundle.supply_pressure if supply is None else supply
+    # a traced one can't be looked at, nor made a float
+    return jnp.asarray(supply_of(bundle, supply) if concrete(supply) else supply)

@@ -24,6 +24,7 @@ from .init import run as init
 from .muscles import run as muscles
 from .problems import UserError
 from .record import run as record
+from .recruit import run as recruit
 from .reproduce import run as reproduce
 from .space import run as space
 
@@ -39,6 +40,7 @@ app.command("force")(force)
 app.command("free-strain")(free_strain)
 app.command("bundle")(bundle)
 app.command("space")(space)
+app.command("recruit")(recruit)
 app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)

@@ -6,15 +6,18 @@ compiled for one command line and kept on disk serves the next one too.
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import jax
 import numpy as np
 
+from .._types import Batch
 from ..bundle import Bundle, recruitment
 from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
+from ..muscle.piecewise import Response
 
 
 _BLOCK = 64  # points of the smallest block; each larger one holds four times as many
@@ -35,7 +38,8 @@ def muscle_force(
     """
     P, eps = np.asarray(pressures), np.asarray(strains)
     points = (np.repeat(P, eps.size), np.tile(eps, P.size))
-    response = evaluate(muscle.response, *points)
+    muscle._checked(*points)
+    response, free, collapse = evaluate(partial(_at_points, muscle), *points)
     grid = {
         name: getattr(response, name).reshape(P.size, eps.size)
         for name in ("force", "mesh", "bladder", "bending", "region")
@@ -50,11 +54,18 @@ def muscle_force(
         "bladder": Variable(dims, grid["bladder"], "N", "the stretched bladder's part"),
         "bending": Variable(dims, grid["bending"], "N", "the rest, from the bent bladder"),
         "region": Variable(dims, grid["region"], "-", regions),
-        "free_strain": _by_pressure(muscle.free_strain, P, "-", "strain of zero force"),
-        "collapse_strain": _by_pressure(
-            muscle.collapse_strain, P, "-", "strain of collapse, inf where it never does"
+        "free_strain": Variable(("pressure",), free[:: eps.size], "-", "strain of zero force"),
+        "collapse_strain": Variable(
+            ("pressure",), collapse[:: eps.size], "-", "strain of collapse, inf where it never does"
         ),
     }
+
+
+@jax.jit
+def _at_points(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[Response, Batch, Batch]:
+    # all in one: tracing a law takes a command longer than all of its points
+    at = muscle._law().at(pressure)
+    return at.response(strain), at.column.free_strain, at.collapse
 
 
 def muscle_free_strain(muscle: Muscle, pressures: list[float]) -> dict[str, Variable]:
@@ -186,6 +197,58 @@ def bundle_space(
         "supply_pressure": Variable((), np.asarray(space.supply_pressure), "Pa", "the supply's"),
         "scheme": Variable((), np.asarray(space.scheme), "-", "of recruitment"),
     }, space
+
+
+def bundle_recruit(
+    bundle: Bundle,
+    forces: list[float],
+    strains: list[float],
+    supply_pressure: float | None,
+    scheme: str | None,
+    resistance: bool,
+) -> dict[str, Variable]:
+    """The states and pressures of a bundle that give forces at strains.
+
+    **Arguments:**
+
+    - `bundle`: whose [-].
+    - `forces`: demanded, a list [N].
+    - `strains`: a list [-].
+    - `supply_pressure`: [Pa]; `None` for the bundle's own.
+    - `scheme`: "orderly" or "batch" [-], or `None`.
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** variables by name [-]; `solution_pressure` is NaN where there are fewer.
+    """
+    F, eps = np.asarray(forces), np.asarray(strains)
+    found = evaluate(
+        lambda force, strain: recruitment.recruit(
+            bundle, force, strain, supply_pressure, scheme, resistance=resistance
+        ),
+        np.repeat(F, eps.size),
+        np.tile(eps, F.size),
+    )
+    found = jax.tree.map(lambda leaf: leaf.reshape(F.size, eps.size, *leaf.shape[1:]), found)
+    most = max(int(found.count.max()), 1)
+    every = jax.tree.map(lambda leaf: leaf[..., :most], found.solutions)
+    throttled = np.take_along_axis(found.pressures, found.state[..., None] - 1, axis=-1)[..., 0]
+    dims = ("demand", "strain")
+    of_each, of_unit = (*dims, "solution"), (*dims, "motor_unit")
+    reached = "0 reached, 1 demand above what is reachable, 2 below: then the nearest"
+    return {
+        "demand": Variable(("demand",), F, "N", "demanded force"),
+        "strain": Variable(("strain",), eps, "-", "contraction over length at rest"),
+        "force": Variable(dims, found.force, "N", "pulling force that is reached"),
+        "state": Variable(dims, found.state, "-", "recruitment state, counted from 1"),
+        "throttled_pressure": Variable(dims, throttled, "Pa", "of the unit recruited last"),
+        "pressures": Variable(of_unit, found.pressures, "Pa", "of each motor unit"),
+        "status": Variable(dims, found.status, "-", reached),
+        "stable": Variable(dims, found.stable, "-", "whether the force falls with strain there"),
+        "solutions": Variable(dims, found.count, "-", "how many there are"),
+        "solution_pressure": Variable(of_each, every.pressure, "Pa", "throttled, of each solution"),
+        "solution_state": Variable(of_each, every.state, "-", "of each solution, else 0"),
+        "solution_stable": Variable(of_each, every.stable, "-", "of each solution"),
+    }
 
 
 def bundle_efficiency(

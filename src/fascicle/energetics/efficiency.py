@@ -13,15 +13,18 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 
 from dataclasses import dataclass
 
+import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Array, Float, Int
 
 from .._checks import one_of
-from .._types import Values
+from .._types import Batch, Values
 from ..bundle import Bundle
 from ..bundle.bundle import SCHEMES
 from ..bundle.recruitment import add_up, distinct, supply_of
-from .work import unit_volume_change, unit_work
+from .paths import unit_work_along
+from .work import unit_volume_change
 
 
 PATHS = ("isobaric", "isotonic")
@@ -92,13 +95,13 @@ def efficiency_map(
         raise ValueError(f"`strain` must be positive, got {strain.min():g}.")
 
     levels = np.linspace(0.0, supply, _LEVELS)
-    pressures = np.r_[levels, 0.0][:, None, None] * np.ones(len(few.motor_units))
-    forces = np.asarray(few.unit_forces(pressures, strain, resistance))[..., places]
+    pressures = np.r_[levels, 0.0][:, None] * np.ones(len(few.motor_units))
+    forces = np.asarray(few.unit_forces(pressures[:, None, :], strain, resistance))[..., places]
     states_force = add_up(forces[:-1], forces[-1], forces[-2], scheme)
-    fed = np.tri(units)[:, None, :] * np.asarray(unit_volume_change(bundle, strain))
+    fed = np.tri(units)[:, None, :] * np.asarray(unit_volume_change(few, strain))[..., places]
     energy = supply * fed.sum(axis=-1)  # state, strain
     if path == "isobaric":
-        works = np.asarray(unit_work(few, pressures, strain, resistance))[..., places]
+        works = np.asarray(unit_work_along(few, pressures, strain, resistance))[..., places]
         states_work = add_up(works[:-1], works[-1], works[-2], scheme)
     else:
         states_work = None
@@ -110,7 +113,7 @@ def efficiency_map(
     for k in range(units):
         work = force[:, None] * strain * float(bundle.length)
         if states_work is not None:
-            work = _best_work(states_force[k], states_work[k], force)
+            work = np.asarray(_best_work(states_force[k], states_work[k], force))
         else:
             low, high = states_force[k].min(axis=0), states_force[k].max(axis=0)
             work = np.where((low <= force[:, None]) & (force[:, None] <= high), work, np.nan)
@@ -147,18 +150,15 @@ def average_efficiency(
     ).average
 
 
+@jax.jit
 def _best_work(
-    forces: Float[np.ndarray, "level strain"],
-    works: Float[np.ndarray, "level strain"],
-    wanted: Float[np.ndarray, " force"],
-) -> Grid:
+    forces: Float[Array, "level strain"], works: Float[Array, "level strain"], wanted: Batch
+) -> Float[Array, "force strain"]:
     """Largest work of the pressures that give a `wanted` force; NaN where none does."""
-    best = np.full((wanted.size, forces.shape[1]), np.nan)
-    target = wanted[:, None]
-    for i in range(len(forces) - 1):
-        f0, f1, w0, w1 = forces[i], forces[i + 1], works[i], works[i + 1]
-        between = (np.minimum(f0, f1) <= target) & (target <= np.maximum(f0, f1))
-        step = np.where(f1 == f0, 1.0, f1 - f0)
-        share = (target - f0) / step
-        best = np.fmax(best, np.where(between, w0 + share * (w1 - w0), np.nan))
-    return best
+    rise = jnp.diff(forces, axis=0)
+    slope = jnp.diff(works, axis=0) / jnp.where(rise == 0, 1.0, rise)
+    target, low, high = wanted[:, None], forces[:-1, None], forces[1:, None]
+    between = (jnp.minimum(low, high) <= target) & (target <= jnp.maximum(low, high))
+    work = works[:-1, None] + (target - low) * slope[:, None]
+    best = jnp.max(jnp.where(between, work, -jnp.inf), axis=0)
+    return jnp.where(jnp.isfinite(best), best, jnp.nan)

@@ -30,10 +30,10 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from .._math import maximum_of, newton, root
 from .._types import Batch, BatchLike, BoolBatch
 from .column import AbstractBuckling, Buckled, Centerline, Column
 from .elastica import Elastica
+from .fixed_mode import IN_DOMAIN, compression_at_moment, unshortened
 
 
 class Kim2021(AbstractBuckling):
@@ -45,8 +45,8 @@ class Kim2021(AbstractBuckling):
         """Forces, deflection and moment at `strain` [-], (16) and (27)."""
         eps_f, EA = column.free_strain, column.axial_stiffness
         xi = (jnp.asarray(strain, dtype=float) - eps_f) / (1 - eps_f)
-        stretch = _straightening(column, xi)
-        w = 1 - xi * stretch
+        bowed = unshortened(_slenderness(column), xi, IN_DOMAIN)
+        w = 1 - xi * bowed
         arc = eps_f + xi * w * (1 - eps_f)
         mesh, _ = column.tension.components(column.pressure, arc)
         _, bladder = column.tension.components(column.pressure, eps_f)
@@ -55,8 +55,9 @@ class Kim2021(AbstractBuckling):
             mesh=mesh,
             bladder=jnp.broadcast_to(bladder, mesh.shape),
             bending=bending,
-            deflection=_deflection(column, xi, stretch),
-            moment=_moment(column, xi),
+            # (10) with the shortened arc
+            deflection=2 / jnp.pi * column.free_length * xi * jnp.sqrt(bowed * (1 - xi)),
+            moment=_moment_unit(column) * xi * jnp.sqrt(bowed / (1 - xi) ** 3),
             arc_strain=arc,
             straight=jnp.zeros(mesh.shape, bool),
         )
@@ -67,14 +68,8 @@ class Kim2021(AbstractBuckling):
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if its peak is lower [R7]."""
-        target = jnp.asarray(moment, dtype=float)
-        shape = jnp.broadcast_shapes(target.shape, column.free_strain.shape)
-        peak = maximum_of(lambda xi: _moment(column, xi), jnp.zeros(shape), jnp.ones(shape) - _LAST)
-        highest = _moment(column, peak)
-        reached = target <= highest
-        # where it never collapses the root is sought for half the peak, then discarded
-        sought = jnp.where(reached, target, 0.5 * highest)
-        xi = root(lambda xi: sought - _moment(column, xi), 0.0, peak, start=0.5 * peak)
+        target = jnp.asarray(moment, dtype=float) / _moment_unit(column)
+        xi, reached = compression_at_moment(_slenderness(column), target)
         strain = column.free_strain + xi * (1 - column.free_strain)
         return jnp.where(reached, strain, jnp.inf)
 
@@ -93,38 +88,15 @@ class Kim2021(AbstractBuckling):
         return jnp.zeros(shape, bool)
 
 
-_LAST = 1e-6  # the peak is sought up to here from the ends' meeting, where M_b is zero again
+def _slenderness(column: Column) -> Batch:
+    """$c = EA L_{fs}^2/(4\\pi^2 EI)$ [-]."""
+    EA, EI = column.axial_stiffness, column.bending_stiffness
+    return EA * column.free_length**2 / (4 * jnp.pi**2 * EI)
 
 
-def _straightening(column: Column, xi: Batch) -> Batch:
-    """$(1 - w)/\\xi$ [-]: the arc's share that is not shortened, finite as $\\xi \\to 0$.
-
-    With $b = 1/a$ the law reads $u = 1 - w = b/(b + h)$: no modulus in it, since
-    $F_b/(EA)$ is pure geometry, and no 0/0 at the free strain.
-    """
-    slender = column.axial_stiffness * column.free_length**2 / column.bending_stiffness
-    b_per_xi = slender * (1 - xi) ** 4 / (4 * jnp.pi**2 * (1 + xi))
-    b = xi * b_per_xi
-
-    def h(u: Batch) -> Batch:
-        w = 1 - u
-        return jnp.sqrt(1 - w * xi / (2 - xi)) / (1 - w * xi)
-
-    # from here Newton's error is under 1e-15 after 5 steps for every slenderness and ξ
-    u = newton(lambda u: b / (b + h(u)) - u, start=b / (b + 1), steps=5)
-    return b_per_xi / (b + h(u))
-
-
-def _deflection(column: Column, xi: Batch, stretch: Batch) -> Batch:
-    """$y'_{max}$ [m]: (10) with the shortened arc, $x - 2l = x \\xi$ `stretch`."""
-    return 2 / jnp.pi * column.free_length * xi * jnp.sqrt(stretch * (1 - xi))
-
-
-def _moment(column: Column, xi: Batch) -> Batch:
-    """Largest moment $M_b = 2\\pi^2 EI y'_{max}/(L_{fs} - x)^2$ [N·m]."""
-    y_max = _deflection(column, xi, _straightening(column, xi))
-    chord = column.free_length * (1 - xi)
-    return 2 * jnp.pi**2 * column.bending_stiffness * y_max / chord**2
+def _moment_unit(column: Column) -> Batch:
+    """What $\\hat m$ counts, $4\\pi EI/L_{fs}$ [N·m]."""
+    return 4 * jnp.pi * column.bending_stiffness / column.free_length
 
 
 BUCKLING_LAWS: Mapping[str, type[AbstractBuckling]] = MappingProxyType(

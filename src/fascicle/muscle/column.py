@@ -14,6 +14,11 @@ from .._types import Batch, BatchLike, BoolBatch
 from .tuning import TunedTension
 
 
+# of a strain: a kink found in another compilation may differ in its last bits, and what is
+# asked for there belongs below it
+ROUNDING = 1e-15
+
+
 class Column(eqx.Module):
     """What a buckling law needs to know of a muscle at a pressure."""
 

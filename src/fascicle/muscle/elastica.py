@@ -34,7 +34,7 @@ from jax import lax
 
 from .._math import Elliptic, elliptic, guarded, jacobi, root
 from .._types import Batch, BatchLike, BoolBatch, IntBatch
-from .column import AbstractBuckling, Buckled, Centerline, Column
+from .column import ROUNDING, AbstractBuckling, Buckled, Centerline, Column
 
 
 _ENDS_MEET = 0.8261147659879693  # 2E = K: the elastica's ends touch
@@ -184,7 +184,7 @@ def _surplus(column: Column, strain: Batch, m: Batch) -> Batch:
 def _state(column: Column, onset: Batch, strain: Batch) -> tuple[BoolBatch, Batch, Batch]:
     """Whether the muscle is bent at `strain` [-], its $m$ [-] and its arc's strain [-]."""
     eps_f = column.free_strain
-    bent = strain > onset
+    bent = strain > onset + ROUNDING
     eps = jnp.where(bent, strain, 0.5 * (eps_f + _FARTHEST))
     # on the branch from the first onset the arc lies between free strain and onset
     least = _modulus((1 - eps) / (1 - jnp.where(bent, onset, eps)))

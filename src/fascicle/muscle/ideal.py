@@ -102,4 +102,11 @@ def solved_free_strain(
 
     # the fibers would be straight at twice `low`; at `high` the mesh pushes hard
     low, high = 0.5 * (1 - 1 / jnp.cos(bladder.braid.angle)), 0.8
-    return root(remaining, low, high, start=jnp.zeros_like(P))
+    # the parabola that leaves rest as the force does, and meets it where the mesh lets go:
+    # its zero comes too early, and Newton's steps from there don't overshoot
+    far = bladder.braid.ideal_free_strain
+    value, slope = jax.jvp(remaining, (jnp.zeros_like(P),), (jnp.ones_like(P),))
+    bend = (remaining(jnp.broadcast_to(far, value.shape)) - value - slope * far) / far**2
+    inside = jnp.sqrt(jnp.maximum(slope**2 - 4 * bend * value, 0.0))
+    start = jnp.clip(-2 * value / (slope - inside), low, high)
+    return root(remaining, low, high, start, steps=3)

@@ -84,8 +84,9 @@ class MooneyRivlin(AbstractMaterial):
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
         """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
         p, q = jnp.asarray(axial_squared), jnp.asarray(hoop_squared)
-        I1 = p + q + 1 / (p * q)
-        I2 = 1 / p + 1 / q + p * q
+        radial_squared = 1 / (p * q)  # an incompressible wall
+        I1 = p + q + radial_squared
+        I2 = (p + q) * radial_squared + p * q
         return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
 
 

@@ -8,7 +8,7 @@ are checked once, and the law is compiled.
 **Source:** Kim, Mazzoleni and Bryant (2021).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -17,10 +17,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete, one_of, positive, within
+from .._checks import concrete, positive, within
 from .._methods import compilable
 from .._types import Batch, Values
 from .bladder import Bladder
+from .blocks import in_blocks
 from .braid import Braid
 from .buckling import BUCKLING_LAWS
 from .collapse import (
@@ -30,14 +31,19 @@ from .collapse import (
     AbstractPostCollapse,
 )
 from .column import AbstractBuckling, Centerline
+from .entry import (
+    HIGHEST_PRESSURE,
+    LARGEST_STRAIN,
+    chosen,
+    contracting,
+    good_point,
+    lowest_strain,
+    thinner,
+)
 from .materials import LATEX, MATERIALS, AbstractMaterial
-from .piecewise import LARGEST_STRAIN, Piecewise, Response
+from .piecewise import Piecewise, Response
 from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
-
-
-_HIGHEST_PRESSURE = 1e6  # Pa
-_NEUTRAL_ANGLE = np.arctan(np.sqrt(2))  # 54.7356°, where a braid neither pulls nor pushes
 
 
 class Muscle(eqx.Module):
@@ -73,14 +79,14 @@ class Muscle(eqx.Module):
         self.length = positive(length, "length", "m")
         self.outer_radius = positive(outer_radius, "outer_radius", "m")
         self.wall_thickness = positive(wall_thickness, "wall_thickness", "m")
-        self.braid_angle = _contracting(braid_angle)
+        self.braid_angle = contracting(braid_angle)
         if concrete(self.outer_radius, self.wall_thickness):
-            _thinner(self.wall_thickness, self.outer_radius)
-        self.material = _chosen(material, AbstractMaterial, MATERIALS, "material")
-        self.tension = _chosen(tension, AbstractTension, TENSION_LAWS, "tension")
-        self.buckling = _chosen(buckling, AbstractBuckling, BUCKLING_LAWS, "buckling")
-        self.collapse = _chosen(collapse, AbstractCollapse, COLLAPSE_LAWS, "collapse")
-        self.post_collapse = _chosen(
+            thinner(self.wall_thickness, self.outer_radius)
+        self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
+        self.tension = chosen(tension, AbstractTension, TENSION_LAWS, "tension")
+        self.buckling = chosen(buckling, AbstractBuckling, BUCKLING_LAWS, "buckling")
+        self.collapse = chosen(collapse, AbstractCollapse, COLLAPSE_LAWS, "collapse")
+        self.post_collapse = chosen(
             post_collapse, AbstractPostCollapse, POST_COLLAPSE_LAWS, "post_collapse"
         )
         self.transition_rate = positive(transition_rate, "transition_rate", "-")
@@ -167,7 +173,7 @@ class Muscle(eqx.Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return _force(self, *self._checked(pressure, strain))
+        return _force(self, *_point(self, pressure, strain))
 
     @compilable
     def response(self, pressure: Values, strain: Values) -> Response:
@@ -182,7 +188,7 @@ class Muscle(eqx.Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return _response(self, *self._checked(pressure, strain))
+        return _response(self, *_point(self, pressure, strain))
 
     @compilable
     def free_strain(self, pressure: Values) -> Batch:
@@ -296,16 +302,21 @@ class Muscle(eqx.Module):
         return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
 
     def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        low = -np.inf
-        if concrete(self.braid_angle):
-            low = float(np.max(1 - 1 / np.cos(np.asarray(self.braid_angle))))
         why = "(fibers straight at the lower end)"
-        eps = within(strain, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
+        eps = within(
+            strain,
+            lowest_strain(self.braid_angle),
+            LARGEST_STRAIN,
+            "strain",
+            "-",
+            why,
+            (False, True),
+        )
         return self._gauge(pressure), eps
 
     def _gauge(self, pressure: Values) -> Batch:
         closed = (True, True)
-        P = within(pressure, 0.0, _HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+        P = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
         self.tuning.warn_beyond(P)
         return P
 
@@ -321,12 +332,24 @@ class Muscle(eqx.Module):
 
 @jax.jit
 def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return muscle._law().at(pressure).response(strain).force
+    return _apart(muscle, lambda P, eps: muscle._law().at(P).response(eps).force, pressure, strain)
 
 
 @jax.jit
 def _response(muscle: Muscle, pressure: Batch, strain: Batch) -> Response:
-    return muscle._law().at(pressure).response(strain)
+    return _apart(muscle, lambda P, eps: muscle._law().at(P).response(eps), pressure, strain)
+
+
+def _apart(muscle: Muscle, function: Callable, pressure: Batch, strain: Batch) -> Any:
+    """`function` in blocks of points, where all points are one muscle's."""
+    one = muscle.tuning.pressures.ndim == 1 and all(
+        jnp.ndim(leaf) == 0 for leaf in jax.tree.leaves(eqx.tree_at(_TABLES, muscle, (0.0,) * 3))
+    )
+    return in_blocks(function, pressure, strain) if one else function(pressure, strain)
+
+
+def _TABLES(muscle: Muscle) -> tuple:
+    return muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2
 
 
 @jax.jit
@@ -364,37 +387,7 @@ def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Cente
     return muscle._law().at(pressure).shape(strain, points)
 
 
-def _contracting(value: Values) -> Batch:
-    try:
-        return within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
-    except ValueError:
-        if np.asarray(value).dtype.kind not in "fiu":
-            raise
-        degrees = np.degrees(np.asarray(value, dtype=float))
-        bad = degrees[~((degrees > 0) & (degrees < np.degrees(_NEUTRAL_ANGLE)))].flat[0]
-        raise ValueError(
-            f"`braid_angle` must lie in (0, 54.7356) deg to contract, got {bad:g} deg."
-        ) from None
-
-
-def _thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
-    t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
-    if np.any(t0 >= r0):
-        worst = np.argmax(t0 >= r0)
-        raise ValueError(
-            "`wall_thickness` must be less than `outer_radius`,"
-            f" got {t0.flat[worst]:g} m and {r0.flat[worst]:g} m."
-        )
-
-
-def _chosen(value: Any, kind: type, known: Mapping[str, Any], what: str) -> Any:
-    """A law by object or by name; a class stands for its default object."""
-    if isinstance(value, kind):
-        return value
-    if isinstance(value, str):
-        law = known[one_of(value, known, what)]
-        return law() if isinstance(law, type) else law
-    raise ValueError(
-        f"`{what}` must be one of {', '.join(sorted(known))} or an object of {kind.__name__},"
-        f" got {value!r}."
-    )
+def _point(muscle: Muscle, pressure: Values, strain: Values) -> tuple[Any, Any]:
+    if good_point(pressure, strain, muscle.braid_angle, muscle.tuning):
+        return np.float64(pressure), np.float64(strain)
+    return muscle._checked(pressure, strain)

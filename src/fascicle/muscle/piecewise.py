@@ -28,12 +28,12 @@ import jax.numpy as jnp
 from .._math import guarded
 from .._types import Batch, BoolBatch, IntBatch
 from .collapse import AbstractCollapse, AbstractPostCollapse, hinge_moment
-from .column import AbstractBuckling, Buckled, Centerline, Column
+from .column import ROUNDING, AbstractBuckling, Buckled, Centerline, Column
+from .entry import LARGEST_STRAIN
 from .tuning import TunedTension
 
 
 TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
-LARGEST_STRAIN = 0.6
 
 
 class Response(eqx.Module):
@@ -159,7 +159,7 @@ class Pressurized(eqx.Module):
     def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Buckled]:
         """Whether pulled, whether collapsed, and the buckled state, held at collapse."""
         eps_f, eps_c = self.column.free_strain, self.collapse
-        pulled, collapsed = strain <= eps_f, strain > eps_c
+        pulled, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
         held = jnp.where(pulled, eps_f, jnp.where(collapsed, eps_c, strain))
         return pulled, collapsed, self.law.buckling.buckled(self.column, held)
 

@@ -28,6 +28,7 @@ import warnings
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from .._checks import concrete, finite, positive, within
 from .._types import Batch, BatchLike, Values
@@ -122,11 +123,21 @@ class Tuning(eqx.Module):
 
     def c1_at(self, pressure: BatchLike) -> Batch:
         """$C_1$ [N] at effective `pressure` [Pa]."""
-        return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c1)
+        return self._at(pressure, self.c1)
 
     def c2_at(self, pressure: BatchLike) -> Batch:
         """$C_2$ [-] at effective `pressure` [Pa]."""
-        return jnp.interp(jnp.asarray(pressure, dtype=float), self.pressures, self.c2)
+        return self._at(pressure, self.c2)
+
+    def _at(self, pressure: BatchLike, rows: Array) -> Batch:
+        """`rows` [any unit], joined by straight lines, at effective `pressure` [Pa]."""
+        P, steps = jnp.asarray(pressure, dtype=float)[..., None], jnp.diff(self.pressures)
+        # a sum of ramps is one pass over the points, a search for the row many; slopes at a
+        # row are those to its right
+        start = self.pressures[:-1]
+        risen = jnp.where(start <= P, jnp.where(start + steps <= P, steps, P - start), 0.0)
+        slopes = jnp.where(steps > 0, jnp.diff(rows) / jnp.where(steps > 0, steps, 1.0), 0.0)
+        return rows[0] + jnp.sum(slopes * risen, axis=-1)
 
     def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
         """Factor on the hinge's stiffness $k_r$ [-] at `pressure` [Pa]."""

@@ -1,0 +1,76 @@
+"""What a muscle lets in: sizes that can exist, laws by name, points of the domain.
+
+Laws trust what has passed here. A single point is looked at quickly: the full check, which
+can name any array's worst value, would take longer than the law.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .._checks import concrete, one_of, within
+from .._types import Batch, Values
+from .tuning import Tuning
+
+
+HIGHEST_PRESSURE = 1e6  # Pa
+LARGEST_STRAIN = 0.6
+_NEUTRAL_ANGLE = np.arctan(np.sqrt(2))  # 54.7356°, where a braid neither pulls nor pushes
+
+
+def lowest_strain(braid_angle: Batch) -> float:
+    """Strain [-] that straightens the fibers, at `braid_angle` [rad]; -inf for a traced one."""
+    if not concrete(braid_angle):
+        return -np.inf
+    return float(np.max(1 - 1 / np.cos(np.asarray(braid_angle))))
+
+
+def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tuning) -> bool:
+    """Whether these are two floats, `pressure` [Pa] and `strain` [-], to which no check or
+    warning has anything to say, for this `braid_angle` [rad] and `tuning` [-].
+    """
+    if not (isinstance(pressure, float) and isinstance(strain, float)):
+        return False
+    rows = tuning.pressures
+    measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
+    inside = lowest_strain(braid_angle) < strain <= LARGEST_STRAIN
+    return bool(measured and inside and 0 <= pressure <= HIGHEST_PRESSURE)
+
+
+def contracting(value: Values) -> Batch:
+    """A braid angle [rad] that contracts."""
+    try:
+        return within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
+    except ValueError:
+        if np.asarray(value).dtype.kind not in "fiu":
+            raise
+        degrees = np.degrees(np.asarray(value, dtype=float))
+        bad = degrees[~((degrees > 0) & (degrees < np.degrees(_NEUTRAL_ANGLE)))].flat[0]
+        raise ValueError(
+            f"`braid_angle` must lie in (0, 54.7356) deg to contract, got {bad:g} deg."
+        ) from None
+
+
+def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
+    """Refuse a `wall_thickness` [m] that fills the `outer_radius` [m]."""
+    t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
+    if np.any(t0 >= r0):
+        worst = np.argmax(t0 >= r0)
+        raise ValueError(
+            "`wall_thickness` must be less than `outer_radius`,"
+            f" got {t0.flat[worst]:g} m and {r0.flat[worst]:g} m."
+        )
+
+
+def chosen(value: Any, kind: type, known: Mapping[str, Any], what: str) -> Any:
+    """A law [-] by object or by name; a class stands for its default object."""
+    if isinstance(value, kind):
+        return value
+    if isinstance(value, str):
+        law = known[one_of(value, known, what)]
+        return law() if isinstance(law, type) else law
+    raise ValueError(
+        f"`{what}` must be one of {', '.join(sorted(known))} or an object of {kind.__name__},"
+        f" got {value!r}."
+    )

@@ -1,0 +1,48 @@
+"""`fascicle recruit`."""
+
+import json
+
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+
+
+BUNDLE = "kim2021_bundle_1_4"
+
+
+def test_the_pressures_printed_give_the_force(fascicle):
+    code, out, err = fascicle(
+        "recruit", BUNDLE, "-f", "40N", "-s", "0.12", "--supply", "60psi", "--json"
+    )
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert found["status"] == [[0]] and found["state"] == [[1]]
+    force = fs.example(BUNDLE).force(found["pressures"][0][0], 0.12)
+    assert_allclose(force, 40.0, atol=1e-9)
+
+
+def test_a_table_and_a_line_for_what_is_out_of_reach(fascicle):
+    code, out, err = fascicle(
+        "recruit", BUNDLE, "-f", "40N,9kN", "-s", "0.12", "--supply", "60psi", "--out", "x.csv"
+    )
+    assert (code, err) == (0, "")
+    for part in ("demand N", "P2 kPa", "other solutions", "wrote x.csv"):
+        assert part in out
+    assert "9000 N at a strain of 0.12 is more than can be reached: the nearest is" in out
+    assert "nan" not in out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["-f", "40", "-s", "0.1"], "--force"),
+        (["-f", "40N", "-s", "0.9"], "`strain` must lie in"),
+        (["-f", "40N", "-s", "0.1", "--scheme", "bach"], "did you mean 'batch'"),
+        (["-s", "0.1"], "--force"),
+    ],
+)
+def test_bad_input_is_one_line(fascicle, options, message):
+    code, out, err = fascicle("recruit", "kim2021_bundle_1_1", *options)
+    assert (code, out) == (2, "")
+    assert message in err and err.count("\n") == 1
