@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
 
-.PHONY: setup reproduce picture test lint types layers unit docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit browser docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -22,9 +22,10 @@ $(STAMP): requirements.lock pyproject.toml
 reproduce: $(STAMP)
 	$(BIN)/fascicle reproduce kim2021 --out out/kim2021
 
-# the README shows the reproduction's own Fig. 9
-picture: reproduce
+# the README shows the reproduction's own Fig. 9, and the explorer at work
+picture: reproduce browser
 	cp out/kim2021/figure_09.png docs/_static/readme.png
+	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 
 test: lint types layers unit docs
 
@@ -38,7 +39,14 @@ types: $(STAMP)
 layers: $(STAMP)
 	$(BIN)/lint-imports
 
-unit: $(STAMP)
+# Debian's chromium for the browser tests; where it is missing and can't be had, they are skipped
+browser:
+	@command -v chromium > /dev/null \
+		|| { test "$$(id -u)" = 0 && command -v apt-get > /dev/null && apt-get update -qq \
+			&& apt-get install -y -qq --no-install-recommends chromium fonts-dejavu-core > /dev/null; } \
+		|| echo "no chromium, and it can't be installed: the browser tests are skipped"
+
+unit: $(STAMP) browser
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 slow: $(STAMP)
@@ -54,7 +62,7 @@ bench: $(STAMP)
 # extras that nothing uses yet stay out, so that set-up is quick
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-		--extra docs --extra dev --extra posterior --output-file requirements.lock pyproject.toml
+		--extra docs --extra dev --extra posterior --extra explorer --output-file requirements.lock pyproject.toml
 
 clean:
 	rm -rf out dist docs/_build docs/jupyter_execute .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -18,6 +18,7 @@ import typer
 from .bundle import run as bundle
 from .calibrate import run as calibrate
 from .efficiency import run as efficiency
+from .explore import run as explore
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
@@ -44,6 +45,7 @@ app.command("recruit")(recruit)
 app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
+app.command("explore")(explore)
 app.command("reproduce")(reproduce)
 app.command("muscles")(muscles)
 app.command("init")(init)

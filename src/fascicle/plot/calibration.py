@@ -49,6 +49,7 @@ class Fitted:
     - `noise`: standard deviation of a reading about the fit [N].
     - `curve_strain`, `curve_force`: the curves [-], [N], a row for each level.
     - `low`, `high`: ends of what a reading is expected between [N], or `None`.
+    - `label`: what the curves are called [-].
     """
 
     pressure: np.ndarray
@@ -61,6 +62,7 @@ class Fitted:
     curve_force: np.ndarray
     low: np.ndarray | None = None
     high: np.ndarray | None = None
+    label: str = "fitted"
 
     @property
     def resists(self) -> bool:
@@ -259,7 +261,7 @@ def _fit_legend(fitted: Fitted) -> list[Any]:
     if np.any(fitted.censored):
         label = "clipped: not above zero"
         handles.append(Line2D([], [], **_CLIPPED, markeredgecolor=GRAY, label=label))
-    handles.append(Line2D([], [], color=GRAY, linewidth=1.0, label="fitted"))
+    handles.append(Line2D([], [], color=GRAY, linewidth=1.0, label=fitted.label))
     if fitted.low is not None:
         handles.append(Patch(color=GRAY, alpha=0.3, linewidth=0, label="90 % of readings"))
     return handles

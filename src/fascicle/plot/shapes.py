@@ -22,7 +22,7 @@ from ..muscle import Muscle
 from .style import BLACK, BLUE, DOUBLE, GRAY, new_figure, styled
 
 
-_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
+ARC_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
 _FIBERS = 9  # each way around
 Point = tuple[float | int, float | int]  # in millimeters, or points
 
@@ -66,30 +66,33 @@ def outlines(
     )
     # the second of each pair is the last state whose arc the law knows
     pairs = np.stack([eps, np.minimum(eps, collapse)], axis=1)
-    lines = muscle.shape(P[:, None], pairs, _POINTS)
+    lines = muscle.shape(P[:, None], pairs, ARC_POINTS)
     z, y = np.asarray(lines.z), np.asarray(lines.y)
     arcs = np.hypot(np.diff(z[:, 1]), np.diff(y[:, 1])).sum(axis=1)
     arc_strains = 1 - arcs / float(muscle.length)
     radii = np.asarray(muscle.radius(arc_strains))
     angles = np.asarray(muscle.braid.angle_at(arc_strains))
     return [
-        _outline(
+        outline(
             muscle, z[i, 0], y[i, 0], float(radii[i]), float(angles[i]), bool(eps[i] > collapse[i])
         )
         for i in range(len(eps))
     ]
 
 
-def _outline(
+def outline(
     muscle: Muscle, z: np.ndarray, y: np.ndarray, radius: float, angle: float, collapsed: bool
 ) -> Outline:
+    """The outline of `muscle` around `ARC_POINTS` points `z`, `y` of its centerline [m], its
+    tube's `radius` [m] and its fibers' `angle` [rad] known.
+    """
     along = np.r_[0.0, np.cumsum(np.hypot(np.diff(z), np.diff(y)))]
     slope = np.arctan2(np.gradient(y, along), np.gradient(z, along))
     above, below = np.full_like(z, radius), np.full_like(z, radius)
     if collapsed:
         # at the hinge one point stands for many, so that the outer wall goes around it
-        middle = _POINTS // 2
-        repeat = np.ones(_POINTS, int)
+        middle = ARC_POINTS // 2
+        repeat = np.ones(ARC_POINTS, int)
         repeat[middle] = _AROUND
         z, y, along, slope, below = (np.repeat(x, repeat) for x in (z, y, along, slope, below))
         turning = slice(middle, middle + _AROUND)

@@ -11,13 +11,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..calibrate.calibration import Calibration
-from ..calibrate.grid import Grid
+from ..calibrate.grid import Grid, grid
 from ..calibrate.problem import Problem
 from ..calibrate.profiling import Profile
 from ..calibrate.readings import free_strain_of
 from ..calibrate.uncertainty import NORMAL
+from ..muscle import Muscle
+from ..muscle.entry import HIGHEST_PRESSURE
 from ..plot import calibration as plot
 from ..plot import profiles as plot_profiles
+from ..records.record import Record
 from ..units import DIMENSIONS
 
 
@@ -112,6 +115,39 @@ def fitted_of(
         curve_force=_curve(made, P, curve, force[0]),
         low=middle - away,
         high=middle + away,
+    )
+
+
+def beside(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.Fitted:
+    """Readings with the curves of any muscle, as its laws give them.
+
+    **Arguments:**
+
+    - `record`: the readings [-].
+    - `muscle`: the muscle [-].
+    - `label`: what its curves are called [-].
+
+    **Returns:** them in plain arrays [-].
+    """
+    data = grid(record)
+    used = np.asarray(data.count) > 0
+    censored = np.asarray(data.censored) & used
+    P = np.clip(np.asarray(data.pressure), 0.0, HIGHEST_PRESSURE)
+    strain = np.where(used, np.asarray(data.strain), np.nan)
+    force = np.where(used, np.asarray(data.force), np.nan)
+    curve = np.linspace(np.nanmin(strain, axis=1), np.nanmax(strain, axis=1), _PLACES, axis=1)
+    left = force - np.asarray(muscle.force(P, np.where(used, strain, 0.0)))
+    residual = np.where(used & ~censored, left, np.nan)
+    return plot.Fitted(
+        pressure=P[:, 0],
+        strain=strain,
+        force=force,
+        censored=censored,
+        residual=residual,
+        noise=float(np.nanstd(residual)),
+        curve_strain=curve,
+        curve_force=np.asarray(muscle.force(P, curve)),
+        label=label,
     )
 
 

@@ -1,0 +1,215 @@
+"""A view as an address, and back: a link reproduces what is shown.
+
+An example goes by its name; any other muscle goes into the link itself, as its file, deflated.
+What comes in is data from a stranger: it is bounded, parsed as TOML and by `units`, and
+nothing in it is a path or is run.
+"""
+
+import base64
+import binascii
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..bundle.bundle import SCHEMES
+from ..describe import dumps, example, examples, loads
+from ..energetics import PATHS
+from ..units import exact, parse
+from .laws import check_compared
+from .state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
+
+
+LONGEST = 16_000  # characters of a packed file
+_LARGEST_TEXT = 64_000  # bytes of the file in it
+
+
+def to_query(view: View) -> dict[str, str]:
+    """The address of a `view` [-]: its query by key [-], all text."""
+    own = any(unit.own is not None for unit in view.units)
+    if own:
+        query = {"file": pack(dumps(view.bundle)), "name": view.name}
+    elif view.name in examples() and _is_example(view):
+        query = {"muscle": view.name}
+    else:
+        query = {"file": pack(dumps(view.muscle)), "name": view.name}
+    if not own:
+        query["units"] = ",".join(
+            f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
+        )
+    query |= {
+        "supply": _tight(view.supply, "pressure"),
+        "scheme": view.scheme,
+        "pressure": _tight(view.pressure, "pressure"),
+        "strain": _tight(view.strain, "strain"),
+        "pressures": ",".join(_tight(P, "pressure") for P in view.pressures),
+        "resistance": "on" if view.resistance else "off",
+        "path": view.path,
+        "splits": ",".join("-".join(map(str, split)) for split in view.splits),
+        "show": ",".join(view.shown[kind] for kind in SHOWN),
+        "tab": view.tab,
+    }
+    if view.compared:
+        query["compare"] = ",".join(view.compared)
+    return query
+
+
+def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
+    """The view that an address asks for.
+
+    **Arguments:**
+
+    - `query`: by key [-]; unknown keys are left alone.
+    - `start`: what is shown where it says nothing [-].
+
+    **Returns:** the view, and a line for each part of the address that was refused [-].
+    """
+    view, refused = start, []
+    for key, read in _READERS.items():
+        text = query.get(key)
+        if text is None:
+            continue
+        try:
+            view = read(view, text, query)
+        except ValueError as error:
+            refused.append(f"link: {error}")
+    if len(view.pressures) != len(view.units):
+        view = replace(view, pressures=(view.supply,) * len(view.units))
+    return view, refused
+
+
+def pack(text: str) -> str:
+    """A file's `text` [-], deflated, in characters that an address may have [-]."""
+    return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+
+
+def unpack(packed: str) -> str:
+    """The text [-] that was `packed` [-]; `ValueError` for anything else."""
+    if len(packed) > LONGEST:
+        raise ValueError(f"`file` must be at most {LONGEST} characters, got {len(packed)}.")
+    try:
+        raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
+        inflate = zlib.decompressobj()
+        text = inflate.decompress(raw, _LARGEST_TEXT)
+        if inflate.unconsumed_tail:
+            raise ValueError(f"`file` must hold at most {_LARGEST_TEXT} bytes.")
+        return text.decode()
+    except (binascii.Error, zlib.error, UnicodeDecodeError) as error:
+        raise ValueError("`file` is no file that this explorer has packed.") from error
+
+
+def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
+    """Bundles to compare [-], from a `text` [-] such as `1+4, 2+3`."""
+    out = []
+    for part in text.replace("-", "+").split(","):
+        try:
+            counts = tuple(int(one) for one in part.split("+"))
+        except ValueError:
+            raise ValueError(
+                f"`splits` must be like 1+4, 2+3, got {text[:40]!r}: whole numbers joined by +."
+            ) from None
+        if len(counts) < 2:
+            raise ValueError(f"`splits` must have two motor units or more each, got {part!r}.")
+        check_units(tuple(Unit(count) for count in counts))
+        out.append(counts)
+    if len(out) > 4:
+        raise ValueError(f"`splits` must be four at most, got {len(out)}.")
+    return tuple(out)
+
+
+def _is_example(view: View) -> bool:
+    known = view_of(example(view.name), view.name)
+    return dumps(known.muscle) == dumps(view.muscle)
+
+
+def _tight(value: float, dimension: str) -> str:
+    return exact(value, dimension).replace(" ", "")
+
+
+def _opened(view: View, text: str, query: Mapping[str, str]) -> View:
+    if "file" in query:
+        return view
+    return view_of(example(text), text, view)
+
+
+def _packed(view: View, text: str, query: Mapping[str, str]) -> View:
+    name = query.get("name", "linked")[:60]
+    return view_of(loads(unpack(text), source=name), name, view)
+
+
+def _units(view: View, text: str, _: Mapping[str, str]) -> View:
+    units = []
+    for part in text.split(",")[: MOST_UNITS + 1]:
+        count, _at, size = part.partition("@")
+        try:
+            units.append(Unit(int(count), float(size or 1)))
+        except ValueError:
+            raise ValueError(f"`units` must be like 1,4@0.5, got {text[:40]!r}.") from None
+    check_units(tuple(units))
+    return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
+
+
+def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
+    values = tuple(_gauge(one) for one in text.split(",")[:MOST_UNITS])
+    return replace(view, pressures=values) if len(values) == len(view.units) else view
+
+
+def _gauge(text: str) -> float:
+    value = parse(text, "pressure")
+    if not 0 <= value <= 1e6:
+        raise ValueError(f"`pressure` must lie in [0, 1e6] Pa (gauge), got {value:g} Pa.")
+    return value
+
+
+def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
+    def read(view: View, text: str, _: Mapping[str, str]) -> View:
+        if text not in known:
+            raise ValueError(f"`{name}` must be one of {', '.join(known)}, got {text[:40]!r}.")
+        return replace(view, **{name: text})
+
+    return read
+
+
+def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
+    value = _gauge(text)
+    if value <= 0:
+        raise ValueError(f"`supply` must be positive, got {value:g} Pa.")
+    return replace(view, supply=value)
+
+
+def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
+    value = parse(text, "strain")
+    if not 0 <= value <= 0.6:
+        raise ValueError(f"`strain` must lie in [0, 0.6], got {value:g}.")
+    return replace(view, strain=value)
+
+
+def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
+    units = text.split(",")
+    shown = dict(zip(SHOWN, units, strict=False))
+    if len(units) != len(SHOWN) or any(unit not in SHOWN[kind] for kind, unit in shown.items()):
+        raise ValueError(f"`show` must be units such as kPa,mm,N, got {text[:40]!r}.")
+    return replace(view, shown=shown)
+
+
+def _compared(view: View, text: str, _: Mapping[str, str]) -> View:
+    return replace(view, compared=check_compared(tuple(text.split(","))))
+
+
+# in this order: what was opened says how many units there are
+_READERS: Mapping[str, Callable[[View, str, Any], View]] = {
+    "muscle": _opened,
+    "file": _packed,
+    "supply": _supply,
+    "units": _units,
+    "scheme": _one_of("scheme", SCHEMES),
+    "pressure": lambda view, text, _: replace(view, pressure=_gauge(text)),
+    "strain": _strain,
+    "pressures": _pressures,
+    "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
+    "path": _one_of("path", PATHS),
+    "splits": lambda view, text, _: replace(view, splits=parse_splits(text)),
+    "show": _shown,
+    "tab": _one_of("tab", TABS),
+    "compare": _compared,
+}

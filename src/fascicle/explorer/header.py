@@ -1,0 +1,141 @@
+"""The header: which muscle, from where, in which units; and the address that tells it."""
+
+from typing import Any
+from urllib.parse import urlencode
+
+import panel as pn
+
+from ..describe import example, examples, loads
+from .address import to_query
+from .look import Look, widget_css
+from .state import SHOWN, Session, View, changed, view_of
+from .widgets import Message, choice
+
+
+LARGEST_FILE = 100_000  # bytes of a muscle file
+_QUIET = 400  # ms without a change until the address follows: browsers ration its changes
+_OTHER = "(own)"
+
+
+class Header:
+    """Example, file, units and theme; keeps the address up to date."""
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        self._session, self._look, self._silent = session, look, False
+        self._pending: Any = None
+        css = [widget_css(look)]
+        self._example = choice(look, "Example", [*examples(), _OTHER], width=230, sizing_mode=None)
+        self._example.param.watch(self._choose, "value")
+        self._file = pn.widgets.FileInput(
+            accept=".toml", stylesheets=css, width=210, margin=(24, 8, 4, 8)
+        )
+        self._file.param.watch(self._open, "value")
+        self._save = pn.widgets.FileDownload(
+            label="Save the file", callback=self._text, filename="muscle.toml",
+            stylesheets=css, width=130, margin=(22, 8, 4, 4),
+        )  # fmt: skip
+        self._units = {
+            kind: choice(look, kind.capitalize(), units, width=86, sizing_mode=None)
+            for kind, units in SHOWN.items()
+        }
+        for kind, widget in self._units.items():
+            widget.param.watch(self._showing(kind), "value")
+        self._name = pn.pane.HTML("", margin=(4, 8), width=185)
+        self._theme = pn.pane.HTML("", margin=(28, 8, 0, 8), width=90)
+        self.message = Message("file")
+        row = pn.Row(
+            self._name, self._example, self._file, self._save, *self._units.values(), self._theme,
+            sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+        self.panel = pn.Column(row, self.message.pane, margin=0, sizing_mode="stretch_width")
+        session.watch(self._changed)
+        self._show(session.view)
+
+    def _changed(self, before: View, after: View) -> None:
+        if changed(before, after, "name", "shown", "muscle", "units"):
+            self._show(after)
+        self._later()
+
+    def _show(self, view: View) -> None:
+        self._silent = True
+        self._name.object = (
+            '<div style="font-size:20px;font-weight:650;letter-spacing:.01em">fascicle</div>'
+            f'<div style="opacity:.75;font-size:12.5px">{_safe(view.name)}</div>'
+        )
+        self._example.value = view.name if view.name in examples() else _OTHER
+        for kind, widget in self._units.items():
+            widget.value = view.shown[kind]
+        self._silent = False
+        self._link(view)
+
+    def _link(self, view: View) -> None:
+        other = "light" if self._look.dark else "dark"
+        theme = "default" if self._look.dark else "dark"
+        query = urlencode({**to_query(view), "theme": theme})
+        self._theme.object = (
+            f'<a style="color:{self._look.accent}" href="?{_safe(query)}">{other} page</a>'
+        )
+
+    def _choose(self, event: Any) -> None:
+        if self._silent or event.new == _OTHER:
+            return
+        self.message.say("")
+        self._session.become(view_of(example(event.new), event.new, self._session.view))
+
+    def _open(self, event: Any) -> None:
+        if not event.new:
+            return
+        name = str(self._file.filename or "file")[-60:]
+        try:
+            if len(event.new) > LARGEST_FILE:
+                raise ValueError(
+                    f"{name}: a muscle file may have {LARGEST_FILE} bytes, got {len(event.new)}."
+                )
+            found = loads(_decoded(event.new, name), source=name)
+            self._session.become(view_of(found, name, self._session.view))
+            self.message.say("")
+        except ValueError as error:
+            self.message.say(str(error))
+
+    def _text(self) -> Any:
+        import io
+
+        return io.BytesIO(self._session.view.text.encode())
+
+    def _showing(self, kind: str) -> Any:
+        def take(event: Any) -> None:
+            if not self._silent:
+                self._session.change(shown={**self._session.view.shown, kind: event.new})
+
+        return take
+
+    def _later(self) -> None:
+        """Change the address once nothing has changed for a while."""
+        doc = pn.state.curdoc
+        if doc is None or not doc.session_context or pn.state.location is None:
+            return
+        if self._pending is not None:
+            doc.remove_timeout_callback(self._pending)
+        self._pending = doc.add_timeout_callback(self._follow, _QUIET)
+
+    def _follow(self) -> None:
+        self._pending = None
+        view = self._session.view
+        query = to_query(view) | ({"theme": "dark"} if self._look.dark else {})
+        self._link(view)
+        if pn.state.location is not None:
+            pn.state.location.search = "?" + urlencode(query)
+
+
+def _decoded(raw: bytes, name: str) -> str:
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError(f"{name}: not a text file in UTF-8.") from None
+
+
+def _safe(text: str) -> str:
+    import html
+
+    return html.escape(text, quote=True)

@@ -1,0 +1,116 @@
+"""All that the muscle's tab shows at one pressure and strain, from one compiled function.
+
+The muscle is an argument and every shape is fixed, so that no slider ever compiles: pressures
+are a family of even ones and, last, the chosen one; strains are even ones with the kinks among
+them, so that curves turn sharply where the law does.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..muscle import Muscle
+from ..muscle.piecewise import LARGEST_STRAIN
+from ..plot.shapes import ARC_POINTS
+
+
+POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
+PARTS = ("force", "mesh", "bladder", "bending")
+REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A muscle at a pressure and strain, with a row for each pressure of the family and last
+    the chosen one's: `pressure` [Pa]; `strain` [-]; `force` and its components [N];
+    `free_strain`, `collapse_strain` [-], inf where it never collapses; `blocked` [N].
+
+    At the chosen point: `force_here` [N], its `region` [-], whether there are `several`
+    equilibria, `volume` of fluid [m³], `deflection` [m], `moment` [N·m], the centerline's `z`,
+    `y` [m], the tube's `radius` [m] and the fibers' `angle` [rad].
+    """
+
+    pressure: np.ndarray
+    strain: np.ndarray
+    force: np.ndarray
+    mesh: np.ndarray
+    bladder: np.ndarray
+    bending: np.ndarray
+    free_strain: np.ndarray
+    collapse_strain: np.ndarray
+    blocked: np.ndarray
+    force_here: float
+    region: int
+    several: bool
+    volume: float
+    deflection: float
+    moment: float
+    z: np.ndarray
+    y: np.ndarray
+    radius: float
+    angle: float
+
+
+def picture(muscle: Muscle, pressure: float, strain: float, supply: float, top: float) -> Picture:
+    """The muscle at a pressure and strain, and its curves.
+
+    **Arguments:**
+
+    - `muscle`: the muscle [-].
+    - `pressure`: gauge pressure [Pa].
+    - `strain`: contraction [-].
+    - `supply`: the family's highest pressure [Pa].
+    - `top`: the largest strain of the curves [-].
+
+    **Returns:** the picture: forces [N] over strains [-], and what is drawn.
+    """
+    pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
+    found = _picture(muscle, pressures, np.float64(strain), np.float64(top))
+    values: dict[str, Any] = {name: np.asarray(value) for name, value in found.items()}
+    for name, value in values.items():
+        if value.ndim == 0:
+            values[name] = value.item()
+    return Picture(pressure=pressures, **values)
+
+
+def widest(muscle: Muscle, supply: float) -> float:
+    """Largest strain [-] that is drawn, well past the free strain at `supply` [Pa]."""
+    free = float(picture(muscle, supply, 0.0, supply, 0.3).free_strain[-1])
+    return float(min(LARGEST_STRAIN, max(0.1, np.ceil(1.5 * free * 20) / 20)))
+
+
+@jax.jit
+def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str, Any]:
+    # one trace of the law for all that is shown: the public methods would solve it eight times
+    at = muscle._law().at(pressures[:, None])
+    free, collapse = at.column.free_strain, at.collapse
+    kinks = jnp.clip(jnp.concatenate([free, collapse], axis=1), 0.0, top)
+    even = jnp.broadcast_to(top * jnp.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
+    grid = jnp.sort(jnp.concatenate([even, kinks], axis=1), axis=1)
+    here = jnp.broadcast_to(strain, (FAMILY + 1, 1))
+    response = at.response(jnp.concatenate([grid, jnp.zeros_like(here), here], axis=1))
+    # the second is the last state whose arc the law knows
+    line = at.shape(jnp.concatenate([here, jnp.minimum(here, collapse)], axis=1), ARC_POINTS)
+    z, y = line.z[-1], line.y[-1]
+    arc = jnp.sum(jnp.hypot(jnp.diff(z[1]), jnp.diff(y[1])))
+    arc_strain = 1 - arc / muscle.length
+    return {
+        "strain": grid,
+        **{name: getattr(response, name)[:, :-2] for name in PARTS},
+        "free_strain": free[:, 0],
+        "collapse_strain": collapse[:, 0],
+        "blocked": response.force[:, -2],
+        "force_here": response.force[-1, -1],
+        "region": response.region[-1, -1],
+        "several": response.several[-1, -1],
+        "volume": muscle.braid.volume(strain) - muscle.bladder.volume,
+        "deflection": at.deflection(here)[-1, 0],
+        "moment": at.moment(here)[-1, 0],
+        "z": z[0],
+        "y": y[0],
+        "radius": muscle.braid.radius_at(arc_strain),
+        "angle": muscle.braid.angle_at(arc_strain),
+    }  # fmt: skip

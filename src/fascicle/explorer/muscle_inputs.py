@@ -1,0 +1,109 @@
+"""What a muscle is: its sizes, material and laws, each refused at its own field."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import panel as pn
+
+from ..muscle.materials import MATERIALS
+from .laws import LAWS, replaced
+from .look import Look
+from .state import Session, View
+from .widgets import Field, Message, choice, heading
+
+
+SIZES = {
+    "length": ("Length at rest", "length"),
+    "outer_radius": ("Radius of the bladder", "length"),
+    "wall_thickness": ("Wall thickness", "length"),
+    "braid_angle": ("Braid angle, from the axis", "angle"),
+}
+_OWN = "its own"
+_TITLES = {"tension": "Tension", "buckling": "Buckling", "collapse": "Collapse",
+           "post_collapse": "After collapse"}  # fmt: skip
+
+
+class MuscleInputs:
+    """Fields of a muscle; a change makes another muscle, or says why there is none."""
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        self._session, self._silent = session, False
+        self.message = Message("muscle")
+        self._fields = {
+            name: Field(look, label, name, dimension, self._sized(name))
+            for name, (label, dimension) in SIZES.items()
+        }
+        self._material = choice(look, "Material", [*MATERIALS, _OWN])
+        self._material.param.watch(self._chose("material"), "value")
+        self._laws = {
+            kind: choice(look, _TITLES[kind], {n.replace("_", " "): n for n in known})
+            for kind, known in LAWS.items()
+        }
+        for kind, widget in self._laws.items():
+            widget.param.watch(self._chose(kind), "value")
+        self._title = heading("")
+        self.panel = pn.Column(
+            self._title,
+            *(field.panel for field in self._fields.values()),
+            self._material,
+            *self._laws.values(),
+            self.message.pane,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def show(self, view: View) -> None:
+        """Show the muscle of a `view` [-]."""
+        self._silent = True
+        muscle = view.muscle
+        for name, field in self._fields.items():
+            length = SIZES[name][1] == "length"
+            field.show(float(getattr(muscle, name)), view.shown["length"] if length else "deg")
+        known = [name for name, one in MATERIALS.items() if _same(one, muscle.material)]
+        self._material.value = known[0] if known else _OWN
+        for kind, widget in self._laws.items():
+            widget.value = getattr(muscle, kind).name
+        self.message.say("")
+        self._silent = False
+
+    def _sized(self, name: str) -> Callable[[float], None]:
+        def take(value: float) -> None:
+            try:
+                self._become(**{name: value})
+            except ValueError as error:
+                # a rule between two sizes names one of them; the other's field is left alone
+                named = re.match(r"`(\w+)`", str(error))
+                other = self._fields.get(named[1]) if named and named[1] != name else None
+                if other is not None:
+                    other.message.say(str(error))
+                raise
+
+        return take
+
+    def _chose(self, kind: str) -> Callable[[Any], None]:
+        def take(event: Any) -> None:
+            if self._silent or event.new == _OWN:
+                return
+            try:
+                self._become(**{kind: event.new})
+            except ValueError as error:
+                self.message.say(str(error))
+
+        return take
+
+    def _become(self, **parts: Any) -> None:
+        view = self._session.view
+        name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
+        after = replace(view, muscle=replaced(view.muscle, **parts), name=name)
+        _ = after.bundle  # refused here, where it was typed, if it can't be a bundle any more
+        self._session.become(after)
+
+
+def _same(one: Any, other: Any) -> bool:
+    names = ("c10", "c01", "youngs_modulus", "poisson_ratio")
+    return type(one) is type(other) and all(
+        float(getattr(one, name)) == float(getattr(other, name)) for name in names
+    )

@@ -1,0 +1,100 @@
+"""The page: a header with the muscle, its file and the units, and a tab for each view."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import panel as pn
+
+from .bundle_view import BundleView
+from .data_view import DataView
+from .efficiency_view import EfficiencyView
+from .exports import EXPORTS, downloads
+from .header import Header
+from .look import Look, look_of, widget_css
+from .muscle_view import MuscleView
+from .reversal_view import ReversalView
+from .state import TABS, Session, View
+
+
+_TITLES = {"muscle": "Muscle", "bundle": "Bundle", "reversal": "Reversal",
+           "efficiency": "Efficiency", "data": "Data"}  # fmt: skip
+_VIEWS: dict[str, Callable[..., Any]] = {
+    "muscle": MuscleView,
+    "bundle": BundleView,
+    "reversal": ReversalView,
+    "efficiency": EfficiencyView,
+    "data": DataView,
+}
+
+
+def build(session: Session, theme: str = "default", refused: Sequence[str] = ()) -> Any:
+    """All of the explorer for one visitor.
+
+    **Arguments:**
+
+    - `session`: what is shown [-].
+    - `theme`: "default" or "dark" [-].
+    - `refused`: what the address asked for in vain, a line each [-].
+
+    **Returns:** a Panel layout [-].
+    """
+    look = look_of(theme)
+    header = Header(session, look)
+    header.message.say(" ".join(refused))
+    names = [name for name in TABS if name in _VIEWS]
+    views = {name: _VIEWS[name](session, look) for name in names}
+    tabs = pn.Tabs(
+        *((_TITLES[name], _with_downloads(session, look, name, views[name])) for name in names),
+        dynamic=True,
+        stylesheets=[widget_css(look)],
+        sizing_mode="stretch_width",
+        margin=(0, 8),
+        active=names.index(session.view.tab) if session.view.tab in names else 0,
+    )
+
+    def switched(event: Any) -> None:
+        name = names[event.new]
+        if session.view.tab != name:
+            session.change(tab=name)
+
+    def follow(before: View, after: View) -> None:
+        if before.tab != after.tab and after.tab in names:
+            tabs.active = names.index(after.tab)
+            views[after.tab].refresh()
+
+    tabs.param.watch(switched, "active")
+    session.watch(follow)
+    views[names[tabs.active]].refresh()
+    return pn.Column(header.panel, tabs, sizing_mode="stretch_width", margin=0)
+
+
+def _with_downloads(session: Session, look: Look, name: str, view: Any) -> Any:
+    if name not in EXPORTS:  # the data's tab has its own: they need a record
+        return view.panel
+    buttons = downloads(look, name, lambda: EXPORTS[name](session.view))
+    return pn.Column(
+        view.panel, pn.Row(*buttons, margin=(0, 8)), sizing_mode="stretch_width", margin=0
+    )
+
+
+def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any:
+    """The explorer as a Panel object, for a notebook's cell.
+
+    **Arguments:**
+
+    - `target`: a named example, a path, a `Muscle` or a `Bundle` [-].
+    - `theme`: "default" or "dark" [-].
+
+    **Returns:** the layout [-].
+
+    **Raises:** `ValueError` or `OSError` where there is no such muscle.
+    """
+    from ..describe import example, examples, load
+    from .state import view_of
+
+    name = target if isinstance(target, str) else "muscle"
+    found: Any = target
+    if isinstance(target, str):
+        found = example(target) if target in examples() else load(target)
+    pn.extension()
+    return build(Session(view_of(found, name), pn.io.unlocked), theme)

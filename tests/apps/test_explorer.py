@@ -1,0 +1,329 @@
+"""The explorer in a browser: what its widgets do, and that they show what the laws give."""
+
+import contextlib
+import io
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import records
+from fascicle.describe import dumps, load, loads
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+pytestmark = [
+    pytest.mark.skipif(BROWSER is None, reason="no chromium: apt-get install chromium"),
+    # the server's own process, and the browser's, end after their sockets
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
+READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
+SOURCE = """name => {
+  const model = Bokeh.documents[0].get_model_by_name(name);
+  if (!model) return null;
+  return Object.fromEntries(Object.entries(model.data).map(([k, v]) => [k, Array.from(v, x =>
+    x && x.length !== undefined && typeof x !== 'string' ? Array.from(x) : x)]));
+}"""
+SLOW = 180_000  # ms: a law's first compilation on a busy machine
+
+
+@contextlib.contextmanager
+def serving(*arguments):
+    """A server of its own process: its address, and its process."""
+    command = [sys.executable, "-m", "fascicle", "explore", "--no-show", *arguments]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=os.environ,
+    )  # fmt: skip
+    try:
+        said = []
+        for line in process.stdout:
+            said.append(line)
+            if found := re.search(r"http://\S+", line):
+                break
+        else:
+            pytest.fail("".join(said))
+        yield found.group(), process, said
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving("kim2021_figure_6") as (url, _, _):
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def visit(browser, server):
+    """Open an address of the explorer; afterwards, nothing was wrong and nobody was asked."""
+    contexts, wrong = [], []
+
+    def open_page(query="", width=1280, height=800):
+        context = browser.new_context(viewport={"width": width, "height": height})
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(SLOW)
+        page.on("console", lambda m: m.type == "error" and wrong.append(f"console: {m.text}"))
+        page.on("pageerror", lambda error: wrong.append(f"page: {error}"))
+        page.on(
+            "request",
+            lambda r: (
+                r.url.startswith(("http", "ws"))
+                and "://127.0.0.1:" not in r.url
+                and wrong.append(f"outside: {r.url}")
+            ),
+        )
+        page.goto(server + query)
+        page.wait_for_function(READY)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert not wrong
+
+
+def source(page, name, ready="d => d.xs ? d.xs.length : Object.values(d)[0].length"):
+    """What a source of the figures holds, once it does."""
+    page.wait_for_function(
+        f"name => {{ const d = ({SOURCE})(name); return d && ({ready})(d); }}", arg=name
+    )
+    return page.evaluate(SOURCE, name)
+
+
+def handle(page, label):
+    """The handle of the slider that is labelled so, of those that can be seen."""
+    return page.locator(
+        f".bk-input-group:has(.bk-slider-title:has-text('{label}')) .noUi-handle"
+    ).first
+
+
+def field(page, label):
+    return page.get_by_label(label).first
+
+
+MUSCLE = fs.example("kim2021_figure_6")
+
+
+def test_a_slider_by_keyboard_changes_the_curve_to_what_the_law_gives(visit):
+    page = visit()
+    before = source(page, "chosen")
+    slider = handle(page, "Pressure P")
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+    page.wait_for_function(
+        f"old => ({SOURCE})('chosen').force[0] > old", arg=before["force"][0] + 0.8
+    )
+    page.wait_for_timeout(500)
+    typed = page.locator("input[type=text]").evaluate_all("all => all.map(x => x.value)")
+    pressure = float(next(x for x in typed if x.endswith("kPa")).split()[0]) * 1e3
+    assert pressure > 139e3
+    after = source(page, "chosen")
+    strain = np.array(after["strain"])
+    np.testing.assert_allclose(after["force"], MUSCLE.force(pressure, strain), rtol=1e-9, atol=1e-9)
+    assert len(source(page, "marks")["label"]) == 3
+    assert source(page, "solid")["x"]
+
+
+def test_units_convert_what_is_shown_and_nothing_else(visit):
+    page = visit("?pressure=137.9kPa&strain=0.1")
+    in_newtons = np.array(source(page, "chosen")["force"])
+    field(page, "Force").select_option("lbf")
+    field(page, "Pressure").select_option("psi")
+    field(page, "Length").select_option("in")
+    page.wait_for_function(f"old => ({SOURCE})('chosen').force[0] < old / 4", arg=in_newtons[0])
+    in_pounds = np.array(source(page, "chosen")["force"])
+    np.testing.assert_allclose(in_pounds * 4.4482216152605, in_newtons, rtol=1e-12)
+    assert field(page, "Length at rest").input_value() == "5 in"
+
+
+def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
+    page = visit()
+    before = source(page, "chosen")
+    angle = field(page, "Braid angle")
+    angle.fill("60 deg")
+    angle.press("Enter")
+    message = page.get_by_role("alert")
+    message.wait_for()
+    with pytest.raises(ValueError, match="braid_angle") as refused:
+        fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(60))
+    assert message.inner_text() == str(refused.value)
+    assert abs(message.bounding_box()["y"] - angle.bounding_box()["y"]) < 60
+    assert source(page, "chosen") == before
+    angle.fill("25")  # a bare number is in the unit shown
+    angle.press("Enter")
+    page.wait_for_function(
+        f"old => ({SOURCE})('chosen').force[0] > 1.1 * old", arg=before["force"][0]
+    )
+    assert not message.is_visible()
+
+
+def test_a_link_reproduces_a_view(visit):
+    page = visit("?muscle=kim2021_slenderness_10&pressure=200kPa&strain=0.15")
+    length = field(page, "Length at rest")
+    length.fill("150 mm")
+    length.press("Enter")
+    page.wait_for_function("() => location.search.includes('file=')")
+    again = visit(page.evaluate("() => location.search"))
+    assert field(again, "Length at rest").input_value() == "150 mm"
+    assert source(again, "chosen") == source(page, "chosen")
+
+
+def test_a_file_opens_and_saves(visit, tmp_path):
+    muscle = fs.Muscle.from_dimensions(0.2, 8e-3, 1.5e-3, np.radians(28))
+    path = tmp_path / "mine.toml"
+    fs.save(muscle, path)
+    page = visit()
+    page.locator("input[type=file]").first.set_input_files(path)
+    page.get_by_text("mine.toml").first.wait_for()
+    page.wait_for_function("() => location.search.includes('file=')")
+    with page.expect_download() as download:
+        page.get_by_text("Save the file").first.click()
+    text = Path(download.value.path()).read_text()
+    assert dumps(loads(text).motor_units[0].muscle) == dumps(load(path))
+
+
+def test_a_broken_file_is_refused_in_the_librarys_words(visit, tmp_path):
+    path = tmp_path / "broken.toml"
+    text = dumps(MUSCLE).replace('"127 mm"', '"127 furlong"')
+    assert "furlong" in text
+    path.write_text(text)
+    page = visit()
+    page.locator("input[type=file]").first.set_input_files(path)
+    message = page.get_by_role("alert")
+    message.wait_for()
+    with pytest.raises(ValueError, match="furlong") as refused:
+        loads(path.read_text(), source="broken.toml")
+    assert message.inner_text() == str(refused.value)
+
+
+def test_laws_are_laid_over_one_another(visit):
+    page = visit("?compare=buckling:elastica&pressure=137.9kPa")
+    shown = source(page, "compared")
+    assert shown["label"] == ["buckling: elastica"]
+    from fascicle.explorer.laws import replaced
+
+    other = replaced(MUSCLE, buckling="elastica")
+    force = other.force(137.9e3, np.array(shown["xs"][0]))
+    np.testing.assert_allclose(shown["ys"][0], force, rtol=1e-9, atol=1e-9)
+
+
+def test_downloads_parse(visit):
+    page = visit()
+    for label, check in (
+        ("Picture, SVG", lambda raw: ET.fromstring(raw).tag.endswith("svg")),  # noqa: S314 ours
+        ("Picture, PNG", lambda raw: raw.startswith(b"\x89PNG")),
+        ("Data, CSV", lambda raw: np.genfromtxt(io.BytesIO(raw), delimiter=",").shape == (202, 5)),
+        ("Data, netCDF", lambda raw: raw[1:4] == b"HDF"),
+        ("Python", lambda raw: compile(raw, "muscle.py", "exec")),
+    ):
+        with page.expect_download() as download:
+            page.get_by_text(label).first.click()
+        assert check(Path(download.value.path()).read_bytes()), label
+
+
+def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
+    page = visit("?muscle=kim2021_bundle_1_4&tab=bundle&pressures=344.7kPa,69kPa&strain=0.2")
+    bundle = fs.example("kim2021_bundle_1_4")
+    shown = source(page, "bundle_force")
+    force = bundle.force([344.7e3, 69e3], np.array(shown["strain"]))
+    np.testing.assert_allclose(shown["force"], force, rtol=1e-9, atol=1e-9)
+    assert source(page, "regions")["label"] == ["recruitment state 1", "recruitment state 2"]
+    assert source(page, "bundle")["x"]
+    # a click in the middle of the space
+    figure = page.locator(".bk-Figure").first
+    box = figure.bounding_box()
+    figure.click(position={"x": 0.35 * box["width"], "y": 0.6 * box["height"]})
+    way = page.get_by_role("button", name=re.compile(r"^state \d"))
+    way.first.wait_for()
+    asked = source(page, "asked")
+    way.first.click()
+    page.wait_for_function(
+        f"old => Math.abs(({SOURCE})('bundle_force').force[0] - old) > 1e-6", arg=shown["force"][0]
+    )
+    now = source(page, "bundle_force")
+    reached = np.interp(asked["x"][0], now["strain"], now["force"])
+    assert reached == pytest.approx(asked["y"][0], rel=0.02)
+
+
+def test_reversal_and_efficiency_show_what_the_library_gives(visit):
+    from fascicle.explorer.reversal_curves import split_curves
+
+    page = visit("?tab=reversal&splits=1-4&supply=344.7kPa")
+    shown = source(page, "reversal_resisted")
+    (one,) = split_curves(MUSCLE, ((1, 4),), 344.7e3)
+    np.testing.assert_allclose(shown["ys"][0], one.resisted, atol=1e-9)
+    assert source(page, "turns")["y"] == pytest.approx([one.turn.free_strain])
+    page = visit("?muscle=kim2021_bundle_1_1&tab=efficiency&path=isotonic")
+    page.wait_for_function(f"({SOURCE})('efficiency').image.length > 0")
+    means = source(page, "average_true")["y"]
+    assert len(means) == 5
+    assert means == sorted(means)
+
+
+def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
+    tuned = fs.example("kim2021_slenderness_10")
+    P = np.linspace(0, 413.7e3, 5)
+    strain = np.linspace(0, float(tuned.free_strain(P[-1])), 24)
+    force = np.asarray(tuned.force(P[:, None], strain))
+    noise = 0.005 * force.max() * np.random.default_rng(0).normal(size=force.shape)
+    record = records.Record.of(P[:, None], strain, force + noise, synthetic=True)
+    records.write(record, tmp_path / "d.csv")
+    page = visit("?muscle=kim2021_slenderness_10&tab=data")
+    page.locator("input[type=file]").last.set_input_files(tmp_path / "d.csv")
+    assert len(source(page, "readings")["x"]) == len(record)
+    page.get_by_role("button", name="Calibrate the muscle").click()
+    page.get_by_text("90 % interval").wait_for()
+    assert len(source(page, "tuned")["ys"]) == 5
+    with page.expect_download() as download:
+        page.get_by_text("Tuned muscle").first.click()
+    found = loads(Path(download.value.path()).read_text())
+    assert float(found.blocked_force(P[-1])) == pytest.approx(float(force[-1, 0]), rel=0.02)
+    page.get_by_role("button", name="Use the tuned muscle").click()
+    page.get_by_text("tuned muscle", exact=True).first.wait_for()
+
+
+def test_the_dark_page_is_dark(visit):
+    page = visit("?theme=dark")
+    color = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+    assert max(map(int, re.findall(r"\d+", color)[:3])) < 60
+
+
+def test_ctrl_c_ends_it_and_a_taken_port_moves_on(server):
+    taken = int(server.rsplit(":", 1)[1].strip("/"))
+    with serving() as (url, process, _):
+        assert int(url.rsplit(":", 1)[1].strip("/")) != taken
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+        assert process.stdout.read().strip() == "stopped."
+
+
+def test_listening_for_others_says_so():
+    with serving("--host", "0.0.0.0") as (_, _, said):  # noqa: S104 what is tested
+        assert "without password" in "".join(said)

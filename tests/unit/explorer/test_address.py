@@ -1,0 +1,106 @@
+"""A link reproduces a view, and nothing else can be smuggled in by one."""
+
+import base64
+import re
+import zlib
+from dataclasses import replace
+
+import pytest
+
+import fascicle as fs
+from fascicle.describe import dumps
+from fascicle.explorer.address import LONGEST, from_query, pack, parse_splits, to_query, unpack
+from fascicle.explorer.laws import replaced
+from fascicle.explorer.state import Session, Unit, view_of
+
+
+SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
+
+
+def full(view):
+    return {name: value for name, value in vars(view).items() if name not in ("muscle", "units")}
+
+
+def test_a_view_comes_back_from_its_address():
+    view = replace(
+        SIX, units=(Unit(1), Unit(4, 0.5)), supply=344.7e3, scheme="batch", pressure=69e3,
+        strain=0.123, pressures=(3e5, 1e5), resistance=False, compared=("buckling:elastica",),
+        path="isotonic", splits=((1, 4), (2, 3)),
+        shown={"pressure": "psi", "length": "in", "force": "lbf"},
+        tab="bundle",
+    )  # fmt: skip
+    found, refused = from_query(to_query(view), SIX)
+    assert not refused
+    assert full(found) == full(view)
+    assert found.units == view.units
+    assert dumps(found.bundle) == dumps(view.bundle)
+
+
+def test_a_changed_muscle_goes_into_the_address_itself():
+    view = replace(SIX, muscle=replaced(SIX.muscle, length=0.2), name="mine")
+    query = to_query(view)
+    assert "muscle" not in query
+    found, refused = from_query(query, SIX)
+    assert not refused
+    assert dumps(found.muscle) == dumps(view.muscle)
+
+
+def test_unlike_muscles_go_into_the_address_too():
+    other = fs.example("kim2021_slenderness_10")
+    view = replace(SIX, units=(Unit(1), Unit(2, own=replaced(other, length=0.127))))
+    found, refused = from_query(to_query(view), SIX)
+    assert not refused
+    assert dumps(found.bundle) == dumps(view.bundle)
+
+
+@pytest.mark.parametrize(
+    ("query", "word"),
+    [
+        ({"muscle": "../../etc/passwd"}, "no example is named"),
+        ({"file": "no base64!"}, "no file that this explorer has packed"),
+        ({"file": "A" * (LONGEST + 1)}, "at most"),
+        ({"file": pack("format = 1\nimport os")}, ""),
+        ({"strain": "2"}, r"must lie in \[0, 0.6\]"),
+        ({"pressure": "137.9"}, "write it with its unit"),
+        ({"pressure": "9 MPa"}, "must lie in"),
+        ({"units": "1,x"}, "must be like"),
+        ({"units": "99999"}, "60 in all"),
+        ({"scheme": "<script>"}, "must be one of"),
+        ({"compare": "buckling:os.system"}, "must name laws"),
+        ({"splits": "4"}, "two motor units or more"),
+        ({"show": "furlong,mm,N"}, "must be units"),
+        ({"tab": "x"}, "must be one of"),
+    ],
+)  # fmt: skip
+def test_a_bad_address_is_refused_in_words_and_the_rest_is_shown(query, word):
+    found, refused = from_query(query | {"path": "isotonic"}, SIX)
+    assert len(refused) == 1
+    assert "\n" not in refused[0]
+    assert re.search(word, refused[0])
+    assert found.path == "isotonic"
+    assert dumps(found.muscle) == dumps(SIX.muscle)
+
+
+def test_a_bomb_is_not_inflated():
+    bomb = base64.urlsafe_b64encode(zlib.compress(b"#" * 10_000_000, 9)).decode().rstrip("=")
+    assert len(bomb) < LONGEST
+    with pytest.raises(ValueError, match="must hold at most"):
+        unpack(bomb)
+
+
+def test_splits_are_read_both_ways():
+    assert parse_splits("1+4, 2+3") == ((1, 4), (2, 3)) == parse_splits("1-4,2-3")
+
+
+def test_all_watchers_are_told_of_a_change():
+    session, told = Session(SIX), []
+    session.watch(lambda before, after: told.append((before.strain, after.strain)))
+    session.change(strain=0.2)
+    assert told == [(SIX.strain, 0.2)]
+
+
+def test_a_bundle_opens_with_its_units_and_a_muscle_alone_as_two():
+    view = view_of(fs.example("kim2021_bundle_1_4"), "b")
+    assert [unit.count for unit in view.units] == [1, 4]
+    assert view.supply == pytest.approx(413.7e3)
+    assert len(SIX.units) == 2
