@@ -28,7 +28,7 @@ def rows(small: bool = False) -> list[Row]:
             "×",
             "the field's rate",
             1 / 3,
-            limit=f"{rate:.1f} million points/s",
+            limit=f"{rate:.1f} million points/s; each solves for its free and collapse strain",
         )
     ]
 
