@@ -1,6 +1,6 @@
 """The README's animation of the explorer: its muscle's tab while a strain is swept, in chromium.
 
-    python docs/explorer_picture.py docs/_static/explorer.gif
+python docs/explorer_picture.py docs/_static/explorer.gif
 """
 
 import argparse
@@ -50,7 +50,9 @@ def main(path: Path) -> None:
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603 our own
     try:
         assert server.stdout is not None
-        url = next(found.group() for line in server.stdout if (found := re.search(r"http\S+", line)))
+        url = next(
+            found.group() for line in server.stdout if (found := re.search(r"http\S+", line))
+        )
         taken = frames(url)
     finally:
         server.terminate()

@@ -196,9 +196,7 @@ draw(found).savefig("efficiency.svg")
     return Export("efficiency", variables, lambda: draw_efficiency(found), python)
 
 
-def data(
-    muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clipped: bool
-) -> Export:
+def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clipped: bool) -> Export:
     """A record beside the muscle, or the one that is tuned to it.
 
     **Arguments:**
