@@ -2,33 +2,30 @@
 
 From the keydown on a slider until the source of the curve holds the new data in the browser,
 one key after another; how long the server takes to say where it is, warm, and the page until it
-is idle. With `--clients` as many visitors move their sliders at once, each as fast as it is
-answered, and the time is taken from a move to the new data. They speak the browser's protocol
-but draw nothing: twenty browsers wouldn't share this machine with the server. `--cycles` opens
-and closes pages and looks at the server's memory before and after, once closed sessions are
-freed.
+is idle. With `--clients` as many pages move their sliders at once, each as fast as it is
+answered, and the time is taken from a move to the new data. They draw nothing, but still share
+this machine with the server, which twenty visitors don't: its own processor time for each move
+is told as well. `--cycles` opens and closes pages and looks at the
+server's memory before and after, once closed sessions are freed.
 
     python benchmarks/explorer.py --clients 20 --cycles 200
 """
 
 import argparse
-import asyncio
 import json
+import os
 import re
 import shutil
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from threading import Barrier
 from typing import Any
 
 import numpy as np
 
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
-PATIENCE = 60  # s
 READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
 # resolves with the milliseconds from the key to the data, and paints once more
 WATCH = """() => {
@@ -39,6 +36,27 @@ WATCH = """() => {
     if (!window.pressed) return;
     window.times.push(performance.now() - window.pressed);
     window.pressed = 0;
+  });
+}"""
+
+
+# the pressure's slider, moved by itself as soon as the curve holds what the last move gave
+DRIVE = """moves => {
+  document.body.style.display = 'none';
+  const models = [...Bokeh.documents[0]._all_models.values()];
+  const slider = models.find(one => one.type === 'Slider' && one.title.startsWith('Pressure P'));
+  const source = Bokeh.documents[0].get_model_by_name('chosen');
+  let begun, count = 0;
+  window.times = []; window.moves = moves;
+  window.move = () => {
+    if (count === moves) return;
+    begun = performance.now();
+    slider.value += slider.step * (count % 40 < 20 ? 1 : -1);
+    count += 1;
+  };
+  source.properties.data.change.connect(() => {
+    window.times.push(performance.now() - begun);
+    setTimeout(window.move, 0);
   });
 }"""
 
@@ -63,6 +81,12 @@ def resident(pid: int) -> float:
     return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024  # type: ignore[index]
 
 
+def worked(pid: int) -> float:
+    """Seconds of processor time that a process has used."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def keyed(page: Any, keys: int) -> list[float]:
     """Milliseconds of `keys` keydowns, one after another."""
     page.evaluate(WATCH)
@@ -73,41 +97,15 @@ def keyed(page: Any, keys: int) -> list[float]:
     return page.evaluate("window.times")
 
 
-def together(url: str, clients: int, moves: int) -> list[float]:
-    """Milliseconds of `moves` of a slider by each of `clients`, all at once."""
-    with ThreadPoolExecutor(clients) as pool:
-        meet = Barrier(clients)
-        runs = [pool.submit(moved, url, moves, meet) for _ in range(clients)]
-        return [x for run in runs for x in run.result()]
-
-
-def moved(url: str, moves: int, meet: Barrier) -> list[float]:
-    """One client's: from a move of the pressure's slider to the curve's new data."""
-    from bokeh.client import pull_session
-
-    asyncio.set_event_loop(asyncio.new_event_loop())
-    session = pull_session(url=url)
-    document = session.document
-    slider = next(
-        model for model in document.models
-        if type(model).__name__ == "Slider" and str(model.title).startswith("Pressure P")
-    )  # fmt: skip
-    source = document.get_model_by_name("chosen")
-    arrived: list[float] = []
-    source.on_change("data", lambda *_: arrived.append(time.perf_counter()))
-    meet.wait()
-    times = []
-    for i in range(moves):
-        arrived.clear()
-        begun = time.perf_counter()
-        slider.value += slider.step * (1 if i % 40 < 20 else -1)
-        while not arrived:
-            session.force_roundtrip()
-            if time.perf_counter() - begun > PATIENCE:
-                raise TimeoutError(f"no new curve within {PATIENCE} s")
-        times.append(1e3 * (arrived[0] - begun))
-    session.close()
-    return times
+def together(pages: list, moves: int) -> list[float]:
+    """Milliseconds of `moves` of a slider on each page, all pages at once."""
+    for page in pages:
+        page.evaluate(DRIVE, moves)
+    for page in pages:
+        page.evaluate("window.move()")
+    for page in pages:
+        page.wait_for_function("window.times.length >= window.moves", timeout=300_000)
+    return [x for page in pages for x in page.evaluate("window.times")]
 
 
 def measure(clients: int, cycles: int, keys: int) -> dict:
@@ -139,7 +137,15 @@ def measure(clients: int, cycles: int, keys: int) -> dict:
             found["slider_ms"] = spread(times)
             page.close()
             if clients:
-                found[f"slider_ms_{clients}_clients"] = spread(together(url, clients, keys // 4))
+                several = [opened() for _ in range(clients)]
+                spent = worked(process.pid)
+                times = together([one for one, _, _ in several], keys // 4)
+                found[f"slider_ms_{clients}_clients"] = spread(times)
+                spent = worked(process.pid) - spent
+                found["server_ms_a_move"] = 1e3 * spent / len(times)
+                errors += [text for _, more, _ in several for text in more]
+                for one, _, _ in several:
+                    one.close()
             if cycles:
                 for _ in range(10):
                     opened()[0].close()

@@ -18,7 +18,7 @@ from playwright.sync_api import sync_playwright
 
 STRAINS = np.r_[np.linspace(0.02, 0.26, 17), np.linspace(0.24, 0.04, 6)]
 VIEW = {"width": 1280, "height": 800}
-SHOWN, COLORS = 0.7, 96  # of its size, and of its colors: what a README can carry
+SHOWN, COLORS = 0.7, 255  # of its size, and how many colors
 READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
 HERE = "strain => Bokeh.documents[0].get_model_by_name('here').data.x[0] === strain"
 
@@ -60,7 +60,7 @@ def main(path: Path) -> None:
     size = (round(VIEW["width"] * SHOWN), round(VIEW["height"] * SHOWN))
     small = [one.resize(size, Image.Resampling.LANCZOS) for one in taken]
     # one palette, so that only what moves is stored again
-    palette = small[len(small) // 2].quantize(COLORS)
+    palette = small[len(small) // 2].quantize(COLORS, kmeans=2)
     first, *rest = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in small)
     first.save(path, save_all=True, append_images=rest, duration=140, loop=0, optimize=True)
 

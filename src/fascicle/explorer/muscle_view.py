@@ -234,13 +234,13 @@ class MuscleView:
         rows = {
             "force": f"{found.force_here / scale:.4g} {unit}",
             "state": state,
-            "fluid": pretty(found.volume, "volume"),
+            "fluid": f"{found.volume * 1e6:.4g} cm³",
             "braid angle": pretty(drawn.angle, "angle"),
             "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
             "bows out": f"{found.deflection / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
-            "bending moment": pretty(found.moment, "moment"),
+            "bending moment": f"{found.moment:.4g} N·m",
         }
         self._numbers.object = table(rows)
 
