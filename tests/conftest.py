@@ -1,6 +1,7 @@
 """Turns the package's annotations into checks, before anything imports it."""
 
 import gc
+import os
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,14 @@ from jaxtyping import install_import_hook
 _MANY_MAPS = 20_000
 
 install_import_hook("fascicle", "beartype.beartype")
+
+
+def pytest_configure(config):
+    """Compiling is most of the time: workers share it, and the next run finds it."""
+    folder = config.rootpath / ".pytest_cache" / "compiled"
+    folder.mkdir(parents=True, exist_ok=True)
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
 
 
 @pytest.fixture(autouse=True, scope="module")

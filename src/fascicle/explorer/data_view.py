@@ -35,7 +35,11 @@ class DataView(Tab):
         self._tunes = session.view.muscle  # as it was when the fit began
         self._report = ""
         self._file = pn.widgets.FileInput(
-            name="Open a record", accept=".csv,.txt,.tsv", stylesheets=css, margin=(2, 8), sizing_mode="stretch_width"
+            name="Open a record",
+            accept=".csv,.txt,.tsv",
+            stylesheets=css,
+            margin=(2, 8),
+            sizing_mode="stretch_width",
         )
         self._file.param.watch(lambda _: self._opened(), "value")
         self._clipped = pn.widgets.Checkbox(
