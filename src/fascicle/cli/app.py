@@ -17,6 +17,7 @@ import typer
 
 from .bundle import run as bundle
 from .calibrate import run as calibrate
+from .design import run as design
 from .efficiency import run as efficiency
 from .force import run as force
 from .free_strain import run as free_strain
@@ -44,6 +45,7 @@ app.command("recruit")(recruit)
 app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
+app.command("design")(design)
 app.command("reproduce")(reproduce)
 app.command("muscles")(muscles)
 app.command("init")(init)
