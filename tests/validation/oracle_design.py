@@ -8,8 +8,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from oracle_bundle import _cached_force
 from oracle_buckling import elastica, kim2021
+from oracle_bundle import _cached_force
 from oracle_force import collapse_strain
 from oracle_muscle import RTOL, blocked_force, free_strain, radius, volume
 from scipy.optimize import brentq
@@ -158,7 +158,7 @@ def equal_packing(count, rng, starts=30):
             jac=lambda z: np.append(np.zeros(z.size - 1), 1.0),
             constraints=[
                 {"type": "ineq", "fun": lambda z: _apart(z, i, j)},
-                {"type": "ineq", "fun": lambda z: _inside(z)},
+                {"type": "ineq", "fun": _inside},
             ],
             method="SLSQP",
             options={"maxiter": 300},

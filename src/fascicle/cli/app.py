@@ -28,6 +28,7 @@ from .record import run as record
 from .recruit import run as recruit
 from .reproduce import run as reproduce
 from .space import run as space
+from .sweep import run as sweep
 
 
 app = typer.Typer(
@@ -46,6 +47,7 @@ app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
 app.command("design")(design)
+app.command("sweep")(sweep)
 app.command("reproduce")(reproduce)
 app.command("muscles")(muscles)
 app.command("init")(init)

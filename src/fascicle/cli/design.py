@@ -14,7 +14,7 @@ Task = Annotated[
     str,
     typer.Argument(
         metavar="TASK.toml",
-        help="What is demanded, what may be built, what is good; `fascicle init --task` writes one.",
+        help="What is demanded, may be built and is good; `fascicle init --task` writes one.",
         show_default=False,
     ),
 ]

@@ -156,10 +156,10 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
 
 def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:
     senses = dict(USUAL if given is None else given)
-    for name in senses:
+    for name, sense in senses.items():
         with place.naming():
             known([name])
-        if senses[name] not in ("min", "max"):
+        if sense not in ("min", "max"):
             raise place.refuse((name,), 'must be "min" or "max".')
     return senses
 

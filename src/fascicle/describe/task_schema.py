@@ -8,8 +8,6 @@ from ..units import parse, parse_list
 from .schema import Pressure, Section
 
 
-
-
 def _values(dimension: str) -> BeforeValidator:
     """A quantity, a list or range as the command line writes it, or a list of them."""
 
@@ -92,5 +90,3 @@ class TaskFileSection(Section):
     objectives: dict[str, StrictStr] | None = None
     limits: dict[str, dict[str, Any]] | None = None
     sweep: SweepSection | None = None
-
-

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from .splits import compositions as compositions
-    from .splits import partitions as partitions
     from .designs import Designs as Designs
-    from .judging import evaluate as evaluate
     from .examples import example_task as example_task
+    from .judging import evaluate as evaluate
     from .objectives import OBJECTIVES as OBJECTIVES
     from .pareto import hypervolume as hypervolume
     from .pareto import non_dominated as non_dominated
     from .searching import Limit as Limit
     from .searching import search as search
     from .space import Space as Space
+    from .splits import compositions as compositions
+    from .splits import partitions as partitions
     from .task import Task as Task
 
 _HOMES = {

@@ -7,6 +7,7 @@ of the first, so that they exist.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -98,8 +99,7 @@ class Designs:
         """
         drawing = list(self.drawings.values())[self.kind[place]]
         own = (x[place, unit] for x in (self.radius, self.wall, self.angle))
-        made = sized(drawing, *(np.float64(x) for x in (self.length[place], *own)))
-        return made
+        return sized(drawing, *(jnp.asarray(x) for x in (self.length[place], *own)))
 
     def bundle(self, place: int, task: Task | None = None) -> Bundle:
         """A design as a bundle.

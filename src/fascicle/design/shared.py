@@ -93,9 +93,7 @@ def shared_objectives(
     return jnp.stack([values[name] for name in names])
 
 
-def shared_outcome(
-    known: Prepared, counts: Int[Array, "design unit"], demand: Demand
-) -> Outcome:
+def shared_outcome(known: Prepared, counts: Int[Array, "design unit"], demand: Demand) -> Outcome:
     """What compositions of one muscle do; arguments as of `shared_objectives` [-]."""
     n = counts.T
     fed = jnp.cumsum(n, axis=0)

@@ -20,9 +20,9 @@ from jaxtyping import Float, Int
 
 from .._checks import one_of, within
 from ..muscle import Muscle
-from .splits import compositions, padded, partitions
 from .designs import Designs
 from .packing import packed_radius
+from .splits import compositions, padded, partitions
 
 
 RADIUS_RULES = ("each", "cross_section", "packing")

@@ -98,7 +98,8 @@ def read(text: str) -> tuple[int, ...]:
     """
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
         raise ValueError(
-            f"`compositions` must be written like '1+4', whole numbers and plus signs, got {text!r}."
+            "`compositions` must be written like '1+4', whole numbers and plus signs,"
+            f" got {text!r}."
         )
     return tuple(int(part) for part in text.split("+"))
 

@@ -17,7 +17,7 @@ from ..muscle import Muscle
 from .objectives import judged
 from .outcome import Demand, Outcome, visited
 from .packing import packed_radius
-from .table import UNLIKE, Resolution, Table, at_levels, first_zeros, tabulated
+from .table import UNLIKE, Resolution, at_levels, first_zeros, tabulated
 
 
 _POINTS = 2**16  # forces worked on at once: what stays in cache
@@ -107,9 +107,9 @@ def unlike_outcome(
     at = jax.vmap(lambda *own: at_levels(muscle(*own), demand.supply, resolution))(*own)
     n, there = sizes.counts, sizes.counts > 0
     top = jnp.max(jnp.where(there, at.column.free_strain[:, -1, 0], 0.0))
-    tables = jax.vmap(
-        lambda at, *own: tabulated(muscle(*own), at, top, demand, resolution, needs)
-    )(at, *own)
+    tables = jax.vmap(lambda at, *own: tabulated(muscle(*own), at, top, demand, resolution, needs))(
+        at, *own
+    )
     low, high = _edges(n, tables.force, demand.scheme)
     reached, miss, state = visited(demand.force, low, high, there)
     fed = jnp.arange(n.size)[:, None] <= state
