@@ -10,7 +10,7 @@ side by side at rest. The factors $f_i$ make units unlike; they are 1 unless sev
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
 
@@ -80,6 +80,10 @@ class Space:
             raise ValueError(
                 f"the space is empty: no split has {self.most_units} motor units or fewer."
             )
+
+    def __getstate__(self) -> dict:
+        # what is derived is derived again: it can be a thousand times larger
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __len__(self) -> int:
         return math.prod(map(len, self._grid)) * len(self._shapes[0])
