@@ -6,6 +6,7 @@ of the first, so that they exist.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -34,7 +35,7 @@ class Designs:
     angle: Float[np.ndarray, "design unit"]
 
     @classmethod
-    def of(cls, muscle: Muscle, counts: Sequence[Sequence[int]], name: str = "muscle") -> "Designs":
+    def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
         """Compositions of one muscle.
 
         **Arguments:**

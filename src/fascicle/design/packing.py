@@ -4,7 +4,7 @@ $N$ equal circles of radius $r$ fit into one of radius $\rho_N r$. The $\rho_N$ 
 those of the best packings known (proved for $N \le 13$ and $19$; Graham, Lubachevsky, Nurmela
 and Östergård 1998); beyond, the density is taken to stay that of 30.
 
-Unlike circles are taken to fill the circle around them as densely as equal ones do,
+Two lie side by side. More, unlike ones are taken to fill the circle around them as densely as equal ones do,
 
 $$R = \max\Bigl(\rho_N \sqrt{\textstyle\sum_i r_i^2 / N},\; r_1 + r_2\Bigr), \tag{G1}$$
 
@@ -15,7 +15,7 @@ fit into the gaps less.
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, ArrayLike, Float, Int
 
 
 _RATIOS = (
@@ -26,7 +26,7 @@ _RATIOS = (
 _EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}
 
 
-def ratio(count: Int[Array, "*designs"] | int) -> Float[Array, "*designs"]:
+def ratio(count: Int[ArrayLike, "*designs"]) -> Float[Array, "*designs"]:
     r"""How much wider the circle around equal ones is.
 
     **Arguments:** `count`: $N$ of them [-], at least 1.
@@ -40,7 +40,7 @@ def ratio(count: Int[Array, "*designs"] | int) -> Float[Array, "*designs"]:
 
 
 def packed_radius(
-    radii: Float[Array, "*designs unit"], counts: Int[Array, "*designs unit"]
+    radii: Float[ArrayLike, "*designs unit"], counts: Int[ArrayLike, "*designs unit"]
 ) -> Float[Array, "*designs"]:
     """Radius of the circle around all muscles, equation (G1).
 
@@ -51,10 +51,12 @@ def packed_radius(
 
     **Returns:** the radius [m].
     """
+    radii, counts = jnp.asarray(radii), jnp.asarray(counts)
     N = jnp.sum(counts, axis=-1)
     dense = ratio(N) * jnp.sqrt(jnp.sum(counts * radii**2, axis=-1) / jnp.maximum(N, 1))
     # the two largest: a unit of two or more brings both
     there = jnp.where(counts > 0, radii, 0.0)
     twice = jnp.where(counts > 1, radii, 0.0)
     both = jnp.sort(jnp.concatenate([there, twice], axis=-1), axis=-1)
-    return jnp.maximum(dense, both[..., -1] + both[..., -2])
+    side_by_side = both[..., -1] + both[..., -2]
+    return jnp.where(N == 2, side_by_side, jnp.maximum(dense, side_by_side))

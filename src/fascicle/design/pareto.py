@@ -56,7 +56,7 @@ def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
     return kept
 
 
-def hypervolume(points: Matrix, reference: Sequence[float]) -> float:
+def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
     """Volume dominated by points, up to a reference.
 
     **Arguments:**
@@ -88,7 +88,7 @@ def _front(rows: Matrix) -> Bool[np.ndarray, " design"]:
     return front
 
 
-def _dominated(rows: Matrix, by: Matrix) -> Bool[np.ndarray, " design"]:
+def _dominated(rows: Matrix, by: Float[np.ndarray, "other objective"]) -> Bool[np.ndarray, " design"]:
     worse = np.zeros(len(rows), bool)
     for start in range(0, len(by), _BLOCK):
         other = by[start : start + _BLOCK]

@@ -214,13 +214,12 @@ def sensitivities(
     factor = dict(zip(ranges, drawn.T, strict=True))
     count, units = len(drawn), designs.counts.shape[1]
     kinds = _repeated(drawing, count)
-    for name in factor:
-        if name in _MATERIAL:
-            kinds = eqx.tree_at(
-                lambda m, name=name: getattr(m.material, name),
-                kinds,
-                getattr(kinds.material, name) * jnp.asarray(factor[name]),
-            )
+    for name in set(_MATERIAL) & set(factor):
+        kinds = eqx.tree_at(
+            lambda m, name=name: getattr(m.material, name),
+            kinds,
+            getattr(kinds.material, name) * jnp.asarray(factor[name]),
+        )
     one, each = np.ones(count), np.ones((count, units))
     sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(designs, np.array([place])))
     angle = (factor.get("braid_angle", one) - 1)[:, None] * np.asarray(sizes.angle)

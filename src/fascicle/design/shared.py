@@ -35,8 +35,8 @@ class Prepared(eqx.Module):
     muscles: Int[Array, ""]
     low: Float[Array, " point"]
     high: Float[Array, " point"]
-    depth: Float[Array, "most most"] | None
-    overlap: Float[Array, "most most most"] | None
+    depth: Float[Array, "a n"] | None
+    overlap: Float[Array, "a n after"] | None
 
 
 @partial(jax.jit, static_argnames=("most", "needs", "resolution"))
@@ -143,7 +143,7 @@ def _widest(table: Array | None, a: Array, n: Array) -> Float[Array, " design"] 
     return jnp.max(table[a, n, after], axis=0)
 
 
-def _depths(curves: Array, top: Array, N: Array, most: int) -> Float[Array, "most most"]:
+def _depths(curves: Array, top: Array, N: Array, most: int) -> Float[Array, "a n"]:
     """Fall of the free strain for each $(a, n)$; 0 where there is no such transition."""
     a, n = (np.array(x) for x in zip(*_pairs(most), strict=True))
 
@@ -158,7 +158,7 @@ def _depths(curves: Array, top: Array, N: Array, most: int) -> Float[Array, "mos
     return jnp.zeros((most + 1, most + 1)).at[a, n].set(falls)
 
 
-def _overlaps(curves: Array, N: Array, most: int, scheme: str) -> Float[Array, "most most most"]:
+def _overlaps(curves: Array, N: Array, most: int, scheme: str) -> Float[Array, "a n after"]:
     """Widest overlap of the states $(a, n)$ and $(a + n, n')$; 0 where there are none."""
     full, none = curves[-1], curves[0]
     least, largest = jnp.min(curves, axis=0), jnp.max(curves, axis=0)

@@ -166,7 +166,7 @@ class Space:
 
 
 def _with_factors(
-    counts: Int[np.ndarray, "shape unit"], factors: Floats
+    counts: Int[np.ndarray, "split unit"], factors: Floats
 ) -> tuple[Int[np.ndarray, "shape unit"], Float[np.ndarray, "shape unit"]]:
     """Each split with each choice of a factor for each of its units."""
     units = np.sum(counts > 0, axis=1)

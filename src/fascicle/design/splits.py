@@ -7,7 +7,8 @@ Henneman's size principle has it.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int
@@ -104,7 +105,7 @@ def read(text: str) -> tuple[int, ...]:
     return tuple(int(part) for part in text.split("+"))
 
 
-def label(counts: Sequence[int]) -> str:
+def label(counts: Iterable[Any]) -> str:
     """A composition for a reader: `1+4`; `counts`: muscles in each unit [-], zeros aside."""
     return "+".join(str(int(n)) for n in counts if n)
 

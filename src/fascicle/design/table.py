@@ -102,7 +102,7 @@ def tabulated(
 
 
 def first_zeros(
-    force: Float[Array, "*any strain"], top: Float[Array, "*any"]
+    force: Float[Array, "*any strain"], top: Float[Array, ""]
 ) -> Float[Array, "*any"]:
     """First strain [-] at which a force [N] over even strains to `top` [-] vanishes.
 

@@ -56,9 +56,9 @@ def test_what_is_simple(muscle, five, task, values):
     # only one that isn't alone is ever bowed by others
     assert values["envelope"][single] == values["envelope"].min()
     assert np.ptp(values["envelope"][~single]) == 0
-    # splitting feeds fewer muscles
+    # with a valve for each muscle no more are fed than must be; others may feed as few
     assert values["mean_efficiency"][single] == values["mean_efficiency"].min()
-    assert values["mean_efficiency"].argmax() == 15
+    assert values["mean_efficiency"][15] >= values["mean_efficiency"].max() - 1e-12
     assert np.all(values["worst_shortfall"] >= values["shortfall"])
 
 
