@@ -4,7 +4,8 @@ $N$ equal circles of radius $r$ fit into one of radius $\rho_N r$. The $\rho_N$ 
 those of the best packings known (proved for $N \le 13$ and $19$; Graham, Lubachevsky, Nurmela
 and Östergård 1998); beyond, the density is taken to stay that of 30.
 
-Two lie side by side. More, unlike ones are taken to fill the circle around them as densely as equal ones do,
+Two lie side by side. More, unlike ones are taken to fill the circle around them as densely
+as equal ones do,
 
 $$R = \max\Bigl(\rho_N \sqrt{\textstyle\sum_i r_i^2 / N},\; r_1 + r_2\Bigr), \tag{G1}$$
 

@@ -88,7 +88,9 @@ def _front(rows: Matrix) -> Bool[np.ndarray, " design"]:
     return front
 
 
-def _dominated(rows: Matrix, by: Float[np.ndarray, "other objective"]) -> Bool[np.ndarray, " design"]:
+def _dominated(
+    rows: Matrix, by: Float[np.ndarray, "other objective"]
+) -> Bool[np.ndarray, " design"]:
     worse = np.zeros(len(rows), bool)
     for start in range(0, len(by), _BLOCK):
         other = by[start : start + _BLOCK]

@@ -101,9 +101,7 @@ def tabulated(
     )
 
 
-def first_zeros(
-    force: Float[Array, "*any strain"], top: Float[Array, ""]
-) -> Float[Array, "*any"]:
+def first_zeros(force: Float[Array, "*any strain"], top: Float[Array, ""]) -> Float[Array, "*any"]:
     """First strain [-] at which a force [N] over even strains to `top` [-] vanishes.
 
     Linear between strains; `top` where it doesn't vanish before.
