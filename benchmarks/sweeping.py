@@ -1,8 +1,8 @@
 """A sweep on one and two workers: its rate, and where each block's time goes.
 
 A study of unlike designs is swept by this process alone, then by one and by two Dask workers, each
-after a first sweep that compiled. A block's time is that of computing it, of writing its chunks, and
-the rest: what handing it out, fetching its report and noting it took. Then as many blocks of one
+after a first sweep that compiled. A block's time is that of computing it, of writing its chunks,
+and the rest: what handing it out, fetching its report and noting it took. Then blocks of one
 design each, which are nearly all overhead: what one block costs whoever hands them out.
 
     python benchmarks/sweeping.py --json docs/_static/sweep.json

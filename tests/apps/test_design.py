@@ -57,9 +57,8 @@ def test_a_task_becomes_bundles_and_a_page(fascicle, written, tmp_path):
     assert front.mean_efficiency.attrs["units"] == "1" and front.envelope.attrs["units"] == "m"
     assert np.all(front.valves <= 3) and front.recommended.sum() == 1
     bundle = fs.load(folder / "bundle_1.toml")
-    assert "+".join(str(int(u.count)) for u in bundle.motor_units) == str(
-        front.composition[0].item()
-    )
+    units = "+".join(str(int(unit.count)) for unit in bundle.motor_units)
+    assert units == front.composition[0].item()
     every = results.read(folder / "designs.nc")
     assert every.sizes["design"] == 14 and every.front.sum() == front.sizes["design"]
 
