@@ -2,7 +2,7 @@
 
 import datetime as dt
 import time
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -55,20 +55,38 @@ def run(task: Task, out: Out = None, also: Also = None, as_json: AsJson = False)
     begun = time.perf_counter()
     with refusing():
         found = search(file.space, file.task, file.senses, file.limits, extra)
+        sure = _sure(found, file.chance)
     seconds = time.perf_counter() - begun
     written: list[str] = []
     if folder is not None:
         with refusing("--out "):
-            written = write(found, folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}", seconds)
+            written = write(
+                found, folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}", seconds, sure
+            )
     if as_json:
         from ..describe.designed import front_variables
         from ..describe.results import to_json
 
         if not found.front.size:
             raise UserError(f"{task}: no design keeps all limits.")
-        print(to_json(front_variables(found)))
+        print(to_json(front_variables(found, sure)))
         return
     print_front(found)
+    if sure is not None and found.recommended is not None:
+        share = sure.probability[found.recommended]
+        print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
     if written:
         shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
         print(f"wrote {', '.join(shown)}")
+
+
+def _sure(found: Any, chance: Any) -> Any:
+    """How the front's designs come out, where the task file asks for it."""
+    if chance is None or not found.front.size:
+        return None
+    from ..design.robust import spread
+
+    names = tuple(found.values)
+    return spread(
+        found.designs, found.task, names, found.limits, chance.scatter, chance.muscles, chance.draws
+    )

@@ -8,6 +8,7 @@ from .tables import show
 
 
 if TYPE_CHECKING:
+    from ..design.robust import Spread
     from ..design.searching import Found
 
 _SHOWN, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
@@ -73,7 +74,9 @@ def print_front(found: "Found") -> None:
         print(line)
 
 
-def write(found: "Found", folder: Path, date: str, seconds: float) -> list[str]:
+def write(
+    found: "Found", folder: Path, date: str, seconds: float, sure: "Spread | None" = None
+) -> list[str]:
     """Write report, data and bundles.
 
     **Arguments:**
@@ -82,6 +85,7 @@ def write(found: "Found", folder: Path, date: str, seconds: float) -> list[str]:
     - `folder`: where they go [-]; what is there is replaced.
     - `date`: of the day [-].
     - `seconds`: that the search took [s].
+    - `sure`: how the front's designs come out [-], if that was asked.
 
     **Returns:** the files' paths [-].
     """
@@ -98,9 +102,9 @@ def write(found: "Found", folder: Path, date: str, seconds: float) -> list[str]:
     }
     data: dict[str, Any] = {"designs.nc": every_variables(found)}
     if found.front.size:
-        data["front.nc"] = front_variables(found)
+        data["front.nc"] = front_variables(found, sure)
     files = [*data, *bundles]
-    page = report(found, date, files, seconds)
+    page = report(found, date, files, seconds, sure)
 
     def fill(draft: Path) -> None:
         draft.mkdir()

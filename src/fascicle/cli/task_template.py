@@ -36,4 +36,11 @@ reversal_depth = "min"
 not_reached = { at_most = "10 %" }
 envelope = { at_most = "90 mm" }
 valves = { at_most = 5 }
+
+# How muscles come out, for the designs of the front; left out, nothing of it.
+# [scatter]
+# length = "1 %"                 # standard deviations
+# braid_angle = "1 deg"
+# draws = 200
+# calibrated = true              # and constants as sure as the muscle file's calibration is
 """

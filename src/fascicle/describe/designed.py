@@ -6,14 +6,18 @@ import numpy as np
 
 from ..design.designs import Designs
 from ..design.objectives import OBJECTIVES
+from ..design.robust import Spread
 from ..design.searching import Found
 from .results import Variable
 
 
-def front_variables(found: Found) -> dict[str, Variable]:
+def front_variables(found: Found, sure: Spread | None = None) -> dict[str, Variable]:
     """The front, a design a row.
 
-    **Arguments:** `found`: by a search [-].
+    **Arguments:**
+
+    - `found`: by a search [-].
+    - `sure`: how the front's designs come out [-]; left out, nothing of it.
 
     **Returns:** values by name [-]: objectives first, then composition and sizes.
     """
@@ -25,6 +29,7 @@ def front_variables(found: Found) -> dict[str, Variable]:
         "design": Variable(("design",), found.index[places], "-", "index in the space of designs"),
         **_objectives({name: values[places] for name, values in found.values.items()}),
         "recommended": Variable(("design",), recommended, "-", "least bad in its worst objective"),
+        **({} if sure is None else _sure(sure)),
         **design_variables(found.designs),
     }
 
@@ -71,6 +76,17 @@ def design_variables(designs: Designs) -> dict[str, Variable]:
         "wall_thickness": by_unit(sizes(designs.wall), "m", "of the unit's muscles at rest"),
         "braid_angle": by_unit(sizes(designs.angle), "rad", "from the axis, at rest"),
     }  # fmt: skip
+
+
+def _sure(sure: Spread) -> dict[str, Variable]:
+    about = "share of draws that meet the task and all limits"
+    told = {"probability": Variable(("design",), sure.probability, "-", about)}
+    for share in (0.05, 0.5, 0.95):
+        for name, one in sure.quantile(share).items():
+            key = f"{name}_q{100 * share:02.0f}"
+            words = f"{100 * share:g} % quantile of: {OBJECTIVES[name].about}"
+            told[key] = Variable(("design",), one, OBJECTIVES[name].unit, words)
+    return told
 
 
 def _objectives(values: dict[str, np.ndarray]) -> dict[str, Variable]:

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 from pydantic import ValidationError
@@ -19,12 +19,14 @@ from ..design.splits import read as read_split
 from ..design.task import Task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
+from ..records.fabrication import Scatter
 from ..units import parse
+from .drawn import drawn
 from .named import example, examples
 from .places import Place
 from .problems import from_validation
 from .reading import load, parsed, text_of
-from .task_schema import DesignSection, TaskFileSection, TaskSection
+from .task_schema import DesignSection, ScatterSection, TaskFileSection, TaskSection
 
 
 DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
@@ -33,16 +35,28 @@ _CLOUD = ("force", "strain", "weight", "time")
 BLOCK = 4096  # designs of a study worked on at once, unless it says otherwise
 
 
+class Chance(NamedTuple):
+    """How unlike muscles come out: `scatter`, how many `draws`, and `muscles` drawn from a
+    calibration, or `None`.
+    """
+
+    scatter: Scatter
+    draws: int
+    muscles: Muscle | None
+
+
 @dataclass(frozen=True, eq=False)
 class TaskFile:
     """What a task file says: the `task`, the `space` of designs, the objectives' `senses` and
-    `limits` by name, how many designs make a `block` of a study, and the file's own `data`.
+    `limits` by name, the `chance` that no muscle comes out as drawn, how many designs make a
+    `block` of a study, and the file's own `data`.
     """
 
     task: Task
     space: Space
     senses: dict[str, str]
     limits: dict[str, Limit]
+    chance: Chance | None
     block: int
     data: Mapping[str, Any]
 
@@ -90,7 +104,11 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     if not 1 <= block <= 2**20:
         at = Place(source, data, ("sweep",), "task")
         raise at.refuse(("block",), "must lie in [1, 1048576] designs.")
-    return TaskFile(task, space, senses, limits, block, data)
+    chance = None
+    if file.scatter is not None:
+        at = Place(source, data, ("scatter",), "task")
+        chance = _chance(file.scatter, file.design, at, folder)
+    return TaskFile(task, space, senses, limits, chance, block, data)
 
 
 def _task(section: TaskSection, place: Place) -> Task:
@@ -135,6 +153,25 @@ def _space(
         if "muscles" in given and set(given["muscles"]) != set(numbers):
             raise ValueError("`muscles` must be left out where the splits are written out.")
         return Space(drawings, splits=chosen, **(given | {"muscles": numbers}))
+
+
+def _chance(section: ScatterSection, design: DesignSection, place: Place, folder: Path) -> Chance:
+    if len(design.muscle) > 1:
+        raise place.refuse((), "needs a space of one muscle, search each alone.")
+    draws = 200 if section.draws is None else section.draws
+    if not 2 <= draws <= 100_000:
+        raise place.refuse(("draws",), "must lie in [2, 100000].")
+    with place.naming():
+        given = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
+        scatter, muscles = Scatter(**given), None
+        if section.calibrated:
+            path = folder / design.muscle[0]
+            if not path.exists():
+                raise ValueError(f"`calibrated` needs a muscle file, {design.muscle[0]!r} is none.")
+            muscles = drawn(path)
+            if design.buckling is not None:
+                raise ValueError("`calibrated` constants hold for the law they were fitted with.")
+        return Chance(scatter, draws, muscles)
 
 
 def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> Muscle:

@@ -2,10 +2,10 @@
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, StrictInt, StrictStr
+from pydantic import BeforeValidator, Field, StrictBool, StrictInt, StrictStr
 
 from ..units import parse, parse_list
-from .schema import Pressure, Section
+from .schema import Angle, Number, Pressure, Section
 
 
 def _values(dimension: str) -> BeforeValidator:
@@ -81,6 +81,15 @@ class SweepSection(Section):
     block: StrictInt | None = None
 
 
+class ScatterSection(Section):
+    """`[scatter]`: how unlike muscles come out, and whether constants are drawn too."""
+
+    length: Number | None = None
+    braid_angle: Angle | None = None
+    draws: StrictInt | None = None
+    calibrated: StrictBool | None = None
+
+
 class TaskFileSection(Section):
     """A whole task file."""
 
@@ -89,4 +98,5 @@ class TaskFileSection(Section):
     design: DesignSection = Field(examples=["[design]"])
     objectives: dict[str, StrictStr] | None = None
     limits: dict[str, dict[str, Any]] | None = None
+    scatter: ScatterSection | None = None
     sweep: SweepSection | None = None

@@ -7,6 +7,7 @@ import numpy as np
 from ..bundle.recruitment import overlap, space
 from ..describe import dumps
 from ..design.objectives import OBJECTIVES
+from ..design.robust import Spread
 from ..design.searching import Found
 from ..plot.style import to_bytes
 from ..plot.task import task as draw_task
@@ -21,7 +22,13 @@ _OTHERS = 3000  # points drawn behind the front
 _FORMATS = {"m": "length", "N": "force", "J": "energy"}
 
 
-def report(found: Found, date: str, files: list[str], seconds: float | None = None) -> str:
+def report(
+    found: Found,
+    date: str,
+    files: list[str],
+    seconds: float | None = None,
+    sure: Spread | None = None,
+) -> str:
     """The page.
 
     **Arguments:**
@@ -30,6 +37,7 @@ def report(found: Found, date: str, files: list[str], seconds: float | None = No
     - `date`: of the day [-], such as "2026-05-04".
     - `files`: written beside the page [-].
     - `seconds`: that the search took [s], if known.
+    - `sure`: how the front's designs come out [-], if that was asked.
 
     **Returns:** the page as HTML [-].
     """
@@ -57,6 +65,8 @@ def report(found: Found, date: str, files: list[str], seconds: float | None = No
         _recommendation(page, found, chosen)
         _front(page, found, texts, chosen)
         _space(page, found, chosen)
+        if sure is not None:
+            _sure(page, found, sure)
         _table(page, found)
         _files(page, found, chosen)
     _terms(page, found)
@@ -193,6 +203,36 @@ def _space(page: Page, found: Found, chosen: int) -> None:
     )
     title = "Force-strain space and the points demanded"
     page.picture(to_bytes(figure, "svg"), "svg", title, figure.get_figwidth() * _INCH)
+
+
+def _sure(page: Page, found: Found, sure: Spread) -> None:
+    page.heading("How sure", "sure")
+    draws = sure.met.shape[1]
+    page.paragraph(
+        f"Each design in {draws} draws of what no two muscles have alike. It meets the task if it"
+        " reaches every point and keeps all limits. Objectives: 5 % to 95 % of the draws."
+    )
+    low, high = sure.quantile(0.05), sure.quantile(0.95)
+    stays = sure.front(found.senses)
+    names = list(found.senses)
+    heads = ["", "units", "meets the task", *(n.replace("_", " ") for n in names), "still on"]
+    rows = [
+        [
+            str(place + 1),
+            found.designs.labels[place],
+            f"{100 * sure.probability[place]:.0f} %",
+            *(
+                escape(f"{shown(n, float(low[n][place]))} to {shown(n, float(high[n][place]))}")
+                for n in names
+            ),
+            "yes" if stays[place] else "no",
+        ]
+        for place in range(min(len(sure.met), _SHOWN))
+    ]
+    page.table(heads, rows)
+    page.paragraph(
+        "Still on: no other betters what nine in ten draws do at least as well as.", "note"
+    )
 
 
 def _table(page: Page, found: Found) -> None:
