@@ -10,6 +10,8 @@ that isn't met is charged as if every unit were fed.
 exact where the force is linear in pressure, that is, wherever the muscle pulls.
 """
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -20,7 +22,7 @@ from .task import Task
 MET = 1e-9  # N, a shortfall that is none
 
 Points = Float[Array, " point"]
-States = Float[Array, "unit point *design"]
+Edges = Sequence[Array] | Array  # of every state in turn, over points and designs
 
 
 class Demand(eqx.Module):
@@ -62,8 +64,8 @@ class Outcome(eqx.Module):
 
 def visited(
     force: Points,
-    low: States,
-    high: States,
+    low: Edges,
+    high: Edges,
     there: Bool[Array, "unit *design"],
 ) -> tuple[
     Bool[Array, "point *design"], Float[Array, "point *design"], Int[Array, "point *design"]
@@ -73,13 +75,13 @@ def visited(
     `force` [N] is demanded; states cover `low` to `high` [N] where the unit is `there`. The
     state of a point that isn't reached is the last there is.
     """
-    shape = low.shape[1:]
+    shape = low[0].shape
     F = force.reshape(-1, *(1,) * (len(shape) - 1))
     reached = jnp.zeros(shape, bool)
     shortfall = jnp.full(shape, jnp.inf)
     state = jnp.broadcast_to(jnp.sum(there, axis=0) - 1, shape)
     # from the last state to the first, so that the lowest that covers a point has the word
-    for k in reversed(range(low.shape[0])):
+    for k in reversed(range(len(low))):
         miss = jnp.maximum(jnp.maximum(low[k] - F, F - high[k]), 0.0)
         miss = jnp.where(there[k], miss, jnp.inf)
         covers = miss <= MET

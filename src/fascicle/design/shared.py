@@ -102,8 +102,9 @@ def shared_outcome(known: Prepared, counts: Int[Array, "design unit"], demand: D
     throttled = n if demand.scheme == "orderly" else fed
     full, none = table.force[-1][:, None], table.force[0][:, None]
     held = [a[k] * full + (N - fed[k]) * none for k in range(n.shape[0])]
-    low = jnp.stack([x + w * known.low[:, None] for x, w in zip(held, throttled, strict=True)])
-    high = jnp.stack([x + w * known.high[:, None] for x, w in zip(held, throttled, strict=True)])
+    # not stacked: states are looked at in turn, and needn't be written to memory
+    low = [x + w * known.low[:, None] for x, w in zip(held, throttled, strict=True)]
+    high = [x + w * known.high[:, None] for x, w in zip(held, throttled, strict=True)]
     reached, miss, state = visited(demand.force, low, high, n > 0)
     # few units: a sum over them is faster than to look the state up
     active = sum(jnp.where(state >= k, n[k], 0) for k in range(n.shape[0]))
