@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.design import Designs, Task, compositions, evaluate
 from fascicle.bundle.reversal import reversal
+from fascicle.design import Designs, Task, compositions, evaluate
 
 
 UNIT_1 = 344.7e3  # Pa, section 6

@@ -74,8 +74,8 @@ def refined(
     demand, one = Demand.of(task), designs.take(np.array([place]))
     drawing = list(designs.drawings.values())[int(one.kind[0])]
     sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(one, np.array([0])))
-    begun = float(evaluate(one, task, [name])[name][0]) or 1.0
     low, high, first = _box(sizes, bounds)
+    begun = float(evaluate(one, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
     others = rng.uniform(-2.0, 2.0, (starts - 1, first.size))
     z = jnp.asarray(np.concatenate([first[None], others]))

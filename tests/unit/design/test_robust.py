@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
 from fascicle.design.robust import sensitivities, spread
-from fascicle.records import Scatter
+from fascicle.records.fabrication import Scatter
 
 
 NAMES = ("mean_efficiency", "largest_force")
@@ -81,10 +81,11 @@ def test_draws_of_a_calibrated_muscle(muscle, designs, reachable):
 def test_sobol_indices(designs, reachable):
     pytest.importorskip("SALib", reason="needs the extra `design`")
     ranges = {"outer_radius": 0.05, "length": 0.05}
-    found = sensitivities(designs, 0, reachable, ranges, ("largest_force", "valves"), samples=16)
+    found = sensitivities(designs, 0, reachable, ranges, ("largest_force", "valves"), samples=128)
     told = found["largest_force"]
-    # the blocked force grows with the radius squared, and doesn't know the length
-    assert_allclose(told["ST"], [1.0, 0.0], atol=0.05)
+    # the blocked force grows with the radius squared, and doesn't know the length; estimates
+    # from 128 samples scatter by a few hundredths
+    assert_allclose(told["ST"], [1.0, 0.0], atol=0.1)
     assert not np.any(found["valves"]["ST"])
     with pytest.raises(ValueError, match="did you mean 'length'"):
         sensitivities(designs, 0, reachable, {"lenght": 0.1}, ("valves",))
