@@ -12,7 +12,6 @@ import argparse
 import json
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +74,7 @@ def measure(small: bool) -> dict[str, Any]:
 
     both("alone", None)
     for workers in (1, 2):
-        cluster: Callable[..., Any] = LocalCluster
+        cluster: Any = LocalCluster
         with cluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
             host="127.0.0.1",

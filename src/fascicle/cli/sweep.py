@@ -119,7 +119,7 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
         return
     import logging
 
-    import dask
+    import dask.config
     from distributed import Client, LocalCluster
 
     # a worker that is killed is told by what follows, not by a page of its log
@@ -137,8 +137,9 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
             yield client
             return
         count = workers or _cores()
+        local: Any = LocalCluster
         cluster = stack.enter_context(
-            LocalCluster(
+            local(
                 n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
                 memory_limit=0, host="127.0.0.1",
             )

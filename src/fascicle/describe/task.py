@@ -139,7 +139,9 @@ def _space(
     section: DesignSection, place: Place, limits: Mapping[str, Limit], folder: Path
 ) -> Space:
     drawings = {name: _drawing(name, section, place, folder) for name in section.muscle}
-    given = section.model_dump(exclude_none=True, exclude={"muscle", "splits", "buckling"})
+    given: dict[str, Any] = section.model_dump(
+        exclude_none=True, exclude={"muscle", "splits", "buckling"}
+    )
     splits = section.splits or ("all",)
     if "valves" in limits and limits["valves"].most < 1:
         raise place.refuse((), "the space is empty: every bundle needs a valve.")
@@ -152,11 +154,13 @@ def _space(
         numbers = tuple(dict.fromkeys(sum(row) for row in chosen))
         if "muscles" in given and set(given["muscles"]) != set(numbers):
             raise ValueError("`muscles` must be left out where the splits are written out.")
-        return Space(drawings, splits=chosen, **(given | {"muscles": numbers}))
+        given["muscles"] = numbers
+        return Space(drawings, splits=chosen, **given)
 
 
 def _chance(section: ScatterSection, design: DesignSection, place: Place, folder: Path) -> Chance:
-    if len(design.muscle) > 1:
+    name, *others = design.muscle
+    if others:
         raise place.refuse((), "needs a space of one muscle, search each alone.")
     draws = 200 if section.draws is None else section.draws
     if not 2 <= draws <= 100_000:
@@ -165,9 +169,9 @@ def _chance(section: ScatterSection, design: DesignSection, place: Place, folder
         given = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
         scatter, muscles = Scatter(**given), None
         if section.calibrated:
-            path = folder / design.muscle[0]
+            path = folder / name
             if not path.exists():
-                raise ValueError(f"`calibrated` needs a muscle file, {design.muscle[0]!r} is none.")
+                raise ValueError(f"`calibrated` needs a muscle file, {name!r} is none.")
             muscles = drawn(path)
             if design.buckling is not None:
                 raise ValueError("`calibrated` constants hold for the law they were fitted with.")
@@ -186,8 +190,8 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
         if isinstance(found, Bundle):
             raise ValueError(f"`muscle` {name!r} is a bundle: name a muscle.")
         if section.buckling is not None:
-            law = one_of(section.buckling, BUCKLING_LAWS, "buckling")
-            found = eqx.tree_at(lambda m: m.buckling, found, BUCKLING_LAWS[law]())
+            law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
+            found = eqx.tree_at(lambda m: m.buckling, found, law())
         return found
 
 

@@ -36,7 +36,20 @@ _HOMES = {
     "search": "searching",
 }
 
-__all__ = list(_HOMES)
+__all__ = [
+    "Designs",
+    "Limit",
+    "OBJECTIVES",
+    "Space",
+    "Task",
+    "compositions",
+    "evaluate",
+    "example_task",
+    "hypervolume",
+    "non_dominated",
+    "partitions",
+    "search",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -29,7 +29,7 @@ from .unlike import Sizes, unlike_outcome
 
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")
-_RATE = 0.05
+_RATE = 0.2
 _INSIDE = 6.0  # a coordinate's largest size: a part in 400 from a bound
 
 
@@ -81,7 +81,7 @@ def refined(
     z = jnp.asarray(np.concatenate([first[None], others]))
     sign = (1.0 if sense == "min" else -1.0) / abs(begun)
     scale = penalty / max(float(np.mean(task.force)), 1e-9)
-    adam = optax.adam(_RATE * 4)
+    adam: Any = optax.adam(_RATE)
     state = jax.vmap(adam.init)(z)
     best = (np.full(starts, np.inf), np.asarray(z).copy())
     for _ in range(steps + 1):

@@ -67,7 +67,7 @@ def prepared(
     table = tabulated(muscle, at, top, demand, resolution, needs)
     depth = overlap = None
     N = jnp.asarray(muscles)
-    if "curves" in needs:
+    if table.curves is not None:
         depth = _depths(table.curves, top, N, most)
         overlap = _overlaps(table.curves, N, most, demand.scheme)
     low, high = jnp.min(table.force, axis=0), jnp.max(table.force, axis=0)

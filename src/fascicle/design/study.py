@@ -7,6 +7,7 @@ the numbers what they are goes into a study's digest: results of another one are
 import hashlib
 import json
 from dataclasses import dataclass, fields
+from importlib.metadata import version
 from typing import Any
 
 import jax
@@ -77,10 +78,8 @@ class Study:
     @property
     def digest(self) -> str:
         """What tells this study from any other whose numbers could differ [-]."""
-        from .. import __version__
-
         told = hashlib.sha256()
-        told.update(json.dumps([__version__, self.names, self.block]).encode())
+        told.update(json.dumps([version("fascicle"), self.names, self.block]).encode())
         for part in (self.task, self.space):
             for field in fields(part):
                 told.update(field.name.encode())

@@ -114,11 +114,11 @@ def unlike_outcome(
     reached, miss, state = visited(demand.force, low, high, there)
     fed = jnp.arange(n.size)[:, None] <= state
     size = depth = overlap = None
-    if "size" in needs:
+    if tables.radius is not None and tables.bulge is not None:
         bulge = jnp.max(jnp.where(there, tables.bulge, 0.0))
         several = jnp.sum(there) > 1
         size = 2 * (packed_radius(tables.radius, n) + jnp.where(several, bulge, 0.0))
-    if "curves" in needs:
+    if tables.curves is not None:
         depth = _depth(n, tables.curves, top)
         overlap = _overlap(n, tables.curves, demand.scheme)
     return Outcome(

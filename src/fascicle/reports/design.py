@@ -172,11 +172,11 @@ def _front(page: Page, found: Found, texts: list[str], chosen: int) -> None:
     for name in names[1:] or ["valves"]:
         if name not in axes:
             continue
-        behind = tuple(
+        x, y = (
             scaled({key: found.values[key][rest]}, key, OBJECTIVES[key].unit).values
             for key in (name, names[0])
         )
-        page.html(f"<figure>{scatter(axes[name], first, texts, chosen, behind)}</figure>")
+        page.html(f"<figure>{scatter(axes[name], first, texts, chosen, (x, y))}</figure>")
     page.paragraph(
         "Dots: designs of the front, the recommended one in orange; gray: other designs within the"
         " limits. With the mouse on a dot or line its design is told, and marked in every picture.",
