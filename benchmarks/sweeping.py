@@ -19,6 +19,7 @@ import numpy as np
 from cases import LARGEST_PRESSURE, muscle
 
 from fascicle.design import Space, Task
+from fascicle.design.cluster import local
 from fascicle.design.study import Study
 from fascicle.design.sweep import Done, sweep
 
@@ -58,10 +59,8 @@ def swept(given: Study, folder: Path, client: Any) -> dict[str, float]:
 
 
 def measure(small: bool) -> dict[str, Any]:
-    from distributed import Client, LocalCluster
-
-    lengths = 4 if small else 120
-    large, tiny = study(8 if small else 128, lengths), study(1, 2 if small else 12)
+    lengths = 4 if small else 400
+    large, tiny = study(8 if small else 512, lengths), study(1, 2 if small else 12)
     found: dict[str, Any] = {"points": len(large.task), "objectives": len(large.names)}
 
     def both(name: str, client: Any) -> None:
@@ -74,11 +73,7 @@ def measure(small: bool) -> dict[str, Any]:
 
     both("alone", None)
     for workers in (1, 2):
-        cluster: Any = LocalCluster
-        with cluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
-            host="127.0.0.1",
-        ) as local, Client(local) as client:  # fmt: skip
+        with local(workers) as client:
             both(f"workers_{workers}", client)
     return found
 

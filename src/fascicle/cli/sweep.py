@@ -117,40 +117,18 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     if workers == 0:
         yield None
         return
-    import logging
+    from ..design.cluster import local, remote
 
-    import dask.config
-    from distributed import Client, LocalCluster
-
-    # a worker that is killed is told by what follows, not by a page of its log
-    for name in ("distributed", "distributed.nanny", "distributed.scheduler", "distributed.worker"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    with contextlib.ExitStack() as stack:
-        # the tries of a block are counted by the sweep
-        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 3}))
-        if scheduler is not None:
-            try:
-                client = stack.enter_context(Client(scheduler, timeout=20))
-            except (OSError, ValueError, TimeoutError) as error:
-                reason = " ".join(str(error).split()) or type(error).__name__
-                raise UserError(f"--scheduler {scheduler}: {reason[:200]}.") from None
+    if scheduler is None:
+        with local(workers) as client:
             yield client
-            return
-        count = workers or _cores()
-        local: Any = LocalCluster
-        cluster = stack.enter_context(
-            local(
-                n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
-                memory_limit=0, host="127.0.0.1",
-            )
-        )  # fmt: skip
-        yield stack.enter_context(Client(cluster))
-
-
-def _cores() -> int:
-    import os
-
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return
+    with contextlib.ExitStack() as stack:
+        try:
+            client = stack.enter_context(remote(scheduler))
+        except ConnectionError as error:
+            raise UserError(f"--scheduler {scheduler}: {error}.") from None
+        yield client
 
 
 @contextlib.contextmanager

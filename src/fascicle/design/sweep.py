@@ -8,7 +8,6 @@ same bits over whatever was left.
 
 import os
 import pickle
-import resource
 import time
 from collections.abc import Callable, Iterable
 from functools import lru_cache
@@ -110,8 +109,15 @@ def run_block(payload: bytes, folder: str, block: int) -> Done:
     computed = time.perf_counter()
     digest = Store(Path(folder), study).write(block, values)
     written = time.perf_counter()
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return Done(block, digest, computed - begun, written - computed, memory, os.getpid())
+    return Done(block, digest, computed - begun, written - computed, _memory(), os.getpid())
+
+
+def _memory() -> int:
+    """Largest memory that this process has held [B]; 0 where the system doesn't tell."""
+    # not `getrusage`: across a fork that begins with the parent's
+    status = Path("/proc/self/status")
+    lines = status.read_text().splitlines() if status.exists() else []
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM")), 0)
 
 
 @lru_cache(maxsize=2)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Space, Task
+from fascicle.design.cluster import local
 from fascicle.design.store import DATA, JOURNAL, MANIFEST, Store
 from fascicle.design.study import Study
 from fascicle.design.sweep import run_block, sweep
@@ -118,7 +119,7 @@ def test_a_manifest_and_units(undisturbed):
 # dask's own threads and sockets, cut off by the kills, warn as they go
 @pytest.mark.filterwarnings("ignore")
 def test_killed_workers(muscle, task, tmp_path):
-    distributed = pytest.importorskip("distributed", reason="needs the extra `sweep`")
+    pytest.importorskip("distributed", reason="needs the extra `sweep`")
     study = study_of(muscle, task, block=4)
     whole = sweep(study, tmp_path / "alone")
     generator = np.random.default_rng(3)
@@ -130,11 +131,7 @@ def test_killed_workers(muscle, task, tmp_path):
             killed.append(progress.last.process)
             os.kill(progress.last.process, signal.SIGKILL)
 
-    cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
-        host="127.0.0.1", silence_logs=50,
-    )  # fmt: skip
-    with cluster, distributed.Client(cluster) as client:
+    with local(2) as client:
         store = sweep(study, tmp_path / "killed", client, watch=kill)
     assert killed and os.getpid() not in killed
     assert chunks(store.folder) == chunks(whole.folder)
@@ -146,4 +143,4 @@ def test_a_block_tells_what_it_took(study, tmp_path):
 
     Store.created(tmp_path / "one", study)
     done = run_block(pickle.dumps(study), str(tmp_path / "one"), 3)
-    assert done.block == 3 and done.process == os.getpid() and done.memory > 0
+    assert done.block == 3 and done.process == os.getpid() and done.memory > 2**20

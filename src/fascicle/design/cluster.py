@@ -1,0 +1,81 @@
+"""Workers for a sweep: processes on this machine, or a scheduler's anywhere.
+
+Each local worker computes on one thread: as many workers as cores then share a machine without
+waiting for one another. XLA reads that when a worker first computes, so it is in its environment.
+"""
+
+import contextlib
+import logging
+import os
+from collections.abc import Iterator
+from typing import Any
+
+
+_ONE_THREAD = "--xla_cpu_multi_thread_eigen=false"
+_LOGS = ("distributed", "distributed.nanny", "distributed.scheduler", "distributed.worker")
+
+
+@contextlib.contextmanager
+def local(workers: int | None = None) -> Iterator[Any]:
+    """A client of workers on this machine, which end with it.
+
+    **Arguments:** `workers`: how many [-]; left out, one a core.
+
+    **Returns:** Dask's client [-], inside a `with`.
+    """
+    from distributed import Client, LocalCluster
+
+    flags = f"{os.environ.get('XLA_FLAGS', '')} {_ONE_THREAD}".strip()
+    count = cores() if workers is None else workers
+    cluster: Any = LocalCluster
+    with (
+        quiet(), cluster(
+            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
+            memory_limit=0, host="127.0.0.1",
+            env={"XLA_FLAGS": flags, "OMP_NUM_THREADS": "1"},
+        ) as made,
+        Client(made) as client,
+    ):  # fmt: skip
+        yield client
+
+
+@contextlib.contextmanager
+def remote(address: str) -> Iterator[Any]:
+    """A client of a scheduler.
+
+    **Arguments:** `address`: its address, `tcp://…` [-].
+
+    **Returns:** Dask's client [-], inside a `with`.
+
+    **Raises:** `ConnectionError` where there is none.
+    """
+    from distributed import Client
+
+    with quiet():
+        try:
+            client = Client(address, timeout=20)
+        except (OSError, ValueError, TimeoutError) as error:
+            reason = " ".join(str(error).split())[:200] or type(error).__name__
+            raise ConnectionError(reason) from None
+        with client:
+            yield client
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Keep Dask's own log off the screen: a killed worker is told by what follows."""
+    before = {name: logging.getLogger(name).level for name in _LOGS}
+    for name in _LOGS:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def cores() -> int:
+    """How many cores this process may use [-]."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
