@@ -12,7 +12,8 @@ from typing import Any
 
 
 _ONE_THREAD = "--xla_cpu_multi_thread_eigen=false"
-_LOGS = ("distributed", "distributed.nanny", "distributed.scheduler", "distributed.worker")
+_PARTS = ("client", "comm", "core", "nanny", "scheduler", "worker")
+_LOGS = ("distributed", *(f"distributed.{part}" for part in _PARTS))
 
 
 @contextlib.contextmanager

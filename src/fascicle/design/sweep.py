@@ -131,8 +131,10 @@ def _here(payload: bytes, folder: Path, blocks: list[int]) -> Iterable[Done]:
 
 def _there(client: Any, payload: bytes, folder: Path, blocks: list[int]) -> Iterable[Done]:
     """Blocks as workers finish them; one that failed with its worker is handed out again."""
+    from concurrent.futures import CancelledError
+
     from distributed import KilledWorker, as_completed
-    from distributed.client import FutureCancelledError
+    from distributed.comm import CommClosedError
 
     where = str(folder.resolve())
     waiting = blocks[::-1]
@@ -163,5 +165,6 @@ def _there(client: Any, payload: bytes, folder: Path, blocks: list[int]) -> Iter
                 waiting.append(block)
             if waiting:
                 hand_out()
-    except (FutureCancelledError, TimeoutError) as error:
-        raise ConnectionError(f"the scheduler is lost ({error})") from None
+    except (CancelledError, CommClosedError, TimeoutError) as error:
+        told = " ".join(str(error).split())[:120] or type(error).__name__
+        raise ConnectionError(f"the scheduler is lost ({told})") from None

@@ -18,6 +18,7 @@ from .page import Page
 
 _INCH = 0.0254  # m
 _SHOWN = 30  # designs of the front in the table
+_LINKED = 8  # files beside the page
 _OTHERS = 3000  # points drawn behind the front
 _FORMATS = {"m": "length", "N": "force", "J": "energy"}
 
@@ -56,7 +57,7 @@ def report(
         f"The task's figures: {origin}. Supply {pretty(task.supply_pressure, 'pressure')},"
         f" {task.scheme} recruitment."
     )
-    page.files(files)
+    page.files(files if len(files) <= _LINKED else files[:_LINKED])
     if chosen is None:
         page.heading("No design keeps the limits", "none")
         page.points(nothing_left(found))

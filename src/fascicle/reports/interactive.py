@@ -76,7 +76,7 @@ def scatter(
     if others is not None:
         xs.append(others[0])
         ys.append(others[1])
-    x, y = _Scale.over(xs, _LEFT, _WIDTH - _RIGHT), _Scale.over(ys, _HEIGHT - _BOTTOM, _TOP)
+    x, y = _Scale(xs, _LEFT, _WIDTH - _RIGHT), _Scale(ys, _HEIGHT - _BOTTOM, _TOP)
     parts = []
     for value, text in x.ticks():
         parts.append(_line(x(value), _TOP, x(value), _HEIGHT - _BOTTOM, "grid"))
@@ -114,7 +114,7 @@ def parallel(axes: Sequence[Axis], texts: Sequence[str], chosen: int | None) -> 
     **Returns:** the SVG [-].
     """
     places = np.linspace(_LEFT, _WIDTH - _LEFT, max(2, len(axes)))[: len(axes)]
-    scales = [_Scale.over([axis.values], _HEIGHT - _BOTTOM, _TOP + 14) for axis in axes]
+    scales = [_Scale([axis.values], _HEIGHT - _BOTTOM, _TOP + 14) for axis in axes]
     parts = []
     for i, (place, axis, scale) in enumerate(zip(places, axes, scales, strict=True)):
         parts.append(_line(place, _TOP + 14, place, _HEIGHT - _BOTTOM, "axis"))
@@ -134,20 +134,17 @@ def parallel(axes: Sequence[Axis], texts: Sequence[str], chosen: int | None) -> 
 
 
 class _Scale:
-    """From values to places; `low` to `high` go to `start` to `end`."""
+    """From values to places; a little more than they span goes to `start` to `end`."""
 
-    def __init__(self, low: float, high: float, start: float, end: float):
-        self.low, self.high, self.start, self.end = low, high, start, end
-
-    @classmethod
-    def over(cls, values: Sequence[np.ndarray], start: float, end: float) -> "_Scale":
+    def __init__(self, values: Sequence[np.ndarray], start: float, end: float):
         every = np.concatenate([np.asarray(x, float) for x in values])
         every = every[np.isfinite(every)]
         low, high = (float(every.min()), float(every.max())) if every.size else (0.0, 1.0)
+        self.least, self.most, self.start, self.end = low, high, start, end
         if low == high:
             low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
         pad = 0.03 * (high - low)
-        return cls(low - pad, high + pad, start, end)
+        self.low, self.high = low - pad, high + pad
 
     def __call__(self, value: float) -> float:
         return self.start + (value - self.low) / (self.high - self.low) * (self.end - self.start)
@@ -161,8 +158,7 @@ class _Scale:
         return [(step * (first + i), f"{step * (first + i):.6g}") for i in range(count)]
 
     def ends(self) -> list[tuple[float, str]]:
-        pad = 0.03 / 1.06 * (self.high - self.low)
-        return [(x, f"{x:.4g}") for x in (self.low + pad, self.high - pad)]
+        return [(x, f"{x:.4g}") for x in sorted({self.least, self.most})]
 
 
 def _mark(kind: str, shape: str, place: int, text: str, chosen: int | None) -> str:

@@ -2,12 +2,15 @@
 
 import os
 import signal
+import socket
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 from fascicle.design import Space, Task
-from fascicle.design.cluster import local
+from fascicle.design.cluster import local, remote
 from fascicle.design.store import DATA, JOURNAL, MANIFEST, Store
 from fascicle.design.study import Study
 from fascicle.design.sweep import run_block, sweep
@@ -116,6 +119,26 @@ def test_a_manifest_and_units(undisturbed):
     assert group["mean_efficiency"].chunks == (16,)
 
 
+def test_a_full_disk_keeps_what_is_done(study, undisturbed, tmp_path, monkeypatch):
+    import errno
+
+    write, folder = Store.write, tmp_path / "full"
+
+    def full(self, block, values):
+        if block == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(self, block, values)
+
+    monkeypatch.setattr(Store, "write", full)
+    with pytest.raises(OSError, match="No space left"):
+        sweep(study, folder)
+    monkeypatch.setattr(Store, "write", write)
+    told = []
+    sweep(study, folder, resume=True, watch=told.append)
+    assert told[0].done == 2
+    assert chunks(folder) == chunks(undisturbed.folder)
+
+
 # dask's own threads and sockets, cut off by the kills, warn as they go
 @pytest.mark.filterwarnings("ignore")
 def test_killed_workers(muscle, task, tmp_path):
@@ -144,3 +167,35 @@ def test_a_block_tells_what_it_took(study, tmp_path):
     Store.created(tmp_path / "one", study)
     done = run_block(pickle.dumps(study), str(tmp_path / "one"), 3)
     assert done.block == 3 and done.process == os.getpid() and done.memory > 2**20
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_a_killed_scheduler(muscle, task, tmp_path):
+    pytest.importorskip("distributed", reason="needs the extra `sweep`")
+    study = study_of(muscle, task, block=4)
+    whole = sweep(study, tmp_path / "alone")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    dask = [sys.executable, "-m"]
+    head = [*dask, "distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"]
+    hand = [*dask, "distributed.cli.dask_worker", address, "--nworkers", "1", "--no-dashboard"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(head, **silent) as scheduler, subprocess.Popen(hand, **silent) as worker:
+
+        def kill(progress):
+            if progress.done == 5:
+                scheduler.kill()
+
+        try:
+            with remote(address) as client, pytest.raises(ConnectionError, match="is lost"):
+                client.wait_for_workers(1, timeout=60)
+                sweep(study, tmp_path / "lost", client, watch=kill)
+        finally:
+            scheduler.kill()
+            worker.terminate()
+    told = []
+    store = sweep(study, tmp_path / "lost", resume=True, watch=told.append)
+    assert told[0].done >= 5
+    assert chunks(store.folder) == chunks(whole.folder)
