@@ -157,3 +157,17 @@ def test_no_scheduler_there(fascicle, written):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     code, _, err = fascicle("sweep", "task.toml", "--scheduler", "nowhere://x")
     assert code == 2 and err.startswith("error: --scheduler nowhere://x") and err.count("\n") == 1
+
+
+def test_sizes_in_between(fascicle, written, tmp_path):
+    pytest.importorskip("pymoo", reason="needs the extra `design`")
+    options = ["--generations", "3", "--population", "8", "--seed", "2", "--json"]
+    code, out, err = fascicle("design", "task.toml", *options, "--checkpoint", "kept")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert all(0.11 <= length <= 0.127 for length in found["length"])
+    assert set(found["design"]) == {-1}
+    # from the checkpoint, which is at its end
+    assert fascicle("design", "task.toml", *options, "--checkpoint", "kept")[1] == out
+    code, _, err = fascicle("design", "task.toml", "--checkpoint", "kept")
+    assert code == 2 and "only --generations keeps one" in err

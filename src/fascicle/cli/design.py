@@ -2,6 +2,7 @@
 
 import datetime as dt
 import time
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -39,12 +40,48 @@ Also = Annotated[
 ]
 
 
-def run(task: Task, out: Out = None, also: Also = None, as_json: AsJson = False) -> None:
+Generations = Annotated[
+    int | None,
+    typer.Option(
+        "--generations",
+        min=1,
+        max=100_000,
+        help="Don't judge every design: search by NSGA-II for so long, with sizes anywhere between"
+        " the least and the largest of the file (needs pymoo).",
+        show_default=False,
+    ),
+]
+Population = Annotated[
+    int, typer.Option("--population", min=4, max=10_000, help="Designs of a generation.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of chance.")]
+Checkpoint = Annotated[
+    str | None,
+    typer.Option(
+        "--checkpoint",
+        metavar="PATH",
+        help="Keep every generation there, and go on from what is there.",
+        show_default=False,
+    ),
+]
+
+
+def run(
+    task: Task,
+    out: Out = None,
+    also: Also = None,
+    generations: Generations = None,
+    population: Population = 100,
+    seed: Seed = 0,
+    checkpoint: Checkpoint = None,
+    as_json: AsJson = False,
+) -> None:
     """Judge every design of a task file's space, and show those that no other betters."""
     from .designed import folder_for, print_front, write
     from .startup import prepare
 
     folder = folder_for(out, task, as_json)
+    _check(generations, checkpoint)
     prepare()
     from ..describe.task import load_task
     from ..design.searching import search
@@ -54,7 +91,10 @@ def run(task: Task, out: Out = None, also: Also = None, as_json: AsJson = False)
     extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
     begun = time.perf_counter()
     with refusing():
-        found = search(file.space, file.task, file.senses, file.limits, extra)
+        if generations is None:
+            found = search(file.space, file.task, file.senses, file.limits, extra)
+        else:
+            found = _evolved(file, generations, population, seed, checkpoint, extra)
         sure = _sure(found, file.chance)
     seconds = time.perf_counter() - begun
     written: list[str] = []
@@ -90,3 +130,34 @@ def _sure(found: Any, chance: Any) -> Any:
     return spread(
         found.designs, found.task, names, found.limits, chance.scatter, chance.muscles, chance.draws
     )
+
+
+def _check(generations: int | None, checkpoint: str | None) -> None:
+    """Refuse what would only fail after the file is read."""
+    from importlib.util import find_spec
+
+    if generations is not None and find_spec("pymoo") is None:
+        raise UserError("--generations needs the package pymoo: pip install 'fascicle[design]'.")
+    if checkpoint is not None:
+        from ..describe.atomic import check_writable
+
+        if generations is None:
+            raise UserError("--checkpoint: only --generations keeps one.")
+        with refusing("--checkpoint "):
+            check_writable(checkpoint)
+
+
+def _evolved(
+    file: Any,
+    generations: int,
+    population: int,
+    seed: int,
+    checkpoint: str | None,
+    extra: tuple[str, ...],
+) -> Any:
+    from ..design.genetic import evolve
+
+    return evolve(
+        file.space, file.task, file.senses, file.limits, population, generations, seed,
+        checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
+    )  # fmt: skip

@@ -48,10 +48,12 @@ def print_front(found: "Found") -> None:
     from ..design.objectives import OBJECTIVES
     from ..reports.design import nothing_left, recommendation, shown, sizes
 
-    print(
-        f"{len(found.index)} designs, {int(found.allowed.sum())} within the limits,"
-        f" {len(found.front)} on the front"
+    kept = (
+        f" {int(found.allowed.sum())} within the limits,"
+        if found.judged == len(found.index)
+        else ""
     )
+    print(f"{found.judged} designs,{kept} {len(found.front)} on the front")
     if found.recommended is None:
         for line in nothing_left(found):
             print(line)

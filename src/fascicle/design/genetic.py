@@ -11,7 +11,6 @@ the same front. Stopped after any generation, it goes on from its checkpoint to 
 
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from .objectives import known, needs
 from .outcome import Demand
 from .packing import packed_radius
 from .pareto import directed, non_dominated
-from .searching import Limits, checked, within_limits
+from .searching import Found, Limits, best_first, checked, within_limits
 from .space import Space
 from .task import Task
 from .unlike import unlike_objectives
@@ -33,17 +32,6 @@ from .unlike import unlike_objectives
 
 Genomes = Float[np.ndarray, "design gene"]
 _AXES = ("length", "radius", "wall_ratio", "braid_angle")
-
-
-@dataclass(frozen=True, eq=False)
-class Evolved:
-    """The front that was found: its `designs`, their `values` by objective [SI], and how many
-    designs were judged on the way.
-    """
-
-    designs: Designs
-    values: Values
-    judged: int
 
 
 class Coding:
@@ -132,7 +120,8 @@ def evolve(
     continuous: bool = True,
     checkpoint: Path | None = None,
     watch: Callable[[int], None] | None = None,
-) -> Evolved:
+    extra: tuple[str, ...] = (),
+) -> Found:
     """Search a space by NSGA-II.
 
     **Arguments:**
@@ -147,14 +136,16 @@ def evolve(
     - `continuous`: whether sizes may lie between those listed [-].
     - `checkpoint`: a file that is kept after each generation, and gone on from [-].
     - `watch`: told how many generations are done [-].
+    - `extra`: objectives to record that don't make the front [-].
 
-    **Returns:** the front of all designs that were judged [-].
+    **Returns:** what was found [-]: of all designs that were judged, those of the front.
 
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
     `ModuleNotFoundError` without pymoo.
     """
     limits = dict(limits or {})
-    names = known([*senses, *limits])
+    senses = dict(senses)
+    names, told = known([*senses, *limits]), known([*senses, *limits, *extra])
     checked(senses, limits)
     coding, demand = Coding(space, continuous), Demand.of(task)
     state = _begun(coding, senses, limits, population, seed, checkpoint)
@@ -174,8 +165,12 @@ def evolve(
             watch(state["generation"])
     designs = coding.designs(state["genomes"])
     # what is told in the end is told by the same means as an exhaustive search tells it
-    values = evaluate(designs, task, names) if len(designs) else state["values"]
-    return Evolved(designs, values, state["judged"])
+    values = evaluate(designs, task, told)
+    front = best_first(values, senses, np.flatnonzero(within_limits(values, limits)))
+    return Found(
+        space, task, senses, limits, np.full(len(designs), -1), values,
+        np.ones(len(designs), bool), front, designs.take(front), state["judged"],
+    )  # fmt: skip
 
 
 def _begun(

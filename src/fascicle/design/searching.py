@@ -38,8 +38,9 @@ Limits = Mapping[str, Limit]
 @dataclass(frozen=True, eq=False)
 class Found:
     """What a search found. `values`: an array for each objective [SI], over all designs that
-    were looked at; `index` of these in the space [-]; `allowed`: those within the limits;
-    `front`: places of those that none betters, best first in the first objective.
+    were kept; `index` of these in the space [-], -1 where sizes lie between those it lists;
+    `allowed`: those within the limits; `front`: places of those that none betters, best first in
+    the first objective, and these `designs` themselves; how many were `judged` in all.
     """
 
     space: Space
@@ -50,11 +51,8 @@ class Found:
     values: Values
     allowed: Bool[np.ndarray, " design"]
     front: Int[np.ndarray, " front"]
-
-    @property
-    def designs(self) -> Designs:
-        """The designs of the front [-]."""
-        return self.space.at(self.index[self.front])
+    designs: Designs
+    judged: int
 
     @property
     def points(self) -> Float[np.ndarray, "front objective"]:
@@ -136,13 +134,29 @@ def concluded(
     **Returns:** what was found [-].
     """
     allowed = within_limits(values, limits)
-    points = directed(values, senses)
-    places = np.flatnonzero(allowed)
-    front = places[non_dominated(points[places])]
-    order = np.lexsort((front, *points[front].T[::-1]))
+    front = best_first(values, senses, np.flatnonzero(allowed))
     return Found(
-        space, task, dict(senses), dict(limits), index, dict(values), allowed, front[order]
-    )
+        space, task, dict(senses), dict(limits), index, dict(values), allowed, front,
+        space.at(index[front]), len(index),
+    )  # fmt: skip
+
+
+def best_first(
+    values: Values, senses: Mapping[str, str], places: Int[np.ndarray, " place"]
+) -> Int[np.ndarray, " front"]:
+    """Those that none betters, best first in the first objective.
+
+    **Arguments:**
+
+    - `values`: objectives of designs, by name [SI].
+    - `senses`: "min" or "max" by objective [-].
+    - `places`: of the designs that count [-].
+
+    **Returns:** their places [-].
+    """
+    points = directed(values, senses)
+    front = places[non_dominated(points[places])]
+    return front[np.lexsort((front, *points[front].T[::-1]))]
 
 
 def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:

@@ -47,9 +47,8 @@ def report(
     page.html(STYLE)
     took = "" if seconds is None else f" in {seconds:.1f} s"
     page.paragraph(
-        f"{len(found.index)} designs were judged at {len(task)} points of the task{took};"
-        f" {int(found.allowed.sum())} keep the limits, {len(found.front)} of them are bettered by"
-        " no other.",
+        f"{found.judged} designs were judged at {len(task)} points of the task{took};"
+        f" {_kept(found)}{len(found.front)} are bettered by no other.",
         "lead",
     )
     origin = task.source or "not said"
@@ -81,7 +80,7 @@ def told(found: Found, place: int) -> str:
     """A design of the front in a few lines; `found` [-], `place` on the front [-]."""
     designs = found.designs
     lines = [
-        f"{designs.labels[place]}  (design {int(found.index[found.front[place]])})",
+        f"{designs.labels[place]}{_number(int(found.index[found.front[place]]))}",
         sizes(found, place),
     ]
     lines += [
@@ -89,6 +88,17 @@ def told(found: Found, place: int) -> str:
         for name, values in found.values.items()
     ]
     return "\n".join(lines)
+
+
+def _number(index: int) -> str:
+    return f"  (design {index})" if index >= 0 else ""
+
+
+def _kept(found: Found) -> str:
+    """How many keep the limits, where all were kept that were judged."""
+    if found.judged > len(found.index):
+        return "of those that keep the limits "
+    return f"{int(found.allowed.sum())} keep the limits, of which "
 
 
 def sizes(found: Found, place: int) -> str:

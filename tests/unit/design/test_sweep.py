@@ -189,9 +189,10 @@ def test_a_killed_scheduler(muscle, task, tmp_path):
                 scheduler.kill()
 
         try:
-            with remote(address) as client, pytest.raises(ConnectionError, match="is lost"):
+            with remote(address) as client:
                 client.wait_for_workers(1, timeout=60)
-                sweep(study, tmp_path / "lost", client, watch=kill)
+                with pytest.raises(ConnectionError, match="is lost"):
+                    sweep(study, tmp_path / "lost", client, watch=kill)
         finally:
             scheduler.kill()
             worker.terminate()
