@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 
-_ONE_THREAD = "--xla_cpu_multi_thread_eigen=false"
+_ONE_THREAD = {"PJRT_NPROC": "1", "OMP_NUM_THREADS": "1"}
 _PARTS = ("client", "comm", "core", "nanny", "scheduler", "worker")
 _LOGS = ("distributed", *(f"distributed.{part}" for part in _PARTS))
 
@@ -26,14 +26,13 @@ def local(workers: int | None = None) -> Iterator[Any]:
     """
     from distributed import Client, LocalCluster
 
-    flags = f"{os.environ.get('XLA_FLAGS', '')} {_ONE_THREAD}".strip()
     count = cores() if workers is None else workers
     cluster: Any = LocalCluster
     with (
         quiet(), cluster(
             n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
             memory_limit=0, host="127.0.0.1",
-            env={"XLA_FLAGS": flags, "OMP_NUM_THREADS": "1"},
+            env=_ONE_THREAD,
         ) as made,
         Client(made) as client,
     ):  # fmt: skip
