@@ -26,16 +26,17 @@ def local(workers: int | None = None) -> Iterator[Any]:
     """
     from distributed import Client, LocalCluster
 
-    count = cores() if workers is None else workers
     cluster: Any = LocalCluster
-    with (
-        quiet(), cluster(
-            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
-            memory_limit=0, host="127.0.0.1",
-            env=_ONE_THREAD,
-        ) as made,
-        Client(made) as client,
-    ):  # fmt: skip
+    options = {
+        "n_workers": cores() if workers is None else workers,
+        "threads_per_worker": 1,
+        "processes": True,
+        "dashboard_address": None,
+        "memory_limit": 0,
+        "host": "127.0.0.1",
+        "env": _ONE_THREAD,
+    }
+    with quiet(), cluster(**options) as made, Client(made) as client:
         yield client
 
 

@@ -18,7 +18,7 @@ PerDesign = Float[Array, "*design"]
 
 
 def mean_efficiency(outcome: Outcome) -> PerDesign:
-    r"""Mean over the task of $W/E$ with $W = F \varepsilon L_0$ and (29)'s $E$ [-].
+    r"""Mean over the task of work over fluid energy [-]: $W/E$, $W = F \varepsilon L_0$, (29).
 
     Isotonic: the demanded force is the load. Points that ask for no work are left out; one
     that isn't reached counts as 0. `outcome` [-].
@@ -109,9 +109,7 @@ class Objective(NamedTuple):
     @property
     def about(self) -> str:
         """What it is, in a sentence."""
-        text = " ".join((self.function.__doc__ or "").split())
-        return text.split(" [")[0].replace("$W/E$ with $W = F \\varepsilon L_0$ and (29)'s $E$",
-                                           "work over fluid energy")  # fmt: skip
+        return " ".join((self.function.__doc__ or "").split()).split(" [")[0]
 
 
 OBJECTIVES: dict[str, Objective] = {

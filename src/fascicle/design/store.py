@@ -11,6 +11,7 @@ without a line counts as not done: whatever a killed writer left there is writte
 import json
 import os
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -113,22 +114,22 @@ class Store:
 
     def write(self, block: int, values: Values) -> str:
         """Write a block [-] of `values` [SI], whole chunks; gives a digest of its bits [-]."""
-        group, index = self._group("r+"), self.study.index(block)
+        arrays, index = self._arrays("r+"), self.study.index(block)
         for name, one in values.items():
-            group[name][index[0] : index[-1] + 1] = one
+            arrays[name][index[0] : index[-1] + 1] = one
         return bits(values)
 
     def read(self, block: int) -> Values:
         """What stands in a `block` [-]: values by objective [SI]."""
-        group, index = self._group("r"), self.study.index(block)
+        index = self.study.index(block)
         return {
-            name: np.asarray(group[name][index[0] : index[-1] + 1]) for name in self.study.names
+            name: np.asarray(array[index[0] : index[-1] + 1])
+            for name, array in self._arrays("r").items()
         }
 
     def all(self) -> Values:
         """Values [SI] of every design by objective, in memory."""
-        group = self._group("r")
-        return {name: np.asarray(group[name][:]) for name in self.study.names}
+        return {name: np.asarray(array[:]) for name, array in self._arrays("r").items()}
 
     def finish(self, block: int, digest: str) -> None:
         """Note that a `block` [-] is written and has this `digest` [-]; on disk on return."""
@@ -175,10 +176,17 @@ class Store:
             array.attrs["units"] = "1" if unit == "-" else unit
             array.attrs["long_name"] = OBJECTIVES[name].about
 
-    def _group(self, mode: Any) -> Any:
-        import zarr
+    def _arrays(self, mode: str) -> dict[str, Any]:
+        return _opened(str(self.folder / DATA), mode, self.study.names, self.study.digest)
 
-        return zarr.open_group(str(self.folder / DATA), mode=mode)
+
+@lru_cache(maxsize=8)
+def _opened(path: str, mode: Any, names: tuple[str, ...], digest: str) -> dict[str, Any]:  # noqa: ARG001 another study's arrays may stand at this path later
+    """The arrays of a store; to open them takes as long as to write several blocks."""
+    import zarr
+
+    group = zarr.open_group(path, mode=mode)
+    return {name: group[name] for name in names}
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

@@ -7,6 +7,7 @@ the numbers what they are goes into a study's digest: results of another one are
 import hashlib
 import json
 from dataclasses import dataclass, fields
+from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
@@ -75,7 +76,7 @@ class Study:
         """How many blocks there are [-]; the last may be shorter."""
         return -(-len(self.space) // self.block)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """What tells this study from any other whose numbers could differ [-]."""
         told = hashlib.sha256()
