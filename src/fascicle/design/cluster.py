@@ -34,7 +34,7 @@ def local(workers: int | None = None) -> Iterator[Any]:
         "dashboard_address": None,
         "memory_limit": 0,
         "host": "127.0.0.1",
-        "env": _ONE_THREAD,
+        "env": _surroundings(),
     }
     with quiet(), cluster(**options) as made, Client(made) as client:
         yield client
@@ -73,6 +73,21 @@ def quiet() -> Iterator[None]:
     finally:
         for name, level in before.items():
             logging.getLogger(name).setLevel(level)
+
+
+def _surroundings() -> dict[str, str]:
+    """What workers' environment adds: one thread, and JAX as this process has set it up."""
+    import jax
+
+    config: Any = jax.config
+    told = dict(_ONE_THREAD)
+    if config.jax_platforms:
+        told["JAX_PLATFORMS"] = str(config.jax_platforms)
+    if config.jax_compilation_cache_dir:
+        told["JAX_COMPILATION_CACHE_DIR"] = str(config.jax_compilation_cache_dir)
+        least = config.jax_persistent_cache_min_compile_time_secs
+        told["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = str(least)
+    return told
 
 
 def cores() -> int:

@@ -11,7 +11,7 @@ from fascicle.design.judging import sizes_of
 from fascicle.design.objectives import judged
 from fascicle.design.outcome import Demand
 from fascicle.design.shared import prepared, shared_objectives
-from fascicle.design.splits import compositions
+from fascicle.design.splits import compositions, partitions
 from fascicle.design.table import Resolution
 from fascicle.design.unlike import unlike_objectives, unlike_outcome
 
@@ -122,3 +122,17 @@ def test_gradients_against_differences(muscle, task):
     size = np.abs(np.asarray(objectives(z)))[:, None]
     # central differences err by h² of the third derivative, and by rounding over h
     assert_allclose(exact, plain, rtol=1e-4, atol=1e-5 * (1e-3 + size.max(axis=1)).max())
+
+
+def test_all_partitions_of_thirty(muscle, task):
+    names = ("mean_efficiency", "reversal_depth", "overlap_width")
+    counts = partitions(30)
+    every = evaluate(Designs.of(muscle, counts), task, names)
+    few = [4, 2500, 5603]
+    alone = evaluate(Designs.of(muscle, counts[few]), task, names)
+    for name in names:
+        assert np.all(np.isfinite(every[name]))
+        assert_allclose(every[name][few], alone[name], rtol=1e-12, atol=1e-15)
+    # undivided, nothing can reverse; with a valve for each, little does
+    assert every["reversal_depth"][0] == 0
+    assert every["reversal_depth"][-1] < 0.1 * every["reversal_depth"].max()
