@@ -59,7 +59,7 @@ def swept(given: Study, folder: Path, client: Any) -> dict[str, float]:
 
 
 def measure(small: bool) -> dict[str, Any]:
-    lengths = 4 if small else 400
+    lengths = 4 if small else 200
     large, tiny = study(8 if small else 512, lengths), study(1, 2 if small else 12)
     found: dict[str, Any] = {"points": len(large.task), "objectives": len(large.names)}
 

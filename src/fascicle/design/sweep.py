@@ -134,7 +134,7 @@ def _there(client: Any, payload: bytes, folder: Path, blocks: list[int]) -> Iter
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
     where = str(folder.resolve())
     waiting = blocks[::-1]
