@@ -62,7 +62,8 @@ bench: $(STAMP)
 # extras that nothing uses yet stay out, so that set-up is quick
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-		--extra docs --extra dev --extra posterior --extra explorer --output-file requirements.lock pyproject.toml
+		--extra docs --extra dev --extra posterior --extra explorer --extra sweep --extra design \
+		--output-file requirements.lock pyproject.toml
 
 clean:
 	rm -rf out dist docs/_build docs/jupyter_execute .pytest_cache .ruff_cache .hypothesis .import_linter_cache

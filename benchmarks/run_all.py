@@ -33,6 +33,7 @@ MODULES = (
     "command_line",
     "field_memory",
     "inverse",
+    "designing",
     "fitting",
     "roofline",
     "gpu",

@@ -23,6 +23,7 @@ elif "jax" in sys.modules:
 
 if TYPE_CHECKING:
     from . import calibrate as calibrate
+    from . import design as design
     from . import energetics as energetics
     from . import records as records
     from .bundle import Bundle as Bundle
@@ -49,6 +50,7 @@ _HOMES = {
     "Muscle": "muscle",
     "Tuning": "muscle",
     "calibrate": "",
+    "design": "",
     "energetics": "",
     "example": "describe",
     "examples": "describe",
@@ -67,6 +69,7 @@ __all__ = [
     "Muscle",
     "Tuning",
     "calibrate",
+    "design",
     "energetics",
     "example",
     "examples",

@@ -66,6 +66,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "inverse_pressure": Dimension("an inverse pressure", "1/Pa", "1/bar",
                                   ("1/bar", "1/Pa"), _table(**_INVERSE)),
     "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT)),
+    "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000)),
+    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60)),
     "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS)),
     "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
                         _table(**_VOLUME, L="1e-3", mL="1e-6")),
@@ -74,8 +76,9 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
 })  # fmt: skip
 
 _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure": "34.5 kPa",
-             "inverse_pressure": "0.92 1/bar", "moment": "0.03 N*m", "stiffness": "5 N/mm",
-             "volume": "12 cm^3", "strain": "0.12", "number": "1.25"}  # fmt: skip
+             "inverse_pressure": "0.92 1/bar", "moment": "0.03 N*m", "energy": "1.5 J",
+             "time": "0.2 s", "stiffness": "5 N/mm", "volume": "12 cm^3", "strain": "0.12",
+             "number": "1.25"}  # fmt: skip
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)(?![a-z]))\s*(.*?)\s*",

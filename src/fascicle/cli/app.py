@@ -17,6 +17,7 @@ import typer
 
 from .bundle import run as bundle
 from .calibrate import run as calibrate
+from .design import run as design
 from .efficiency import run as efficiency
 from .explore import run as explore
 from .force import run as force
@@ -28,6 +29,7 @@ from .record import run as record
 from .recruit import run as recruit
 from .reproduce import run as reproduce
 from .space import run as space
+from .sweep import run as sweep
 
 
 app = typer.Typer(
@@ -46,6 +48,8 @@ app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
 app.command("explore")(explore)
+app.command("design")(design)
+app.command("sweep")(sweep)
 app.command("reproduce")(reproduce)
 app.command("muscles")(muscles)
 app.command("init")(init)

@@ -1,4 +1,4 @@
-"""`fascicle init`: a commented muscle file to begin with."""
+"""`fascicle init`: a commented muscle or task file to begin with."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +7,7 @@ import typer
 
 from .options import complete_target
 from .problems import UserError, refusing
+from .task_template import TASK_TEMPLATE
 
 
 _TEMPLATE = """\
@@ -51,8 +52,13 @@ transition_rate = 25             # how fast the force falls once the bladder has
 
 def run(
     path: Annotated[
-        str, typer.Argument(metavar="FILE", help="Where it goes.", show_default=False)
-    ] = "muscle.toml",
+        str | None,
+        typer.Argument(
+            metavar="FILE",
+            help="Where it goes; left out, muscle.toml or task.toml.",
+            show_default=False,
+        ),
+    ] = None,
     example: Annotated[
         str | None,
         typer.Option(
@@ -63,14 +69,21 @@ def run(
             show_default=False,
         ),
     ] = None,
+    task: Annotated[
+        bool, typer.Option("--task", help="A task file for `fascicle design` instead.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> None:
-    """Write a commented muscle file, to be edited."""
+    """Write a commented muscle or task file, to be edited."""
     from ..describe import example_text
     from ..describe.atomic import write_text
 
+    if task and example is not None:
+        raise UserError("--task and --from: muscles are begun from an example, take one.")
+    path = path or ("task.toml" if task else "muscle.toml")
     with refusing():
         if Path(path).is_file() and not force:
             raise UserError(f"{path}: is there already; --force replaces it.")
-        write_text(path, _TEMPLATE if example is None else example_text(example))
+        begun = TASK_TEMPLATE if task else _TEMPLATE
+        write_text(path, begun if example is None else example_text(example))
     print(f"wrote {path}")

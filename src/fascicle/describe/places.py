@@ -30,6 +30,10 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "bundle": {"motor_units": ("motor_unit",), "pressures": ("supply_pressure",)},
     "motor_unit": {},
+    "task": {},
+    "design": {"drawings": ("muscle",), "most_units": ()},
+    "objectives": {"objectives": ()},
+    "limits": {"objectives": ()},
 }
 
 

@@ -46,7 +46,7 @@ def load(path: str | os.PathLike[str]) -> Muscle | Bundle:
     **Raises:** `OSError` where it can't be read; `ValueError`, in one line with the path and
     the key, where what it says can't be.
     """
-    return loads(_read(Path(path)), source=str(path))
+    return loads(text_of(Path(path)), source=str(path))
 
 
 def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -59,14 +59,14 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
     **Raises:** as `load`, for what stands outside of the other tables.
     """
     source = os.fspath(path)
-    table = _parsed(_read(Path(path)), source).get("calibration", {})
+    table = parsed(text_of(Path(path)), source).get("calibration", {})
     if not isinstance(table, dict):
         raise ValueError(line(source, ["calibration"], "must be a table of keys.", table))
     return table
 
 
-def _read(path: Path) -> str:
-    """The text of a muscle file."""
+def text_of(path: Path) -> str:
+    """The text of a TOML file; `path`: where it stands [-]."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: a folder, not a muscle file.")
     try:
@@ -97,7 +97,7 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
     **Raises:** `ValueError` as `load`.
     """
-    data = _filed(_parsed(text, source))
+    data = _filed(parsed(text, source))
     try:
         file = FileSection.model_validate(data)
     except ValidationError as error:
@@ -117,8 +117,8 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
     return next(iter(muscles.values()))
 
 
-def _parsed(text: str, source: str) -> dict[str, Any]:
-    """The tables of a file of this format."""
+def parsed(text: str, source: str) -> dict[str, Any]:
+    """The tables [-] of a file of this format, from its `text` [-]; `source` [-] names it."""
     try:
         data = tomllib.loads(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as error:

@@ -1,0 +1,163 @@
+"""`fascicle design`: which bundle for a task."""
+
+import datetime as dt
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import AsJson
+from .problems import UserError, refusing
+
+
+Task = Annotated[
+    str,
+    typer.Argument(
+        metavar="TASK.toml",
+        help="What is demanded, may be built and is good; `fascicle init --task` writes one.",
+        show_default=False,
+    ),
+]
+Out = Annotated[
+    str | None,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="FOLDER",
+        help="Where report, data and bundles go; left out, designed-TASK, and nowhere with --json.",
+        show_default=False,
+    ),
+]
+Also = Annotated[
+    str | None,
+    typer.Option(
+        "--also",
+        metavar="LIST",
+        help="Objectives to record that don't make the front: reversal_depth,largest_force.",
+        show_default=False,
+    ),
+]
+
+
+Generations = Annotated[
+    int | None,
+    typer.Option(
+        "--generations",
+        min=1,
+        max=100_000,
+        help="Don't judge every design: search by NSGA-II for so long, with sizes anywhere between"
+        " the least and the largest of the file (needs pymoo).",
+        show_default=False,
+    ),
+]
+Population = Annotated[
+    int, typer.Option("--population", min=4, max=10_000, help="Designs of a generation.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of chance.")]
+Checkpoint = Annotated[
+    str | None,
+    typer.Option(
+        "--checkpoint",
+        metavar="PATH",
+        help="Keep every generation there, and go on from what is there.",
+        show_default=False,
+    ),
+]
+
+
+def run(
+    task: Task,
+    out: Out = None,
+    also: Also = None,
+    generations: Generations = None,
+    population: Population = 100,
+    seed: Seed = 0,
+    checkpoint: Checkpoint = None,
+    as_json: AsJson = False,
+) -> None:
+    """Judge every design of a task file's space, and show those that no other betters."""
+    from .designed import folder_for, print_front, write
+    from .startup import prepare
+
+    folder = folder_for(out, task, as_json)
+    _check(generations, checkpoint)
+    prepare()
+    from ..describe.task import load_task
+    from ..design.searching import search
+
+    with refusing():
+        file = load_task(task)
+    extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
+    begun = time.perf_counter()
+    with refusing():
+        if generations is None:
+            found = search(file.space, file.task, file.senses, file.limits, extra)
+        else:
+            found = _evolved(file, generations, population, seed, checkpoint, extra)
+        sure = _sure(found, file.chance)
+    seconds = time.perf_counter() - begun
+    written: list[str] = []
+    if folder is not None:
+        with refusing("--out "):
+            written = write(
+                found, folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}", seconds, sure
+            )
+    if as_json:
+        from ..describe.designed import front_variables
+        from ..describe.results import to_json
+
+        if not found.front.size:
+            raise UserError(f"{task}: no design keeps all limits.")
+        print(to_json(front_variables(found, sure)))
+        return
+    print_front(found)
+    if sure is not None and found.recommended is not None:
+        share = sure.probability[found.recommended]
+        print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
+    if written:
+        shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
+        print(f"wrote {', '.join(shown)}")
+
+
+def _sure(found: Any, chance: Any) -> Any:
+    """How the front's designs come out, where the task file asks for it."""
+    if chance is None or not found.front.size:
+        return None
+    from ..design.robust import spread
+
+    names = tuple(found.values)
+    return spread(
+        found.designs, found.task, names, found.limits, chance.scatter, chance.muscles, chance.draws
+    )
+
+
+def _check(generations: int | None, checkpoint: str | None) -> None:
+    """Refuse what would only fail after the file is read."""
+    from importlib.util import find_spec
+
+    if generations is not None and find_spec("pymoo") is None:
+        raise UserError("--generations needs the package pymoo: pip install 'fascicle[design]'.")
+    if checkpoint is not None:
+        from ..describe.atomic import check_writable
+
+        if generations is None:
+            raise UserError("--checkpoint: only --generations keeps one.")
+        with refusing("--checkpoint "):
+            check_writable(checkpoint)
+
+
+def _evolved(
+    file: Any,
+    generations: int,
+    population: int,
+    seed: int,
+    checkpoint: str | None,
+    extra: tuple[str, ...],
+) -> Any:
+    from ..design.genetic import evolve
+
+    return evolve(
+        file.space, file.task, file.senses, file.limits, population, generations, seed,
+        checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
+    )  # fmt: skip

@@ -1,0 +1,177 @@
+"""`fascicle sweep`: a study of many designs on many workers, that can be stopped and resumed."""
+
+import contextlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .problems import UserError, refusing
+
+
+StudyFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="STUDY.toml",
+        help="A task file, as `fascicle design` takes; [sweep] block says how it is cut up.",
+        show_default=False,
+    ),
+]
+Out = Annotated[
+    str | None,
+    typer.Option(
+        "--out", "-o", metavar="FOLDER", help="Where results go; left out, swept-STUDY.",
+        show_default=False,
+    ),
+]  # fmt: skip
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Of a Dask scheduler, tcp://…, whose workers see FOLDER under the same path; left"
+        " out, workers on this machine.",
+        show_default=False,
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", min=0, max=4096, help="On this machine; left out, one a core; 0: no cluster.",
+        show_default=False,
+    ),
+]  # fmt: skip
+_FRONT = 5_000_000  # designs of which the front is looked for in the end
+
+
+def run(
+    study: StudyFile,
+    out: Out = None,
+    resume: Resume = False,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+) -> None:
+    """Judge every design of a study, block by block, into a folder with a zarr store."""
+    from importlib.util import find_spec
+
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler and --workers: a scheduler has its own workers, take one.")
+    needed = ["zarr"] if workers == 0 else ["zarr", "distributed"]
+    for name in needed:
+        if find_spec(name) is None:
+            raise UserError(f"sweeping needs the package {name}: pip install 'fascicle[sweep]'.")
+    from .startup import prepare
+
+    prepare()
+    from ..describe.task import load_task
+    from ..design.study import Study
+    from ..design.sweep import sweep
+
+    folder = Path(f"swept-{Path(study).stem}" if out is None else out)
+    with refusing():
+        file = load_task(study)
+        made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
+    # what can't be is said before a cluster is started
+    with refusing():
+        from ..design.store import Store
+
+        Store.check(folder, made, resume)
+    with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
+        try:
+            store = sweep(made, folder, client, resume, watch)
+        except ConnectionError as error:
+            raise UserError(f"{error}; finished blocks are kept: --resume goes on.") from None
+        except OSError as error:
+            raise UserError(
+                f"{folder}: {error.strerror or error}; finished blocks are kept: --resume goes on."
+            ) from None
+    print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
+    if len(made.space) <= _FRONT:
+        with refusing():
+            _front(store, file, folder)
+
+
+def _front(store: Any, file: Any, folder: Path) -> None:
+    import numpy as np
+
+    from ..describe.designed import front_variables
+    from ..describe.results import write
+    from ..design.searching import concluded
+    from .designed import print_front
+    from .outputs import SOURCE
+
+    index = np.arange(len(file.space))
+    found = concluded(file.space, file.task, file.senses, file.limits, index, store.all())
+    if found.front.size:
+        title = f"Front of designs for {file.task.name}"
+        write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
+    print_front(found)
+
+
+@contextlib.contextmanager
+def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
+    """A client of the scheduler asked for, or of workers on this machine; `None` for neither."""
+    if workers == 0:
+        yield None
+        return
+    from ..design.cluster import local, remote
+
+    if scheduler is None:
+        with local(workers) as client:
+            yield client
+        return
+    with contextlib.ExitStack() as stack:
+        try:
+            client = stack.enter_context(remote(scheduler))
+        except ConnectionError as error:
+            raise UserError(f"--scheduler {scheduler}: {error}.") from None
+        yield client
+
+
+@contextlib.contextmanager
+def _told(block: int) -> Iterator[Any]:
+    """Progress on stderr: a moving bar for a terminal, now and then a line for a file."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(file=sys.stderr)
+    if not console.is_terminal:
+        yield _Lines(block)
+        return
+    columns = (
+        BarColumn(), TextColumn("{task.completed} of {task.total} blocks, {task.fields[rate]}"),
+        TimeRemainingColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console) as bar:
+        line = bar.add_task("sweep", total=None, rate="")
+
+        def watch(now: Any) -> None:
+            rate = f"{now.rate:,.0f} designs/s" if now.designs else "compiling"
+            bar.update(line, completed=now.done, total=now.all, rate=rate)
+
+        yield watch
+
+
+class _Lines:
+    """A line at the start, after every tenth of the blocks, and at the end."""
+
+    def __init__(self, block: int):
+        self.block, self.told, self.memory = block, -1, 0
+
+    def __call__(self, now: Any) -> None:
+        if now.last is not None:
+            self.memory = max(self.memory, now.last.memory)
+        tenth = 10 * now.done // max(1, now.all)
+        if tenth == self.told and now.done < now.all:
+            return
+        self.told = tenth
+        left = ""
+        if now.designs and now.done < now.all:
+            seconds = (now.all - now.done) * self.block / now.rate
+            left = f", {seconds:.0f} s left"
+        memory = f", {self.memory / 2**20:.0f} MiB a worker" if self.memory else ""
+        rate = f", {now.rate:,.0f} designs/s" if now.designs else ""
+        sys.stderr.write(f"{now.done} of {now.all} blocks{rate}{left}{memory}\n")

@@ -1,0 +1,225 @@
+"""From a task file to a task, a space of designs, and what is good: checked once, on the way in."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox as eqx
+from pydantic import ValidationError
+
+from .._checks import one_of
+from ..bundle import Bundle
+from ..design.examples import example_task
+from ..design.objectives import OBJECTIVES, known
+from ..design.searching import USUAL, Limit, checked
+from ..design.space import SPLITS, Space
+from ..design.splits import read as read_split
+from ..design.task import Task
+from ..muscle import Muscle
+from ..muscle.buckling import BUCKLING_LAWS
+from ..records.fabrication import Scatter
+from ..units import parse
+from .drawn import drawn
+from .named import example, examples
+from .places import Place
+from .problems import from_validation
+from .reading import load, parsed, text_of
+from .task_schema import DesignSection, ScatterSection, TaskFileSection, TaskSection
+
+
+DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
+_BOUNDS = {"at_least": "least", "at_most": "most"}
+_CLOUD = ("force", "strain", "weight", "time")
+BLOCK = 4096  # designs of a study worked on at once, unless it says otherwise
+
+
+class Chance(NamedTuple):
+    """How unlike muscles come out: `scatter`, how many `draws`, and `muscles` drawn from a
+    calibration, or `None`.
+    """
+
+    scatter: Scatter
+    draws: int
+    muscles: Muscle | None
+
+
+@dataclass(frozen=True, eq=False)
+class TaskFile:
+    """What a task file says: the `task`, the `space` of designs, the objectives' `senses` and
+    `limits` by name, the `chance` that no muscle comes out as drawn, how many designs make a
+    `block` of a study, and the file's own `data`.
+    """
+
+    task: Task
+    space: Space
+    senses: dict[str, str]
+    limits: dict[str, Limit]
+    chance: Chance | None
+    block: int
+    data: Mapping[str, Any]
+
+
+def load_task(path: str | os.PathLike[str]) -> TaskFile:
+    """Read a task file.
+
+    **Arguments:** `path`: the TOML file [-]; muscles that it names by a path stand beside it.
+
+    **Returns:** what it says [-].
+
+    **Raises:** `OSError` where it can't be read; `ValueError`, in one line with the path and
+    the key, where what it says can't be.
+    """
+    path = Path(path)
+    return loads_task(text_of(path), str(path), path.parent)
+
+
+def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> TaskFile:
+    """Read what a task file holds.
+
+    **Arguments:**
+
+    - `text`: the TOML [-].
+    - `source`: what to call it in an error [-].
+    - `folder`: where muscle files stand that it names [-].
+
+    **Returns:** as `load_task` [-].
+
+    **Raises:** as `load_task`.
+    """
+    data = parsed(text, source)
+    try:
+        file = TaskFileSection.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(from_validation(error, source, data, TaskFileSection)) from None
+    task = _task(file.task, Place(source, data, ("task",), "task"))
+    limits = _limits(file.limits or {}, Place(source, data, ("limits",), "limits"))
+    senses = _senses(file.objectives, Place(source, data, ("objectives",), "objectives"))
+    place = Place(source, data, ("design",), "design")
+    with Place(source, data, ("limits",), "limits").naming():
+        checked(senses, limits)
+    space = _space(file.design, place, limits, folder)
+    block = BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
+    if not 1 <= block <= 2**20:
+        at = Place(source, data, ("sweep",), "task")
+        raise at.refuse(("block",), "must lie in [1, 1048576] designs.")
+    chance = None
+    if file.scatter is not None:
+        at = Place(source, data, ("scatter",), "task")
+        chance = _chance(file.scatter, file.design, at, folder)
+    return TaskFile(task, space, senses, limits, chance, block, data)
+
+
+def _task(section: TaskSection, place: Place) -> Task:
+    given = section.model_dump(exclude_none=True)
+    supply = given.pop("supply_pressure")
+    if section.example is not None:
+        others = [key for key in given if key not in ("example", "scheme")]
+        if others:
+            raise place.refuse((others[0],), "an example has its own, drop this key or `example`.")
+        with place.naming():
+            made = example_task(section.example, supply)
+            cloud = {key: getattr(made, key) for key in ("force", "strain", "weight")}
+            more = {"scheme": section.scheme} if section.scheme is not None else {}
+            return Task.of(
+                **cloud, supply_pressure=supply, name=made.name, source=made.source, **more
+            )
+    for key in ("force", "strain"):
+        if key not in given:
+            raise place.refuse((key,), f'missing, write {key} = […], or example = "…".')
+    if "time" in given and "weight" in given:
+        raise place.refuse(("weight",), "points in time count for as long as they last: drop it.")
+    with place.naming():
+        make = Task.in_time if "time" in given else Task.of
+        return make(supply_pressure=supply, **given)
+
+
+def _space(
+    section: DesignSection, place: Place, limits: Mapping[str, Limit], folder: Path
+) -> Space:
+    drawings = {name: _drawing(name, section, place, folder) for name in section.muscle}
+    given: dict[str, Any] = section.model_dump(
+        exclude_none=True, exclude={"muscle", "splits", "buckling"}
+    )
+    splits = section.splits or ("all",)
+    if "valves" in limits and limits["valves"].most < 1:
+        raise place.refuse((), "the space is empty: every bundle needs a valve.")
+    if "valves" in limits and limits["valves"].most < 1e6:
+        given["most_units"] = int(limits["valves"].most)
+    with place.naming():
+        if len(splits) == 1 and splits[0] in SPLITS:
+            return Space(drawings, splits=splits[0], **given)
+        chosen = tuple(read_split(text) for text in splits)
+        numbers = tuple(dict.fromkeys(sum(row) for row in chosen))
+        if "muscles" in given and set(given["muscles"]) != set(numbers):
+            raise ValueError("`muscles` must be left out where the splits are written out.")
+        given["muscles"] = numbers
+        return Space(drawings, splits=chosen, **given)
+
+
+def _chance(section: ScatterSection, design: DesignSection, place: Place, folder: Path) -> Chance:
+    name, *others = design.muscle
+    if others:
+        raise place.refuse((), "needs a space of one muscle, search each alone.")
+    draws = 200 if section.draws is None else section.draws
+    if not 2 <= draws <= 100_000:
+        raise place.refuse(("draws",), "must lie in [2, 100000].")
+    with place.naming():
+        given = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
+        scatter, muscles = Scatter(**given), None
+        if section.calibrated:
+            path = folder / name
+            if not path.exists():
+                raise ValueError(f"`calibrated` needs a muscle file, {name!r} is none.")
+            muscles = drawn(path)
+            if design.buckling is not None:
+                raise ValueError("`calibrated` constants hold for the law they were fitted with.")
+        return Chance(scatter, draws, muscles)
+
+
+def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> Muscle:
+    with place.naming():
+        if name in examples():
+            found = example(name)
+        else:
+            path = folder / name
+            if not path.exists():
+                one_of(name, examples(), "muscle")
+            found = load(path)
+        if isinstance(found, Bundle):
+            raise ValueError(f"`muscle` {name!r} is a bundle: name a muscle.")
+        if section.buckling is not None:
+            law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
+            found = eqx.tree_at(lambda m: m.buckling, found, law())
+        return found
+
+
+def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:
+    senses = dict(USUAL if given is None else given)
+    for name, sense in senses.items():
+        with place.naming():
+            known([name])
+        if sense not in ("min", "max"):
+            raise place.refuse((name,), 'must be "min" or "max".')
+    return senses
+
+
+def _limits(given: Mapping[str, Mapping[str, Any]], place: Place) -> dict[str, Limit]:
+    limits = {}
+    for name, bounds in given.items():
+        with place.naming():
+            known([name])
+        dimension = DIMENSIONS[OBJECTIVES[name].unit]
+        ends = {}
+        for key, text in bounds.items():
+            if key not in _BOUNDS:
+                raise place.refuse((name, key), "unknown key: write at_least or at_most.")
+            try:
+                ends[_BOUNDS[key]] = parse(text, dimension, key)
+            except ValueError as error:
+                raise place.refuse((name, key), str(error)) from None
+        if not ends:
+            raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
+        limits[name] = Limit(**ends)
+    return limits

@@ -1,0 +1,259 @@
+r"""NSGA-II in spaces that are too large to be exhausted: by pymoo, a generation in one call.
+
+A genome is a row of numbers in $[0, 1]$: one each for the number of muscles, length, radius,
+wall and angle, one for each gap between muscles (cut or not), and one for each unit's factor.
+With `continuous` sizes lie anywhere between the least and the largest that the space lists;
+else they are the nearest listed, so that the front can be compared with an exhaustive one.
+
+Every generation is judged by one compiled function of one shape. Seeded: the same seed gives
+the same front. Stopped after any generation, it goes on from its checkpoint to the same end.
+"""
+
+import pickle
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .designs import Designs
+from .judging import Values, evaluate, sizes_of
+from .objectives import known, needs
+from .outcome import Demand
+from .packing import packed_radius
+from .pareto import directed, non_dominated
+from .searching import Found, Limits, best_first, checked, within_limits
+from .space import Space
+from .task import Task
+from .unlike import unlike_objectives
+
+
+Genomes = Float[np.ndarray, "design gene"]
+_AXES = ("length", "radius", "wall_ratio", "braid_angle")
+
+
+class Coding:
+    """From genomes to designs of a space."""
+
+    def __init__(self, space: Space, continuous: bool):
+        """**Arguments:**
+
+        - `space`: of one drawing, with all compositions [-].
+        - `continuous`: whether sizes may lie between those listed [-].
+
+        **Raises:** `ValueError` for a space that isn't so.
+        """
+        if len(space.drawings) != 1:
+            raise ValueError("`drawings` must hold one muscle for NSGA-II: search each alone.")
+        if space.splits != "all":
+            raise ValueError("`splits` must be 'all' for NSGA-II, which cuts where it likes.")
+        self.space, self.continuous = space, continuous
+        self.drawing = next(iter(space.drawings.values()))
+        self.muscles = np.array(sorted(set(space.muscles)))
+        self.most = int(self.muscles[-1])
+        self.units = min(self.most, space.most_units or self.most)
+
+    @property
+    def genes(self) -> int:
+        """How many numbers a genome has [-]."""
+        return 1 + len(_AXES) + (self.most - 1) + self.units
+
+    def designs(self, genomes: Genomes) -> Designs:
+        """Designs of `genomes` [-], a row each."""
+        total = self.muscles[_place(genomes[:, 0], len(self.muscles))]
+        sizes = genomes[:, 1 : 1 + len(_AXES)]
+        cuts = genomes[:, 1 + len(_AXES) : len(_AXES) + self.most] > 0.5
+        shares = genomes[:, len(_AXES) + self.most :]
+        counts = self._counts(total, cuts)
+        factor = np.stack([self._value(self.space.unit_factors, row) for row in shares.T], axis=1)
+        factor = np.where(counts > 0, factor, factor[:, :1])
+        own = Space._own(self.drawing)
+        length, radius, ratio, angle = (
+            self._value(getattr(self.space, name) or (default,), sizes[:, i])
+            for i, (name, default) in enumerate(zip(_AXES, own, strict=True))
+        )
+        radii = (radius * self._scale(counts, factor))[:, None] * factor
+        return Designs(
+            self.space.drawings,
+            np.zeros(len(genomes), int),
+            counts,
+            length,
+            radii,
+            ratio[:, None] * radii,
+            angle[:, None] * np.ones(radii.shape),
+        )
+
+    def _counts(self, total: np.ndarray, cuts: np.ndarray) -> np.ndarray:
+        gap = np.arange(1, self.most)
+        cut = cuts & (gap < total[:, None])
+        # units beyond the largest number join the last
+        unit = np.minimum(np.cumsum(cut, axis=1), self.units - 1)
+        unit = np.concatenate([np.zeros((len(total), 1), int), unit], axis=1)
+        there = np.arange(self.most) < total[:, None]
+        counts = np.zeros((len(total), self.units), int)
+        np.add.at(counts, (np.nonzero(there)[0], unit[there]), 1)
+        return counts
+
+    def _scale(self, counts: np.ndarray, factor: np.ndarray) -> np.ndarray:
+        if self.space.radius_rule == "cross_section":
+            return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
+        if self.space.radius_rule == "packing":
+            return 0.5 / np.asarray(packed_radius(jnp.asarray(factor), jnp.asarray(counts)))
+        return np.ones(len(counts))
+
+    def _value(self, listed: tuple[float, ...], share: np.ndarray) -> np.ndarray:
+        if self.continuous:
+            return min(listed) + share * (max(listed) - min(listed))
+        return np.array(listed)[_place(share, len(listed))]
+
+
+def evolve(
+    space: Space,
+    task: Task,
+    senses: Mapping[str, str],
+    limits: Limits | None = None,
+    population: int = 100,
+    generations: int = 100,
+    seed: int = 0,
+    continuous: bool = True,
+    checkpoint: Path | None = None,
+    watch: Callable[[int], None] | None = None,
+    extra: tuple[str, ...] = (),
+) -> Found:
+    """Search a space by NSGA-II.
+
+    **Arguments:**
+
+    - `space`: of one drawing, with all compositions [-].
+    - `task`: what is demanded [-].
+    - `senses`: "min" or "max" by objective [-].
+    - `limits`: on objectives, by name [-].
+    - `population`: designs in a generation [-].
+    - `generations`: how many [-].
+    - `seed`: of chance [-].
+    - `continuous`: whether sizes may lie between those listed [-].
+    - `checkpoint`: a file that is kept after each generation, and gone on from [-].
+    - `watch`: told how many generations are done [-].
+    - `extra`: objectives to record that don't make the front [-].
+
+    **Returns:** what was found [-]: of all designs that were judged, those of the front.
+
+    **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
+    `ModuleNotFoundError` without pymoo.
+    """
+    limits = dict(limits or {})
+    senses = dict(senses)
+    names, told = known([*senses, *limits]), known([*senses, *limits, *extra])
+    checked(senses, limits)
+    coding, demand = Coding(space, continuous), Demand.of(task)
+    state = _begun(coding, senses, limits, population, seed, checkpoint)
+    while state["generation"] < generations:
+        algorithm = state["algorithm"]
+        asked = algorithm.ask()
+        genomes = np.asarray(asked.get("X"), float)
+        values = _judged(coding, genomes, demand, names, population)
+        asked.set("F", directed(values, senses))
+        asked.set("G", _broken(values, limits))
+        algorithm.tell(infills=asked)
+        _keep(state, genomes, values, senses, limits)
+        state["generation"] += 1
+        if checkpoint is not None:
+            _save(state, checkpoint)
+        if watch is not None:
+            watch(state["generation"])
+    designs = coding.designs(state["genomes"])
+    # what is told in the end is told by the same means as an exhaustive search tells it
+    values = evaluate(designs, task, told)
+    front = best_first(values, senses, np.flatnonzero(within_limits(values, limits)))
+    return Found(
+        space, task, senses, limits, np.full(len(designs), -1), values,
+        np.ones(len(designs), bool), front, designs.take(front), state["judged"],
+    )  # fmt: skip
+
+
+def _begun(
+    coding: Coding,
+    senses: Mapping[str, str],
+    limits: Limits,
+    population: int,
+    seed: int,
+    checkpoint: Path | None,
+) -> dict[str, Any]:
+    told = [coding.genes, dict(senses), dict(limits), population, seed, coding.continuous]
+    if checkpoint is not None and checkpoint.exists():
+        state = pickle.loads(checkpoint.read_bytes())  # noqa: S301 written by `_save` alone
+        if state["told"] != told:
+            raise ValueError(f"{checkpoint}: is another search's: name a new file.")
+        return state
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.problem import Problem
+    from pymoo.termination import get_termination
+
+    problem = Problem(
+        n_var=coding.genes, n_obj=len(senses), n_ieq_constr=max(1, 2 * len(limits)),
+        xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
+    )  # fmt: skip
+    algorithm = NSGA2(pop_size=population)
+    algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
+    names = [*dict.fromkeys([*senses, *limits])]
+    return {
+        "told": told, "algorithm": algorithm, "generation": 0, "judged": 0,
+        "genomes": np.zeros((0, coding.genes)), "values": {n: np.zeros(0) for n in names},
+    }  # fmt: skip
+
+
+def _judged(
+    coding: Coding, genomes: Genomes, demand: Demand, names: tuple[str, ...], population: int
+) -> Values:
+    """Objectives of a generation in one call; a short one is filled up."""
+    designs = coding.designs(genomes)
+    rows = np.minimum(np.arange(max(population, len(genomes))), len(genomes) - 1)
+    values = unlike_objectives(
+        coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names)
+    )
+    return dict(zip(names, np.asarray(values)[:, : len(genomes)], strict=True))
+
+
+def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
+    """How far limits are broken [SI], positive where they are."""
+    size = len(next(iter(values.values())))
+    columns = [np.full(size, -1.0)] if not limits else []
+    for name, limit in limits.items():
+        misses = (limit.least - values[name], values[name] - limit.most)
+        columns += [np.where(np.isfinite(miss), miss, -1.0) for miss in misses]
+    return np.stack(columns, axis=1)
+
+
+def _keep(
+    state: dict[str, Any],
+    genomes: Genomes,
+    values: Values,
+    senses: Mapping[str, str],
+    limits: Limits,
+) -> None:
+    """Add a generation to the front of all that were judged."""
+    state["judged"] += len(genomes)
+    good = within_limits(values, limits)
+    rows = np.concatenate([state["genomes"], genomes[good]])
+    both = {name: np.concatenate([state["values"][name], values[name][good]]) for name in values}
+    if not len(rows):
+        return
+    points = directed(both, senses)
+    front = non_dominated(points)
+    # of equal points the first is enough
+    first = np.zeros(len(points), bool)
+    first[np.unique(points, axis=0, return_index=True)[1]] = True
+    kept = front & first
+    state["genomes"], state["values"] = rows[kept], {name: one[kept] for name, one in both.items()}
+
+
+def _save(state: dict[str, Any], checkpoint: Path) -> None:
+    draft = checkpoint.with_name(f".{checkpoint.name}")
+    draft.write_bytes(pickle.dumps(state))
+    draft.replace(checkpoint)
+
+
+def _place(share: np.ndarray, count: int) -> np.ndarray:
+    return np.minimum((share * count).astype(int), count - 1)

@@ -1,0 +1,160 @@
+"""What a design can be judged by, a function each, of the `Outcome` of many designs at once.
+
+`OBJECTIVES` has them by name, with unit, the sense in which each is better, and what it needs
+beyond the task's own points. Weights are the task's, over their sum.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._checks import one_of
+from .outcome import Outcome
+
+
+PerDesign = Float[Array, "*design"]
+
+
+def mean_efficiency(outcome: Outcome) -> PerDesign:
+    r"""Mean over the task of work over fluid energy [-]: $W/E$, $W = F \varepsilon L_0$, (29).
+
+    Isotonic: the demanded force is the load. Points that ask for no work are left out; one
+    that isn't reached counts as 0. `outcome` [-].
+    """
+    works = outcome.work > 0
+    # a divisor where there is nothing to divide; at work the fluid's volume has grown
+    E = jnp.where(works, outcome.energy, 1.0)
+    share = jnp.where(works & outcome.reached, outcome.work, 0.0) / E
+    counted = jnp.where(works, outcome.weight, 0.0)
+    return jnp.sum(counted * share, axis=0) / jnp.sum(counted, axis=0)
+
+
+def peak_energy(outcome: Outcome) -> PerDesign:
+    """Largest fluid energy that any point of the task takes [J]; `outcome` [-]."""
+    return jnp.max(outcome.energy, axis=0)
+
+
+def mean_energy(outcome: Outcome) -> PerDesign:
+    """Mean fluid energy of the task's points [J]; `outcome` [-]."""
+    return _mean(outcome, outcome.energy)
+
+
+def not_reached(outcome: Outcome) -> PerDesign:
+    """Share of the task that no recruitment state reaches [-]; `outcome` [-]."""
+    return _mean(outcome, jnp.where(outcome.reached, 0.0, 1.0))
+
+
+def shortfall(outcome: Outcome) -> PerDesign:
+    """Mean distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    return _mean(outcome, outcome.shortfall)
+
+
+def worst_shortfall(outcome: Outcome) -> PerDesign:
+    """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    return jnp.max(outcome.shortfall, axis=0)
+
+
+def largest_force(outcome: Outcome) -> PerDesign:
+    """Blocked force of all units at supply pressure [N]; `outcome` [-]."""
+    return jnp.sum(outcome.blocked, axis=0)
+
+
+def force_resolution(outcome: Outcome) -> PerDesign:
+    """Largest step of the blocked force from one fully active state to the next [N], which
+    is what full pressure alone can't tell apart; `outcome` [-].
+    """
+    return jnp.max(outcome.blocked, axis=0)
+
+
+def valves(outcome: Outcome) -> PerDesign:
+    """Number of motor units [-], each with a valve of its own; `outcome` [-]."""
+    return outcome.units.astype(float)
+
+
+def envelope(outcome: Outcome) -> PerDesign:
+    """Diameter of the circle around the muscles, contracted to the task's largest strain,
+    with units that aren't fed bowed out as far as any does up to there [m]; `outcome` [-].
+
+    Every unit but a lone one can be unfed while others contract it.
+    """
+    return _asked(outcome.size, "size")
+
+
+def reversal_depth(outcome: Outcome) -> PerDesign:
+    """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
+    ones at the supply's [-]; 0 for a lone unit. `outcome` [-].
+    """
+    return _asked(outcome.depth, "depth")
+
+
+def overlap_width(outcome: Outcome) -> PerDesign:
+    """Largest height in force of what two successive states both reach, at forces of zero and
+    above [N]; `outcome` [-].
+    """
+    return _asked(outcome.overlap, "overlap")
+
+
+class Objective(NamedTuple):
+    """A function of an `Outcome`, its unit, the `sense` in which it is better, and what it
+    `needs`: "" for the task's points, "size" for radii and bowing, "curves" for all strains.
+    """
+
+    function: Callable[[Outcome], PerDesign]
+    unit: str
+    sense: str
+    needs: str = ""
+
+    @property
+    def about(self) -> str:
+        """What it is, in a sentence."""
+        return " ".join((self.function.__doc__ or "").split()).split(" [")[0]
+
+
+OBJECTIVES: dict[str, Objective] = {
+    "mean_efficiency": Objective(mean_efficiency, "-", "max"),
+    "peak_energy": Objective(peak_energy, "J", "min"),
+    "mean_energy": Objective(mean_energy, "J", "min"),
+    "not_reached": Objective(not_reached, "-", "min"),
+    "shortfall": Objective(shortfall, "N", "min"),
+    "worst_shortfall": Objective(worst_shortfall, "N", "min"),
+    "reversal_depth": Objective(reversal_depth, "-", "min", "curves"),
+    "overlap_width": Objective(overlap_width, "N", "max", "curves"),
+    "force_resolution": Objective(force_resolution, "N", "min"),
+    "envelope": Objective(envelope, "m", "min", "size"),
+    "valves": Objective(valves, "-", "min"),
+    "largest_force": Objective(largest_force, "N", "max"),
+}
+
+
+def known(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of objectives, checked.
+
+    **Arguments:** `names`: some of `OBJECTIVES` [-].
+
+    **Returns:** them [-], in their order, each once.
+
+    **Raises:** `ValueError` for an unknown one; the nearest is suggested.
+    """
+    return tuple(dict.fromkeys(one_of(name, OBJECTIVES, "objectives") for name in names))
+
+
+def needs(names: Iterable[str]) -> tuple[str, ...]:
+    """What objectives need beyond the task's points; `names` [-] are theirs."""
+    return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
+
+
+def judged(outcome: Outcome, names: Iterable[str]) -> dict[str, PerDesign]:
+    """Objectives by name, each in its own unit, of an `outcome` [-]; `names` [-] of those."""
+    return {name: OBJECTIVES[name].function(outcome) for name in names}
+
+
+def _mean(outcome: Outcome, values: Float[Array, "point *design"]) -> PerDesign:
+    return jnp.sum(outcome.weight * values, axis=0) / jnp.sum(outcome.weight, axis=0)
+
+
+def _asked(values: PerDesign | None, name: str) -> PerDesign:
+    if values is None:
+        raise ValueError(f"`outcome` holds no `{name}`: ask the kernel for it.")
+    return values

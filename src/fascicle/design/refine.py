@@ -1,0 +1,198 @@
+r"""Sizes refined by gradients, from a design whose split is chosen.
+
+An objective is bettered by Adam steps on coordinates that keep every size within its bounds,
+$x = l + (h - l)/(1 + e^{-z})$, from several starts. What must be reached enters as a penalty
+on the shortfall, whose slope, unlike that of the points not reached, leads there. The laws
+are differentiable; where the state that meets a point changes, the objective has a step,
+which a gradient doesn't see: the best of all steps is kept, as the slow way judges it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._checks import one_of
+from ..muscle import Muscle
+from .designs import Designs, joined
+from .judging import evaluate, sizes_of
+from .objectives import OBJECTIVES, judged, known, needs
+from .outcome import Demand
+from .table import UNLIKE
+from .task import Task
+from .unlike import Sizes, unlike_outcome
+
+
+BOUNDED = ("length", "radius", "wall_ratio", "angle")
+_RATE = 0.2
+_INSIDE = 6.0  # a coordinate's largest size: a part in 400 from a bound
+
+
+def refined(
+    designs: Designs,
+    place: int,
+    task: Task,
+    objective: str,
+    bounds: Mapping[str, tuple[float, float]],
+    sense: str | None = None,
+    penalty: float = 10.0,
+    steps: int = 60,
+    starts: int = 4,
+    seed: int = 0,
+) -> tuple[Designs, Float[np.ndarray, " start"]]:
+    """Better sizes for a split.
+
+    **Arguments:**
+
+    - `designs`: among which the split is [-].
+    - `place`: which of them [-].
+    - `task`: what is demanded [-].
+    - `objective`: to better, by name [-].
+    - `bounds`: least and largest `length` and `radius` [m], `wall_ratio` [-] and `angle` [rad];
+      what isn't bounded is held [-].
+    - `sense`: "min" or "max" [-]; left out, the objective's usual one.
+    - `penalty`: on the mean shortfall over the task's mean force, in units of what the objective
+      is at first [-].
+    - `steps`: of each start [-].
+    - `starts`: how many; the first is the design itself [-].
+    - `seed`: of the others [-].
+
+    **Returns:** the best design of each start [-], and its objective with the penalty, turned
+    so that smaller is better, over the first design's objective [-].
+
+    **Raises:** `ValueError` for unknown names and bounds that the design's sizes are outside of.
+    """
+    import optax
+
+    (name,) = known([objective])
+    sense = one_of(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
+    demand, one = Demand.of(task), designs.take(np.array([place]))
+    drawing = list(designs.drawings.values())[int(one.kind[0])]
+    sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(one, np.array([0])))
+    low, high, first = _box(sizes, bounds)
+    begun = float(evaluate(one, task, [name])[name][0]) or 1.0
+    rng = np.random.default_rng(seed)
+    others = rng.uniform(-2.0, 2.0, (starts - 1, first.size))
+    z = jnp.asarray(np.concatenate([first[None], others]))
+    sign = (1.0 if sense == "min" else -1.0) / abs(begun)
+    scale = penalty / max(float(np.mean(task.force)), 1e-9)
+    adam: Any = optax.adam(_RATE)
+    state = jax.vmap(adam.init)(z)
+    best = (np.full(starts, np.inf), np.asarray(z).copy())
+    for _ in range(steps + 1):
+        value, slope = _slopes(
+            drawing, sizes, demand, z, low, high, sign, scale,
+            name=name, bounded=tuple(bounds),
+        )  # fmt: skip
+        better = np.asarray(value) < best[0]
+        best = (
+            np.where(better, value, best[0]),
+            np.where(better[:, None], z, best[1]),
+        )
+        update, state = jax.vmap(adam.update)(slope, state)
+        z = jnp.clip(z + update, -_INSIDE, _INSIDE)
+    made = [
+        _designed(one, _placed(sizes, jnp.asarray(row), low, high, tuple(bounds)))
+        for row in best[1]
+    ]
+    return joined(made), best[0]
+
+
+def gradient(
+    drawing: Muscle, sizes: Sizes, demand: Demand, names: tuple[str, ...]
+) -> tuple[Float[Array, " objective"], Sizes]:
+    """Objectives of a design, and their slopes by each of its sizes.
+
+    **Arguments:**
+
+    - `drawing`: whose material and laws its muscles have [-].
+    - `sizes`: its own, without an axis for designs [-].
+    - `demand`: the task's [-].
+    - `names`: of the objectives [-].
+
+    **Returns:** the objectives [SI], and slopes [SI] in the form of the sizes, objectives first;
+    counts have none.
+    """
+
+    def objectives(free: tuple) -> Array:
+        return _objectives(drawing, sizes.counts, free, demand, names)
+
+    free = tuple(sizes)[1:]
+    return objectives(free), Sizes(jnp.zeros_like(sizes.counts), *jax.jacfwd(objectives)(free))
+
+
+def _objectives(
+    drawing: Muscle, counts: Array, free: tuple, demand: Demand, names: tuple[str, ...]
+) -> Array:
+    outcome = unlike_outcome(drawing, Sizes(counts, *free), demand, needs(names), UNLIKE)
+    values = judged(outcome, names)
+    return jnp.stack([values[name] for name in names])
+
+
+@partial(jax.jit, static_argnames=("name", "bounded"))
+def _slopes(
+    drawing: Muscle,
+    sizes: Sizes,
+    demand: Demand,
+    z: Float[Array, "start coordinate"],
+    low: Array,
+    high: Array,
+    sign: Array | float,
+    scale: Array | float,
+    *,
+    name: str,
+    bounded: tuple[str, ...],
+) -> tuple[Float[Array, " start"], Float[Array, "start coordinate"]]:
+    def cost(z: Array) -> Array:
+        own = _placed(sizes, z, low, high, bounded)
+        value, miss = _objectives(drawing, own.counts, tuple(own)[1:], demand, (name, "shortfall"))
+        return sign * value + scale * miss
+
+    return jax.lax.map(jax.value_and_grad(cost), z)
+
+
+def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array, Array, Any]:
+    """Bounds of every coordinate, and the design's own place between them."""
+    low, high, own = [], [], []
+    for key, (least, most) in bounds.items():
+        one_of(key, BOUNDED, "bounds")
+        values = np.atleast_1d(
+            np.asarray(sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key))
+        )
+        if not least < most or np.any(values < least) or np.any(values > most):
+            raise ValueError(
+                f"`bounds` of {key} must hold the design's own {values[0]:g}, got {least:g} to"
+                f" {most:g}."
+            )
+        low += [least] * values.size
+        high += [most] * values.size
+        own += values.tolist()
+    lows, highs = np.array(low), np.array(high)
+    share = np.clip((np.array(own) - lows) / (highs - lows), 1e-2, 1 - 1e-2)
+    return jnp.asarray(lows), jnp.asarray(highs), np.log(share / (1 - share))
+
+
+def _placed(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str, ...]) -> Sizes:
+    values = low + (high - low) / (1 + jnp.exp(-z))
+    units, start, given = sizes.radius.size, 0, {}
+    for key in bounded:
+        size = 1 if key == "length" else units
+        part = values[start : start + size]
+        given[key] = part[0] if key == "length" else part
+        start += size
+    radius = given.get("radius", sizes.radius)
+    ratio = given.get("wall_ratio", sizes.wall / sizes.radius)
+    return Sizes(
+        sizes.counts, given.get("length", sizes.length), radius, ratio * radius,
+        given.get("angle", sizes.angle),
+    )  # fmt: skip
+
+
+def _designed(one: Designs, sizes: Sizes) -> Designs:
+    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in ("radius", "wall", "angle")}
+    return replace(one, length=np.asarray(sizes.length)[None], **arrays)

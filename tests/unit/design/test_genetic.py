@@ -1,0 +1,79 @@
+"""NSGA-II against the exhaustive front, its seed, and its checkpoint."""
+
+import numpy as np
+import pytest
+
+from fascicle.design import Limit, Space, hypervolume, search
+
+
+pytest.importorskip("pymoo", reason="needs the extra `design`")
+from fascicle.design.genetic import Coding, evolve
+
+
+SENSES = {"mean_efficiency": "max", "envelope": "min", "valves": "min"}
+LIMITS = {"not_reached": Limit(most=0.5)}
+
+
+@pytest.fixture(scope="module")
+def space(muscle):
+    return Space(
+        {"m": muscle}, (3, 4, 5), length=(0.11, 0.127, 0.15), radius=(0.011, 0.014),
+        radius_rule="cross_section",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def evolved(space, task):
+    return evolve(space, task, SENSES, LIMITS, 32, 25, seed=1, continuous=False)
+
+
+def test_it_finds_the_exhaustive_front(space, task, evolved):
+    exhaustive = search(space, task, SENSES, LIMITS)
+    points = exhaustive.points
+    # a little worse than the worst of the front in each
+    limit = points.max(axis=0) + 0.1 * np.ptp(points, axis=0)
+    whole = hypervolume(points, limit)
+    found = hypervolume(evolved.points, limit)
+    assert 0.99 * whole <= found <= whole * (1 + 1e-9)
+    assert np.all(evolved.values["not_reached"] <= 0.5)
+
+
+def test_the_same_seed_is_the_same_front_and_a_checkpoint_goes_on(space, task, tmp_path, evolved):
+    kept = tmp_path / "search.pickle"
+    options = {"population": 32, "seed": 1, "continuous": False, "checkpoint": kept}
+    evolve(space, task, SENSES, LIMITS, generations=9, **options)
+    again = evolve(space, task, SENSES, LIMITS, generations=25, **options)
+    assert again.judged == evolved.judged == 25 * 32
+    for name, one in evolved.values.items():
+        assert np.array_equal(one, again.values[name])
+    with pytest.raises(ValueError, match="is another search's"):
+        evolve(space, task, SENSES, LIMITS, generations=9, **(options | {"seed": 2}))
+
+
+def test_every_genome_is_a_design_of_the_space(space):
+    rng = np.random.default_rng(0)
+    coding = Coding(space, continuous=True)
+    designs = coding.designs(rng.uniform(size=(300, coding.genes)))
+    assert set(designs.counts.sum(axis=1)) == {3, 4, 5}
+    assert np.all((designs.length >= 0.11) & (designs.length <= 0.15))
+    section = np.sqrt(np.sum(designs.counts * designs.radius**2, axis=1))
+    assert np.all((section >= 0.011 - 1e-12) & (section <= 0.014 + 1e-12))
+    there = designs.counts > 0
+    assert np.all(there[:, :-1] | ~there[:, 1:])
+    # the corners too
+    for corner in (np.zeros((1, coding.genes)), np.ones((1, coding.genes))):
+        assert len(coding.designs(corner)) == 1
+
+
+def test_no_more_units_than_valves(muscle):
+    space = Space({"m": muscle}, (6,), most_units=2)
+    coding = Coding(space, continuous=True)
+    designs = coding.designs(np.random.default_rng(1).uniform(size=(50, coding.genes)))
+    assert designs.units.max() == 2 and np.all(designs.counts.sum(axis=1) == 6)
+
+
+def test_spaces_that_it_does_not_search(muscle):
+    with pytest.raises(ValueError, match="`drawings` must hold one"):
+        Coding(Space({"a": muscle, "b": muscle}, (2,)), continuous=True)
+    with pytest.raises(ValueError, match="`splits` must be 'all'"):
+        Coding(Space({"a": muscle}, (2,), splits="partitions"), continuous=True)

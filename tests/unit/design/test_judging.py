@@ -1,0 +1,138 @@
+"""Objectives of whole batches: both kernels agree, and what is simple about them holds."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle.design import OBJECTIVES, Designs, evaluate
+from fascicle.design.judging import sizes_of
+from fascicle.design.objectives import judged
+from fascicle.design.outcome import Demand
+from fascicle.design.shared import prepared, shared_objectives
+from fascicle.design.splits import compositions, partitions
+from fascicle.design.table import Resolution
+from fascicle.design.unlike import unlike_objectives, unlike_outcome
+
+
+NAMES = tuple(OBJECTIVES)
+NEEDS = ("curves", "size")
+COARSE = Resolution(17, 65)
+
+
+@pytest.fixture(scope="module")
+def five(muscle):
+    return Designs.of(muscle, compositions(5))
+
+
+@pytest.fixture(scope="module")
+def values(five, task):
+    return evaluate(five, task, NAMES)
+
+
+def test_the_two_kernels_agree(muscle, five, task):
+    demand = Demand.of(task)
+    rows = np.array([0, 1, 7, 15])
+    known = prepared(muscle, 5, demand, most=5, needs=NEEDS, resolution=COARSE)
+    shared = shared_objectives(known, jnp.asarray(five.counts[rows]), demand, names=NAMES)
+    unlike = unlike_objectives(
+        muscle, sizes_of(five, rows), demand, names=NAMES, needs=NEEDS, resolution=COARSE
+    )
+    # the same sums in another order
+    assert_allclose(shared, unlike, rtol=1e-9, atol=1e-9)
+
+
+def test_what_is_simple(muscle, five, task, values):
+    blocked = float(muscle.blocked_force(task.supply_pressure))
+    assert_allclose(values["largest_force"], 5 * blocked, rtol=1e-12)
+    assert_allclose(values["force_resolution"], five.counts.max(axis=1) * blocked, rtol=1e-12)
+    assert_array_equal(values["valves"], five.units)
+    # a fifth of the weight is beyond any of them
+    assert_allclose(values["not_reached"], 0.2)
+    single = values["valves"] == 1
+    assert values["reversal_depth"][single] == 0 and values["overlap_width"][single] == 0
+    assert np.all(values["reversal_depth"] >= 0)
+    # only one that isn't alone is ever bowed by others
+    assert values["envelope"][single] == values["envelope"].min()
+    assert np.ptp(values["envelope"][~single]) == 0
+    # with a valve for each muscle no more are fed than must be; others may feed as few
+    assert values["mean_efficiency"][single] == values["mean_efficiency"].min()
+    assert values["mean_efficiency"][15] >= values["mean_efficiency"].max() - 1e-12
+    assert np.all(values["worst_shortfall"] >= values["shortfall"])
+
+
+def test_a_design_alone_and_among_others(five, task, values):
+    alone = evaluate(five.take(np.array([9])), task, NAMES)
+    for name in NAMES:
+        assert_allclose(alone[name][0], values[name][9], rtol=1e-12, atol=1e-12)
+
+
+def test_unlike_units(muscle, task):
+    """One unit of two sizes is what two muscles of these sizes are."""
+    names = ("largest_force", "envelope", "valves", "mean_efficiency", "not_reached")
+    same = Designs.of(muscle, [(1, 1)])
+    radius = same.radius * np.array([[1.0, 1.2]])
+    other = Designs(
+        same.drawings, same.kind, same.counts, same.length, radius, 0.25 * radius, same.angle
+    )
+    assert not other.alike[0]
+    values = evaluate(other, task, names)
+    bundle = other.bundle(0, task)
+    supply = np.full(2, task.supply_pressure)
+    assert_allclose(values["largest_force"], bundle.force(supply, 0.0), rtol=1e-9)
+
+
+def test_unknown_objectives_and_designs_that_can_not_be(five, task):
+    with pytest.raises(ValueError, match="did you mean 'mean_efficiency'"):
+        evaluate(five, task, ["mean_eficiency"])
+    thick = Designs(
+        five.drawings, five.kind, five.counts, five.length, five.radius, five.radius, five.angle
+    )
+    with pytest.raises(ValueError, match="`wall_thickness` must be less"):
+        evaluate(thick, task, ["valves"])
+
+
+def test_gradients_against_differences(muscle, task):
+    """By length, radius, wall and angle of a unit, of every objective that is smooth."""
+    demand = Demand.of(task)
+    smooth = tuple(name for name in NAMES if name not in ("valves", "not_reached"))
+    sizes = jax.tree.map(lambda x: x[0], sizes_of(Designs.of(muscle, [(1, 2)]), np.array([0])))
+    scale = jnp.array([0.127, 6.35e-3, 1.6e-3, 0.576])
+
+    @jax.jit
+    def objectives(z):
+        length, radius, wall, angle = z * scale
+        moved = sizes._replace(
+            length=length,
+            radius=sizes.radius.at[1].set(radius),
+            wall=sizes.wall.at[1].set(wall),
+            angle=sizes.angle.at[1].set(angle),
+        )
+        values = judged(unlike_outcome(muscle, moved, demand, NEEDS, COARSE), smooth)
+        return jnp.stack([values[name] for name in smooth])
+
+    # off the corner where both units are alike
+    z = jnp.array([1.0, 1.05, 1.02, 0.98])
+    exact = jax.jit(jax.jacfwd(objectives))(z)
+    assert np.all(np.isfinite(exact))
+    h = 1e-5
+    steps = h * jnp.eye(4)
+    plain = np.stack([(objectives(z + e) - objectives(z - e)) / (2 * h) for e in steps], axis=1)
+    size = np.abs(np.asarray(objectives(z)))[:, None]
+    # central differences err by h² of the third derivative, and by rounding over h
+    assert_allclose(exact, plain, rtol=1e-4, atol=1e-5 * (1e-3 + size.max(axis=1)).max())
+
+
+def test_all_partitions_of_thirty(muscle, task):
+    names = ("mean_efficiency", "reversal_depth", "overlap_width")
+    counts = partitions(30)
+    every = evaluate(Designs.of(muscle, counts), task, names)
+    few = [4, 2500, 5603]
+    alone = evaluate(Designs.of(muscle, counts[few]), task, names)
+    for name in names:
+        assert np.all(np.isfinite(every[name]))
+        assert_allclose(every[name][few], alone[name], rtol=1e-12, atol=1e-15)
+    # undivided, nothing can reverse; with a valve for each, little does
+    assert every["reversal_depth"][0] == 0
+    assert every["reversal_depth"][-1] < 0.1 * every["reversal_depth"].max()

@@ -1,0 +1,37 @@
+"""Sizes bettered by gradients."""
+
+import numpy as np
+import pytest
+
+from fascicle.design import Designs, Task, evaluate
+from fascicle.design.refine import refined
+
+
+pytest.importorskip("optax", reason="needs the extra `design`")
+
+
+def test_sizes_get_better_within_their_bounds(muscle):
+    task = Task.of([60.0, 180.0, 300.0], [0.16, 0.1, 0.05], 413.7e3)
+    designs = Designs.of(muscle, [(1, 2)])
+    bounds = {"radius": (4e-3, 8e-3), "angle": (0.45, 0.65)}
+    found, cost = refined(designs, 0, task, "mean_energy", bounds, steps=25, starts=2, seed=1)
+    before = evaluate(designs, task, ["mean_energy", "shortfall"])
+    after = evaluate(found, task, ["mean_energy", "shortfall"])
+    best = int(np.argmin(cost))
+    # less fluid, and nothing lost
+    assert after["mean_energy"][best] < 0.95 * before["mean_energy"][0]
+    assert after["shortfall"][best] <= before["shortfall"][0] + 1e-6
+    there = found.counts > 0
+    assert np.all((found.radius[there] >= 4e-3) & (found.radius[there] <= 8e-3))
+    assert np.all((found.angle[there] >= 0.45) & (found.angle[there] <= 0.65))
+    assert np.all(found.length == designs.length)
+    assert np.all(np.isclose(found.wall / found.radius, designs.wall[0, 0] / designs.radius[0, 0]))
+
+
+def test_bounds_hold_the_design(muscle):
+    task = Task.of([60.0], [0.1], 413.7e3)
+    designs = Designs.of(muscle, [(1, 2)])
+    with pytest.raises(ValueError, match="`bounds` of radius must hold the design"):
+        refined(designs, 0, task, "mean_energy", {"radius": (7e-3, 8e-3)})
+    with pytest.raises(ValueError, match="`bounds` 'radii' is unknown"):
+        refined(designs, 0, task, "mean_energy", {"radii": (7e-3, 8e-3)})

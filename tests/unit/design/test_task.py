@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.design import Task, example_task
+from fascicle.design.examples import TASKS
+
+
+def test_points_in_time_count_for_as_long_as_they_last():
+    task = Task.in_time([0.0, 1.0, 3.0], [10.0, 20.0, 5.0], [0.0, 0.1, 0.2], 4e5)
+    assert_allclose(task.weight, [0.5, 1.5, 1.0])
+    assert task.largest_strain == 0.2 and len(task) == 3
+
+
+def test_two_points_in_time_count_the_same():
+    assert_allclose(Task.in_time([0.0, 2.0], [1.0, 2.0], [0.1, 0.2], 4e5).weight, [1.0, 1.0])
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_examples_say_that_they_are_made_up(name):
+    task = example_task(name, 3e5)
+    assert task.supply_pressure == 3e5 and task.name == name
+    assert "made up" in task.source
+    assert np.all(task.force > 0) and np.all(task.strain >= 0) and task.largest_strain < 0.2
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"force": [-1.0, 1.0]}, "`force` must lie in"),
+        ({"strain": [0.1, 0.7]}, "`strain` must lie in"),
+        ({"weight": [1.0, np.nan]}, "`weight` must lie in"),
+        ({"weight": [1.0]}, "must be lists of one length, got 2, 2 and 1"),
+        ({"supply_pressure": 0.0}, "`supply_pressure` must lie in"),
+        ({"scheme": "bach"}, "did you mean 'batch'"),
+        ({"force": [0.0, 5.0], "strain": [0.1, 0.0]}, "does no work"),
+        ({"force": [], "strain": []}, "1 to 100000 points, got 0"),
+    ],
+)
+def test_what_can_not_be_demanded(changed, message):
+    given = {"force": [1.0, 2.0], "strain": [0.1, 0.2], "supply_pressure": 4e5} | changed
+    with pytest.raises(ValueError, match=message):
+        Task.of(**given)
+
+
+@pytest.mark.parametrize("time", [[0.0, 0.0], [1.0, 0.0], [0.0]])
+def test_times_must_rise(time):
+    with pytest.raises(ValueError, match="`time` must be a list"):
+        Task.in_time(time, [1.0, 2.0], [0.1, 0.2], 4e5)
+
+
+def test_an_unknown_example():
+    with pytest.raises(ValueError, match="did you mean 'walking_ankle'"):
+        example_task("walking_ancle")

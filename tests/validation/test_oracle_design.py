@@ -1,0 +1,158 @@
+"""Every objective of a design against the slow computation, on random designs."""
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+import oracle_design as oracle
+import pytest
+from from_oracle import library_muscle
+from oracle_muscle import LATEX, SILICONE, Muscle, free_strain
+
+from fascicle.design import Task
+from fascicle.design.objectives import OBJECTIVES
+from fascicle.design.outcome import Demand
+from fascicle.design.packing import packed_radius, ratio
+from fascicle.design.shared import prepared, shared_objectives
+from fascicle.design.table import UNLIKE, Resolution
+from fascicle.design.unlike import Sizes, unlike_objectives
+
+
+NAMES = tuple(OBJECTIVES)
+NEEDS = ("curves", "size")
+UNITS, POINTS = 3, 8  # one shape for all designs, so that little is compiled
+COARSE = Resolution(17, 65)  # the oracle takes a second for every ten thousand forces
+
+
+def random_muscle(rng, length, **laws):
+    radius = rng.uniform(4e-3, 9e-3)
+    return Muscle(
+        length=length,
+        outer_radius=radius,
+        wall_thickness=radius * rng.uniform(0.15, 0.3),
+        braid_angle=math.radians(rng.uniform(25, 38)),
+        transition_rate=40.0,
+        **laws,
+    )
+
+
+def random_designs(seed, count, alike):
+    """Bundles of up to three units, of one muscle or of unlike ones, and a task for each."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        length = rng.uniform(80e-3, 200e-3)
+        material = (LATEX, SILICONE)[rng.integers(2)]
+        units = rng.integers(1, UNITS + 1)
+        muscles = [random_muscle(rng, length, material=material) for _ in range(units)]
+        if alike:
+            muscles = muscles[:1] * units
+        counts = rng.integers(1, 5, units)
+        design = tuple(zip(muscles, counts.tolist(), strict=True))
+        supply = rng.uniform(200e3, 450e3)
+        strain = np.sort(rng.uniform(0.005, 0.24, POINTS))
+        # forces up to what the bundle has at rest, fewer where it has contracted
+        force = oracle.largest_force(design, supply) * rng.uniform(0, 1, POINTS) ** 2
+        task = [(float(f), float(e), float(rng.uniform(0.5, 2))) for f, e in
+                zip(force * (1 - strain / 0.3), strain, strict=True)]  # fmt: skip
+        yield design, supply, tuple(task)
+
+
+def library(design, supply, task, alike, resolution, scheme="orderly"):
+    force, strain, weight = map(np.array, zip(*task, strict=True))
+    demand = Demand.of(Task.of(force, strain, supply, weight, scheme))
+    counts = np.zeros((1, UNITS), int)
+    counts[0, : len(design)] = [n for _, n in design]
+    if alike:
+        muscle, most = library_muscle(design[0][0]), 12
+        known = prepared(
+            muscle, int(counts.sum()), demand, most=most, needs=NEEDS, resolution=resolution
+        )
+        values = shared_objectives(known, jnp.asarray(counts), demand, names=NAMES)
+    else:
+        muscles = [muscle for muscle, _ in design]
+        muscles += muscles[:1] * (UNITS - len(muscles))
+        sizes = Sizes(
+            jnp.asarray(counts),
+            jnp.asarray([muscles[0].length]),
+            *(
+                jnp.asarray([[getattr(m, name) for m in muscles]])
+                for name in ("outer_radius", "wall_thickness", "braid_angle")
+            ),
+        )
+        values = unlike_objectives(
+            library_muscle(muscles[0]), sizes, demand, names=NAMES, needs=NEEDS,
+            resolution=resolution,
+        )  # fmt: skip
+    return dict(zip(NAMES, np.asarray(values)[:, 0].tolist(), strict=True))
+
+
+def expected(design, supply, task, resolution, scheme="orderly"):
+    levels = resolution.level.tolist()
+    top = max(free_strain(muscle, supply) for muscle, _ in design)
+    strains = np.linspace(0, 1, resolution.strains) * top
+    return {
+        **oracle.task_objectives(design, supply, task, levels, scheme),
+        "reversal_depth": oracle.reversal_depth(design, supply, levels, strains.tolist()),
+        "overlap_width": oracle.overlap_width(design, supply, levels, strains.tolist(), scheme),
+        "largest_force": oracle.largest_force(design, supply),
+        "force_resolution": oracle.force_resolution(design, supply),
+        "valves": len(design),
+        "envelope": oracle.envelope(design, task, _packed),
+    }
+
+
+def _packed(radii):
+    return float(packed_radius(jnp.asarray(radii), jnp.ones(len(radii), int)))
+
+
+def compare(design, supply, task, alike, resolution, scheme="orderly"):
+    got = library(design, supply, task, alike, resolution, scheme)
+    want = expected(design, supply, task, resolution, scheme)
+    assert got.keys() == want.keys()
+    step = free_strain(design[0][0], supply) / (resolution.strains - 1)
+    for name, value in want.items():
+        # forces agree to 1e-8 of themselves and a newton, each muscle; so does all made of them
+        tolerance = 1e-7 * (1 + abs(value))
+        if name == "reversal_depth":
+            # a zero between two strains is taken on the chord: a kink there moves it by less
+            # than a quarter of the step, at either end of the fall
+            tolerance = 0.5 * step
+        elif name == "envelope":
+            tolerance = 1e-9  # m
+        assert abs(got[name] - value) <= tolerance, (name, got[name], value, design, task)
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_every_objective_of_fifty_designs(alike):
+    for design, supply, task in random_designs(21 + alike, 25, alike):
+        compare(design, supply, task, alike, COARSE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alike", [True, False])
+def test_batch_recruitment(alike):
+    for design, supply, task in random_designs(31 + alike, 5, alike):
+        compare(design, supply, task, alike, COARSE, "batch")
+
+
+def test_levels_are_fine_enough_for_the_task():
+    """Regions over 33 levels against 8 times as many: what is missed at their lower edges."""
+    missed = []
+    for design, supply, task in random_designs(41, 3, True):
+        for _, strain, _ in task:
+            for k in range(len(design)):
+                fine = np.linspace(0, 1, 8 * (UNLIKE.levels - 1) + 1) ** 1.5
+                low, high = oracle.region(design, supply, k, strain, UNLIKE.level.tolist())
+                lower, higher = oracle.region(design, supply, k, strain, fine.tolist())
+                assert high == higher  # at full pressure
+                missed.append((low - lower) / oracle.largest_force(design, supply))
+    # the least force may lie between two levels, where it has a kink
+    assert 0 <= max(missed) < 0.01
+
+
+# the proved ones among them are known to all their digits; a search finds no denser packing
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6, 7, 8, 9])
+def test_circles_are_packed_as_densely_as_a_search_finds(count):
+    found = oracle.equal_packing(count, np.random.default_rng(count))
+    # four decimals are kept
+    assert float(ratio(count)) == pytest.approx(found, rel=0, abs=6e-5)
