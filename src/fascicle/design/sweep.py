@@ -8,6 +8,7 @@ same bits over whatever was left.
 
 import os
 import pickle
+import secrets
 import time
 from collections.abc import Callable, Iterable
 from functools import lru_cache
@@ -19,6 +20,7 @@ from .study import Study
 
 
 _AHEAD = 3  # blocks handed to each worker, so that none waits for the next
+_PATIENCE = 5.0  # s between questions how many workers there are
 _TRIES = 20  # of one block; a worker that is killed at it isn't the block's fault
 
 
@@ -141,30 +143,35 @@ def _there(client: Any, payload: bytes, folder: Path, blocks: list[int]) -> Iter
     tries: dict[int, int] = {}
     owner: dict[str, int] = {}
     futures = as_completed()
+    # keys are the scheduler's, which may serve others, and remembers what it has given up
+    sweep_key, asked, workers = secrets.token_hex(4), -_PATIENCE, 1
 
     def hand_out() -> None:
-        block = waiting.pop()
-        tries[block] = tries.get(block, 0) + 1
-        # a new key each time: a scheduler remembers what it has given up
-        key = f"block-{block}-{tries[block]}"
-        future = client.submit(run_block, payload, where, block, key=key, pure=False)
-        owner[key] = block
-        futures.add(future)
+        nonlocal asked, workers
+        # workers may come and go
+        if time.monotonic() - asked >= _PATIENCE:
+            workers, asked = max(1, len(client.nthreads())), time.monotonic()
+        while waiting and len(owner) < _AHEAD * workers:
+            block = waiting.pop()
+            tries[block] = tries.get(block, 0) + 1
+            key = f"block-{sweep_key}-{block}-{tries[block]}"
+            future = client.submit(run_block, payload, where, block, key=key, pure=False)
+            owner[key] = block
+            futures.add(future)
 
-    workers = max(1, len(client.scheduler_info()["workers"]))
-    for _ in range(min(_AHEAD * workers, len(waiting))):
-        hand_out()
     try:
+        hand_out()
         for future in futures:
             block = owner.pop(future.key)
             try:
-                yield future.result()
+                done = future.result()
             except KilledWorker:
                 if tries[block] >= _TRIES:
                     raise OSError(f"block {block} lost its worker {_TRIES} times.") from None
                 waiting.append(block)
-            if waiting:
-                hand_out()
+            else:
+                yield done
+            hand_out()
     except (CancelledError, CommClosedError, TimeoutError) as error:
         told = " ".join(str(error).split())[:120] or type(error).__name__
         raise ConnectionError(f"the scheduler is lost ({told})") from None
