@@ -10,6 +10,7 @@ design each, which are nearly all overhead: what one block costs whoever hands t
 
 import argparse
 import json
+import os
 import tempfile
 import time
 from pathlib import Path
@@ -61,7 +62,11 @@ def swept(given: Study, folder: Path, client: Any) -> dict[str, float]:
 def measure(small: bool) -> dict[str, Any]:
     lengths = 4 if small else 200
     large, tiny = study(8 if small else 512, lengths), study(1, 2 if small else 12)
-    found: dict[str, Any] = {"points": len(large.task), "objectives": len(large.names)}
+    found: dict[str, Any] = {
+        "points": len(large.task),
+        "objectives": len(large.names),
+        "load": os.getloadavg()[0],  # what else runs takes the second worker's core
+    }
 
     def both(name: str, client: Any) -> None:
         with tempfile.TemporaryDirectory() as folder:
