@@ -59,6 +59,7 @@ def print_front(found: "Found") -> None:
             print(line)
         return
     names = [name for name in found.values if name in OBJECTIVES]
+    first = range(min(len(found.front), _SHOWN))
     rows = [
         [
             f"{place + 1}{' *' if place == found.recommended else ''}",
@@ -66,7 +67,7 @@ def print_front(found: "Found") -> None:
             *(shown(name, float(found.values[name][found.front[place]])) for name in names),
             sizes(found, place),
         ]
-        for place in range(min(len(found.front), _SHOWN))
+        for place in sorted({*first, int(found.recommended)})
     ]
     heads = ["", "units", *(name.replace("_", " ") for name in names), "muscles"]
     more = len(found.front) - len(rows)

@@ -51,7 +51,7 @@ class UnitRows:
 
     def _row(self, i: int) -> tuple[Any, Field, Dial, Any]:
         count = pn.widgets.IntInput(
-            name=f"Unit {i + 1}: muscles", value=1, start=1, end=60, width=118, margin=(2, 8),
+            label=f"Unit {i + 1}: muscles", value=1, start=1, end=60, width=118, margin=(2, 8),
             stylesheets=[widget_css(self._look)],
         )  # fmt: skip
         count.param.watch(lambda event: self._counted(i, event.new), "value")

@@ -34,7 +34,7 @@ class BundleView(Tab):
         self._scheme = choice(look, "Recruitment", list(SCHEMES))
         self._scheme.param.watch(lambda e: self._set(scheme=e.new), "value")
         self._resistance = pn.widgets.Checkbox(
-            name="Muscles past their free strain push back", margin=(6, 8),
+            label="Muscles past their free strain push back", margin=(6, 8),
             stylesheets=[widget_css(look)],
         )  # fmt: skip
         self._resistance.param.watch(lambda e: self._set(resistance=e.new), "value")

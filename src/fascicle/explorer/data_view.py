@@ -35,7 +35,7 @@ class DataView(Tab):
         self._tunes = session.view.muscle  # as it was when the fit began
         self._report = ""
         self._file = pn.widgets.FileInput(
-            name="Open a record",
+            label="Open a record",
             accept=".csv,.txt,.tsv",
             stylesheets=css,
             margin=(2, 8),
@@ -43,11 +43,11 @@ class DataView(Tab):
         )
         self._file.param.watch(lambda _: self._opened(), "value")
         self._clipped = pn.widgets.Checkbox(
-            name="Forces of exactly zero only say: not above", stylesheets=css, margin=(6, 8)
+            label="Forces of exactly zero only say: not above", stylesheets=css, margin=(6, 8)
         )
         self._clipped.param.watch(lambda _: self._opened(), "value")
         self._calibrate = button(
-            look, "Calibrate the muscle", self._fit, button_type="primary", disabled=True,
+            look, "Calibrate the muscle", self._fit, color="primary", disabled=True,
             sizing_mode="stretch_width", margin=(6, 8),
         )  # fmt: skip
         self._progress = pn.indicators.Progress(

@@ -28,7 +28,7 @@ class Header:
         self._example = choice(look, "Example", [*examples(), _OTHER], width=230, sizing_mode=None)
         self._example.param.watch(self._choose, "value")
         self._file = pn.widgets.FileInput(
-            name="Open a file", accept=".toml", stylesheets=css, width=210, margin=(2, 8)
+            label="Open a file", accept=".toml", stylesheets=css, width=210, margin=(2, 8)
         )
         self._file.param.watch(self._open, "value")
         self._save = pn.widgets.FileDownload(

@@ -44,12 +44,12 @@ class MuscleView:
         self._scene = Scene(look, 350, 300, "solid")
         self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._play = pn.widgets.Toggle(
-            name="▶ Sweep the strain", stylesheets=[widget_css(look)], margin=(4, 8)
+            label="▶ Sweep the strain", stylesheets=[widget_css(look)], margin=(4, 8)
         )
         self._timer: Any = None
         self._play.param.watch(self._sweep, "value")
         self._compare = pn.widgets.MultiSelect(
-            name="Compare with (Ctrl for several)", size=5, stylesheets=[widget_css(look)],
+            label="Compare with (Ctrl for several)", size=5, stylesheets=[widget_css(look)],
             sizing_mode="stretch_width", margin=(2, 8),
         )  # fmt: skip
         self._compare.param.watch(self._compared, "value")
@@ -57,7 +57,7 @@ class MuscleView:
         self._others = Latest(self._show_others, self._inputs.message.say)
         session.watch(self._changed)
         turn = pn.widgets.IntSlider(
-            name="Turn the picture, in degrees", start=-180, end=180, value=35,
+            label="Turn the picture, in degrees", start=-180, end=180, value=35,
             stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
         )  # fmt: skip
         turn.param.watch(lambda event: self._scene.turn(event.new, 22.0), "value")

@@ -25,7 +25,7 @@ class ReversalView(Tab):
         super().__init__(session, look)
         self._silent = False
         self._splits = pn.widgets.TextInput(
-            name="Splits of the same muscles, side by side: 1+4, 2+3", width=420,
+            label="Splits of the same muscles, side by side: 1+4, 2+3", width=420,
             stylesheets=[widget_css(look)], margin=(2, 8),
         )  # fmt: skip
         self._splits.param.watch(self._typed, "value")

@@ -85,7 +85,7 @@ class Field:
         self.name, self._dimension, self._set = name, dimension, set_value
         self._unit, self._silent = "", False
         self.input = pn.widgets.TextInput(
-            name=label, stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(2, 8)
+            label=label, stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(2, 8)
         )
         self.message = Message(name)
         self.input.param.watch(self._typed, "value")
@@ -119,7 +119,7 @@ class Dial:
         self._unit, self._top, self._silent = "", 1.0, False
         css = widget_css(look)
         self.slider = Slider(
-            name=label, start=0, end=1, step=0.01, show_value=False, stylesheets=[css],
+            label=label, start=0, end=1, step=0.01, show_value=False, stylesheets=[css],
             sizing_mode="stretch_width", margin=(4, 14, 4, 12),
         )  # fmt: skip
         self.field = Field(look, f"{label}, typed", name, dimension, self._typed)
@@ -140,7 +140,7 @@ class Dial:
         self._silent = True
         if (unit, end) != (self._unit, self._top):
             self._unit, self._top = unit, end
-            self.slider.param.update(name=title, start=0, end=end, step=step)
+            self.slider.param.update(label=title, start=0, end=end, step=step)
         at = value / scale
         if abs(self.slider.value - at) > step / 2:
             self.slider.value = float(np.clip(at, 0, end))
@@ -172,12 +172,12 @@ def choice(look: Look, label: str, options: Mapping[str, str] | Sequence[str], *
     """A drop-down list [-] named `label` [-] of `options` [-]."""
     given: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": (2, 8)} | more
     options = dict(options) if isinstance(options, Mapping) else list(options)
-    return pn.widgets.Select(name=label, options=options, stylesheets=[widget_css(look)], **given)
+    return pn.widgets.Select(label=label, options=options, stylesheets=[widget_css(look)], **given)
 
 
 def button(look: Look, label: str, does: Callable[[], None], **more: Any) -> Any:
     """A button [-] named `label` [-] that `does` [-] something."""
-    made = pn.widgets.Button(name=label, stylesheets=[widget_css(look)], **more)
+    made = pn.widgets.Button(label=label, stylesheets=[widget_css(look)], **more)
     made.on_click(lambda _: does())
     return made
 
