@@ -144,6 +144,11 @@ class Store:
         noted = dict(self._noted())
         return {block for block, digest in noted.items() if bits(self.read(block)) == digest}
 
+    def tidy(self) -> None:
+        """Remove what killed writers left: chunks are written beside their place, then moved."""
+        for left in (self.folder / DATA).rglob("*.partial"):
+            left.unlink(missing_ok=True)
+
     def _noted(self) -> Iterator[tuple[int, str]]:
         journal = self.folder / JOURNAL
         if not journal.exists():

@@ -91,6 +91,7 @@ def sweep(
         if watch is not None:
             seconds = time.perf_counter() - begun
             watch(Progress(done, study.blocks, designs, seconds, one))
+    store.tidy()
     return store
 
 

@@ -133,6 +133,8 @@ def test_a_full_disk_keeps_what_is_done(study, undisturbed, tmp_path, monkeypatc
     with pytest.raises(OSError, match="No space left"):
         sweep(study, folder)
     monkeypatch.setattr(Store, "write", write)
+    # as a writer leaves it that is killed before the chunk is moved to its place
+    (folder / "designs.zarr" / study.names[0] / "c" / "1.0123.partial").write_bytes(b"half")
     told = []
     sweep(study, folder, resume=True, watch=told.append)
     assert told[0].done == 2
