@@ -31,13 +31,14 @@ from .._checks import concrete, one_of, within
 from .._methods import compilable
 from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
+from ..muscle.entry import HIGHEST_PRESSURE
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
+from .alike import stacked
 from .plates import muscle_strain, plate_distance, plate_strain, within_reach
 from .zeros import crossings, first_zero
 
 
 SCHEMES = ("orderly", "batch")
-_HIGHEST_PRESSURE = 1e6  # Pa
 
 
 class MotorUnit(eqx.Module):
@@ -274,18 +275,10 @@ class Pressurized(eqx.Module):
 
 def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
     """`bundle` at `pressures` [Pa], one for each unit on the last axis."""
-    alike: dict[Any, list[int]] = {}
-    for i, unit in enumerate(bundle.motor_units):
-        leaves, structure = jax.tree.flatten(unit.muscle)
-        alike.setdefault((structure, tuple(map(jnp.shape, leaves))), []).append(i)
-    groups = []
-    for places in alike.values():
-        muscles = [bundle.motor_units[i].muscle for i in places]
-        stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *muscles)
-        at = jax.vmap(lambda muscle, pressure: muscle._law().at(pressure), in_axes=(0, -1))
-        groups.append(at(stacked, pressures[..., np.array(places)]))
-    places = tuple(map(tuple, alike.values()))
-    return Pressurized(tuple(groups), places, bundle.counts, bundle.ratios)
+    at = jax.vmap(lambda muscle, pressure: muscle._law().at(pressure), in_axes=(0, -1))
+    stacks = stacked([unit.muscle for unit in bundle.motor_units])
+    groups = tuple(at(muscles, pressures[..., np.array(row)]) for row, muscles in stacks)
+    return Pressurized(groups, tuple(row for row, _ in stacks), bundle.counts, bundle.ratios)
 
 
 @jax.jit
@@ -327,4 +320,4 @@ def _batched(function: Callable, pressures: PerUnit) -> Any:
 
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:
-    return within(value, 0.0, _HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    return within(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))

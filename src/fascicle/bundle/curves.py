@@ -18,9 +18,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from .._checks import concrete
 from .._types import Batch
 from ..muscle import Muscle
+from .alike import stacked
 from .plates import muscle_strain
 
 
@@ -152,15 +152,9 @@ def bank(
     """The bank of a bundle whose units have `counts` of the `muscles` at `places`; `length`:
     between its plates [m], where that isn't the muscles' own; `supply` $P_s$ [Pa].
     """
-    alike: dict[Any, list[int]] = {}
-    for i, muscle in enumerate(muscles):
-        leaves, structure = jax.tree.flatten(muscle)
-        alike.setdefault((structure, tuple(map(jnp.shape, leaves))), []).append(i)
-    stacks = []
-    for row in alike.values():
-        stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *(muscles[i] for i in row))
-        stacks.append(Like(stacked, None if length is None else length / stacked.length))
-    order = [i for row in alike.values() for i in row]
+    groups = stacked(muscles)
+    stacks = [Like(one, None if length is None else length / one.length) for _, one in groups]
+    order = [i for row, _ in groups for i in row]
     column = [order.index(place) for place in places]
 
     unit, state = np.arange(len(places)), np.arange(len(places))[:, None]
@@ -172,15 +166,6 @@ def bank(
     return Bank(tuple(stacks), throttled, no, full, supply, members, resistance)
 
 
-def unlike(muscles: Sequence[Muscle]) -> tuple[int, ...]:
-    """For each muscle, the first one that is equal to it [-], so that none is evaluated twice."""
-    firsts: list[int] = []
-    for i, muscle in enumerate(muscles):
-        same = (j for j in sorted(set(firsts)) if _equal(muscle, muscles[j]))
-        firsts.append(next(same, i))
-    return tuple(firsts)
-
-
 def _one(stack: Like, place: Array | int) -> tuple[Muscle, Batch | None]:
     return jax.tree.map(lambda leaf: leaf[place], (stack.muscles, stack.ratios))
 
@@ -189,13 +174,3 @@ def _own(function: Callable, own: tuple[Muscle, Batch | None], strain: Batch) ->
     """`function` of a muscle and its own strain [-] at the bundle's."""
     muscle, ratio = own
     return function(muscle, strain if ratio is None else muscle_strain(ratio, strain))
-
-
-def _equal(a: Muscle, b: Muscle) -> bool:
-    if a is b:
-        return True
-    (these, structure), (those, other) = jax.tree.flatten(a), jax.tree.flatten(b)
-    return structure == other and all(
-        x is y or (concrete(x, y) and np.array_equal(np.asarray(x), np.asarray(y)))
-        for x, y in zip(these, those, strict=True)
-    )

@@ -16,15 +16,15 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 from dataclasses import dataclass
 from itertools import combinations
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import concrete, finite, one_of, within
 from .._types import Batch, Values
-from .bundle import SCHEMES, Bundle, MotorUnit
-from .curves import unlike
+from ..muscle.entry import HIGHEST_PRESSURE
+from .alike import unlike
+from .bundle import SCHEMES, Bundle
 from .inverse import Recruited, recruited
 
 
@@ -218,8 +218,7 @@ def recruit(
             )
         now = bundle._pressures(present)
     muscles = [unit.muscle for unit in bundle.motor_units]
-    firsts = unlike(muscles)
-    kept = sorted(set(firsts))
+    kept, places = unlike(muscles)
     return recruited(
         tuple(muscles[i] for i in kept),
         tuple(unit.count for unit in bundle.motor_units),
@@ -228,7 +227,7 @@ def recruit(
         F,
         eps,
         now,
-        places=tuple(kept.index(i) for i in firsts),
+        places=places,
         scheme=scheme,
         resistance=bool(resistance),
     )
@@ -269,14 +268,8 @@ def distinct(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
 
     **Returns:** a bundle of its unlike units alone, and which of them each unit is [-].
     """
-    different: list[MotorUnit] = []
-    places = []
-    for unit in bundle.motor_units:
-        same = (i for i, other in enumerate(different) if bool(eqx.tree_equal(unit, other)))
-        place = next(same, len(different))
-        if place == len(different):
-            different.append(unit)
-        places.append(place)
+    kept, places = unlike(bundle.motor_units)
+    different = [bundle.motor_units[i] for i in kept]
     return Bundle(different, length=bundle.plate_distance), np.array(places)
 
 
@@ -322,7 +315,9 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
         raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
-    return float(within(supply, 0.0, 1e6, "supply_pressure", "Pa", "(gauge)", (False, True)))
+    return float(
+        within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
+    )
 
 
 def _supply(bundle: Bundle, supply: Values) -> Batch:

@@ -123,6 +123,35 @@ class Designs:
         return Bundle(units, task.supply_pressure, task.scheme)
 
 
+def of_sizes(
+    drawings: dict[str, Muscle],
+    kind: Int[np.ndarray, " design"],
+    counts: Int[np.ndarray, "design unit"],
+    factor: Float[np.ndarray, "design unit"],
+    length: Float[np.ndarray, " design"],
+    radius: Float[np.ndarray, " design"],
+    wall_ratio: Float[np.ndarray, " design"],
+    angle: Float[np.ndarray, " design"],
+) -> Designs:
+    """Designs whose units have radii in proportion, and walls in proportion to these.
+
+    **Arguments:**
+
+    - `drawings`: muscles by name [-]; `kind`: which of them [-].
+    - `counts`: muscles in each unit [-].
+    - `factor`: of each unit's radius [-].
+    - `length`: of all muscles [m].
+    - `radius`: where the factor is 1 [m].
+    - `wall_ratio`: wall thickness over radius [-].
+    - `angle`: of the braid [rad].
+
+    **Returns:** the designs [-].
+    """
+    radii = radius[:, None] * factor
+    wall, tilt = wall_ratio[:, None] * radii, angle[:, None] * np.ones(radii.shape)
+    return Designs(drawings, kind, counts, length, radii, wall, tilt)
+
+
 def joined(parts: Sequence[Designs]) -> Designs:
     """Several sets of designs of the same drawings as one; `parts` [-] aren't empty."""
     units = max(part.counts.shape[1] for part in parts)

@@ -14,15 +14,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .designs import Designs
+from .designs import Designs, of_sizes
 from .judging import Values, evaluate, sizes_of
 from .objectives import known, needs
 from .outcome import Demand
-from .packing import packed_radius
 from .pareto import directed, non_dominated
 from .searching import Found, Limits, best_first, checked, within_limits
 from .space import Space
@@ -74,16 +72,9 @@ class Coding:
             self._value(getattr(self.space, name) or (default,), sizes[:, i])
             for i, (name, default) in enumerate(zip(_AXES, own, strict=True))
         )
-        radii = (radius * self._scale(counts, factor))[:, None] * factor
-        return Designs(
-            self.space.drawings,
-            np.zeros(len(genomes), int),
-            counts,
-            length,
-            radii,
-            ratio[:, None] * radii,
-            angle[:, None] * np.ones(radii.shape),
-        )
+        sizes = (length, radius * self.space.scale(counts, factor), ratio, angle)
+        kind = np.zeros(len(genomes), int)
+        return of_sizes(self.space.drawings, kind, counts, factor, *sizes)
 
     def _counts(self, total: np.ndarray, cuts: np.ndarray) -> np.ndarray:
         gap = np.arange(1, self.most)
@@ -95,13 +86,6 @@ class Coding:
         counts = np.zeros((len(total), self.units), int)
         np.add.at(counts, (np.nonzero(there)[0], unit[there]), 1)
         return counts
-
-    def _scale(self, counts: np.ndarray, factor: np.ndarray) -> np.ndarray:
-        if self.space.radius_rule == "cross_section":
-            return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
-        if self.space.radius_rule == "packing":
-            return 0.5 / np.asarray(packed_radius(jnp.asarray(factor), jnp.asarray(counts)))
-        return np.ones(len(counts))
 
     def _value(self, listed: tuple[float, ...], share: np.ndarray) -> np.ndarray:
         if self.continuous:

@@ -117,6 +117,11 @@ def sizes_of(designs: Designs, rows: np.ndarray) -> Sizes:
     return Sizes(*(jnp.asarray(x) for x in arrays))
 
 
+def size_of(designs: Designs, place: int) -> Sizes:
+    """The sizes of one design, without an axis for designs; `designs` and `place` [-]."""
+    return Sizes(*(leaf[0] for leaf in sizes_of(designs, np.array([place]))))
+
+
 def _check(designs: Designs) -> None:
     straight = np.asarray(designs.wall >= designs.radius)
     if np.any(straight):

@@ -145,9 +145,9 @@ def needs(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
-def judged(outcome: Outcome, names: Iterable[str]) -> dict[str, PerDesign]:
-    """Objectives by name, each in its own unit, of an `outcome` [-]; `names` [-] of those."""
-    return {name: OBJECTIVES[name].function(outcome) for name in names}
+def judged(outcome: Outcome, names: Iterable[str]) -> Float[Array, "objective *design"]:
+    """Objectives of an `outcome` [-], a row for each of their `names` [-], in its unit [SI]."""
+    return jnp.stack([OBJECTIVES[name].function(outcome) for name in names])
 
 
 def _mean(outcome: Outcome, values: Float[Array, "point *design"]) -> PerDesign:

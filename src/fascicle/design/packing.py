@@ -40,6 +40,25 @@ def ratio(count: Int[ArrayLike, "*designs"]) -> Float[Array, "*designs"]:
     return jnp.where(n > most, table[-1] * jnp.sqrt(n / most), known)
 
 
+def bowed_diameter(
+    radii: Float[ArrayLike, "*designs unit"],
+    counts: Int[ArrayLike, "*designs unit"],
+    bulge: Float[ArrayLike, "*#designs"],
+) -> Float[Array, "*designs"]:
+    """Diameter of the circle around all muscles, where units that aren't fed bow out.
+
+    **Arguments:**
+
+    - `radii`: of a muscle of each unit [m].
+    - `counts`: muscles in each unit [-]; 0 for none.
+    - `bulge`: how far a muscle bows out [m]; a lone unit is fed, and doesn't.
+
+    **Returns:** the diameter [m].
+    """
+    several = jnp.sum(jnp.asarray(counts) > 0, axis=-1) > 1
+    return 2 * (packed_radius(radii, counts) + jnp.where(several, bulge, 0.0))
+
+
 def packed_radius(
     radii: Float[ArrayLike, "*designs unit"], counts: Int[ArrayLike, "*designs unit"]
 ) -> Float[Array, "*designs"]:

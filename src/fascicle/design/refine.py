@@ -20,7 +20,7 @@ from jaxtyping import Array, Float
 from .._checks import one_of
 from ..muscle import Muscle
 from .designs import Designs, joined
-from .judging import evaluate, sizes_of
+from .judging import evaluate, size_of
 from .objectives import OBJECTIVES, judged, known, needs
 from .outcome import Demand
 from .table import UNLIKE
@@ -73,7 +73,7 @@ def refined(
     sense = one_of(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
     demand, one = Demand.of(task), designs.take(np.array([place]))
     drawing = list(designs.drawings.values())[int(one.kind[0])]
-    sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(one, np.array([0])))
+    sizes = size_of(one, 0)
     low, high, first = _box(sizes, bounds)
     begun = float(evaluate(one, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
@@ -130,8 +130,7 @@ def _objectives(
     drawing: Muscle, counts: Array, free: tuple, demand: Demand, names: tuple[str, ...]
 ) -> Array:
     outcome = unlike_outcome(drawing, Sizes(counts, *free), demand, needs(names), UNLIKE)
-    values = judged(outcome, names)
-    return jnp.stack([values[name] for name in names])
+    return judged(outcome, names)
 
 
 @partial(jax.jit, static_argnames=("name", "bounded"))

@@ -21,7 +21,7 @@ from jaxtyping import Array, Bool, Float
 from ..muscle import Muscle
 from ..records.fabrication import Scatter
 from .designs import Designs
-from .judging import sizes_of
+from .judging import size_of
 from .objectives import judged, known, needs
 from .outcome import Demand
 from .pareto import directed, non_dominated
@@ -117,9 +117,8 @@ def spread(
     demand = Demand.of(task)
     values = np.empty((len(names), len(designs), draws))
     for place in range(len(designs)):
-        sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(designs, np.array([place])))
-        values[:, place] = np.asarray(
-            drawn_objectives(kinds, sizes, scales, demand, names=names, needs=needs(names))
+        values[:, place] = drawn_objectives(
+            kinds, size_of(designs, place), scales, demand, names=names, needs=needs(names)
         )
     by_name = dict(zip(names, values, strict=True))
     met = within_limits({k: v.ravel() for k, v in by_name.items()}, limits)
@@ -162,8 +161,7 @@ def drawn_objectives(
             sizes.wall * by.wall,
             jnp.clip(sizes.angle + by.angle, 1e-3, _LARGEST_ANGLE),
         )
-        values = judged(unlike_outcome(kind, own, demand, needs, resolution), names)
-        return jnp.stack([values[name] for name in names])
+        return judged(unlike_outcome(kind, own, demand, needs, resolution), names)
 
     return lax.map(one, (kinds, scales), batch_size=8).T
 
@@ -221,7 +219,7 @@ def sensitivities(
             getattr(kinds.material, name) * jnp.asarray(factor[name]),
         )
     one, each = np.ones(count), np.ones((count, units))
-    sizes = jax.tree.map(lambda leaf: leaf[0], sizes_of(designs, np.array([place])))
+    sizes = size_of(designs, place)
     angle = (factor.get("braid_angle", one) - 1)[:, None] * np.asarray(sizes.angle)
     scales = Scales(
         jnp.asarray(factor.get("length", one)),

@@ -21,7 +21,7 @@ from jaxtyping import Array, Float, Int
 from ..muscle import Muscle
 from .objectives import judged
 from .outcome import Demand, Outcome, visited
-from .packing import packed_radius
+from .packing import bowed_diameter
 from .table import SHARED, Resolution, Table, at_levels, first_zeros, tabulated
 
 
@@ -89,8 +89,7 @@ def shared_objectives(
 
     **Returns:** them, a row for each name, in its unit [SI].
     """
-    values = judged(shared_outcome(known, counts, demand), names)
-    return jnp.stack([values[name] for name in names])
+    return judged(shared_outcome(known, counts, demand), names)
 
 
 def shared_outcome(known: Prepared, counts: Int[Array, "design unit"], demand: Demand) -> Outcome:
@@ -125,9 +124,7 @@ def shared_outcome(known: Prepared, counts: Int[Array, "design unit"], demand: D
 def _size(table: Table, counts: Int[Array, "design unit"]) -> Float[Array, " design"] | None:
     if table.radius is None or table.bulge is None:
         return None
-    radii = jnp.broadcast_to(table.radius, counts.shape)
-    several = jnp.sum(counts > 0, axis=-1) > 1
-    return 2 * (packed_radius(radii, counts) + jnp.where(several, table.bulge, 0.0))
+    return bowed_diameter(jnp.broadcast_to(table.radius, counts.shape), counts, table.bulge)
 
 
 def _deepest(table: Array | None, a: Array, n: Array) -> Float[Array, " design"] | None:

@@ -20,7 +20,7 @@ from jaxtyping import Float, Int
 
 from .._checks import one_of, within
 from ..muscle import Muscle
-from .designs import Designs
+from .designs import Designs, of_sizes
 from .packing import packed_radius
 from .splits import compositions, padded, partitions
 
@@ -107,16 +107,26 @@ class Space:
                 for values, place in zip(self._grid[1:], places, strict=True)
             )
         )
-        radii = (radius * scale[shape])[:, None] * factor[shape]
-        return Designs(
-            self.drawings,
-            np.asarray(kind),
-            counts[shape],
-            length,
-            radii,
-            ratio[:, None] * radii,
-            angle[:, None] * np.ones(radii.shape),
-        )
+        sizes = (length, radius * scale[shape], ratio, angle)
+        return of_sizes(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
+
+    def scale(
+        self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
+    ) -> Float[np.ndarray, " design"]:
+        """A design's radius over what its rule counts [-].
+
+        **Arguments:**
+
+        - `counts`: muscles in each unit [-].
+        - `factor`: of each unit's radius [-].
+
+        **Returns:** the ratio [-].
+        """
+        if self.radius_rule == "cross_section":
+            return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
+        if self.radius_rule == "packing" and len(counts):
+            return 0.5 / np.asarray(packed_radius(jnp.asarray(factor), jnp.asarray(counts)))
+        return np.ones(len(counts))
 
     @cached_property
     def _grid(self) -> tuple[tuple, ...]:
@@ -143,12 +153,7 @@ class Space:
             factor = np.full(counts.shape, self.unit_factors[0])
         else:
             counts, factor = _with_factors(counts, self.unit_factors)
-        scale = np.ones(len(counts))
-        if self.radius_rule == "cross_section":
-            scale = 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
-        elif self.radius_rule == "packing" and len(counts):
-            scale = 0.5 / np.asarray(packed_radius(jnp.asarray(factor), jnp.asarray(counts)))
-        return counts, factor, scale
+        return counts, factor, self.scale(counts, factor)
 
     def _splits(self) -> Int[np.ndarray, "shape unit"]:
         if not isinstance(self.splits, str):

@@ -16,7 +16,7 @@ from jaxtyping import Array, Float, Int
 from ..muscle import Muscle
 from .objectives import judged
 from .outcome import Demand, Outcome, visited
-from .packing import packed_radius
+from .packing import bowed_diameter
 from .table import UNLIKE, Resolution, at_levels, first_zeros, tabulated
 
 
@@ -83,8 +83,7 @@ def unlike_objectives(
     block = max(1, _POINTS // (units * resolution.levels * strains))
 
     def one(sizes: Sizes) -> Float[Array, " objective"]:
-        values = judged(unlike_outcome(drawing, sizes, demand, needs, resolution), names)
-        return jnp.stack([values[name] for name in names])
+        return judged(unlike_outcome(drawing, sizes, demand, needs, resolution), names)
 
     return lax.map(one, sizes, batch_size=min(block, len(sizes.counts))).T
 
@@ -116,8 +115,7 @@ def unlike_outcome(
     size = depth = overlap = None
     if tables.radius is not None and tables.bulge is not None:
         bulge = jnp.max(jnp.where(there, tables.bulge, 0.0))
-        several = jnp.sum(there) > 1
-        size = 2 * (packed_radius(tables.radius, n) + jnp.where(several, bulge, 0.0))
+        size = bowed_diameter(tables.radius, n, bulge)
     if tables.curves is not None:
         depth = _depth(n, tables.curves, top)
         overlap = _overlap(n, tables.curves, demand.scheme)
