@@ -25,7 +25,7 @@ def within(
     why: str = "",
     closed: tuple[bool, bool] = (False, False),
 ) -> Batch:
-    """Return `value` as a float array, refusing anything outside the interval.
+    """Return `value` as floats, NumPy's, refusing anything outside the interval.
 
     The interval is open unless `closed` says otherwise for its low or high end. `why`
     completes the rule in words: "to contract".
@@ -42,11 +42,11 @@ def within(
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
         rule = " ".join(part for part in (interval, _shown(unit), why) if part)
         raise ValueError(f"`{name}` must lie in {rule}, got {_amount(x[~good].flat[0], unit)}.")
-    return jnp.asarray(x)
+    return x[()]
 
 
 def positive(value: Values, name: str, unit: str) -> Batch:
-    """Return `value` as a float array, refusing anything that is not > 0 and finite."""
+    """Return `value` as floats, NumPy's, refusing anything that is not > 0 and finite."""
     if not concrete(value):
         return jnp.asarray(value, dtype=float)
     x = _numeric(value, name, unit)
@@ -55,12 +55,17 @@ def positive(value: Values, name: str, unit: str) -> Batch:
         raise ValueError(
             f"`{name}` must be positive and finite, got {_amount(x[~good].flat[0], unit)}."
         )
-    return jnp.asarray(x)
+    return x[()]
 
 
 def finite(value: Values, name: str, unit: str) -> Batch:
-    """Return `value` as a float array, refusing NaN and infinities."""
+    """Return `value` as floats, NumPy's, refusing NaN and infinities."""
     return within(value, -math.inf, math.inf, name, unit)
+
+
+def as_given(value: Values, checked: Batch) -> Batch:
+    """What was `checked` of a `value`, in the library that the value came from."""
+    return jnp.asarray(checked) if isinstance(value, jax.Array) else checked
 
 
 def one_of(name: str, choices: Iterable[str], what: str) -> str:

@@ -1,31 +1,33 @@
-r"""Roots and elliptic integrals, elementwise and differentiable.
+r"""Roots, series and elliptic integrals, elementwise, in whatever array library is at work.
 
-Roots carry the implicit derivative: where $f(x, \theta) = 0$,
-
-$$\frac{\mathrm{d}x}{\mathrm{d}\theta}
-  = -\frac{\partial f/\partial\theta}{\partial f/\partial x},$$
-
-so no iteration is ever differentiated. They carry no host callbacks and no error
-checks: a compiled law stays a pure function.
+A root is searched for with the slope that its residual gives, and without any derivative.
+Two Newton steps from it, $x - f/f'$, carry every derivative up to the third: at the root the
+first makes $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$, and each step doubles the orders
+that are right. So no iteration is ever differentiated, and a law stays a pure function.
 
 **Source:** complete elliptic integrals, the amplitude and Jacobi's epsilon by the
 arithmetic-geometric mean: Abramowitz and Stegun (1964), 16.4 and 17.6.
 """
 
-from collections.abc import Callable
-from functools import partial
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
+from ._arrays import absolute, arcsin, library, maximum, minimum, sin, sqrt, where
 from ._types import Batch, BatchLike, BoolBatch
 
 
 _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
+_WRITTEN_OUT = 40  # where steps can't be counted while they run: 24 bisections, and Newton's
 _TINY = 4 * 2.0**-52
+_NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
 _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
+
+Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
 
 
 def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
@@ -34,11 +36,12 @@ def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Ba
     The inner half of the double `where`: a branch that isn't taken must still be
     finite, since its gradient is multiplied by zero, and 0 × ∞ is NaN.
     """
-    return jnp.where(condition, value, safe)
+    return where(condition, value, safe)
 
 
 def root(
-    residual: Callable[[Batch], Batch],
+    residual: Residual,
+    theta: Any,
     low: BatchLike,
     high: BatchLike,
     start: BatchLike,
@@ -46,78 +49,133 @@ def root(
 ) -> Batch:
     """The root of an elementwise `residual` that is positive below it, negative above.
 
-    Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by
-    bisection where it leaves the bracket or fails to halve its step. From a good start give
-    the number of `steps` that nearly always suffice: they are one pass over the points, and
-    the loop, a pass for each step, has only the others left.
+    `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. Newton's
+    method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection where it
+    leaves the bracket or fails to halve its step. Compiled, the first `steps` are one pass over
+    the points, and the loop, a pass for each step, has only the others left.
     """
-    # where the search begins doesn't move the root; unstopped, zero cotangents would flow
-    # back into how the bracket was found, and meet infinite slopes there
-    low, high, start = (lax.stop_gradient(jnp.asarray(x, dtype=float)) for x in (low, high, start))
-
-    # whether a search has ended is asked of numbers that are stored: the compiler may evaluate
-    # an expression once for each of its uses, and differently in the last bits
-    def ended(x: Batch, before: Batch) -> BoolBatch:
-        return jnp.abs(x - before) <= (jnp.abs(x) + 1) * _TINY
-
-    def solve(f: Callable[[Batch], Batch], x0: Batch) -> Batch:
-        a, b = jnp.broadcast_to(low, x0.shape), jnp.broadcast_to(high, x0.shape)
-
-        def keep_going(state: tuple) -> BoolBatch:
-            n, x, before, _, _ = state
-            return (n < _STEPS) & ~jnp.all(ended(x, before))
-
-        def step(state: tuple) -> tuple:
-            n, x, before, a, b = state
-            value, slope = jax.jvp(f, (x,), (jnp.ones_like(x),))
-            a, b = jnp.where(value > 0, x, a), jnp.where(value > 0, b, x)
-            # no number where the residual is flat or vertical: bisect
-            newton = jnp.where(jnp.isfinite(slope), x - value / slope, jnp.nan)
-            newton = jnp.where(value == 0, x, newton)
-            halved = jnp.abs(newton - x) < 0.5 * jnp.abs(x - before)
-            good = (a <= newton) & (newton <= b) & halved
-            here = ended(x, newton)  # within rounding, also of the bracket's ends
-            new = jnp.where(good | here, jnp.clip(newton, a, b), 0.5 * (a + b))
-            return n + 1, jnp.where(ended(x, before), x, new), x, a, b
-
-        state = (0, x0, x0 + 4 * (b - a) + 1, a, b)
-        for _ in range(steps):
-            state = step(state)
-        return lax.while_loop(keep_going, step, state)[1]
-
-    def tangent_solve(linear: Callable[[Batch], Batch], y: Batch) -> Batch:
-        slope = linear(jnp.ones_like(y))
-        return y / jnp.where(slope == 0, jnp.inf, slope)  # a flat residual moves no root
-
-    shape = jnp.broadcast_shapes(low.shape, high.shape, jax.eval_shape(residual, start).shape)
-    x0 = jnp.broadcast_to(start, shape)
-    # a bound method of a traced module can't be hashed, as `custom_root` does
-    return lax.custom_root(lambda x: residual(x), x0, solve, tangent_solve)  # noqa: PLW0108
+    value, slope = residual(theta, start)
+    at_work = library(value)
+    if at_work is np:
+        x = _searched(residual, theta, low, high, start, (value, slope))
+    elif at_work is jnp:
+        # where the search begins doesn't move the root; unstopped, zero cotangents would flow
+        # back into how the bracket was found, and meet infinite slopes there
+        still = jax.tree.map(lax.stop_gradient, (theta, low, high, start))
+        x = _searched_compiled(residual, *still, jnp.shape(value), steps)
+    else:
+        state = _begun(low, high, start)
+        for _ in range(_WRITTEN_OUT):
+            state = _stepped(state, *residual(theta, state.x))
+        x = state.x
+    return polished(residual, theta, polished(residual, theta, x))
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0, 2))
-def newton(
-    residual: Callable[..., Batch], start: BatchLike, steps: int, *parameters: BatchLike
+def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
+    """One Newton step from a root `x`, which carries its derivatives by `theta`."""
+    value, slope = residual(theta, x)
+    some = slope != 0
+    step = where(some, value / guarded(some, slope), 0.0)  # a flat residual moves no root
+    # a longer step would come from a jump, which has no derivative
+    return where(absolute(step) <= 1e-3 * (1 + absolute(x)), x - step, x)
+
+
+class _Search(NamedTuple):
+    """Where a search is, where it was, its bracket, and whether it has ended.
+
+    Whether it has ended is asked of numbers that are stored: a compiler may evaluate an
+    expression once for each of its uses, and differently in the last bits.
+    """
+
+    x: Batch
+    before: Batch
+    low: Batch
+    high: Batch
+    ended: BoolBatch
+
+
+def _begun(low: BatchLike, high: BatchLike, start: BatchLike) -> _Search:
+    return _Search(start, start + 4 * (high - low) + 1, low, high, start != start)
+
+
+def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
+    x, before, a, b, ended = search
+    a, b = where(value > 0, x, a), where(value > 0, b, x)
+    sloped = (slope != 0) & (absolute(slope) < np.inf)  # bisect where it is flat or vertical
+    step = where(value == 0, 0.0, where(sloped, -value / guarded(sloped, slope), 2 * (b - a)))
+    length = absolute(step)
+    size = 1 + absolute(x)
+    inside = (x + step >= a) & (x + step <= b) & (length < 0.5 * absolute(x - before))
+    # within rounding also where it is just outside
+    newton = inside | (length <= size * _TINY)
+    new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
+    near = (newton & (length <= size * _NEAR)) | (absolute(new - x) <= size * _TINY)
+    return _Search(where(ended, x, new), x, a, b, ended | near)
+
+
+def _searched(
+    residual: Residual,
+    theta: Any,
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    first: tuple[Batch, Batch],
 ) -> Batch:
-    """The root of an elementwise `residual(x, *parameters)` by a fixed number of `steps`.
+    value, slope = first
+    low, high, start = (x + 0.0 * value for x in (low, high, start))
+    search = _stepped(_begun(low, high, start), value, slope)
+    for _ in range(_STEPS):
+        if np.all(search.ended):
+            break
+        search = _stepped(search, *residual(theta, search.x))
+    return search.x
 
-    For residuals that are known to converge from `start` all over their domain: no loop, no
-    bracket, a few operations. `residual` must not close over what is differentiated.
-    """
-    x = jnp.asarray(start)
+
+def _searched_compiled(
+    residual: Residual,
+    theta: Any,
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    shape: tuple[int, ...],
+    steps: int,
+) -> Batch:
+    low, high, start = (jnp.broadcast_to(jnp.asarray(x, float), shape) for x in (low, high, start))
+
+    def step(state: tuple) -> tuple:
+        n, search = state
+        return n + 1, _Search(*_stepped(search, *residual(theta, search.x)))
+
+    def keep_going(state: tuple) -> BoolBatch:
+        n, search = state
+        return (n < _STEPS) & ~jnp.all(search.ended)
+
+    state = (0, _begun(low, high, start))
     for _ in range(steps):
-        value, slope = jax.jvp(lambda x: residual(x, *parameters), (x,), (jnp.ones_like(x),))
-        x = x - value / slope
-    return x
+        state = step(state)
+    return lax.stop_gradient(lax.while_loop(keep_going, step, state)[1].x)
 
 
-@newton.defjvp
-def _(residual: Callable[..., Batch], steps: int, primals: tuple, tangents: tuple) -> tuple:
-    start, *parameters = primals
-    x = newton(residual, start, steps, *parameters)
-    _, slope = jax.jvp(lambda x: residual(x, *parameters), (x,), (jnp.ones_like(x),))
-    _, moved = jax.jvp(lambda *p: residual(x, *p), tuple(parameters), tuple(tangents[1:]))
-    return x, -moved / slope
+def still(values: Any) -> Any:
+    """The same `values`, a tree of arrays, without derivatives."""
+    stop = lambda x: lax.stop_gradient(x) if isinstance(x, jax.Array) else x  # noqa: E731
+    return jax.tree.map(stop, values)
+
+
+def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batch]:
+    """A polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
+    value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
+    for term in coefficients[-2::-1]:
+        value, slope = value * x + term, slope * x + value
+    return value, slope
+
+
+def series(coefficients: Sequence[float], x: BatchLike) -> Batch:
+    """The sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
+    last, before = 0.0 * x, 0.0 * x
+    for term in coefficients[:0:-1]:
+        last, before = 2 * x * last - before + term, last
+    return x * last - before + coefficients[0]
 
 
 class Elliptic(NamedTuple):
@@ -131,24 +189,22 @@ class Elliptic(NamedTuple):
 
 def elliptic(m: BatchLike) -> Elliptic:
     """$K(m)$ and $E(m)$ of parameter $m = k^2$ in [0, 0.9], smooth at $m = 0$."""
-    m = jnp.asarray(m, dtype=float)
-    a, b = jnp.ones_like(m), jnp.sqrt(1 - m)
-    means, differences, total = [a], [jnp.zeros_like(m)], m / 2
+    a, b = 1.0 + 0.0 * m, sqrt(1.0 - m)
+    means, differences, total = [a], [0.0 * m], 0.5 * m
     for n in range(_AGM_STEPS):
-        a, b, c = (a + b) / 2, jnp.sqrt(a * b), (a - b) / 2
+        a, b, c = (a + b) / 2, sqrt(a * b), (a - b) / 2
         means.append(a)
         differences.append(c)
         total = total + 2**n * c**2
-    K = jnp.pi / (2 * a)
+    K = np.pi / (2 * a)
     return Elliptic(K, K * (1 - total), tuple(means), tuple(differences))
 
 
 def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
     r"""Amplitude $\varphi = \mathrm{am}(u)$ and incomplete integral $E(\varphi)$ at $u$."""
-    u = jnp.asarray(u, dtype=float)
     phase = 2.0**_AGM_STEPS * integrals.means[-1] * u
     epsilon = u * integrals.E / integrals.K
     for a, c in zip(integrals.means[:0:-1], integrals.differences[:0:-1], strict=True):
-        epsilon = epsilon + c * jnp.sin(phase)
-        phase = (phase + jnp.arcsin(c / a * jnp.sin(phase))) / 2
+        epsilon = epsilon + c * sin(phase)
+        phase = (phase + arcsin(c / a * sin(phase))) / 2
     return phase, epsilon

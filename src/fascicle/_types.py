@@ -1,16 +1,26 @@
 """Shape vocabulary. `*#batch`: any batch shape, broadcasting like NumPy.
 
+An array is NumPy's or JAX's, as are single numbers, or the symbol of a library that writes code.
 `Values` is what a caller hands in: a number, an array or nested lists; `_checks` looks at it.
 """
 
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
-from jaxtyping import Array, ArrayLike, Bool, Float, Int, Real
+from jaxtyping import ArrayLike, Bool, Float, Int, Real
 
 
-BatchLike = Real[ArrayLike, "*#batch"]
-Batch = Float[Array, "*#batch"]
-IntBatch = Int[Array, "*#batch"]
-BoolBatch = Bool[Array, "*#batch"]
-PerUnit = Float[Array, "*#points unit"]
+@runtime_checkable
+class Symbol(Protocol):
+    """A symbolic array."""
+
+    def is_symbolic(self) -> bool:
+        """Whether it is a bare name [-]."""
+        ...
+
+
+BatchLike = Real[ArrayLike, "*#batch"] | Symbol
+Batch = Float[ArrayLike, "*#batch"] | Symbol
+IntBatch = Int[ArrayLike, "*#batch"] | Symbol
+BoolBatch = Bool[ArrayLike, "*#batch"] | Symbol
+PerUnit = Float[ArrayLike, "*#points unit"] | Symbol
 Values = Any

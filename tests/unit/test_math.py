@@ -6,11 +6,20 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle._math import elliptic, guarded, jacobi, newton, root
+from fascicle._math import elliptic, guarded, jacobi, polynomial, root, series, still
+
+
+def residual(theta, x):
+    return theta - x**2, -2 * x
 
 
 def square_root(theta, start=0.5):
-    return root(lambda x: theta - x**2, 0.0, 10.0, start=start)
+    return root(residual, theta, 0.0, 10.0, start)
+
+
+def with_slope(function):
+    """A residual from a function of x alone, its slope by JAX."""
+    return lambda _, x: jax.jvp(function, (x,), (jnp.ones_like(x),))
 
 
 def test_root_is_found_to_the_last_bits():
@@ -27,8 +36,16 @@ def test_root_has_the_implicit_derivative_of_any_order():
     check_grads(square_root, (2.0,), order=2, rtol=1e-6)
 
 
+def test_numpy_searches_at_once():
+    theta = np.array([[1e-4, 0.25], [2.0, 81.0]])
+    found = square_root(theta)
+    assert type(found) is np.ndarray
+    assert_allclose(found, np.sqrt(theta), rtol=0, atol=1e-14)
+    assert type(square_root(np.float64(2.0))) is np.float64
+
+
 @pytest.mark.parametrize(
-    ("residual", "expected"),
+    ("function", "expected"),
     [
         (lambda x: -jnp.arctan(50 * (x - 0.03)), 0.03),  # Newton alone diverges
         (lambda x: 0.5 - x**3, 0.5 ** (1 / 3)),  # flat where it starts
@@ -38,8 +55,9 @@ def test_root_has_the_implicit_derivative_of_any_order():
         (lambda x: jnp.where(x > 0.7, -1.0, 1.0), 0.7),  # nothing but a jump
     ],
 )
-def test_root_stays_in_its_bracket(residual, expected):
-    assert_allclose(root(residual, 0.0, 1.0, start=0.0), expected, rtol=0, atol=1e-14)
+def test_root_stays_in_its_bracket(function, expected):
+    found = root(with_slope(function), (), *map(jnp.float64, (0.0, 1.0, 0.0)))
+    assert_allclose(found, expected, rtol=0, atol=1e-14)
 
 
 def test_root_stops_at_the_noise_of_its_residual():
@@ -48,32 +66,34 @@ def test_root_stops_at_the_noise_of_its_residual():
     passes = []
     target = jnp.linspace(0.1, 0.5, 500)
 
-    def noisy(x):
+    def noisy(target, x):
         jax.debug.callback(lambda: passes.append(1))
-        rounding = jax.lax.stop_gradient(4e-12 * jnp.sin(1e19 * x))  # 4e-16 of x, no slope
-        return 1e4 * (target - x) + rounding
+        rounding = 4e-12 * jnp.sin(1e19 * x)  # 4e-16 of x
+        return 1e4 * (target - x) + rounding, -1e4 + 0 * x
 
-    assert_allclose(root(noisy, 0.0, 0.8, start=0.0), target, rtol=0, atol=5e-15)
+    assert_allclose(root(noisy, target, 0.0, 0.8, 0.0), target, rtol=0, atol=5e-15)
     jax.effects_barrier()
     assert 2 <= len(passes) <= 10
 
 
 def test_a_flat_residual_moves_no_root():
     # every x solves 0 = 0: no derivative exists, and none must poison a sum as a NaN
-    slope = jax.grad(lambda theta: root(lambda x: 0 * theta * x, 0.0, 1.0, start=0.5))(1.0)
+    flat = lambda theta, x: (0 * theta * x, 0 * theta)  # noqa: E731
+    slope = jax.grad(lambda theta: root(flat, theta, 0.0, 1.0, 0.5))(1.0)
     assert slope == 0
 
 
 def test_where_a_root_is_sought_has_no_derivative():
     def sought(low):
-        return root(lambda x: 0.5 - x, jnp.sqrt(low), 1.0, start=jnp.sqrt(low))
+        fixed = lambda _, x: (0.5 - x, -1 + 0 * x)  # noqa: E731
+        return root(fixed, (), jnp.sqrt(low), 1.0, jnp.sqrt(low))
 
     assert jax.grad(sought)(0.0) == 0  # √ has an infinite slope there
 
 
 def test_root_broadcasts_and_maps():
     theta, shift = jnp.linspace(0.5, 2, 4), jnp.zeros((3, 1))
-    both = root(lambda x: theta + shift - x**2, jnp.zeros((3, 1)), 10.0, start=1.0)
+    both = root(residual, theta + shift, jnp.zeros((3, 1)), 10.0, 1.0)
     assert both.shape == (3, 4) and both.dtype == jnp.float64
     assert_allclose(both, np.broadcast_to(jax.vmap(square_root)(theta), (3, 4)), rtol=1e-14)
 
@@ -82,27 +102,41 @@ def test_first_steps_need_not_be_looped():
     # from a good start they suffice, from a bad one the loop ends what they began
     for start in (1.4, 9.0):
         for steps in (0, 1, 3):
-            found = root(lambda x: 2 - x**2, 0.0, 10.0, start, steps)
+            found = root(residual, jnp.float64(2), 0.0, 10.0, start, steps)
             assert_allclose(found, np.sqrt(2), rtol=1e-15)
 
 
 def test_a_short_first_step_is_not_taken_for_the_last():
     # 1e-5 to go, and a curvature that makes Newton's error there larger than the rounding
-    def residual(x):
-        return (0.5 - x) + 1e3 * (0.5 - x) ** 2
+    def bent(_, x):
+        return (0.5 - x) + 1e3 * (0.5 - x) ** 2, -1 - 2e3 * (0.5 - x)
 
-    assert_allclose(root(residual, 0.4999, 0.6, 0.5 - 1e-5), 0.5, rtol=0, atol=1e-15)
+    for start in (jnp.float64(0.5 - 1e-5), np.float64(0.5 - 1e-5)):
+        assert_allclose(root(bent, (), 0.4999, 0.6, start), 0.5, rtol=0, atol=1e-15)
 
 
-def test_newton_carries_first_and_second_derivatives():
-    def root_of(theta):
-        return newton(lambda x, theta: theta - x**2, 1.5, 6, theta)
+def test_two_steps_carry_three_derivatives():
+    # the third of x = sqrt(theta) is 3/(8 x^5)
+    third = jax.grad(jax.grad(jax.grad(square_root)))(2.0)
+    assert_allclose(third, 3 / (8 * np.sqrt(2) ** 5), rtol=1e-12)
 
-    theta = 2.0
-    assert_allclose(root_of(theta), np.sqrt(2), rtol=1e-15)
-    assert_allclose(jax.grad(root_of)(theta), 1 / (2 * np.sqrt(2)), rtol=1e-14)
-    assert_allclose(jax.grad(jax.grad(root_of))(theta), -1 / (4 * np.sqrt(8)), rtol=1e-13)
-    assert root_of(jnp.ones((3, 1))).shape == (3, 1)
+
+def test_polynomial_and_its_slope():
+    x = np.linspace(-1, 1, 5)
+    value, slope = polynomial((1.0, -2.0, 0.0, 3.0), x)
+    assert_allclose(value, 1 - 2 * x + 3 * x**3, rtol=1e-15, atol=1e-15)
+    assert_allclose(slope, -2 + 9 * x**2, rtol=1e-15, atol=1e-15)
+
+
+def test_series_of_chebyshev_polynomials():
+    x, coefficients = np.linspace(-1, 1, 9), (0.5, -1.0, 0.25, 2.0)
+    expected = np.polynomial.chebyshev.chebval(x, coefficients)
+    assert_allclose(series(coefficients, x), expected, rtol=1e-15, atol=1e-15)
+
+
+def test_what_is_still_has_no_derivative():
+    assert jax.grad(lambda x: x * still((x, np.float64(2)))[0])(3.0) == 3
+    assert still(np.float64(3.0)) == 3
 
 
 @pytest.mark.parametrize("m", [-0.5, -1e-9, 0.0, 1e-12, 0.1, 0.5, 0.8261147659879693, 0.9])

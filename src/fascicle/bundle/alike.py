@@ -1,29 +1,38 @@
-"""Muscles and units that are alike: of the same laws, stacked; equal ones, computed once."""
+"""Muscles and units that are alike: of the same laws, in a row; equal ones, computed once."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import library
 from .._checks import concrete
 from ..muscle import Muscle
 
 
 def stacked(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
-    """Muscles of the same laws together, with their places among `muscles` [-], on a first axis."""
+    """Muscles of the same laws as one, with their places among `muscles` [-] on its last axis;
+    several that are one and the same stay that one, which broadcasts.
+    """
     alike: dict[Any, list[int]] = {}
     for i, muscle in enumerate(muscles):
         leaves, structure = jax.tree.flatten(muscle)
-        alike.setdefault((structure, tuple(map(jnp.shape, leaves))), []).append(i)
-    return [
-        (
-            tuple(places),
-            jax.tree.map(lambda *leaves: jnp.stack(leaves), *(muscles[i] for i in places)),
-        )
-        for places in alike.values()
+        alike.setdefault((structure, tuple(map(np.shape, leaves))), []).append(i)
+    return [(tuple(places), _row([muscles[i] for i in places])) for places in alike.values()]
+
+
+def taken(muscle: Muscle, places: Any) -> Muscle:
+    """Of a row of muscles those at `places` [-]; a single one stays as it is."""
+    if np.ndim(muscle.length) == 0:
+        return muscle
+    leaves, structure = jax.tree.flatten(muscle)
+    rows = _are_tables(muscle, leaves)
+    some = [
+        leaf[..., places, :] if row else leaf[..., places]
+        for leaf, row in zip(leaves, rows, strict=True)
     ]
+    return jax.tree.unflatten(structure, some)
 
 
 def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
@@ -38,6 +47,25 @@ def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
         if which[-1] == len(kept):
             kept.append(i)
     return kept, tuple(which)
+
+
+def _row(muscles: list[Muscle]) -> Muscle:
+    first = muscles[0]
+    if all(muscle is first for muscle in muscles):
+        return first
+    leaves, structure = jax.tree.flatten(first)
+    rows = zip(*map(jax.tree.leaves, muscles), strict=True)
+    joined = [
+        library(*row).stack(row, axis=-2 if table else -1)
+        for row, table in zip(rows, _are_tables(first, leaves), strict=True)
+    ]
+    return jax.tree.unflatten(structure, joined)
+
+
+def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:
+    """Which of a muscle's leaves [-] are tables, whose last axis is their own."""
+    tables = (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)
+    return [any(leaf is table for table in tables) for leaf in leaves]
 
 
 def _equal(a: Any, b: Any) -> bool:

@@ -17,31 +17,34 @@ each one's is, and the bundle is told the distance at rest.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
 
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any
+import math
+from collections.abc import Sequence
+from functools import cached_property, partial
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import ArrayLike, Bool, Float, Int
 
-from .._checks import concrete, one_of, within
-from .._methods import compilable
+from .._arrays import library, where
+from .._checks import as_given, concrete, one_of, within
+from .._evaluate import evaluate
+from .._methods import Module
+from .._tiles import rows
 from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE
-from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .alike import stacked
-from .plates import muscle_strain, plate_distance, plate_strain, within_reach
-from .zeros import crossings, first_zero
+from .at import Pressurized
+from .plates import plate_distance, within_reach
+from .zeros import LOOKS, first_zero, zeros
 
 
 SCHEMES = ("orderly", "batch")
 
 
-class MotorUnit(eqx.Module):
+class MotorUnit(Module):
     """`count` equal muscles at one pressure, the smallest part that is activated."""
 
     muscle: Muscle
@@ -55,20 +58,20 @@ class MotorUnit(eqx.Module):
             n = np.asarray(count)
             if n.dtype.kind not in "iu" or np.any(n < 1):
                 raise ValueError(f"`count` must be a whole number of at least 1, got {count!r}.")
-        self.muscle, self.count = muscle, jnp.asarray(count)
+        self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
 
 
-class Equilibria(eqx.Module):
+class Equilibria(NamedTuple):
     """Strains of zero force, rising along the last axis, which ends in NaN where there
     are fewer. `stable`: the force falls with strain there. `count`: how many there are.
     """
 
-    strain: Float[Array, "*#points zero"]
-    stable: Bool[Array, "*#points zero"]
-    count: Int[Array, "*#points"]
+    strain: Float[ArrayLike, "*#points zero"]
+    stable: Bool[ArrayLike, "*#points zero"]
+    count: Int[ArrayLike, "*#points"]
 
 
-class Bundle(eqx.Module):
+class Bundle(Module):
     """Motor units between rigid plates, in the order in which they are recruited."""
 
     motor_units: tuple[MotorUnit, ...]
@@ -114,20 +117,24 @@ class Bundle(eqx.Module):
         common = self.motor_units[0].muscle.length
         return common if self.plate_distance is None else self.plate_distance
 
-    @property
+    @cached_property
     def ratios(self) -> Batch | None:
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` where all are 1."""
         if self.plate_distance is None:
             return None
         L = self.plate_distance
-        return jnp.stack([L / unit.muscle.length for unit in self.motor_units], axis=-1)
+        return _joined([L / unit.muscle.length for unit in self.motor_units])
 
-    @property
+    @cached_property
     def counts(self) -> IntBatch:
         """Muscles in each motor unit [-], on the last axis."""
-        return jnp.stack([unit.count for unit in self.motor_units], axis=-1)
+        return _joined([unit.count for unit in self.motor_units])
 
-    @compilable
+    @cached_property
+    def rows(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
+        """The units of the same laws, their muscles as one [-], which are computed at once."""
+        return tuple(stacked([unit.muscle for unit in self.motor_units]))
+
     def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
         """Pulling force of all units together, equation (B1).
 
@@ -141,9 +148,9 @@ class Bundle(eqx.Module):
 
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
-        return jnp.sum(self.unit_forces(pressures, strain, resistance), axis=-1)
+        forces = self.unit_forces(pressures, strain, resistance)
+        return library(forces).sum(forces, axis=-1)
 
-    @compilable
     def unit_forces(self, pressures: Values, strain: Values, resistance: bool = True) -> PerUnit:
         """Pulling force of each motor unit, its muscles together.
 
@@ -158,11 +165,12 @@ class Bundle(eqx.Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P, eps = self._pressures(pressures), self._strain(strain)
-        forces = _unit_forces(self, P, eps)
+        shape = np.broadcast_shapes(np.shape(P)[:-1], np.shape(eps))
+        points = math.prod(shape) * len(self.motor_units)
+        forces = self._evaluated(_unit_forces, points, P, eps, shape=shape)
         # outside what is compiled, so that one compilation serves both
-        return forces if resistance else jnp.where(forces > 0, forces, 0.0)
+        return forces if resistance else where(forces > 0, forces, 0.0)
 
-    @compilable
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:
         """Smallest strain at which the force vanishes; without resistance, the largest.
 
@@ -175,9 +183,9 @@ class Bundle(eqx.Module):
 
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
-        return _free_strain(self, self._pressures(pressures), bool(resistance))
+        P = self._pressures(pressures)
+        return self._evaluated(_free_strain, self._searched(P), P, static=(bool(resistance),))
 
-    @compilable
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
 
@@ -191,7 +199,8 @@ class Bundle(eqx.Module):
 
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
-        return _equilibria(self, self._pressures(pressures), bool(resistance))
+        P = self._pressures(pressures)
+        return self._evaluated(_equilibria, self._searched(P), P, static=(bool(resistance),))
 
     def _strain(self, strain: Values) -> Batch:
         muscles = [unit.muscle for unit in self.motor_units]
@@ -214,110 +223,66 @@ class Bundle(eqx.Module):
             unit.muscle.tuning.warn_beyond(P[..., i])
         return P
 
+    def _searched(self, pressures: PerUnit) -> int:
+        """At about how many points of a muscle's law zeros are searched for [-]."""
+        units = len(self.motor_units)
+        return int(np.size(pressures)) * LOOKS * units
 
-class Pressurized(eqx.Module):
-    """A bundle at given pressures, each unit's free and collapse strain solved for.
+    def _evaluated(
+        self, law: Any, points: int, *arrays: Batch, shape: tuple | None = None, static: tuple = ()
+    ) -> Any:
+        P = arrays[0]
+        shape = np.shape(P)[:-1] if shape is None else shape
+        one = all(np.ndim(unit.muscle.length) == 0 for unit in self.motor_units)
 
-    Units whose muscles have the same laws are evaluated as one batched muscle, so that a
-    bundle compiles no longer than its unlike muscles do.
-    """
+        def cut(function: Any, part: Module, pressures: PerUnit, *strain: Batch) -> Any:
+            flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
+            more = (np.broadcast_to(x, shape).reshape(-1) for x in strain)
+            found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
+            return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
 
-    groups: tuple[MusclesAtPressures, ...]
-    places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
-    counts: IntBatch
-    ratios: Batch | None
-
-    def each(self, function: Callable[[MusclesAtPressures], Batch]) -> PerUnit:
-        """`function` of one muscle of every unit, units on a new last axis."""
-        return self._ordered([jax.vmap(function, out_axes=-1)(group) for group in self.groups])
-
-    def along(self, function: Callable[..., Batch], *strains: Batch) -> PerUnit:
-        """`function` of one muscle of every unit and of its strains [-] at the bundle's."""
-        if self.ratios is None:
-            return self.each(lambda muscle: function(muscle, *strains))
-
-        def one(muscle: MusclesAtPressures, ratio: Batch) -> Batch:
-            return function(muscle, *(muscle_strain(ratio, strain) for strain in strains))
-
-        return self._ordered(
-            [
-                jax.vmap(one, in_axes=(0, -1), out_axes=-1)(
-                    group, self.ratios[..., np.array(places)]
-                )
-                for group, places in zip(self.groups, self.places, strict=True)
-            ]
-        )
-
-    @property
-    def kinks(self) -> PerUnit:
-        """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
-        kinks = self.each(lambda muscle: muscle.kinks)
-        return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
-
-    @property
-    def free_strains(self) -> PerUnit:
-        """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
-        strains = self.each(lambda muscle: muscle.column.free_strain)
-        return strains if self.ratios is None else plate_strain(self.ratios, strains)
-
-    def unit_forces(self, strain: Batch) -> PerUnit:
-        """Force of each unit [N], its muscles together, at `strain` [-]."""
-        return self.counts * self.along(lambda muscle, eps: muscle.response(eps).force, strain)
-
-    def force(self, strain: Batch) -> Batch:
-        """Force of all units [N] at `strain` [-], (B1)."""
-        return jnp.sum(self.unit_forces(strain), axis=-1)
-
-    def _ordered(self, values: list[Batch]) -> PerUnit:
-        order = np.argsort([i for places in self.places for i in places])
-        return jnp.concatenate(values, axis=-1)[..., order]
+        return evaluate(law, self, *arrays, points=points, cut=cut if one else None, static=static)
 
 
 def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
-    """`bundle` at `pressures` [Pa], one for each unit on the last axis."""
-    at = jax.vmap(lambda muscle, pressure: muscle._law().at(pressure), in_axes=(0, -1))
-    stacks = stacked([unit.muscle for unit in bundle.motor_units])
-    groups = tuple(at(muscles, pressures[..., np.array(row)]) for row, muscles in stacks)
-    return Pressurized(groups, tuple(row for row, _ in stacks), bundle.counts, bundle.ratios)
+    """`bundle` [-] at `pressures` [Pa], one for each unit on the last axis."""
+    groups = tuple(
+        muscles._law().at(pressures[..., np.array(places)]) for places, muscles in bundle.rows
+    )
+    places = tuple(places for places, _ in bundle.rows)
+    return Pressurized(groups, places, bundle.counts, bundle.ratios)
 
 
-@jax.jit
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Batch) -> PerUnit:
-    return pressurized(bundle, pressures).unit_forces(strain)
+    return pressurized(bundle, pressures).unit_forces(strain)[0]
 
 
-@partial(jax.jit, static_argnums=2)
 def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Batch:
-    def one(pressures: PerUnit) -> Batch:
-        at = pressurized(bundle, pressures)
-        if not resistance:
-            return jnp.max(at.free_strains)
-        return first_zero(at.force, at.kinks)
-
-    return _batched(one, pressures)
+    if not resistance:
+        free = pressurized(bundle, pressures).free_strains
+        return library(free).max(free, axis=-1)
+    found = first_zero(partial(pressurized, bundle), _lanes(pressures))
+    return found.reshape(pressures.shape[:-1])
 
 
-@partial(jax.jit, static_argnums=2)
 def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilibria:
-    # a unit adds one dip of the force, before it collapses, so two zeros at most
-    most = 2 * len(bundle.motor_units) + 1
-
-    def one(pressures: PerUnit) -> tuple[Array, Array, Array]:
-        at = pressurized(bundle, pressures)
-        return crossings(at.force, at.kinks, most)
-
-    if resistance:
-        return Equilibria(*_batched(one, pressures))
-    strain = _free_strain(bundle, pressures, False)[..., None]
-    return Equilibria(strain, jnp.ones(strain.shape, bool), jnp.ones(strain.shape[:-1], int))
+    shape = pressures.shape[:-1]
+    if not resistance:
+        strain = _free_strain(bundle, pressures, False)[..., None]
+        return Equilibria(strain, strain == strain, 1 + 0 * (strain == strain)[..., 0])
+    found = zeros(partial(pressurized, bundle), _lanes(pressures))
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
 
-def _batched(function: Callable, pressures: PerUnit) -> Any:
-    """`function` of one pressure vector, over all the axes before the last."""
-    for _ in range(pressures.ndim - 1):
-        function = jax.vmap(function)
-    return function(pressures)
+def _lanes(pressures: PerUnit) -> PerUnit:
+    return pressures.reshape(-1, pressures.shape[-1])
+
+
+def _joined(values: list[Batch]) -> Batch:
+    """One for each unit, on the last axis."""
+    return library(*values).stack(values, axis=-1)
 
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:
-    return within(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    checked = within(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    return as_given(value, checked)

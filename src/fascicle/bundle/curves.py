@@ -10,139 +10,179 @@ the states and units that have it.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
 
+from .._arrays import library, maximum, minimum, running_most, where
 from .._types import Batch
 from ..muscle import Muscle
-from .alike import stacked
-from .plates import muscle_strain
+from .alike import stacked, taken
+from .plates import muscle_strain, plate_strain
 
 
-Lanes = Float[Array, " lane"]
-Shares = Float[Array, "state muscle"]
+_STEP = 1e-7  # of the level: for slopes where there are no derivatives to be had
+_TABLE = (np.arange(513) / 512) ** 2  # levels, dense where free strain and collapse change fastest
+_FINER, _ROUNDS = 16, 10  # finer and finer, to the level at which a kink is last seen
+_BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
 
 
-class Like(eqx.Module):
-    """Muscles of the same laws, stacked on a first axis, with $L/L_i$ [-] where unlike."""
+class Kinds(NamedTuple):
+    """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
+    the plates are apart.
+    """
 
     muscles: Muscle
     ratios: Batch | None
+    count: int
 
-    def __len__(self) -> int:
-        return self.muscles.length.shape[0]
+    def force(self, pressure: Batch, strain: Batch) -> tuple[Batch, Batch]:
+        """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last."""
+        if self.ratios is None:
+            return self.muscles._law().at(pressure).force(strain)
+        value, slope = self.muscles._law().at(pressure).force(muscle_strain(self.ratios, strain))
+        return value, slope * self.ratios
 
-    def each(self, function: Callable[[Muscle, Batch], Any], strain: Batch) -> Any:
-        """`function` of every muscle and its own strain [-], muscles on a new first axis."""
-        if len(self) == 1:  # no batching where there is nothing to batch
-            alone = _own(function, _one(self, 0), strain)
-            return jax.tree.map(lambda leaf: leaf[None], alone)
-        return jax.vmap(lambda own: _own(function, own, strain))((self.muscles, self.ratios))
+    def kinks(self, pressure: Batch) -> Batch:
+        """Strains of the bundle [-] at which they have kinks, on a new first axis."""
+        kinks = self.muscles._law().at(pressure).kinks
+        return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
 
-    def picked(
-        self, function: Callable[[Muscle, Lanes, Lanes], Lanes], place: Array, *lanes: Lanes
-    ) -> Lanes:
-        """`function` of the muscle at each lane's `place`, its own strain [-] last in `lanes`."""
-
-        def one(place: Array | int, level: Batch, strain: Batch) -> Batch:
-            return _own(lambda muscle, eps: function(muscle, level, eps), _one(self, place), strain)
-
-        return one(0, *lanes) if len(self) == 1 else jax.vmap(one)(place, *lanes)
+    def picked(self, place: Any) -> "Kinds":
+        """Those at `place` [-], as many as it has."""
+        place = minimum(maximum(place, 0), self.count - 1)
+        ratios = self.ratios if np.ndim(self.ratios) == 0 else self.ratios[place]
+        return Kinds(taken(self.muscles, place), ratios, self.count)
 
 
-class Bank(eqx.Module):
-    """A bundle's unlike muscles in stacks, and how many of them [-] each state has:
-    `throttled`, at `no` pressure and at `full` supply pressure $P_s$ [Pa].
+class Kinks(NamedTuple):
+    """At which levels the force of a row's muscles has kinks: the `levels` [-] at which they are,
+    over `strain` [-], kink, place and kind; those `given` [-] by its tuning, whatever the strain.
     """
 
-    stacks: tuple[Like, ...]
-    throttled: Shares
-    no: Shares
-    full: Shares
+    levels: Batch
+    strain: Batch
+    given: Batch
+
+    def at(self, strain: Batch) -> Batch:
+        """Those levels at each `strain` [-], kinds and kinks on new last axes."""
+        at_work = library(strain, self.levels)
+        found = [
+            [at_work.interp(strain, risen[:, kind], place[:, kind]) for kind in range(len(self.given))]
+            for risen, place in zip(self.strain, self.levels, strict=True)
+        ]
+        moving = at_work.moveaxis(at_work.stack([at_work.stack(one) for one in found]), -1, 0)
+        fixed = at_work.broadcast_to(self.given, (len(strain), *self.given.shape))
+        every = at_work.concatenate([at_work.swapaxes(moving, 1, 2), fixed], axis=-1)
+        return minimum(maximum(every, 0.0), 1.0)
+
+
+class Bank(NamedTuple):
+    """A bundle's kinds of muscle, and how many of each [-] a state has: `throttled`, at `no` and
+    at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
+    throttle one.
+    """
+
+    rows: tuple[Kinds, ...]
+    throttled: Batch
+    no: Batch
+    full: Batch
+    alone: np.ndarray | None
+    kinks: tuple["Kinks", ...]
     supply: Batch
-    members: tuple[tuple[int, ...], ...] = eqx.field(static=True)  # columns that a state throttles
-    resistance: bool = eqx.field(static=True)
+    resistance: bool
 
-    def forces(self, level: Batch, strain: Batch) -> Batch:
-        """Force [N] of one muscle of each kind at `level` [-] and `strain` [-], kinds first."""
+    @property
+    def states(self) -> int:
+        """How many states there are [-]."""
+        return len(self.throttled)
 
-        def one(muscle: Muscle, eps: Batch) -> Batch:
-            return self._force(muscle, level, eps)
+    def forces(self, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+        """Force [N] of one muscle of each kind and its slope in strain [N], at `level` [-] and
+        `strain` [-], kinds last.
+        """
+        at_work = library(level, strain, self.supply)
+        P, eps = ((at_work.asarray(x) + 0.0)[..., None] for x in (level * self.supply, strain))
+        found = [self._kept(row.force(P, eps)) for row in self.rows]
+        return tuple(at_work.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
 
-        return jnp.concatenate([stack.each(one, strain) for stack in self.stacks])
-
-    def table(
-        self, levels: Float[Array, " node"], strain: Float[Array, "demand 1"]
-    ) -> tuple[Array, Array, Array]:
-        """`forces` [N] over `levels` [-], those at its two ends, and their slope in strain [N]."""
-
-        def one(muscle: Muscle, eps: Array) -> tuple[Array, Array, Array]:
-            at = muscle._law().at(levels * self.supply)
-            less = jax.eval_shape(lambda: muscle._law().at(levels[:2] * self.supply))
-            # what depends on pressure is known at the ends, and needn't be solved for again
-            ends = jax.tree.map(
-                lambda leaf, few: leaf if leaf.shape == few.shape else leaf[np.array([0, -1])],
-                at,
-                less,
-            )
-            force, slope = jax.jvp(
-                lambda e: self._kept(ends.response(e).force), (eps,), (jnp.ones_like(eps),)
-            )
-            return self._kept(at.response(eps).force), force, slope
-
-        parts = [stack.each(one, strain) for stack in self.stacks]
-        whole, ends, slopes = (jnp.concatenate(rows) for rows in zip(*parts, strict=True))
-        return whole, ends, slopes
-
-    def curves(self, table: Float[Array, "muscle *points"]) -> Float[Array, "state *points"]:
-        """Equation (B8) for every state [N], from the muscles' forces."""
-        return jnp.stack(
-            [
-                sum(self.throttled[k, j] * table[j] for j in columns)
-                for k, columns in enumerate(self.members)
-            ]
+    def held(self, strain: Batch) -> tuple[Batch, Batch]:
+        """What the units that a state doesn't throttle give [N] at each `strain` [-], states
+        last, and its slope in strain [N].
+        """
+        (none, none_slope), (full, full_slope) = (
+            self.forces(0.0 * strain + level, strain) for level in (0.0, 1.0)
+        )
+        return tuple(
+            none @ self.no.T + full @ self.full.T
+            for none, full in ((none, full), (none_slope, full_slope))
         )
 
-    def held(self, ends: Float[Array, "muscle *points two"]) -> Float[Array, "state *points"]:
-        """Force [N] of the units a state doesn't throttle, from those at no and full pressure."""
-        none, full = ends[..., 0], ends[..., 1]
-        return jnp.tensordot(self.no, none, axes=1) + jnp.tensordot(self.full, full, axes=1)
+    def state_force(self, state: Any, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+        """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-], and its slope
+        in strain [N].
+        """
+        at_work = library(level, strain, self.supply)
+        at = [self.forces(x + 0.0 * strain, strain) for x in (0.0, level, 1.0)]
+        shares = (self.no[state], self.throttled[state], self.full[state])
+        return tuple(
+            sum(at_work.sum(share * part[i], axis=-1) for share, part in zip(shares, at, strict=True))
+            for i in (0, 1)
+        )
 
-    def curve(self, state: Int[Array, " lane"], level: Lanes, strain: Lanes) -> Lanes:
-        """Equation (B8) [N] for one `state` at each `level` [-] and `strain` [-]."""
-        if any(len(columns) > 1 for columns in self.members):
-            return jnp.sum(self.throttled[state].T * self.forces(level, strain), axis=0)
-        columns = np.array(self.members)[:, 0]
-        total, first = jnp.zeros(()), 0
-        for stack in self.stacks:
-            place = np.clip(columns - first, 0, len(stack) - 1)
-            share = jnp.sum(self.throttled[:, first : first + len(stack)], axis=1)
-            force = stack.picked(self._force, jnp.asarray(place)[state], level, strain)
-            total = total + share[state] * force
-            first += len(stack)
-        return total
+    def terms(self, state: Any, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+        """Forces [N] of the kinds that a `state` throttles at `level` [-], places along a second
+        axis, and `strain` [-]; kinds last; and their slopes by level [N].
+        """
 
-    def force(self, state: Int[Array, " lane"], level: Lanes, strain: Lanes) -> Lanes:
-        """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-]."""
-        ends = self.forces(jnp.arange(2.0), strain[:, None])
-        held = jnp.take_along_axis(self.held(ends), state[None], axis=0)[0]
-        return self.curve(state, level, strain) + held
+        def force(u: Batch) -> Batch:
+            if self.alone is None:
+                found, _ = self.forces(u, strain[:, None])
+                return self.throttled[state][:, None, :] * found
+            total, first = 0.0, 0
+            kind = library(state).asarray(self.alone)[state]
+            for row in self.rows:
+                place = kind - first
+                here = row.picked(place[:, None])
+                found, _ = self._kept(here.force(u * self.supply, strain[:, None]))
+                inside = (place >= 0) & (place < row.count)
+                total = total + where(inside[:, None], found, 0.0)
+                first += row.count
+            return (self.throttled[state, kind][:, None] * total)[..., None]
 
-    def _force(self, muscle: Muscle, level: Batch, strain: Batch) -> Batch:
-        return self._kept(muscle._law().at(level * self.supply).response(strain).force)
+        if library(level) is not np:
+            return jax.jvp(force, (level,), (jnp.ones_like(level),))
+        step = np.where(level < 0.5, _STEP, -_STEP)
+        value, moved = np.split(force(np.concatenate([level, level + step], axis=1)), 2, axis=1)
+        return value, (moved - value) / step[..., None]
 
-    def _kept(self, force: Batch) -> Batch:
-        return force if self.resistance else jnp.where(force > 0, force, 0.0)
+    def ends(self, strain: Batch) -> Batch:
+        """Levels [-] between which each state's curve is smooth at each `strain` [-], rising along
+        a last axis, states ahead of it.
+        """
+        at_work = library(strain, self.supply)
+        kinks = at_work.concatenate([kinks.at(strain) for kinks in self.kinks], axis=1)
+        if self.alone is None:
+            every = kinks.reshape(len(strain), 1, -1)
+            own = at_work.broadcast_to(every, (len(strain), self.states, every.shape[-1]))
+        else:
+            own = kinks[:, self.alone]
+        fixed = at_work.broadcast_to(
+            at_work.asarray([0.0, *_BETWEEN, 1.0]), (*own.shape[:2], 2 + len(_BETWEEN))
+        )
+        return at_work.sort(at_work.concatenate([own, fixed], axis=-1), axis=-1)
+
+    def _kept(self, found: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
+        if self.resistance:
+            return found
+        return tuple(where(found[0] > 0, x, 0.0) for x in found)
 
 
 def bank(
     muscles: Sequence[Muscle],
-    counts: Sequence[Array],
+    counts: Sequence[Any],
     places: Sequence[int],
     length: Batch | None,
     supply: Batch,
@@ -153,24 +193,67 @@ def bank(
     between its plates [m], where that isn't the muscles' own; `supply` $P_s$ [Pa].
     """
     groups = stacked(muscles)
-    stacks = [Like(one, None if length is None else length / one.length) for _, one in groups]
+    rows = tuple(
+        Kinds(one, None if length is None else length / one.length, len(row))
+        for row, one in groups
+    )
     order = [i for row, _ in groups for i in row]
     column = [order.index(place) for place in places]
 
     unit, state = np.arange(len(places)), np.arange(len(places))[:, None]
     active = unit <= state if scheme == "batch" else unit == state
     full = np.zeros_like(active) if scheme == "batch" else unit < state
-    kinds = jnp.eye(len(order))[np.array(column)] * jnp.stack(counts)[:, None]
-    throttled, no, full = (jnp.asarray(x) @ kinds for x in (active, unit > state, full))
-    members = tuple(tuple(sorted({column[i] for i in np.flatnonzero(row)})) for row in active)
-    return Bank(tuple(stacks), throttled, no, full, supply, members, resistance)
+    kinds = np.eye(len(order))[np.array(column)] * library(*counts).stack(counts)[:, None]
+    throttled, no, full = (x.astype(float) @ kinds for x in (active, unit > state, full))
+    members = [{column[i] for i in np.flatnonzero(row)} for row in active]
+    alone = None
+    if all(len(one) == 1 for one in members):
+        alone = np.array([one.pop() for one in members])
+    kinks = tuple(_kinks(row, supply) for row in rows)
+    return Bank(rows, throttled, no, full, alone, kinks, supply, resistance)
 
 
-def _one(stack: Like, place: Array | int) -> tuple[Muscle, Batch | None]:
-    return jax.tree.map(lambda leaf: leaf[place], (stack.muscles, stack.ratios))
+def _kinks(row: Kinds, supply: Batch) -> Kinks:
+    """The kinks of a row's muscles between no pressure and `supply` [Pa].
+
+    Free strain, onset and collapse come later the higher the pressure; from some level on the
+    last two come never, and there the force jumps.
+    """
+    at_work = library(supply, *jax.tree.leaves(row.muscles))
+    one = at_work.ones(row.count)
+
+    def seen(level: Batch) -> Batch:
+        return row.kinks(level * supply * one)
+
+    levels = at_work.asarray(_TABLE)[:, None] * one
+    strain = seen(levels)
+    there = at_work.isfinite(strain)
+    last = at_work.argmin(there, axis=1) - 1  # of those before the first that is not
+    jumps = ~at_work.all(there, axis=1) & (last >= 0)
+    low, high = (at_work.asarray(_TABLE)[maximum(last + i, 0)] for i in (0, 1))
+    if at_work is not np or np.any(jumps):
+        for _ in range(_ROUNDS):
+            share = np.arange(_FINER + 1)[:, None, None] / _FINER
+            fine = low + (high - low) * share
+            # each kink has its own bracket, and its own row among those that are seen
+            ahead = at_work.stack(
+                [at_work.isfinite(seen(fine[:, i]))[i] for i in range(len(strain))], axis=1
+            )
+            steps = at_work.sum(ahead[1:], axis=0)
+            low, high = (low + (high - low) * (steps + i) / _FINER for i in (0, 1))
+    end = at_work.stack([seen(low[i])[i] for i in range(len(strain))])
+    beyond = (np.arange(len(_TABLE))[:, None] > last[:, None]) & jumps[:, None]
+    place = where(beyond, high[:, None], levels)
+    risen = where(beyond, where(jumps, end, 0.0)[:, None], where(there, strain, 0.0))
+    return Kinks(place, running_most(risen, 1), _given(row, supply))
 
 
-def _own(function: Callable, own: tuple[Muscle, Batch | None], strain: Batch) -> Any:
-    """`function` of a muscle and its own strain [-] at the bundle's."""
-    muscle, ratio = own
-    return function(muscle, strain if ratio is None else muscle_strain(ratio, strain))
+def _given(row: Kinds, supply: Batch) -> Batch:
+    """Levels [-] at which the tuning's tables have kinks, a row for each kind."""
+    tuning = row.muscles.tuning
+    at_work = library(supply, tuning.pressures, tuning.dead_band)
+    band = at_work.asarray(tuning.dead_band)[..., None]
+    # the first row of a table is at zero, where the dead band ends
+    return at_work.broadcast_to(
+        (tuning.pressures + band) / supply, (row.count, tuning.pressures.shape[-1])
+    )

@@ -7,7 +7,7 @@ $$F_k(p, \varepsilon) = F_d, \qquad 0 \le p \le P_s, \quad k = 1 \dots n. \tag{B
 
 There may be several, in one state and in several: past its free strain a muscle resists
 more at a low pressure than at none, so that the force falls with pressure before it rises.
-`levels` finds them all; here the states are set up, and one solution is chosen.
+All of them are found, as crossings of the states' curves, and one is chosen.
 
 *Efficiency.* The fluid energy (29), $P_s \sum n_i (V_i(\varepsilon) - V_i(0))$ over the
 active units, doesn't depend on the throttled pressure, and the active units of a state are
@@ -19,38 +19,34 @@ volumes shrink or stay, the lowest state is taken as well, for want of an order.
 it moves smoothly: not where two solutions meet, and not where the choice changes.
 """
 
-from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jax import lax
-from jaxtyping import Array, Bool, Float, Int
+import numpy as np
+from jaxtyping import ArrayLike, Bool, Float, Int
 
-from .._types import Batch, IntBatch, PerUnit
-from ..muscle import Muscle
-from .curves import Bank, bank
+from .._arrays import library, where
+from .._math import guarded, still
+from .._types import Batch, PerUnit
+from .curves import Bank
 from .levels import solve
 
 
 REACHED, ABOVE, BELOW = 0, 1, 2
 
-Demands = Float[Array, " demand"]
-States = Int[Array, " demand"]
 
-
-class Solutions(eqx.Module):
+class Solutions(NamedTuple):
     """All solutions on the last axis, by state and pressure: the throttled `pressure` [Pa],
     the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
     """
 
-    pressure: Float[Array, "*points solution"]
-    state: Int[Array, "*points solution"]
-    stable: Bool[Array, "*points solution"]
+    pressure: Float[ArrayLike, "*points solution"]
+    state: Int[ArrayLike, "*points solution"]
+    stable: Bool[ArrayLike, "*points solution"]
 
 
-class Recruited(eqx.Module):
+class Recruited(NamedTuple):
     """What to do for a demanded force. `pressures` [Pa], units on the last axis; `state`,
     counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is
     above what is reachable there, 2 below: then all this is the nearest reachable force's.
@@ -58,111 +54,100 @@ class Recruited(eqx.Module):
     """
 
     pressures: PerUnit
-    state: Int[Array, "*points"]
-    force: Float[Array, "*points"]
-    status: Int[Array, "*points"]
-    stable: Bool[Array, "*points"]
+    state: Int[ArrayLike, "*points"]
+    force: Float[ArrayLike, "*points"]
+    status: Int[ArrayLike, "*points"]
+    stable: Bool[ArrayLike, "*points"]
     solutions: Solutions
-    count: Int[Array, "*points"]
+    count: Int[ArrayLike, "*points"]
 
 
-@partial(jax.jit, static_argnames=("places", "scheme", "resistance"))
 def recruited(
-    muscles: tuple[Muscle, ...],
-    counts: tuple[IntBatch, ...],
-    length: Batch | None,
-    supply: Batch,
-    force: Batch,
-    strain: Batch,
-    present: PerUnit | None,
-    *,
-    places: tuple[int, ...],
-    scheme: str,
-    resistance: bool,
+    live: Bank, force: Batch, strain: Batch, present: PerUnit | None, scheme: str
 ) -> Recruited:
     """Equation (B9) solved.
 
-    `muscles` are the unlike ones, `places` which of them each unit has, `length` the plates'
-    distance [m] where unlike; `force` [N], `strain` [-], `supply` and `present` [Pa].
-    """
-    one = () if present is None else present.shape[:-1]
-    shape = jnp.broadcast_shapes(force.shape, strain.shape, one)
-    force, strain = (jnp.broadcast_to(x, shape).reshape(-1) for x in (force, strain))
-    if present is not None:
-        units = present.shape[-1]
-        present = jnp.broadcast_to(present, (*shape, units)).reshape(-1, units)
-    live = bank(muscles, counts, places, length, supply, scheme, resistance)
-    fixed, f, eps = lax.stop_gradient((live, force, strain))
-    found = solve(fixed, f, eps)
-    units, met = len(places), found.met
-    reached = jnp.any(met, axis=1)
+    **Arguments:**
 
-    cost = jnp.where(met, jnp.arange(met.shape[1]), jnp.inf)  # they are in this order already
+    - `live`: the bundle's curves [-].
+    - `force`: demanded [N], one for each `strain`.
+    - `strain`: the bundle's contractions [-].
+    - `present`: pressures now [Pa], units last, or None.
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** what to do for each demand [-].
+    """
+    fixed, f, eps = still((live, force, strain))
+    at_work = library(f, eps, fixed.supply)
+    found = solve(fixed, f, eps)
+    units, met = fixed.states, found.met
+    reached = found.count > 0
+
+    cost = where(met, np.arange(met.shape[1]) + 0.0, np.inf)  # they are in this order already
     if present is not None:
         every = _pressures(found.state, found.level, fixed.supply, units, scheme)
-        apart = jnp.sum((every - lax.stop_gradient(present)[:, None]) ** 2, axis=-1)
-        cost = jnp.where(met, apart, jnp.inf)
-    taken = jnp.argmin(jnp.where(reached[:, None], cost, jnp.abs(found.miss)), axis=1)
-    state, level, miss, falls = (
-        jnp.take_along_axis(x, taken[:, None], axis=1)[:, 0]
-        for x in (found.state, found.level, found.miss, found.falls)
+        apart = at_work.sum((every - still(present)[:, None]) ** 2, axis=-1)
+        cost = where(met, apart, np.inf)
+    taken = at_work.argmin(cost, axis=1)[:, None]
+    state, level = (
+        where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
+        for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
-    level, there = _implicit(live, force, strain, state, reached, level, f + miss)
-    answer = Recruited(
-        pressures=_pressures(state, level, supply, units, scheme),
+    level, there, falls = _live(live, force, strain, state, level, reached)
+    firm = _falls(fixed, found.state, found.level, eps, met)
+    return Recruited(
+        pressures=_pressures(state, level, live.supply, units, scheme),
         state=state + 1,
         force=there,
-        status=jnp.where(reached, REACHED, jnp.where(miss < 0, ABOVE, BELOW)),
+        status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
         stable=falls < 0,
         solutions=Solutions(
-            pressure=jnp.where(met, found.level * fixed.supply, jnp.nan),
-            state=jnp.where(met, found.state + 1, 0),
-            stable=met & (found.falls < 0),
+            pressure=where(met, found.level * fixed.supply, np.nan),
+            state=where(met, found.state + 1, 0),
+            stable=met & firm,
         ),
-        count=jnp.sum(met, axis=1) + found.lost,
+        count=found.count,
     )
-    return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), answer)
 
 
-@jax.custom_jvp
-def _implicit(
-    live: Bank,  # noqa: ARG001 what the derivatives are of
-    force: Demands,  # noqa: ARG001
-    strain: Demands,  # noqa: ARG001
-    state: States,  # noqa: ARG001
-    reached: Bool[Array, " demand"],  # noqa: ARG001
-    level: Demands,
-    there: Demands,
-) -> tuple[Demands, Demands]:
-    """The `level` [-] found and the force [N] `there`, given their derivatives."""
-    return level, there
+def _live(
+    live: Bank, force: Batch, strain: Batch, state: Any, level: Batch, reached: Any
+) -> tuple[Batch, Batch, Batch]:
+    """The `level` [-] found with its derivatives, by one Newton step, the force [N] that it gives
+    and its slope in strain [N].
+    """
+    if library(force, strain, live.supply, level) is np:
+        there, falls = live.state_force(state, level, strain)
+        return level, there, falls
+    fixed, eps = still((live, strain))
+    _, slope = jax.jvp(
+        lambda u: fixed.state_force(state, u, eps)[0], (level,), (jnp.ones_like(level),)
+    )
+    there, _ = live.state_force(state, level, strain)
+    moves = reached & (slope != 0)
+    short = where(moves, force - there, 0.0)
+    # it is met already: the step has the derivatives alone
+    moved = level + (short - still(short)) / guarded(moves, slope)
+    there, falls = live.state_force(state, moved, strain)
+    return moved, there, falls
 
 
-@_implicit.defjvp
-def _(primals: tuple, tangents: tuple) -> tuple:
-    live, _, strain, state, reached, *_ = primals
-    d_live, d_force, d_strain, *_ = tangents
-    level, there = _implicit(*primals)
-    zero = jax.tree.map(jnp.zeros_like, d_live)
-
-    def change(live_too: Any, strain_too: Demands, level_too: Demands) -> Demands:
-        return jax.jvp(
-            lambda b, e, u: b.force(state, u, e),
-            (live, strain, level),
-            (live_too, strain_too, level_too),
-        )[1]
-
-    moved = change(d_live, d_strain, jnp.zeros_like(level))
-    slope = change(zero, jnp.zeros_like(level), jnp.ones_like(level))
-    rise = (d_force - moved) / jnp.where(slope == 0, jnp.inf, slope)
-    return (level, there), (jnp.where(reached, rise, 0.0), jnp.where(reached, d_force, moved))
+def _falls(fixed: Bank, state: Any, level: Batch, strain: Batch, met: Any) -> Any:
+    """Whether the force falls with strain at each of the solutions."""
+    shape = level.shape
+    at_work = library(level)
+    eps = at_work.broadcast_to(strain[:, None], shape).reshape(-1)
+    _, slope = fixed.state_force(state.reshape(-1), level.reshape(-1), eps)
+    return (slope < 0).reshape(shape) & met
 
 
 def _pressures(
-    state: Int[Array, "*points"], level: Batch, supply: Batch, units: int, scheme: str
+    state: Int[ArrayLike, "*points"], level: Batch, supply: Batch, units: int, scheme: str
 ) -> PerUnit:
     """Pressures [Pa] of all units, on a new last axis; `state` counts from 0."""
-    unit, state, P = jnp.arange(units), state[..., None], level[..., None] * supply
+    at_work = library(state, level, supply)
+    state, level = (at_work.asarray(x)[..., None] for x in (state, level))
+    unit, P = np.arange(units), level * supply
     if scheme == "batch":
-        return jnp.where(unit <= state, P, 0.0)
-    return jnp.where(unit < state, supply, jnp.where(unit == state, P, 0.0))
+        return where(unit <= state, P, 0.0)
+    return where(unit < state, supply, where(unit == state, P, 0.0))

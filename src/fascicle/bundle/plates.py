@@ -15,10 +15,10 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete, positive, within
+from .._checks import as_given, concrete, positive, within
 from .._types import Batch, Values
 from ..muscle import Muscle
-from ..muscle.piecewise import LARGEST_STRAIN
+from ..muscle.entry import LARGEST_STRAIN
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -76,18 +76,19 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
         return jnp.asarray(strain, dtype=float)
     low, high = -np.inf, np.inf
     for muscle in muscles:
-        ratio, straight = length / muscle.length, 1 - 1 / jnp.cos(muscle.braid_angle)
-        low = max(low, float(jnp.max(plate_strain(ratio, straight))))
-        high = min(high, float(jnp.min(plate_strain(ratio, jnp.asarray(LARGEST_STRAIN)))))
+        ratio = np.asarray(length / muscle.length)
+        straight = 1 - 1 / np.cos(np.asarray(muscle.braid_angle))
+        low = max(low, float(np.max(plate_strain(ratio, straight))))
+        high = min(high, float(np.min(plate_strain(ratio, LARGEST_STRAIN))))
     why = "(every muscle in its domain, seen from the plates)"
-    return within(strain, low, high, "strain", "-", why, (False, True))
+    return as_given(strain, within(strain, low, high, "strain", "-", why, (False, True)))
 
 
 def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:
     """Refuse muscles of which one is overstretched before another one is even taut."""
     longest = np.maximum.reduce([np.asarray(length), *(np.asarray(m.length) for m in muscles)])
     for i, muscle in enumerate(muscles, start=1):
-        straight = np.asarray(muscle.length / jnp.cos(muscle.braid_angle))
+        straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
         if np.any(longest >= straight):
             raise ValueError(
                 f"`length` and the muscles' must stay below {float(np.min(straight)):g} m, where"

@@ -16,20 +16,25 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 from dataclasses import dataclass
 from itertools import combinations
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from .._checks import concrete, finite, one_of, within
-from .._types import Batch, Values
+from .._arrays import given, library
+from .._checks import as_given, concrete, finite, one_of, within
+from .._evaluate import evaluate
+from .._types import Batch, PerUnit, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
 from .bundle import SCHEMES, Bundle
+from .curves import Bank, bank
 from .inverse import Recruited, recruited
 
 
 PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
+_LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
 Forces = Float[np.ndarray, "state strain"]
 
 
@@ -207,7 +212,7 @@ def recruit(
     """
     scheme = one_of(scheme or bundle.scheme, SCHEMES, "scheme")
     one_of(prefer, PREFERENCES, "prefer")
-    F, eps = finite(force, "force", "N"), bundle._strain(strain)
+    F, eps = as_given(force, finite(force, "force", "N")), bundle._strain(strain)
     P = _supply(bundle, supply)
     now = None
     if prefer == "nearest":
@@ -217,20 +222,48 @@ def recruit(
                 f" of the {len(bundle.motor_units)} motor units."
             )
         now = bundle._pressures(present)
-    muscles = [unit.muscle for unit in bundle.motor_units]
-    kept, places = unlike(muscles)
-    return recruited(
-        tuple(muscles[i] for i in kept),
-        tuple(unit.count for unit in bundle.motor_units),
-        bundle.plate_distance,
-        P,
-        F,
-        eps,
-        now,
-        places=places,
-        scheme=scheme,
-        resistance=bool(resistance),
+    points = int(np.size(F) * np.size(eps)) * _LOOKS * len(bundle.motor_units)
+    arrays = (F, eps, P) if now is None else (F, eps, P, now)
+    static = (scheme, bool(resistance))
+    return evaluate(_recruited, bundle, *arrays, points=points, static=static)
+
+
+def _recruited(
+    bundle: Bundle,
+    force: Batch,
+    strain: Batch,
+    supply: Batch,
+    *more: PerUnit | str | bool,
+) -> Recruited:
+    *present, scheme, resistance = more
+    shape = np.broadcast_shapes(
+        np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
     )
+    at_work = library(force, strain, supply, *present)
+    flat = [at_work.broadcast_to(x, shape).reshape(-1) for x in (force, strain)]
+    now = None
+    if present:
+        units = present[0].shape[-1]
+        now = at_work.broadcast_to(present[0], (*shape, units)).reshape(-1, units)
+    found = recruited(_bank(bundle, supply, scheme, resistance), *flat, now, scheme)
+    return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), found)
+
+
+def _bank(bundle: Bundle, supply: Batch, scheme: str, resistance: bool) -> Bank:
+    """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
+    key = (scheme, resistance)
+    kept = bundle.__dict__.setdefault("_banks", {})
+    if bundle.is_numpy and given(supply) and (known := kept.get(key)) and known[0] == supply:
+        return known[1]
+    muscles = [unit.muscle for unit in bundle.motor_units]
+    few, places = unlike(muscles)
+    counts = [unit.count for unit in bundle.motor_units]
+    made = bank(
+        [muscles[i] for i in few], counts, places, bundle.plate_distance, supply, *key
+    )
+    if bundle.is_numpy and given(supply):
+        kept[key] = (supply, made)
+    return made
 
 
 def state_forces(
@@ -323,4 +356,4 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
 def _supply(bundle: Bundle, supply: Values) -> Batch:
     supply = bundle.supply_pressure if supply is None else supply
     # a traced one can't be looked at, nor made a float
-    return jnp.asarray(supply_of(bundle, supply) if concrete(supply) else supply)
+    return np.float64(supply_of(bundle, supply)) if concrete(supply) else jnp.asarray(supply)

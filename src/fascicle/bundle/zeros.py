@@ -1,95 +1,102 @@
 r"""Zeros of a bundle's force in strain: the first one, and all of them.
 
 A bundle's force at fixed pressures is smooth between the kinks of its units (free strain,
-onset of buckling, collapse). Every zero lies between the smallest and the largest free
-strain of its units: below, all pull; above, all push. So the stretches between kinks are
-cut into cells, each cell is cut again at the extremum of the cubic through its ends'
-values and slopes, and a zero is refined wherever the sign changes. A pair of zeros that is
-missed lies in a dip shallower than that cubic's error, of fourth order in the cell.
+onset of buckling, collapse), and before the first free strain all of them pull. So zeros are
+looked for in the stretches from there on, to the end of the domain: with most laws all push
+beyond the largest free strain, with some a unit may pull again.
 """
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+import numpy as np
+from jaxtyping import ArrayLike, Bool, Float, Int
 
-from .._math import root
+from .._arrays import library, maximum, minimum, where
+from .._math import root, still
 from .._types import Batch
+from .at import Pressurized
+from .crossings import changes, cut, sides
+from .lists import put, ranked
 
 
-_CELLS = 8  # in each stretch between kinks
-_INSET = 1e-7  # of a cell, to stay on one side of a kink when taking a slope
+LOOKS = 10  # strains that are looked at for each unit, about
+_INSET = 1e-7  # of a stretch: its sides are seen from inside
+_APART = 1e-13  # free strains closer than this are one
 
-Force = Callable[[Batch], Batch]
-Kinks = Float[Array, "kind unit"]
-Scalar = Float[Array, ""]
+At = Callable[[Any], Pressurized]
+Lanes = Float[ArrayLike, "lane unit"]
 
 
-def first_zero(force: Force, kinks: Kinks) -> Scalar:
-    """Smallest strain [-] at which `force(strain)` [N] vanishes.
-
-    `kinks` [-] has the units on its last axis; its first row is their free strains.
+class Zeros(NamedTuple):
+    """Strains of zero force [-], rising along the last axis, NaN where there are fewer; whether
+    the force falls there; how many there are [-].
     """
-    grid, pulls, wide = _refined(force, kinks)
-    after = jnp.argmax(~pulls)  # the last always pushes
-    low, high = grid[after - 1], grid[after]
-    strain = root(force, low, high, start=0.5 * (low + high))
-    return jnp.where(wide, strain, jnp.min(kinks[0]))
+
+    strain: Float[ArrayLike, "lane zero"]
+    falls: Bool[ArrayLike, "lane zero"]
+    count: Int[ArrayLike, " lane"]
 
 
-def crossings(
-    force: Force, kinks: Kinks, most: int
-) -> tuple[Float[Array, " most"], Bool[Array, " most"], Int[Array, ""]]:
-    """Strains [-] of zero force, whether stable, and how many; NaN-padded to `most`."""
-    grid, pulls, wide = _refined(force, kinks)
-    changes = pulls[:-1] != pulls[1:]
-    (at,) = jnp.nonzero(changes, size=most, fill_value=0)
-    real = jnp.arange(most) < jnp.sum(changes)
-    low, high, falling = grid[at], grid[at + 1], pulls[at]
-    # `root` wants a residual that falls: where the force rises, its negative
-    sign = jnp.where(falling, 1.0, -1.0)
-    strain = root(lambda eps: sign * force(eps), low, high, start=0.5 * (low + high))
-    # equal units vanish together, at the one strain there is
-    single = jnp.arange(most) == 0
-    strain = jnp.where(
-        wide, jnp.where(real, strain, jnp.nan), jnp.where(single, jnp.min(kinks[0]), jnp.nan)
+def zeros(at: At, pressures: Lanes) -> Zeros:
+    """All zeros of a bundle's force between its plates.
+
+    **Arguments:**
+
+    - `at`: the bundle at pressures [Pa], units on the last axis [-].
+    - `pressures`: gauge pressures [Pa].
+
+    **Returns:** strains [-], whether stable, and how many [-].
+    """
+    lanes, units = pressures.shape
+    most = 2 * units + 1  # a unit adds one dip, before it collapses, so two at most
+    P = still(pressures)
+    here = at(P[:, None, :])
+    low, largest, ends = _ends(here)
+
+    def terms(lane: Any, strain: Any) -> tuple[Any, Any]:
+        # of all lanes, what is solved for already
+        some = here if len(lane) == lanes else at(P[lane][:, None, :])
+        return some.unit_forces(strain)
+
+    stretches = sides(terms, ends, _INSET)
+    looked = cut(terms, stretches, stretches.may_cross)
+    # at the first free strain all pull, by definition; rounding may say otherwise there
+    first = looked.nodes <= low[looked.lane][:, None]
+    found = changes(looked._replace(value=where(first, 1.0, looked.value)), lanes * most)
+    theta = (at(pressures[found.lane]), where(found.falls, 1.0, -1.0))
+    strain = root(_falling, theta, found.low, found.high, 0.5 * (found.low + found.high))
+    # equal units vanish together, where they do
+    together = (found.low <= low[found.lane]) & ((largest - low)[found.lane] <= _APART)
+    strain = where(together, low[found.lane], strain)
+    rank, count = ranked(found.lane, found.total, lanes)
+    table = ((lanes, most), (found.lane, rank))
+    return Zeros(
+        put(np.nan, *table, strain, found.total),
+        put(False, *table, found.falls, found.total),
+        count,
     )
-    count = jnp.where(wide, jnp.sum(changes), 1)
-    return strain, jnp.where(wide, real & falling, single), count
 
 
-def _refined(
-    force: Force, kinks: Kinks
-) -> tuple[Float[Array, " grid"], Bool[Array, " grid"], Bool[Array, ""]]:
-    """A rising grid of strains, whether the force pulls there, and whether it has width."""
-    low, high = jnp.min(kinks[0]), jnp.max(kinks[0])
-    ends = jax.lax.stop_gradient(jnp.sort(jnp.clip(kinks, low, high).reshape(-1)))
-    share = jnp.arange(_CELLS) / _CELLS
-    grid = (ends[:-1, None] + jnp.diff(ends)[:, None] * share).reshape(-1)
-    grid = jnp.append(grid, ends[-1])
-
-    a, b = grid[:-1], grid[1:]
-    inset = _INSET * (b - a)
-    sides = jnp.stack([a + inset, b - inset])
-    value, slope = jax.jvp(force, (sides,), (jnp.ones_like(sides),))
-    cut = a + (b - a) * _extremum(*value, *(slope * (b - a)))
-
-    full = jnp.append(jnp.stack([a, cut], axis=-1).reshape(-1), grid[-1])
-    pulls = force(full) > 0
-    # by definition of the range; rounding may say otherwise at its very ends
-    pulls = pulls.at[0].set(True).at[-1].set(False)
-    return full, pulls, high - low > 1e-13
+def first_zero(at: At, pressures: Lanes) -> Float[ArrayLike, " lane"]:
+    """The smallest of them [-], inf where there is none; arguments as of `zeros`."""
+    found = zeros(at, pressures)
+    return where(found.count > 0, found.strain[:, 0], np.inf)
 
 
-def _extremum(left: Batch, right: Batch, left_slope: Batch, right_slope: Batch) -> Batch:
-    """Where in (0, 1) the cubic of these values and slopes turns; the middle if nowhere."""
-    c3 = 2 * (left - right) + left_slope + right_slope
-    c2 = 3 * (right - left) - 2 * left_slope - right_slope
-    # 3 c3 t² + 2 c2 t + left_slope = 0, by the form that doesn't cancel
-    inside = jnp.sqrt(jnp.maximum(c2**2 - 3 * c3 * left_slope, 0.0))
-    q = -(c2 + jnp.where(c2 < 0, -inside, inside))
-    t1 = q / jnp.where(c3 == 0, jnp.inf, 3 * c3)
-    t2 = left_slope / jnp.where(q == 0, jnp.inf, q)
-    good1, good2 = (t1 > 0) & (t1 < 1), (t2 > 0) & (t2 < 1)
-    return jnp.where(good1, t1, jnp.where(good2, t2, 0.5))
+def _ends(here: Pressurized) -> tuple[Any, Any, Any]:
+    """The least and the largest free strain of each lane [-], and the ends of its stretches."""
+    free = here.free_strains
+    at_work = library(free)
+    low, largest = at_work.min(free, axis=-1), at_work.max(free, axis=-1)
+    top = maximum(here.farthest + 0.0 * low, largest)
+    kinks = minimum(maximum(here.kinks, low[..., None]), top[..., None])
+    ends = at_work.concatenate([*kinks[:, :, 0], top], axis=-1)
+    return low[:, 0], largest[:, 0], at_work.sort(ends, axis=-1)
+
+
+def _falling(theta: tuple[Pressurized, Batch], strain: Batch) -> tuple[Batch, Batch]:
+    """The bundle's force [N], made to fall, and its slope [N] at `strain` [-]."""
+    here, sense = theta
+    force, slope = here.force(strain)
+    return sense * force, sense * slope

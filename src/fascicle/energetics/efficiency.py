@@ -13,13 +13,11 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 
 from dataclasses import dataclass
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Float, Int
 
 from .._checks import one_of
-from .._types import Batch, Values
+from .._types import Values
 from ..bundle import Bundle
 from ..bundle.bundle import SCHEMES
 from ..bundle.recruitment import add_up, distinct, supply_of
@@ -113,7 +111,7 @@ def efficiency_map(
     for k in range(units):
         work = force[:, None] * strain * float(bundle.length)
         if states_work is not None:
-            work = np.asarray(_best_work(states_force[k], states_work[k], force))
+            work = _best_work(states_force[k], states_work[k], force)
         else:
             low, high = states_force[k].min(axis=0), states_force[k].max(axis=0)
             work = np.where((low <= force[:, None]) & (force[:, None] <= high), work, np.nan)
@@ -150,15 +148,24 @@ def average_efficiency(
     ).average
 
 
-@jax.jit
 def _best_work(
-    forces: Float[Array, "level strain"], works: Float[Array, "level strain"], wanted: Batch
-) -> Float[Array, "force strain"]:
+    forces: Float[np.ndarray, "level strain"],
+    works: Float[np.ndarray, "level strain"],
+    wanted: Float[np.ndarray, " force"],
+) -> Grid:
     """Largest work of the pressures that give a `wanted` force; NaN where none does."""
-    rise = jnp.diff(forces, axis=0)
-    slope = jnp.diff(works, axis=0) / jnp.where(rise == 0, 1.0, rise)
-    target, low, high = wanted[:, None], forces[:-1, None], forces[1:, None]
-    between = (jnp.minimum(low, high) <= target) & (target <= jnp.maximum(low, high))
-    work = works[:-1, None] + (target - low) * slope[:, None]
-    best = jnp.max(jnp.where(between, work, -jnp.inf), axis=0)
-    return jnp.where(jnp.isfinite(best), best, jnp.nan)
+    order = np.argsort(wanted)
+    rising, best = wanted[order, None], np.full((len(wanted), forces.shape[1]), -np.inf)
+    least, most = np.minimum(forces[:-1], forces[1:]), np.maximum(forces[:-1], forces[1:])
+    first = np.searchsorted(rising[:, 0], least.min(axis=1))
+    last = np.searchsorted(rising[:, 0], most.max(axis=1), side="right")
+    # level by level: few forces lie between two, and all at once don't fit into the cache
+    for n, (start, stop) in enumerate(zip(first, last, strict=True)):
+        target, rise = rising[start:stop], forces[n + 1] - forces[n]
+        slope = (works[n + 1] - works[n]) / np.where(rise == 0, 1.0, rise)
+        between = (least[n] <= target) & (target <= most[n])
+        there = np.where(between, works[n] + (target - forces[n]) * slope, -np.inf)
+        np.maximum(best[start:stop], there, out=best[start:stop])
+    found = np.empty_like(best)
+    found[order] = best
+    return np.where(np.isfinite(found), found, np.nan)

@@ -13,16 +13,16 @@ muscle's volume is taken at its own strain.
 smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-from functools import partial
 from itertools import pairwise
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import library, maximum, minimum, nodes, total, where
+from .._evaluate import evaluate
 from .._types import Batch, PerUnit, Values
-from ..bundle.bundle import Bundle, MusclesAtPressures, pressurized
+from ..bundle.bundle import Bundle, pressurized
 from ..bundle.plates import muscle_strain
+from ..muscle.piecewise import Pressurized
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -42,7 +42,8 @@ def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = T
 
     **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
     """
-    return jnp.sum(unit_work(bundle, pressures, strain, resistance), axis=-1)
+    works = unit_work(bundle, pressures, strain, resistance)
+    return library(works).sum(works, axis=-1)
 
 
 def unit_work(
@@ -60,7 +61,8 @@ def unit_work(
     **Returns:** works [J], motor units on the last axis.
     """
     P, eps = bundle._pressures(pressures), bundle._strain(strain)
-    return _unit_work(bundle, P, eps, bool(resistance))
+    points = int(np.size(P) * np.size(eps)) * 4 * len(_NODES)
+    return evaluate(_unit_work, bundle, P, eps, points=points, static=(bool(resistance),))
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
@@ -75,14 +77,15 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     """
     rests, ends = [0.0] * len(bundle.motor_units), [strain] * len(bundle.motor_units)
     if bundle.ratios is not None:
-        eps, ratios = bundle._strain(strain), jnp.moveaxis(bundle.ratios, -1, 0)
-        rests = [muscle_strain(ratio, jnp.zeros(())) for ratio in ratios]
+        eps = bundle._strain(strain)
+        ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
+        rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
         ends = [muscle_strain(ratio, eps) for ratio in ratios]
     taken = [
         unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
         for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
     ]
-    return jnp.stack(taken, axis=-1)
+    return library(*taken).stack(taken, axis=-1)
 
 
 def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:
@@ -98,25 +101,24 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
     **Returns:** $E$ [J].
     """
     taken = unit_volume_change(bundle, strain)
-    return jnp.asarray(supply_pressure) * jnp.sum(jnp.asarray(active) * taken, axis=-1)
+    at_work = library(taken, supply_pressure)
+    return supply_pressure * at_work.sum(at_work.asarray(active) * taken, axis=-1)
 
 
-@partial(jax.jit, static_argnums=3)
 def _unit_work(bundle: Bundle, pressures: PerUnit, strain: Batch, resistance: bool) -> PerUnit:
-    def one(muscle: MusclesAtPressures, strain: Batch, rest: Batch | float = 0.0) -> Batch:
-        eps_f, onset, eps_c = muscle.kinks
+    def one(muscle: Pressurized, strain: Batch, rest: Batch) -> Batch:
+        kinks = muscle.kinks if resistance else muscle.kinks[:1]
         # no stretch starts below rest or ends past the strain asked for, either way
-        low, high = jnp.minimum(strain, rest), jnp.maximum(strain, rest)
-        stops = [jnp.clip(kink, low, high) for kink in (eps_f, onset, eps_c)]
-        ends = [low, *stops, high] if resistance else [low, stops[0]]
-        total = jnp.zeros(jnp.broadcast_shapes(strain.shape, eps_f.shape))
-        for a, b in pairwise(ends):
-            middle, half = (a + b)[..., None] / 2, (b - a)[..., None] / 2
-            force = jax.vmap(lambda eps: muscle.response(eps).force, in_axes=-1, out_axes=-1)
-            total = total + jnp.sum(half * _WEIGHTS * force(middle + half * _NODES), axis=-1)
-        return muscle.column.rest_length * jnp.where(strain < rest, -total, total)
+        low, high = minimum(strain, rest), maximum(strain, rest)
+        stops = [minimum(maximum(kink, low), high) for kink in kinks]
+        done = 0.0
+        for a, b in pairwise([low, *stops, high] if resistance else [low, *stops]):
+            middle, half = (a + b) / 2, (b - a) / 2
+            node, weight = (nodes(x, middle) for x in (_NODES, _WEIGHTS))
+            done = done + half * total(weight * muscle.force(middle + half * node)[0])
+        return muscle.column.rest_length * where(strain < rest, -done, done)
 
     # of a muscle that isn't as long as the plates are apart, the strain at rest isn't zero;
     # its own length times its own strain is the plates' way all the same
-    rest = () if bundle.ratios is None else (jnp.zeros(()),)
-    return bundle.counts * pressurized(bundle, pressures).along(one, strain, *rest)
+    at = pressurized(bundle, pressures)
+    return bundle.counts * at.along(one, strain, 0.0 * strain)

@@ -4,7 +4,9 @@ Stretched by $\lambda_1 = 1 - \varepsilon$ along the axis, and around it by the 
 it follows, $\lambda_2 = r/r_0$, its wall of volume $V_b = A L_0$ stores $U = V_b W$, and
 virtual work gives
 
-$$F_{bladder} = V_b \frac{\mathrm{d}W}{\mathrm{d}L}, \qquad
+$$F_{bladder} = V_b \frac{\mathrm{d}W}{\mathrm{d}L}
+  = 2 A \lambda \Bigl(\frac{\partial W}{\partial \lambda_1^2}
+    - \frac{1}{\tan^2\alpha_0} \frac{\partial W}{\partial \lambda_2^2}\Bigr), \qquad
   A = \pi (r_0^2 - r_i^2), \qquad I = \tfrac{\pi}{4} (r_0^4 - r_i^4). \tag{4}$$
 
 **Sign:** tension is positive, so it is negative in contraction, zero at rest. The paper's
@@ -12,16 +14,15 @@ $$F_{bladder} = V_b \frac{\mathrm{d}W}{\mathrm{d}L}, \qquad
 to the braid. **Source:** Klute and Hannaford (2000); Kim, Mazzoleni and Bryant (2021), (4).
 """
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
+import numpy as np
 
+from .._methods import Module
 from .._types import Batch, BatchLike
 from .braid import Braid
 from .materials import AbstractMaterial
 
 
-class Bladder(eqx.Module):
+class Bladder(Module):
     """A tube of `wall_thickness` [m] and a `material`, on the inside of a `braid`."""
 
     braid: Braid
@@ -36,12 +37,12 @@ class Bladder(eqx.Module):
     @property
     def area(self) -> Batch:
         """Section area at rest $A$ [m²]."""
-        return jnp.pi * (self.braid.radius**2 - self.inner_radius**2)
+        return np.pi * (self.braid.radius**2 - self.inner_radius**2)
 
     @property
     def second_moment(self) -> Batch:
         """Second moment of area at rest $I$ [m⁴]."""
-        return jnp.pi / 4 * (self.braid.radius**4 - self.inner_radius**4)
+        return np.pi / 4 * (self.braid.radius**4 - self.inner_radius**4)
 
     @property
     def volume(self) -> Batch:
@@ -50,11 +51,19 @@ class Bladder(eqx.Module):
 
     def energy(self, strain: BatchLike) -> Batch:
         """Stored energy $U = V_b W$ [J] at `strain` $\\varepsilon$ [-]."""
-        lam = 1 - jnp.asarray(strain, dtype=float)
+        lam = 1 - strain
         return self.volume * self.material.energy(lam**2, self.braid.swell(strain))
 
     def force(self, strain: BatchLike) -> Batch:
         """Axial force $F_{bladder}$ [N] at `strain` $\\varepsilon$ [-], equation (4)."""
-        eps = jnp.asarray(strain, dtype=float)
-        _, dU_deps = jax.jvp(self.energy, (eps,), (jnp.ones_like(eps),))
-        return -dU_deps / self.braid.length  # dL = −L0 dε
+        return self.pull(strain)[0]
+
+    def pull(self, strain: BatchLike) -> tuple[Batch, Batch]:
+        """The same force [N], and its slope in strain [N], at `strain` [-]."""
+        lam, cot2 = 1 - strain, self.braid.cot2
+        W = self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
+        rest = W.p - cot2 * W.q
+        bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
+        pull = 2 * self.area
+        # dλ1²/dε = −2 λ, dλ2²/dε = 2 λ/tan²α0
+        return pull * lam * rest, -pull * (rest + 2 * lam**2 * bend)

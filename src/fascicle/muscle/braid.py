@@ -21,38 +21,41 @@ $1 - 1/\cos\alpha_0 < \varepsilon < 1$: at the lower end the fibers are straight
 printed there without the factor 3 of $3\lambda^2/\tan^2\alpha_0$ [R1]: see the theory pages.
 """
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
+import numpy as np
 
+from .._arrays import arccos, cos, sqrt, tan
+from .._methods import Module
 from .._types import Batch, BatchLike
 
 
-class Braid(eqx.Module):
+class Braid(Module):
     """The ideal braid: every fiber a perfect helix on a cylinder."""
 
     length: Batch
     radius: Batch
     angle: Batch
 
+    @property
+    def cot2(self) -> Batch:
+        """$1/\\tan^2\\alpha_0$ [-]; $1/\\sin^2\\alpha_0$ is one more."""
+        return 1 / tan(self.angle) ** 2
+
     def swell(self, strain: BatchLike) -> Batch:
         """Square of the radial stretch, $(r/r_0)^2$ [-], at `strain` [-], from (2)."""
-        eps, alpha = jnp.asarray(strain, dtype=float), self.angle
         # cos² and sin² taken together: exactly 1 at rest, where forces must vanish
-        return 1 + eps * (2 - eps) / jnp.tan(alpha) ** 2
+        return 1 + strain * (2 - strain) * self.cot2
 
     def radius_at(self, strain: BatchLike) -> Batch:
         """Radius $r$ [m] at `strain` $\\varepsilon$ [-], equation (2)."""
-        return self.radius * jnp.sqrt(self.swell(strain))
+        return self.radius * sqrt(self.swell(strain))
 
     def angle_at(self, strain: BatchLike) -> Batch:
         """Braid angle $\\alpha$ [rad] at `strain` [-]: $\\cos\\alpha = \\lambda\\cos\\alpha_0$."""
-        return jnp.arccos((1 - jnp.asarray(strain, dtype=float)) * jnp.cos(self.angle))
+        return arccos((1 - strain) * cos(self.angle))
 
     def volume(self, strain: BatchLike) -> Batch:
-        """Volume $V$ [m³] inside the braid at `strain` [-]: a cubic, smooth everywhere."""
-        L = self.length * (1 - jnp.asarray(strain, dtype=float))
-        return jnp.pi * self.radius**2 * self.swell(strain) * L
+        """Volume $V$ [m³] inside the braid at `strain` [-], equation (V)."""
+        return np.pi * self.radius**2 * self.swell(strain) * self.length * (1 - strain)
 
     def mesh_force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Tension of the pressurized braid, equation (3).
@@ -64,11 +67,15 @@ class Braid(eqx.Module):
 
         **Returns:** tension $F_{mesh}$ [N], positive when the muscle pulls.
         """
-        P, eps = jnp.asarray(pressure, dtype=float), jnp.asarray(strain, dtype=float)
-        _, dV_deps = jax.jvp(self.volume, (eps,), (jnp.ones_like(eps),))
-        return P * dV_deps / self.length  # dL = −L0 dε
+        return self.mesh(pressure, strain)[0]
+
+    def mesh(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+        """The same force [N], and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
+        lam, cot2 = 1 - strain, self.cot2
+        pull = np.pi * self.radius**2 * pressure  # L0 dV/dε P = pull (3 λ²/tan²α0 − 1/sin²α0)
+        return pull * (3 * cot2 * lam**2 - (1 + cot2)), -6 * pull * cot2 * lam
 
     @property
     def ideal_free_strain(self) -> Batch:
         """Strain [-] at which the mesh force vanishes: fibers at 54.7356°, V largest."""
-        return 1 - 1 / (jnp.sqrt(3) * jnp.cos(self.angle))
+        return 1 - 1 / (np.sqrt(3) * cos(self.angle))

@@ -28,12 +28,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
-import jax.numpy as jnp
+import numpy as np
 
+from .._arrays import cos, sqrt, where
 from .._types import Batch, BatchLike, BoolBatch
-from .column import AbstractBuckling, Buckled, Centerline, Column
+from .column import AbstractBuckling, Centerline, Column, Push
 from .elastica import Elastica
-from .fixed_mode import IN_DOMAIN, compression_at_moment, unshortened
+from .fixed_mode import compression_at_moment, left_over, left_over_slope, unshortened
+from .ideal import Pull
 
 
 class Kim2021(AbstractBuckling):
@@ -41,26 +43,40 @@ class Kim2021(AbstractBuckling):
 
     name: ClassVar[str] = "kim2021"
 
-    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """Forces, deflection and moment at `strain` [-], (16) and (27)."""
-        eps_f, EA = column.free_strain, column.axial_stiffness
-        xi = (jnp.asarray(strain, dtype=float) - eps_f) / (1 - eps_f)
-        bowed = unshortened(_slenderness(column), xi, IN_DOMAIN)
-        w = 1 - xi * bowed
-        arc = eps_f + xi * w * (1 - eps_f)
-        mesh, _ = column.tension.components(column.pressure, arc)
-        _, bladder = column.tension.components(column.pressure, eps_f)
-        bending = -EA * xi * w * (1 - xi) / (1 - xi * w)
-        return Buckled(
-            mesh=mesh,
-            bladder=jnp.broadcast_to(bladder, mesh.shape),
+    def branch(self, column: Column) -> Pull:
+        """What the tension law says at the free strain [N]."""
+        return column.pull(column.free_strain)
+
+    def push(self, column: Column, strain: BatchLike) -> Push:
+        """Force in its components at `strain` [-], (16) and (27)."""
+        eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
+        xi = (strain - eps_f) / (1 - eps_f)
+        v = unshortened(c, xi)
+        shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
+        arc = eps_f + shortening * (1 - eps_f)
+        taut, free = column.pull(arc), column.branch
+        bending = -EA * shortening * (1 - xi) / (1 - shortening)
+        # slopes in ξ, v's from the equation that it solves
+        per_xi = c * (1 - xi) ** 4 / (1 + xi)
+        v_slope = -left_over_slope(per_xi, xi, v) / left_over(per_xi, xi, v)[1]
+        growth = 1 - xi * (2 * v + xi * v_slope)
+        stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
+        return Push(
+            mesh=taut.mesh,
+            bladder=free.bladder + 0.0 * shortening,
             bending=bending,
-            # (10) with the shortened arc
-            deflection=2 / jnp.pi * column.free_length * xi * jnp.sqrt(bowed * (1 - xi)),
-            moment=_moment_unit(column) * xi * jnp.sqrt(bowed / (1 - xi) ** 3),
+            slope=taut.mesh_slope * growth - EA * stiffening / (1 - eps_f),
             arc_strain=arc,
-            straight=jnp.zeros(mesh.shape, bool),
+            straight=shortening != shortening,  # never
         )
+
+    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
+        eps_f = column.free_strain
+        xi = (strain - eps_f) / (1 - eps_f)
+        v = unshortened(_slenderness(column), xi)
+        y_max = 2 / np.pi * column.free_length * xi * sqrt(v * (1 - xi))
+        return y_max, _moment_unit(column) * xi * sqrt(v / (1 - xi) ** 3)
 
     def onset(self, column: Column) -> Batch:
         """The free strain [-]: the law lets the bladder bow at once."""
@@ -68,35 +84,31 @@ class Kim2021(AbstractBuckling):
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if its peak is lower [R7]."""
-        target = jnp.asarray(moment, dtype=float) / _moment_unit(column)
-        xi, reached = compression_at_moment(_slenderness(column), target)
-        strain = column.free_strain + xi * (1 - column.free_strain)
-        return jnp.where(reached, strain, jnp.inf)
+        xi, reached = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
+        return where(reached, column.free_strain + xi * (1 - column.free_strain), np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
-        eps = jnp.asarray(strain, dtype=float)
-        y_max = self.buckled(column, eps).deflection[..., None]
-        along = jnp.linspace(0.0, 1.0, points)
-        chord = jnp.asarray(column.rest_length * (1 - eps))[..., None]
-        y = y_max / 2 * (jnp.cos(2 * jnp.pi * along) - 1)
-        return Centerline(z=jnp.broadcast_to(chord * along, y.shape), y=y)
+        y_max, _ = self.bow(column, strain)
+        along = np.linspace(0.0, 1.0, points)
+        chord = (column.rest_length * (1 - strain) + 0.0 * y_max)[..., None]
+        y = y_max[..., None] / 2 * (cos(2 * np.pi * along) - 1)
+        return Centerline(z=chord * along, y=y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Never: the law gives one state at each strain [-]."""
-        shape = jnp.broadcast_shapes(jnp.shape(strain), column.free_strain.shape)
-        return jnp.zeros(shape, bool)
+        return (strain + 0.0 * column.free_strain) < -np.inf
 
 
 def _slenderness(column: Column) -> Batch:
     """$c = EA L_{fs}^2/(4\\pi^2 EI)$ [-]."""
     EA, EI = column.axial_stiffness, column.bending_stiffness
-    return EA * column.free_length**2 / (4 * jnp.pi**2 * EI)
+    return EA * column.free_length**2 / (4 * np.pi**2 * EI)
 
 
 def _moment_unit(column: Column) -> Batch:
     """What $\\hat m$ counts, $4\\pi EI/L_{fs}$ [N·m]."""
-    return 4 * jnp.pi * column.bending_stiffness / column.free_length
+    return 4 * np.pi * column.bending_stiffness / column.free_length
 
 
 BUCKLING_LAWS: Mapping[str, type[AbstractBuckling]] = MappingProxyType(

@@ -29,9 +29,11 @@ from types import MappingProxyType
 from typing import ClassVar
 
 import equinox as eqx
-import jax.numpy as jnp
+import numpy as np
 
+from .._arrays import cos, minimum, sqrt
 from .._checks import positive
+from .._methods import Module
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .column import Centerline, Column
@@ -41,7 +43,7 @@ def _factor(value: Values) -> Batch:
     return positive(value, "factor", "-")
 
 
-class AbstractCollapse(eqx.Module):
+class AbstractCollapse(Module):
     """A moment at which a pressurized tube collapses; `factor` [-] is on top of it."""
 
     name: eqx.AbstractClassVar[str]
@@ -82,7 +84,7 @@ class Brazier1927(AbstractCollapse):
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
         """$M_{collapse}$ [N·m], the same at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
-        return self.factor * _wood(bladder, youngs_modulus, 0.0 * jnp.asarray(pressure), power=1)
+        return self.factor * _wood(bladder, youngs_modulus, 0.0 * pressure, power=1)
 
 
 class SteinHedgepeth1961(AbstractCollapse):
@@ -93,53 +95,55 @@ class SteinHedgepeth1961(AbstractCollapse):
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:  # noqa: ARG002 a membrane has no modulus
         """$M_{collapse}$ [N·m], proportional to pressure."""
-        return self.factor * jnp.pi * jnp.asarray(pressure) * bladder.braid.radius**3
+        return self.factor * np.pi * pressure * bladder.braid.radius**3
 
 
 def _wood(bladder: Bladder, E: BatchLike, pressure: BatchLike, power: int) -> Batch:
     """Equation (17) [N·m] with `power` on $r_0/t_0$."""
     r0, t0, nu = bladder.braid.radius, bladder.wall_thickness, bladder.material.poisson_ratio
-    P, E = jnp.asarray(pressure, dtype=float), jnp.asarray(E, dtype=float)
-    stiffening = 1 / (1 - nu**2) + 4 * P / E * (r0 / t0) ** power
-    return 2 * jnp.sqrt(2) / 9 * jnp.pi * E * r0 * t0**2 * jnp.sqrt(stiffening)
+    stiffening = 1 / (1 - nu**2) + 4 * pressure / E * (r0 / t0) ** power
+    return 2 * np.sqrt(2) / 9 * np.pi * E * r0 * t0**2 * sqrt(stiffening)
 
 
 def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
     """The folded wall's constant moment $M_h = \\pi E r_0 t_0^2/4$ [N·m], (23) [R11]."""
-    return (
-        jnp.pi / 4 * jnp.asarray(youngs_modulus) * bladder.braid.radius * bladder.wall_thickness**2
-    )
+    return np.pi / 4 * youngs_modulus * bladder.braid.radius * bladder.wall_thickness**2
 
 
-class AbstractPostCollapse(eqx.Module):
+class AbstractPostCollapse(Module):
     """A reading of (25): two clamped halves and a hinge that push the ends apart."""
 
     name: eqx.AbstractClassVar[str]
     slope_factor: eqx.AbstractClassVar[float]
 
     @abc.abstractmethod
-    def halves(self, column: Column, compression: Batch) -> Batch:
-        """The halves' bending force $B$ [N] at `compression` $x$ [m]."""
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
 
     def force(self, column: Column, hinge: BatchLike, strain: Batch) -> Batch:
         """$F_c$ [N] at a `strain` [-] past the free strain, (25); `hinge` is $M_h$ [N·m]."""
-        x = (strain - column.free_strain) * column.rest_length
-        return self.halves(column, x) + hinge / jnp.sqrt(x * (column.free_length - x))
+        return self.push(column, hinge, (strain - column.free_strain) * column.rest_length)[0]
+
+    def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
+        """The same [N] at a `compression` $x$ [m], and its slope [N/m]."""
+        x, rest = compression, column.free_length - compression
+        halves, slope = self.halves(column, x)
+        folded = hinge / sqrt(x * rest)
+        return halves + folded, slope - 0.5 * folded * (1 / x - 1 / rest)
 
     def deflection(self, column: Column, strain: Batch) -> Batch:
         """$y_{c,max}$ [m] at `strain` [-], from the slope at the hinge, $\\pi y_{c,max}/L$."""
         x = (strain - column.free_strain) * column.rest_length
-        return self.slope_factor / jnp.pi * jnp.sqrt(x * (column.free_length - x))
+        return self.slope_factor / np.pi * sqrt(x * (column.free_length - x))
 
     def shape(self, column: Column, strain: Batch, points: int) -> Centerline:
         """Centerline [m] of (22), mirrored at the hinge, at `strain` [-]."""
-        y_max = self.deflection(column, strain)[..., None]
-        along = jnp.linspace(0.0, 1.0, points)
-        chord = jnp.asarray(column.rest_length * (1 - strain))[..., None]
-        half = jnp.minimum(along, 1 - along)
+        y_max = self.deflection(column, strain)
+        along = np.linspace(0.0, 1.0, points)
+        chord = (column.rest_length * (1 - strain) + 0.0 * y_max)[..., None]
         # below the axis, as (8) is drawn
-        y = -y_max * (1 - jnp.cos(jnp.pi * half))
-        return Centerline(z=jnp.broadcast_to(chord * along, y.shape), y=y)
+        y = -y_max[..., None] * (1 - cos(np.pi * minimum(along, 1 - along)))
+        return Centerline(z=chord * along, y=y)
 
 
 class Derived(AbstractPostCollapse):
@@ -148,10 +152,10 @@ class Derived(AbstractPostCollapse):
     name: ClassVar[str] = "derived"
     slope_factor: ClassVar[float] = 1.0
 
-    def halves(self, column: Column, compression: Batch) -> Batch:
-        """$B = EI\\pi^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$ [N]."""
-        EI, L, x = column.bending_stiffness, column.free_length, compression
-        return EI * jnp.pi**2 * (L + x) / (4 * (L - x) ** 3)
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$ [N], and its slope [N/m]."""
+        B, slope = _bent(column, compression)
+        return B / 4, slope / 4
 
 
 class Consistent(AbstractPostCollapse):
@@ -160,10 +164,9 @@ class Consistent(AbstractPostCollapse):
     name: ClassVar[str] = "consistent"
     slope_factor: ClassVar[float] = 2.0
 
-    def halves(self, column: Column, compression: Batch) -> Batch:
-        """$B = EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N]."""
-        EI, L, x = column.bending_stiffness, column.free_length, compression
-        return EI * jnp.pi**2 * (L + x) / (L - x) ** 3
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N], and its slope [N/m]."""
+        return _bent(column, compression)
 
 
 class Printed(AbstractPostCollapse):
@@ -172,10 +175,18 @@ class Printed(AbstractPostCollapse):
     name: ClassVar[str] = "printed"
     slope_factor: ClassVar[float] = 1.0
 
-    def halves(self, column: Column, compression: Batch) -> Batch:
-        """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, printed as [N], in truth [N·m]."""
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, printed as [N], in truth [N·m]; its slope."""
         EI, L, x = column.bending_stiffness, column.free_length, compression
-        return EI * jnp.pi**2 * L / (4 * (L - x) ** 2)
+        B = EI * np.pi**2 * L / (4 * (L - x) ** 2)
+        return B, 2 * B / (L - x)
+
+
+def _bent(column: Column, x: Batch) -> tuple[Batch, Batch]:
+    """$EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N] at a compression of `x` [m], and its slope."""
+    EI, L = column.bending_stiffness, column.free_length
+    unit = EI * np.pi**2 / (L - x) ** 3
+    return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
 
 
 COLLAPSE_LAWS: Mapping[str, type[AbstractCollapse]] = MappingProxyType(

@@ -7,10 +7,13 @@ and the largest moment, and where that moment reaches a given one.
 """
 
 import abc
+from typing import Any, NamedTuple
 
 import equinox as eqx
 
+from .._methods import Module
 from .._types import Batch, BatchLike, BoolBatch
+from .ideal import Pull
 from .tuning import TunedTension
 
 
@@ -19,14 +22,17 @@ from .tuning import TunedTension
 ROUNDING = 1e-15
 
 
-class Column(eqx.Module):
-    """What a buckling law needs to know of a muscle at a pressure."""
+class Column(NamedTuple):
+    """What a buckling law needs to know of a muscle at a pressure; `branch`: what the law itself
+    solves for once, before any strain.
+    """
 
     tension: TunedTension
     pressure: Batch
     free_strain: Batch
     bending_stiffness: Batch
     axial_stiffness: Batch
+    branch: Any = None
 
     @property
     def rest_length(self) -> Batch:
@@ -38,8 +44,25 @@ class Column(eqx.Module):
         """Length at free strain $L_{fs}$ [m]."""
         return self.rest_length * (1 - self.free_strain)
 
+    def pull(self, strain: BatchLike) -> Pull:
+        """What the tension law says at the column's pressure and a `strain` [-], [N]."""
+        return self.tension.pull(self.pressure, strain)
 
-class Buckled(eqx.Module):
+
+class Push(NamedTuple):
+    """A state past the free strain: its force in components, negative where it pushes, and the
+    force's slope in strain, all [N]; the strain of its arc [-], whether it is straight.
+    """
+
+    mesh: Batch
+    bladder: Batch
+    bending: Batch
+    slope: Batch
+    arc_strain: Batch
+    straight: BoolBatch
+
+
+class Buckled(NamedTuple):
     """A state past the free strain: forces [N], deflection [m], largest moment [N·m]."""
 
     mesh: Batch
@@ -51,21 +74,33 @@ class Buckled(eqx.Module):
     straight: BoolBatch
 
 
-class Centerline(eqx.Module):
+class Centerline(NamedTuple):
     """A muscle's axis as points [m], on the last axis: `z` along, `y` across."""
 
     z: Batch
     y: Batch
 
 
-class AbstractBuckling(eqx.Module):
+class AbstractBuckling(Module):
     """A law for the muscle between its free strain and its collapse."""
 
     name: eqx.AbstractClassVar[str]
 
+    def solved(self, column: Column) -> Column:
+        """The column with its `branch` [-]."""
+        return column._replace(branch=self.branch(column))
+
     @abc.abstractmethod
-    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """The state at `strain` [-], at or past the free strain. Elementwise."""
+    def branch(self, column: Column) -> Any:
+        """What depends on pressure alone, solved for once [-]."""
+
+    @abc.abstractmethod
+    def push(self, column: Column, strain: BatchLike) -> Push:
+        """The force at `strain` [-], at or past the free strain. Elementwise."""
+
+    @abc.abstractmethod
+    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Deflection [m] and largest moment [N·m] at `strain` [-]. Elementwise."""
 
     @abc.abstractmethod
     def onset(self, column: Column) -> Batch:
@@ -82,3 +117,11 @@ class AbstractBuckling(eqx.Module):
     @abc.abstractmethod
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Whether other equilibria exist at `strain` [-] beside the one followed."""
+
+    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
+        """Forces, deflection and moment at `strain` [-], at or past the free strain."""
+        push, (deflection, moment) = self.push(column, strain), self.bow(column, strain)
+        return Buckled(
+            push.mesh, push.bladder, push.bending, deflection, moment,
+            push.arc_strain, push.straight,
+        )  # fmt: skip

@@ -25,14 +25,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import exp
 from .._checks import concrete, finite, positive
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .braid import Braid
-from .ideal import AbstractTension, Ideal, Offset
+from .ideal import AbstractTension, Ideal, Offset, Pull
 
 
 class TonduLopez(AbstractTension):
@@ -75,15 +75,14 @@ class TonduLopez(AbstractTension):
 
     def factor_at(self, pressure: BatchLike) -> Batch:
         """$k$ [-] at `pressure` [Pa], equation (TL)."""
-        a_k, b_k, P = self.strain_factor_rise, self.strain_factor, jnp.asarray(pressure, float)
-        return a_k * jnp.exp(-P / self.decay_pressure) + b_k
+        a_k, b_k = self.strain_factor_rise, self.strain_factor
+        return a_k * exp(-pressure / self.decay_pressure) + b_k
 
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh force [N], equation (TL), and zero."""
-        eps = jnp.asarray(strain, dtype=float)
-        return Ideal().components(bladder, pressure, self.factor_at(pressure) * eps)
+        k = self.factor_at(pressure)
+        mesh, wall, slope, wall_slope = Ideal().pull(bladder, pressure, k * strain)
+        return Pull(mesh, wall, k * slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The ideal one [-] over $k(P)$."""
@@ -134,13 +133,11 @@ class Meller2014(AbstractTension):
         blocked = positive(blocked_force, "blocked_force", "N")
         return cls(braid.ideal_free_strain / eps_f, blocked / braid.mesh_force(P, 0.0))
 
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh force [N], equation (M), and zero."""
-        eps = self.strain_factor * jnp.asarray(strain, dtype=float)
-        mesh, wall = Ideal().components(bladder, pressure, eps)
-        return self.force_factor * mesh, wall
+        f_eps, f_F = self.strain_factor, self.force_factor
+        mesh, wall, slope, wall_slope = Ideal().pull(bladder, pressure, f_eps * strain)
+        return Pull(f_F * mesh, wall, f_F * f_eps * slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The ideal one [-] under $C_1/f_F$, over $f_\\varepsilon$."""

@@ -19,188 +19,348 @@ and straight, $\varepsilon_a = \varepsilon$, until $-T L_{fs} \ell$ first reache
 $4\pi^2 EI$, the onset. The largest moment, at the ends and the middle, is
 $8 k K EI/L_{fs}$, the deflection $\ell k/K$.
 
-**Branch:** followed from the free strain through the first onset. Where the buckled
-branch turns back there (stubby or steep-fibered muscles), the straight state is kept up to
-the onset and the force jumps; `several` says where other equilibria exist.
+With $q = K (2E - K)$, $c = 2E/K - 1$ and the arc's load
+
+$$G(\varepsilon_a) = -\frac{T(P, \varepsilon_a) L_{fs} \ell}{16 EI}, \qquad
+  G = q(m), \qquad
+  \varepsilon(\varepsilon_a) = 1 - (1 - \varepsilon_a)\, c(q^{-1}(G)) \tag{E3}$$
+
+wherever $0 \le G \le \pi^2/4$: all bent states are one explicit curve over $\varepsilon_a$, and
+$c(q^{-1})$ is a polynomial of one variable. The curve turns back, in a fold, where
+$c - (1 - \varepsilon_a) c' G'/q' = 0$; just past the onset it goes on only if
+$G' > \pi^2/(8 (1 - \varepsilon))$ there.
+
+**Branch:** followed from the free strain through the first onset, along the curve. Where it
+turns back (stubby or steep-fibered muscles) the force jumps: from the straight state at the
+onset, if it turns back there, else at its fold, to the next state that the same strain allows.
+`several` says where other equilibria exist.
 **Sign:** tension positive. **Valid for** $\varepsilon \le 0.6$. **Assumes** $EI$ of the tube
 at rest, no shear. Moment and deflection have an infinite slope at the onset.
 **Source:** derived here; the elastica after Love (1927), sections 262-263.
 """
 
-from typing import ClassVar
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from typing import ClassVar, NamedTuple
 
-import jax.numpy as jnp
-from jax import lax
+import numpy as np
+from numpy.polynomial import chebyshev
 
-from .._math import Elliptic, elliptic, guarded, jacobi, root
-from .._types import Batch, BatchLike, BoolBatch, IntBatch
-from .column import ROUNDING, AbstractBuckling, Buckled, Centerline, Column
+from .._arrays import (
+    cos, isfinite, least, maximum, minimum, most, nodes, over, sqrt, total, where,
+)  # fmt: skip
+from .._math import elliptic, guarded, jacobi, polynomial, root, still
+from .._types import Batch, BatchLike, BoolBatch
+from .column import ROUNDING, AbstractBuckling, Centerline, Column, Push
+from .ideal import Pull
 
 
-_ENDS_MEET = 0.8261147659879693  # 2E = K: the elastica's ends touch
+_ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
+_EULER = np.pi**2 / 4  # G where it begins to bend
 _FARTHEST = 0.6  # strain, the end of the model's domain
-_BRANCH = 16  # points that look for the first of several bent states
-_SCAN = 64  # points that look for the first onset, and for other equilibria
+_LOOKS = 32  # cells in which the first onset is looked for
+_CELLS = 24  # of the curve, in which it is looked for where it turns back
+_SECANTS = 4  # to where the curve, or its load, turns: known to 1e-12 by then
+_DEGREE = 16  # of the polynomials: right to 2e-15
 
 
 class Elastica(AbstractBuckling):
-    """Bending and contraction from one potential, nothing fitted: (E1) and (E2)."""
+    """Bending and contraction from one potential, nothing fitted: (E1) to (E3)."""
 
     name: ClassVar[str] = "elastica"
 
-    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """Forces, deflection and moment at `strain` [-], (E2)."""
-        eps = jnp.asarray(strain, dtype=float)
-        bent, m, arc = _state(column, self.onset(column), eps)
-        mesh, bladder = column.tension.components(column.pressure, arc)
-        chord = _chord(elliptic(m))
-        thrust = -(mesh + bladder) / chord  # N, from the arc's balance
-        length = column.rest_length * (1 - arc)
-        # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
-        k = jnp.where(bent, jnp.sqrt(guarded(bent, m)), 0.0)
-        K = elliptic(m).K
-        return Buckled(
-            mesh=mesh,
-            bladder=bladder,
-            bending=-thrust * (1 - chord),
-            deflection=length * k / K,
-            moment=8 * k * K * column.bending_stiffness / column.free_length,
+    def branch(self, column: Column) -> "_Branch":
+        """The onset, and the curve (E3) from there down to the free strain."""
+        onset = _onset(column)
+        here = still(column)
+        return _Branch(onset, _curve(here, _top(still(onset)), here.free_strain))
+
+    def push(self, column: Column, strain: BatchLike) -> Push:
+        """Force in its components at `strain` [-], (E2)."""
+        bent, arc = _followed(column, strain)
+        at = _at(column, arc)
+        T, chord = at.pull.force, at.chord
+        # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
+        steep = (at.pull.slope - T * at.chord_slope / chord) / chord
+        slope = steep / guarded(at.strain_slope != 0, at.strain_slope)
+        return Push(
+            mesh=at.pull.mesh,
+            bladder=at.pull.bladder + 0.0 * T,
+            bending=where(bent, T / chord - T, 0.0),
+            slope=where(bent, slope, at.pull.slope),
             arc_strain=arc,
             straight=~bent,
         )
 
+    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Deflection $\\ell k/K$ [m] and moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
+        bent, arc = _followed(column, strain)
+        k, K = _modulus(bent, _at(column, arc).load)
+        moment = 8 * k * K * column.bending_stiffness / column.free_length
+        return column.rest_length * (1 - arc) * k / K, moment
+
     def onset(self, column: Column) -> Batch:
         """First strain [-] at which the straight muscle buckles; inf where it never does."""
-        euler = 4 * jnp.pi**2 * column.bending_stiffness
-        eps_f = column.free_strain
-
-        def place(i: BatchLike) -> Batch:
-            # squares: a slender muscle buckles just past its free strain
-            return eps_f + (_FARTHEST - eps_f) * (i / _SCAN) ** 2
-
-        def look(i: IntBatch, first: IntBatch) -> IntBatch:
-            over = _arc_load(column, place(i)) >= euler
-            return jnp.where(over & (first == 0), i, first)
-
-        none = jnp.zeros(jnp.broadcast_shapes(eps_f.shape, jnp.shape(euler)), int)
-        first = lax.fori_loop(1, _SCAN + 1, look, none)
-        ever = first > 0
-        target = guarded(ever, euler, 0.0)
-        strain = root(
-            lambda arc: target - _arc_load(column, arc),
-            place(first - 1),
-            place(first),
-            start=place(first - 0.5),
-        )
-        return jnp.where(ever, strain, jnp.inf)
+        return column.branch.onset
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which the largest moment is `moment` [N·m]; inf if never.
 
-        The moment fixes $k$ alone, $k$ the arc's compression on the branch, and both the
-        strain. A moment jumped over at the onset is reached at the onset.
+        The moment fixes $m$ alone, $m$ the arc's load on the branch, and both the strain. A
+        moment that is jumped over, at the onset or at a fold, is reached where the jump begins.
         """
-        onset = self.onset(column)
-        wanted = jnp.asarray(moment) * column.free_length / column.bending_stiffness
-        largest = jnp.sqrt(_ENDS_MEET)
-        reached = (wanted <= 8 * largest * elliptic(_ENDS_MEET).K) & jnp.isfinite(onset)
-        k = root(
-            lambda k: guarded(reached, wanted, 1.0) - 8 * k * elliptic(k**2).K,
-            0.0,
-            largest,
-            start=jnp.full(jnp.shape(reached), 0.5),
-        )
-        integrals = elliptic(k**2)
-        top = guarded(reached, onset, _FARTHEST)
-        held = guarded(reached, _end_load(column, integrals), 0.0)
-        arc = root(
-            lambda arc: held - _arc_load(column, arc),
-            column.free_strain,
-            top,
-            start=0.5 * (column.free_strain + top),
-        )
-        strain = jnp.maximum(1 - (1 - arc) * _chord(integrals), onset)
-        return jnp.where(reached, strain, jnp.inf)
+        onset, curve = column.branch
+        fits = _fits()
+        bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
+        reached = (bend <= fits.largest_bend) & isfinite(onset)
+        load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
+        held = still(load)
+        half = _first(curve, *(over(end.load, held) <= held for end in curve[1:]))
+        arc = root(_short_of, (column, load), half.stop, half.start, half.middle)
+        strain = 1 - (1 - arc) * fits.chord(load)[0]
+        return where(reached, maximum(strain, maximum(onset, half.farthest)), np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
-        eps = jnp.asarray(strain, dtype=float)
-        bent, m, arc = _state(column, self.onset(column), eps)
-        integrals = elliptic(m[..., None])
-        u = 4 * integrals.K * jnp.linspace(0.0, 1.0, points)
+        bent, arc = _followed(column, strain)
+        k, _ = _modulus(bent, _at(column, arc).load)
+        k = k[..., None]
+        integrals = elliptic(k**2)
+        u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
         scale = (column.rest_length * (1 - arc))[..., None] / (4 * integrals.K)
         # below the axis, as (8) is drawn
-        k = jnp.where(bent, jnp.sqrt(guarded(bent, m)), 0.0)[..., None]
-        return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - jnp.cos(phase)))
+        return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - cos(phase)))
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Whether other equilibria exist at `strain` [-], looked for on a fixed grid."""
-        eps = jnp.asarray(strain, dtype=float)
-        shape = jnp.broadcast_shapes(eps.shape, column.free_strain.shape)
-        first = jnp.broadcast_to(_surplus(column, eps, jnp.zeros(shape)), shape)
-        last = _modulus((1 - eps) / (1 - column.free_strain))
+        """Whether other equilibria exist at `strain` [-] beside the one followed.
 
-        def look(i: IntBatch, seen: tuple[IntBatch, Batch]) -> tuple[IntBatch, Batch]:
-            count, before = seen
-            # squares: equilibria crowd toward the straight end
-            here = _surplus(column, eps, last * (i / _SCAN) ** 2)
-            return count + ((here > 0) != (before > 0)), here
-
-        # the straight state is stable while bending would cost more than it yields
-        count, _ = lax.fori_loop(1, _SCAN + 1, look, ((first > 0).astype(int), first))
-        return (count > 1) & (eps > column.free_strain)
-
-
-def _chord(integrals: Elliptic) -> Batch:
-    """$d/\\ell = 2E/K - 1$ [-]."""
-    return 2 * integrals.E / integrals.K - 1
+        All bent states lie on (E3), between the free strain and `strain`; the straight one is
+        an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E3) is taken on as
+        $\\varepsilon = \\varepsilon_a$, which crosses `strain` once, as it must.
+        """
+        here, eps = still(column), still(strain + 0.0 * column.free_strain)
+        crossed = 0.0 * eps
+        for curve in (here.branch.curve, _curve(here, _top(here.branch.onset), _FARTHEST)):
+            past = [over(end.strain, eps) > eps for end in curve]
+            for one, other in pairwise(past):
+                crossed = crossed + total(where(one != other, 1.0, 0.0))
+        straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
+        return (crossed + straight > 1.5) & (eps > here.free_strain)
 
 
-def _modulus(chord: BatchLike) -> Batch:
-    """The parameter $m$ [-] of the elastica whose ends are `chord` of its length apart."""
-    c = jnp.asarray(chord, dtype=float)
-    return root(lambda m: _chord(elliptic(m)) - c, -0.5, _ENDS_MEET, start=1 - c)
+class _State(NamedTuple):
+    """A bent state by its arc: what the tension law says, the load $G$, the chord $c$ and the
+    strain [-], with slopes by the arc's strain.
+    """
+
+    pull: Pull
+    load: Batch
+    load_slope: Batch
+    chord: Batch
+    chord_slope: Batch
+    strain: Batch
+    strain_slope: Batch
 
 
-def _end_load(column: Column, integrals: Elliptic) -> Batch:
-    """$N L_{fs} \\ell \\cdot d/\\ell$ [N·m²], what bending asks of the arc."""
-    return 16 * integrals.K**2 * _chord(integrals) * column.bending_stiffness
+def _at(column: Column, arc: Batch) -> _State:
+    """The bent state (E3) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
+    pull = column.pull(arc)
+    unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
+    load = -unit * pull.force * (1 - arc)
+    load_slope = unit * (pull.force - pull.slope * (1 - arc))
+    chord, by_load = _fits().chord(load)
+    chord_slope = by_load * load_slope
+    strain, strain_slope = 1 - (1 - arc) * chord, chord - (1 - arc) * chord_slope
+    return _State(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
 
 
-def _arc_load(column: Column, arc: Batch) -> Batch:
-    """$-T L_{fs} \\ell$ [N·m²], what the arc at strain `arc` [-] gives."""
-    length = column.rest_length * (1 - arc)
-    return -column.tension.force(column.pressure, arc) * column.free_length * length
+def _short_of(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """How much an arc's load misses a wanted one [-], and its slope."""
+    column, wanted = theta
+    at = _at(column, arc)
+    return wanted - at.load, -at.load_slope
 
 
-def _surplus(column: Column, strain: Batch, m: Batch) -> Batch:
-    """What bending to `m` asks beyond what the arc, at the same chord, gives [N·m²]."""
-    integrals = elliptic(m)
-    arc = 1 - (1 - strain) / _chord(integrals)
-    return _end_load(column, integrals) - _arc_load(column, arc)
+def _behind(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """How far a bent state is past a wanted strain [-], and its slope."""
+    column, wanted = theta
+    at = _at(column, arc)
+    return at.strain - wanted, at.strain_slope
 
 
-def _state(column: Column, onset: Batch, strain: Batch) -> tuple[BoolBatch, Batch, Batch]:
-    """Whether the muscle is bent at `strain` [-], its $m$ [-] and its arc's strain [-]."""
-    eps_f = column.free_strain
+class _End(NamedTuple):
+    """Where cells of the curve start, are cut, or end: arc, strain and load [-], cells first."""
+
+    arc: Batch
+    strain: Batch
+    load: Batch
+
+
+class _Curve(NamedTuple):
+    """A stretch of (E3) in cells. Each half of a cell is monotone: where the curve turns back
+    in a cell, that is where it is cut.
+    """
+
+    start: _End
+    cut: _End
+    end: _End
+
+
+class _Branch(NamedTuple):
+    """What is solved for once: the `onset` [-], and the `curve` from there to free strain."""
+
+    onset: Batch
+    curve: _Curve
+
+
+class _Half(NamedTuple):
+    """Half a cell, by the arc's strain at its `start` and `stop` [-], and the `farthest` strain
+    [-] at the ends of those before it; whether it is what was looked for.
+    """
+
+    start: Batch
+    stop: Batch
+    farthest: Batch
+    found: BoolBatch
+
+    @property
+    def middle(self) -> Batch:
+        """Between its ends [-]."""
+        return 0.5 * (self.start + self.stop)
+
+
+def _onset(column: Column) -> Batch:
+    """First strain [-] at which the straight muscle buckles; inf where it never does."""
+    here = still(column)
+    free = here.free_strain
+    span = maximum(_FARTHEST - free, 1e-3)
+    # squares: a slender muscle buckles just past its free strain
+    rank = nodes(np.arange(float(_LOOKS)), free)
+    one, other = (free + span * ((rank + i) / _LOOKS) ** 2 for i in (0.0, 1.0))
+    # a load that rises and falls again within a cell may be large enough in between
+    curve = _cut(here, one, other, lambda at: at.load_slope)
+    half = _first(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
+    ever = half.found & (free < _FARTHEST)
+    target = where(ever, _EULER, 0.0)
+    strain = root(_short_of, (column, target), half.start, half.stop, half.middle)
+    return where(ever, strain, np.inf)
+
+
+def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
+    """(E3) from the arc strain `top` [-] to `bottom` [-]."""
+    rank = nodes(np.arange(float(_CELLS)), top)
+    one, other = (top - (top - bottom) * ((rank + i) / _CELLS) for i in (0.0, 1.0))
+    return _cut(column, one, other, lambda at: at.strain_slope)
+
+
+def _top(onset: Batch) -> Batch:
+    """Where the branch begins [-]; the end of the domain where it doesn't."""
+    return guarded(isfinite(onset), onset, _FARTHEST)
+
+
+def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Batch]) -> _Curve:
+    """Cells from `one` to `other` arc [-], cut where a `slope` vanishes, by secants; else in the
+    middle. What turns there is known to the square of the place's error.
+    """
+    start, end = _at(column, one), _at(column, other)
+    a, b = (one, slope(start)), (other, slope(end))
+    turns = a[1] * b[1] < 0
+    place = 0.5 * (one + other)
+    at = _at(column, place)
+    for _ in range(_SECANTS):
+        here = (place, slope(at))
+        same = (here[1] > 0) == (a[1] > 0)
+        a, b = (
+            tuple(where(moves, new, old) for new, old in zip(here, side, strict=True))
+            for moves, side in ((same, a), (~same, b))
+        )
+        share = guarded(turns, a[1]) / guarded(turns, a[1] - b[1], 2.0)
+        place = where(turns, a[0] + share * (b[0] - a[0]), place)
+        at = _at(column, place)
+    ends = ((one, start), (place, at), (other, end))
+    return _Curve(*(_End(arc, state.strain, state.load) for arc, state in ends))
+
+
+def _first(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Half:
+    """The first half cell at whose end something holds; the last one where it never does."""
+    rank = nodes(np.arange(float(len(curve.start.arc))), least(where(end, 0.0, 0.0)))
+    half, whole = (least(where(holds, rank, np.inf)) for holds in (cut, end))
+    cell = minimum(minimum(half, whole), len(curve.start.arc) - 1.0)
+    early = half <= cell  # it ends at the cut
+    here = rank == cell
+    start, middle, stop = (total(where(here, over(x.arc, cell), 0.0)) for x in curve)
+    at_cut, at_end = (over(x.strain, cell) for x in curve[1:])
+    behind = where(here & ~early, at_cut, -np.inf)
+    farthest = most(where(rank < cell, maximum(at_cut, at_end), behind))
+    return _Half(
+        where(early, start, middle), where(early, middle, stop), farthest,
+        isfinite(minimum(half, whole)),
+    )  # fmt: skip
+
+
+def _followed(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
+    """Whether the muscle is bent at `strain` [-], and its arc's strain [-]."""
+    onset, curve = column.branch
     bent = strain > onset + ROUNDING
-    eps = jnp.where(bent, strain, 0.5 * (eps_f + _FARTHEST))
-    # on the branch from the first onset the arc lies between free strain and onset
-    least = _modulus((1 - eps) / (1 - jnp.where(bent, onset, eps)))
-    most = jnp.where(bent, _modulus((1 - eps) / (1 - eps_f)), least)
+    eps = guarded(bent, strain, _FARTHEST)
+    wanted = still(eps)
+    half = _first(curve, *(over(end.strain, wanted) >= wanted for end in curve[1:]))
+    arc = root(_behind, (column, eps), half.stop, half.start, half.middle)
+    return bent, where(bent, arc, strain)
 
-    def place(i: BatchLike) -> Batch:
-        return least + (most - least) * (i / _BRANCH)
 
-    def look(i: IntBatch, first: IntBatch) -> IntBatch:
-        over = _surplus(column, eps, place(i)) >= 0
-        return jnp.where(over & (first == 0), i, first)
+class _Fits:
+    """What is known of the elastica over one variable, as polynomials, fitted to $K$ and $E$."""
 
-    # a folded branch reaches this strain more than once: the first of them is followed
-    first = lax.fori_loop(1, _BRANCH, look, jnp.zeros(jnp.shape(most), int))
-    first = jnp.where(first == 0, _BRANCH, first)
-    low, high = place(first - 1), place(first)
-    m = root(lambda m: -_surplus(column, eps, m), low, high, start=0.5 * (low + high))
-    arc = 1 - (1 - eps) / _chord(elliptic(m))
-    return bent, jnp.where(bent, m, 0.0), jnp.where(bent, arc, strain)
+    def __init__(self):
+        # somewhat beyond both ends, where searches may look
+        low, high = -0.03, _ENDS_MEET + 0.02
+        m = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(200) + 0.5) / 200)
+        integrals = elliptic(m)
+        K, E = integrals.K, integrals.E
+        load, chord = K * (2 * E - K), 2 * E / K - 1
+        self.largest_bend = float(np.sqrt(_ENDS_MEET) * elliptic(_ENDS_MEET).K)
+        self._chord, self._m, self._load = (
+            tuple(chebyshev.cheb2poly(chebyshev.chebfit(x, y, _DEGREE)).tolist())
+            for x, y in (
+                (_even(load, _EULER), chord),
+                (_even(load, _EULER), m),
+                (_even(m * K**2, self.largest_bend**2), load),
+            )
+        )
+
+    def chord(self, load: Batch) -> tuple[Batch, Batch]:
+        """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
+        bends = load <= _EULER * (1 + 1e-12)
+        inside = maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
+        chord, slope = polynomial(self._chord, _even(inside, _EULER))
+        return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
+
+    def parameter(self, load: Batch) -> Batch:
+        """$m$ [-] at a load $G$ [-]."""
+        return polynomial(self._m, _even(load, _EULER))[0]
+
+    def load(self, bend: Batch) -> Batch:
+        """$G$ [-] at $kK$ of `bend` [-]."""
+        return polynomial(self._load, _even(bend**2, self.largest_bend**2))[0]
+
+
+@cache
+def _fits() -> _Fits:
+    return _Fits()
+
+
+def _even(x: Batch, end: float) -> Batch:
+    """0 to `end` as -1 to 1 [-]."""
+    return x * (2 / end) - 1
+
+
+def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
+    """$k$ and $K$ [-] at a load $G$ [-]."""
+    m = _fits().parameter(guarded(bent, load, _EULER))
+    # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
+    curved = bent & (m > 0)
+    k = where(curved, sqrt(guarded(curved, m)), 0.0)
+    return k, elliptic(k**2).K

@@ -26,13 +26,14 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import equinox as eqx
-import jax.numpy as jnp
+import numpy as np
 
+from .._arrays import sqrt, where
 from .._checks import one_of
 from .._math import guarded
 from .._types import Batch, BatchLike
 from .bladder import Bladder
-from .ideal import NOTHING, AbstractTension, Offset, solved_free_strain
+from .ideal import NOTHING, AbstractTension, Offset, Pull, solved_free_strain
 
 
 PRESSURE_TERMS = ("inner_radius", "ideal")
@@ -60,27 +61,42 @@ class Kothera2009(AbstractTension):
         """Whether the mesh works as much as the pressure does [-]: with the ideal term."""
         return self.pressure_term == "ideal"
 
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Pressure and wall force [N], the first and the other terms of equation (K)."""
         braid, E, A = bladder.braid, bladder.material.youngs_modulus, bladder.area
-        P, eps = jnp.asarray(pressure, dtype=float), jnp.asarray(strain, dtype=float)
-        lam, r0, square = 1 - eps, braid.radius, braid.swell(eps)
-        bore = _bore(A / (jnp.pi * r0**2), lam * square)
-        braid_area = 2 * jnp.pi * (r0 * lam / jnp.tan(braid.angle)) ** 2
-        hoop = jnp.sqrt(square) - 1
+        lam, r0, cot2, square = 1 - strain, braid.radius, braid.cot2, braid.swell(strain)
+        swelling = 2 * lam * cot2  # of the square, in strain
+        inside = lam * square
+        bore, narrowing = _bore(A / (np.pi * r0**2), inside, lam * swelling - square)
+        braid_area, loss = 2 * np.pi * r0**2 * cot2 * lam**2, -4 * np.pi * r0**2 * cot2 * lam
+        stretch = sqrt(square)
+        hoop, opening = stretch - 1, swelling / (2 * stretch)
         wall = E * A * (lam - 1) / lam - braid_area * (1 - bore) * E * hoop
+        wall_slope = -E * A / lam**2 - E * (
+            loss * (1 - bore) * hoop - braid_area * narrowing * hoop
+            + braid_area * (1 - bore) * opening
+        )  # fmt: skip
         if self.conservative:
-            return braid.mesh_force(P, eps), wall
-        return P * (braid_area * bore - jnp.pi * r0**2 * square * bore**2), wall
+            mesh, mesh_slope = braid.mesh(pressure, strain)
+            return Pull(mesh, wall, mesh_slope, wall_slope)
+        held = np.pi * r0**2
+        mesh = pressure * (braid_area * bore - held * square * bore**2)
+        mesh_slope = pressure * (
+            loss * bore + braid_area * narrowing
+            - held * (swelling * bore**2 + 2 * square * bore * narrowing)
+        )  # fmt: skip
+        return Pull(mesh, wall, mesh_slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The root of $T = C_1$ [-]; 0 at $P = 0$, rising with $P$."""
         return solved_free_strain(self, bladder, pressure, offset)
 
 
-def _bore(wall: Batch, inside: Batch) -> Batch:
-    """$r_i/r$ [-] for a wall of `wall` and a braid of `inside`, both over $\\pi r_0^2 L_0$ [-]."""
+def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:
+    """$r_i/r$ [-] for a wall of `wall` and a braid of `inside`, both over $\\pi r_0^2 L_0$ [-],
+    and its slope, where the braid's is `slope` [-].
+    """
     share = 1 - wall / inside
-    return jnp.where(share > 0, jnp.sqrt(guarded(share > 0, share)), 0.0)
+    some = share > 0
+    bore = where(some, sqrt(guarded(some, share)), 0.0)
+    return bore, where(some, wall * slope / (2 * inside**2 * guarded(some, bore)), 0.0)

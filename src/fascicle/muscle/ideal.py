@@ -18,22 +18,43 @@ so that its free strain $1 - \sqrt{b/a} = 1 - 1/(\sqrt3 \cos\alpha_0)$ doesn't d
 import abc
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import equinox as eqx
-import jax
-import jax.numpy as jnp
+import numpy as np
 
-from .._math import guarded, root
+from .._arrays import cos, maximum, minimum, sqrt, where
+from .._math import root
+from .._methods import Module
 from .._types import Batch, BatchLike
 from .bladder import Bladder
 
 
 Offset = Callable[[Batch], Batch]
 NOTHING: Mapping[str, str] = MappingProxyType({})
+_A_LITTLE = 1e-3  # Pa: what a force over pressure tends to at none, seen from here
 
 
-class AbstractTension(eqx.Module):
+class Pull(NamedTuple):
+    """A tensile force in its two components, with their slopes in strain, all [N]."""
+
+    mesh: Batch
+    bladder: Batch
+    mesh_slope: Batch
+    bladder_slope: Batch
+
+    @property
+    def force(self) -> Batch:
+        """Both together [N]."""
+        return self.mesh + self.bladder
+
+    @property
+    def slope(self) -> Batch:
+        """Its slope in strain [N]."""
+        return self.mesh_slope + self.bladder_slope
+
+
+class AbstractTension(Module):
     """A tensile force in two components, and the strain at which it vanishes.
 
     `parameters` are the law's own numbers with their dimensions, as in `units.DIMENSIONS`.
@@ -45,14 +66,19 @@ class AbstractTension(eqx.Module):
     conservative: eqx.AbstractVar[bool]
 
     @abc.abstractmethod
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
-        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-]. Elementwise."""
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], with slopes."""
 
     @abc.abstractmethod
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """Strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
+
+    def components(
+        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
+    ) -> tuple[Batch, Batch]:
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-]. Elementwise."""
+        pull = self.pull(bladder, pressure, strain)
+        return pull.mesh, pull.bladder
 
 
 class Ideal(AbstractTension):
@@ -62,51 +88,48 @@ class Ideal(AbstractTension):
     parameters: ClassVar[Mapping[str, str]] = NOTHING
     conservative: ClassVar[bool] = True
 
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh force [N], equation (3), and zero."""
-        mesh = bladder.braid.mesh_force(pressure, strain)
-        return mesh, jnp.zeros_like(mesh)
+        mesh, slope = bladder.braid.mesh(pressure, strain)
+        return Pull(mesh, 0.0 * mesh, slope, 0.0 * slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
-        P, alpha, r0 = jnp.asarray(pressure, dtype=float), bladder.braid.angle, bladder.braid.radius
-        _, at_rest = jax.jvp(offset, (jnp.zeros_like(P),), (jnp.ones_like(P),))
-        # C1/P is 0/0 without pressure
-        per_pressure = jnp.where(P > 0, offset(P) / guarded(P > 0, P), at_rest)
-        held = 1 / jnp.sin(alpha) ** 2 + per_pressure / (jnp.pi * r0**2)
-        return 1 - jnp.tan(alpha) * jnp.sqrt(held / 3)
+        cot2, r0 = bladder.braid.cot2, bladder.braid.radius
+        P = where(pressure > 0, pressure, _A_LITTLE)  # C1/P is 0/0 without pressure
+        held = 1 + cot2 + offset(P) / (np.pi * r0**2 * P)
+        return 1 - sqrt(held / (3 * cot2))
 
 
 def solved_free_strain(
     law: AbstractTension, bladder: Bladder, pressure: BatchLike, offset: Offset
 ) -> Batch:
-    """The root of $F_{mesh} + F_{bladder} = C_1$ [-], for a `law` with a bladder that resists.
+    """The first root of $F_{mesh} + F_{bladder} = C_1$ [-], for a `law` with a bladder.
 
     **Arguments:**
 
-    - `law`: positive below the root, negative above [-].
+    - `law`: positive below the root [-].
     - `bladder`: inside its braid [-].
     - `pressure`: gauge pressure $P$ [Pa].
     - `offset`: $C_1$ [N] of the pressure.
 
     **Returns:** $\\varepsilon_f$ [-]; 0 at $P = 0$.
     """
-    P = jnp.asarray(pressure, dtype=float)
-    c1 = offset(P)
-
-    def remaining(strain: Batch) -> Batch:
-        mesh, wall = law.components(bladder, P, strain)
-        return mesh + wall - c1
-
+    theta = (law, bladder, pressure, offset(pressure))
     # the fibers would be straight at twice `low`; at `high` the mesh pushes hard
-    low, high = 0.5 * (1 - 1 / jnp.cos(bladder.braid.angle)), 0.8
+    low, high = 0.5 * (1 - 1 / cos(bladder.braid.angle)), 0.8
     # the parabola that leaves rest as the force does, and meets it where the mesh lets go:
     # its zero comes too early, and Newton's steps from there don't overshoot
     far = bladder.braid.ideal_free_strain
-    value, slope = jax.jvp(remaining, (jnp.zeros_like(P),), (jnp.ones_like(P),))
-    bend = (remaining(jnp.broadcast_to(far, value.shape)) - value - slope * far) / far**2
-    inside = jnp.sqrt(jnp.maximum(slope**2 - 4 * bend * value, 0.0))
-    start = jnp.clip(-2 * value / (slope - inside), low, high)
-    return root(remaining, low, high, start, steps=3)
+    value, slope = _remaining(theta, 0.0 * pressure)
+    bend = (_remaining(theta, far)[0] - value - slope * far) / far**2
+    inside = sqrt(maximum(slope**2 - 4 * bend * value, 0.0))
+    start = minimum(maximum(-2 * value / (slope - inside), low), high)
+    return root(_remaining, theta, low, high, start, steps=3)
+
+
+def _remaining(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
+    """What is left of the force [N] after $C_1$, and its slope [N]."""
+    law, bladder, pressure, c1 = theta
+    pull = law.pull(bladder, pressure, strain)
+    return pull.force - c1, pull.slope

@@ -18,15 +18,28 @@ Bryant (2021), section 3.4, for the silicone's modulus [R3].
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
 
 from .._checks import positive, within
+from .._methods import Module
 from .._types import Batch, BatchLike, Values
 
 
-class AbstractMaterial(eqx.Module):
+class Slopes(NamedTuple):
+    """First and second derivatives of an energy density [J/m³] by $p = \\lambda_1^2$ and
+    $q = \\lambda_2^2$.
+    """
+
+    p: Batch
+    q: Batch
+    pp: Batch
+    pq: Batch
+    qq: Batch
+
+
+class AbstractMaterial(Module):
     """A wall material: an energy for stretching, a modulus and a ratio for bending."""
 
     youngs_modulus: eqx.AbstractVar[Batch]
@@ -35,6 +48,10 @@ class AbstractMaterial(eqx.Module):
     @abc.abstractmethod
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
         """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+
+    @abc.abstractmethod
+    def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
+        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
 
 
 class MooneyRivlin(AbstractMaterial):
@@ -83,11 +100,24 @@ class MooneyRivlin(AbstractMaterial):
 
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
         """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
-        p, q = jnp.asarray(axial_squared), jnp.asarray(hoop_squared)
+        p, q = axial_squared, hoop_squared
         radial_squared = 1 / (p * q)  # an incompressible wall
         I1 = p + q + radial_squared
         I2 = (p + q) * radial_squared + p * q
         return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
+
+    def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
+        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+        p, q, a, b = axial_squared, hoop_squared, self.c10, self.c01
+        s = 1 / (p * q)
+        u, v = q * s, p * s  # 1/p and 1/q, for one division
+        return Slopes(
+            p=a * (1 - s * u) + b * (q - u**2),
+            q=a * (1 - s * v) + b * (p - v**2),
+            pp=2 * u**2 * (a * s + b * u),
+            pq=a * s**2 + b,
+            qq=2 * v**2 * (a * s + b * v),
+        )
 
 
 _LATEX_C10, _LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)

@@ -8,20 +8,20 @@ are checked once, and the law is compiled.
 **Source:** Kim, Mazzoleni and Bryant (2021).
 """
 
+import math
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property
 from typing import Any
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete, positive, within
-from .._methods import compilable
+from .._checks import as_given, concrete, positive, within
+from .._evaluate import evaluate
+from .._methods import Module
+from .._tiles import fields
 from .._types import Batch, Values
 from .bladder import Bladder
-from .blocks import in_blocks
 from .braid import Braid
 from .buckling import BUCKLING_LAWS
 from .collapse import (
@@ -46,7 +46,7 @@ from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
 
 
-class Muscle(eqx.Module):
+class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
 
     length: Batch
@@ -145,12 +145,12 @@ class Muscle(eqx.Module):
 
     # the parts the laws are written for, composed from the sizes
 
-    @property
+    @cached_property
     def braid(self) -> Braid:
         """The braid at rest [-]."""
         return Braid(self.length, self.outer_radius, self.braid_angle)
 
-    @property
+    @cached_property
     def bladder(self) -> Bladder:
         """The bladder inside it [-]."""
         return Bladder(self.braid, self.wall_thickness, self.material)
@@ -160,7 +160,6 @@ class Muscle(eqx.Module):
         """Length over diameter at rest, $L_0/(2 r_0)$ [-] [R15]."""
         return self.length / (2 * self.outer_radius)
 
-    @compilable
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force, equation (27).
 
@@ -173,9 +172,8 @@ class Muscle(eqx.Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return _force(self, *_point(self, pressure, strain))
+        return self._evaluated(_force, *_point(self, pressure, strain))
 
-    @compilable
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
 
@@ -188,9 +186,24 @@ class Muscle(eqx.Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return _response(self, *_point(self, pressure, strain))
+        return self._evaluated(_response, *_point(self, pressure, strain))
 
-    @compilable
+    def stiffness(self, pressure: Values, strain: Values) -> Batch:
+        """Stiffness along the axis, by how much more it pulls a meter longer.
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]:
+        positive where the pull falls as the muscle contracts, so that it holds a load by
+        itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
+
+        **Raises:** `ValueError` for concrete values off the domain.
+        """
+        return self._evaluated(_stiffness, *_point(self, pressure, strain))
+
     def free_strain(self, pressure: Values) -> Batch:
         """Strain at which the force vanishes.
 
@@ -198,9 +211,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $\\varepsilon_f$ [-].
         """
-        return _free_strain(self, self._gauge(pressure))
+        return self._evaluated(_free_strain, self._gauge(pressure))
 
-    @compilable
     def blocked_force(self, pressure: Values) -> Batch:
         """Force at rest length.
 
@@ -208,9 +220,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $F(P, 0)$ [N].
         """
-        return _blocked_force(self, self._gauge(pressure))
+        return self._evaluated(_blocked_force, self._gauge(pressure))
 
-    @compilable
     def collapse_strain(self, pressure: Values) -> Batch:
         """Strain at which the buckled bladder collapses.
 
@@ -218,9 +229,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
         """
-        return _collapse_strain(self, self._gauge(pressure))
+        return self._evaluated(_collapse_strain, self._gauge(pressure))
 
-    @compilable
     def collapse_moment(self, pressure: Values) -> Batch:
         """Moment at which the bladder collapses, with the tuning's factors.
 
@@ -228,9 +238,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $M_{collapse}$ [N·m].
         """
-        return _collapse_moment(self, self._gauge(pressure))
+        return self._evaluated(_collapse_moment, self._gauge(pressure))
 
-    @compilable
     def volume(self, strain: Values) -> Batch:
         """Volume of the fluid inside; the bladder's own is taken off [R17].
 
@@ -238,10 +247,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $\\pi r^2 L - V_b$ [m³].
         """
-        _, eps = self._checked(0.0, strain)
-        return self.braid.volume(eps) - self.bladder.volume
+        return self._evaluated(_volume, self._strain(strain))
 
-    @compilable
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
 
@@ -249,10 +256,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $r$ [m].
         """
-        _, eps = self._checked(0.0, strain)
-        return self.braid.radius_at(eps)
+        return self._evaluated(_radius, self._strain(strain))
 
-    @compilable
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """How far the axis bows out at the middle.
 
@@ -263,9 +268,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
         """
-        return _deflection(self, *self._checked(pressure, strain))
+        return self._evaluated(_deflection, *self._checked(pressure, strain))
 
-    @compilable
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
 
@@ -276,9 +280,8 @@ class Muscle(eqx.Module):
 
         **Returns:** $M_b$ [N·m]; after collapse the hinge's.
         """
-        return _moment(self, *self._checked(pressure, strain))
+        return self._evaluated(_moment, *self._checked(pressure, strain))
 
-    @compilable
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
 
@@ -292,7 +295,7 @@ class Muscle(eqx.Module):
         """
         if points < 3:
             raise ValueError(f"`points` must be at least 3, got {points}.")
-        return _shape(self, *self._checked(pressure, strain), int(points))
+        return self._evaluated(_shape, *self._checked(pressure, strain), static=(int(points),))
 
     def compile(self) -> Callable[[Values, Values], Batch]:
         """The force alone, with this muscle held constant and nothing checked.
@@ -302,87 +305,93 @@ class Muscle(eqx.Module):
         return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
 
     def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        why = "(fibers straight at the lower end)"
-        eps = within(
-            strain,
-            lowest_strain(self.braid_angle),
-            LARGEST_STRAIN,
-            "strain",
-            "-",
-            why,
-            (False, True),
-        )
+        eps = self._strain(strain)
         return self._gauge(pressure), eps
+
+    def _strain(self, strain: Values) -> Batch:
+        low = lowest_strain(self.braid_angle)
+        why = "(fibers straight at the lower end)"
+        checked = within(strain, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
+        return as_given(strain, checked)
 
     def _gauge(self, pressure: Values) -> Batch:
         closed = (True, True)
-        P = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
-        self.tuning.warn_beyond(P)
-        return P
+        checked = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+        self.tuning.warn_beyond(checked)
+        return as_given(pressure, checked)
 
-    def _law(self) -> Piecewise:
+    def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
+        # rows of muscles, and whatever has one argument, are too few to be cut
+        cut = fields if len(arrays) == 2 and self._is_single and not static else None
+        points = math.prod(np.broadcast_shapes(*(np.shape(x) for x in arrays)))
+        return evaluate(law, self, *arrays, points=points, cut=cut, static=static)
+
+    @cached_property
+    def _is_single(self) -> bool:
+        """Whether it is one muscle, rather than rows of it [-]."""
+        tuning = self.tuning
+        tables = {id(table) for table in (tuning.pressures, tuning.c1, tuning.c2)}
+        leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
+        return tuning.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
+
+    @cached_property
+    def _law_of_it(self) -> Piecewise:
         tension = TunedTension(self.tension, self.bladder, self.tuning)
         return Piecewise(
             tension, self.buckling, self.collapse, self.post_collapse, self.transition_rate
         )
 
+    def _law(self) -> Piecewise:
+        return self._law_of_it
 
-# compiled once for each choice of laws and each shape; inside a trace they are inlined
+
+# of a muscle that is NumPy's, of JAX's, or traced: `evaluate` says how
 
 
-@jax.jit
 def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return _apart(muscle, lambda P, eps: muscle._law().at(P).response(eps).force, pressure, strain)
+    return muscle._law().at(pressure).force(strain)[0]
 
 
-@jax.jit
+def _stiffness(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    return -muscle._law().at(pressure).force(strain)[1] / muscle.length
+
+
 def _response(muscle: Muscle, pressure: Batch, strain: Batch) -> Response:
-    return _apart(muscle, lambda P, eps: muscle._law().at(P).response(eps), pressure, strain)
+    return muscle._law().at(pressure).response(strain)
 
 
-def _apart(muscle: Muscle, function: Callable, pressure: Batch, strain: Batch) -> Any:
-    """`function` in blocks of points, where all points are one muscle's."""
-    one = muscle.tuning.pressures.ndim == 1 and all(
-        jnp.ndim(leaf) == 0 for leaf in jax.tree.leaves(eqx.tree_at(_TABLES, muscle, (0.0,) * 3))
-    )
-    return in_blocks(function, pressure, strain) if one else function(pressure, strain)
-
-
-def _TABLES(muscle: Muscle) -> tuple:
-    return muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2
-
-
-@jax.jit
 def _free_strain(muscle: Muscle, pressure: Batch) -> Batch:
     return muscle._law().tension.free_strain(pressure)
 
 
-@jax.jit
 def _blocked_force(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle._law().tension.force(pressure, jnp.zeros_like(pressure))
+    return muscle._law().tension.force(pressure, 0.0 * pressure)
 
 
-@jax.jit
 def _collapse_moment(muscle: Muscle, pressure: Batch) -> Batch:
     return muscle._law().collapse_moment(pressure)
 
 
-@jax.jit
 def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
     return muscle._law().at(pressure).collapse
 
 
-@jax.jit
+def _volume(muscle: Muscle, strain: Batch) -> Batch:
+    return muscle.braid.volume(strain) - muscle.bladder.volume
+
+
+def _radius(muscle: Muscle, strain: Batch) -> Batch:
+    return muscle.braid.radius_at(strain)
+
+
 def _deflection(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     return muscle._law().at(pressure).deflection(strain)
 
 
-@jax.jit
 def _moment(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     return muscle._law().at(pressure).moment(strain)
 
 
-@partial(jax.jit, static_argnums=3)
 def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Centerline:
     return muscle._law().at(pressure).shape(strain, points)
 

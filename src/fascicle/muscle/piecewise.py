@@ -22,21 +22,23 @@ $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (26) and (27).
 """
 
-import equinox as eqx
-import jax.numpy as jnp
+from typing import NamedTuple
 
+import numpy as np
+
+from .._arrays import expm1, stack, where
 from .._math import guarded
+from .._methods import Module
 from .._types import Batch, BoolBatch, IntBatch
 from .collapse import AbstractCollapse, AbstractPostCollapse, hinge_moment
-from .column import ROUNDING, AbstractBuckling, Buckled, Centerline, Column
-from .entry import LARGEST_STRAIN
+from .column import ROUNDING, AbstractBuckling, Centerline, Column
 from .tuning import TunedTension
 
 
 TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
 
 
-class Response(eqx.Module):
+class Response(NamedTuple):
     """What a muscle does at a pressure and strain; all of one shape.
 
     `force` = `mesh` + `bladder` + `bending`, all [N]. `region`: 0 tension, 1 post-buckling,
@@ -51,7 +53,7 @@ class Response(eqx.Module):
     several: BoolBatch
 
 
-class Piecewise(eqx.Module):
+class Piecewise(Module):
     """Equation (27) for one choice of laws; `at` a pressure it can be evaluated."""
 
     tension: TunedTension
@@ -80,12 +82,14 @@ class Piecewise(eqx.Module):
     def at(self, pressure: Batch) -> "Pressurized":
         """The muscle at `pressure` [Pa], its free and collapse strain solved for."""
         E, bladder = self.youngs_modulus, self.tension.bladder
-        column = Column(
-            tension=self.tension,
-            pressure=pressure,
-            free_strain=self.tension.free_strain(pressure),
-            bending_stiffness=E * bladder.second_moment,
-            axial_stiffness=E * bladder.area,
+        column = self.buckling.solved(
+            Column(
+                tension=self.tension,
+                pressure=pressure,
+                free_strain=self.tension.free_strain(pressure),
+                bending_stiffness=E * bladder.second_moment,
+                axial_stiffness=E * bladder.area,
+            )
         )
         stiffness = self.tension.tuning.hinge_stiffness_at(pressure)
         return Pressurized(
@@ -96,7 +100,7 @@ class Piecewise(eqx.Module):
         )
 
 
-class Pressurized(eqx.Module):
+class Pressurized(NamedTuple):
     """A muscle at one pressure: elementwise in strain. `hinge` is $M_h$ [N·m]."""
 
     law: Piecewise
@@ -108,62 +112,81 @@ class Pressurized(eqx.Module):
     def kinks(self) -> Batch:
         """Free strain, onset of buckling and collapse strain [-], on a new first axis."""
         onset = self.law.buckling.onset(self.column)
-        return jnp.stack([self.column.free_strain, onset, self.collapse])
+        return stack([self.column.free_strain, onset, self.collapse])
+
+    def force(self, strain: Batch) -> tuple[Batch, Batch]:
+        """Force [N] and its slope in strain [N], at `strain` [-]."""
+        (mesh, bladder, bending), slope, _ = self._forces(strain)
+        return mesh + bladder + bending, slope
 
     def response(self, strain: Batch) -> Response:
         """Force and components [N] at `strain` [-], (26) and (27)."""
-        eps_f, eps_c, rate = self.column.free_strain, self.collapse, self.law.rate
-        pulled, collapsed, buckled = self._state(strain)
-        pull_mesh, pull_bladder = self.column.tension.components(
-            self.column.pressure, jnp.where(pulled, strain, eps_f)
-        )
-        past = jnp.where(collapsed, strain - guarded(collapsed, eps_c), 0.0)
-        gone = -jnp.expm1(-rate * past)  # nothing has decayed before collapse
-        hinged = self.law.post_collapse.force(self.column, self.hinge, _safe(collapsed, strain))
-        F_c = jnp.where(collapsed, hinged, 0.0)
-
-        mesh = jnp.where(pulled, pull_mesh, buckled.mesh * (1 - gone))
-        bladder = jnp.where(pulled, pull_bladder, buckled.bladder * (1 - gone))
-        bending = jnp.where(pulled, 0.0, buckled.bending * (1 - gone) - F_c * gone)
-        bowed = jnp.where(buckled.straight, STRAIGHT, POST_BUCKLING)
-        region = jnp.where(pulled, TENSION, jnp.where(collapsed, POST_COLLAPSE, bowed))
+        (mesh, bladder, bending), _, (pulled, collapsed, straight) = self._forces(strain)
+        bowed = where(straight, STRAIGHT, POST_BUCKLING)
+        region = where(pulled, TENSION, where(collapsed, POST_COLLAPSE, bowed))
         several = self.law.buckling.several(self.column, strain) & ~collapsed & ~pulled
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
         """How far the axis bows out [m] at `strain` [-]."""
-        pulled, collapsed, buckled = self._state(strain)
-        hinged = self.law.post_collapse.deflection(self.column, _safe(collapsed, strain))
-        return jnp.where(pulled, 0.0, jnp.where(collapsed, hinged, buckled.deflection))
+        pulled, collapsed, held = self._state(strain)
+        bowed, _ = self.law.buckling.bow(self.column, held)
+        hinged = self.law.post_collapse.deflection(self.column, self._safe(collapsed, strain))
+        return where(pulled, 0.0, where(collapsed, hinged, bowed))
 
     def moment(self, strain: Batch) -> Batch:
         """Largest moment [N·m] at `strain` [-]."""
-        pulled, collapsed, buckled = self._state(strain)
-        return jnp.where(pulled, 0.0, jnp.where(collapsed, self.hinge, buckled.moment))
+        pulled, collapsed, held = self._state(strain)
+        _, moment = self.law.buckling.bow(self.column, held)
+        return where(pulled, 0.0, where(collapsed, self.hinge, moment))
 
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
         pulled, collapsed, _ = self._state(strain)
-        strain = jnp.broadcast_to(strain, pulled.shape)
-        held = jnp.where(pulled | collapsed, self.column.free_strain, strain)
+        strain = strain + 0.0 * self.column.free_strain
+        held = where(pulled | collapsed, self.column.free_strain, strain)
         bowed = self.law.buckling.shape(self.column, held, points)
-        hinged = self.law.post_collapse.shape(self.column, _safe(collapsed, strain), points)
-        chord = (self.column.rest_length * (1 - strain))[..., None]
-        straight = chord * jnp.linspace(0.0, 1.0, points)
+        safe = self._safe(collapsed, strain)
+        hinged = self.law.post_collapse.shape(self.column, safe, points)
+        straight = (self.column.rest_length * (1 - strain))[..., None] * np.linspace(0, 1, points)
         pulled, collapsed = pulled[..., None], collapsed[..., None]
         return Centerline(
-            z=jnp.where(pulled, straight, jnp.where(collapsed, hinged.z, bowed.z)),
-            y=jnp.where(pulled, 0.0, jnp.where(collapsed, hinged.y, bowed.y)),
+            z=where(pulled, straight, where(collapsed, hinged.z, bowed.z)),
+            y=where(pulled, 0.0, where(collapsed, hinged.y, bowed.y)),
         )
 
-    def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Buckled]:
-        """Whether pulled, whether collapsed, and the buckled state, held at collapse."""
+    def _forces(
+        self, strain: Batch
+    ) -> tuple[tuple[Batch, Batch, Batch], Batch, tuple[BoolBatch, BoolBatch, BoolBatch]]:
+        """Mesh, bladder and bending [N]; the slope of all [N]; whether pulled, collapsed, and
+        straight.
+        """
+        rate, L0 = self.law.rate, self.column.rest_length
+        pulled, collapsed, held = self._state(strain)
+        pull = self.column.pull(where(pulled, strain, self.column.free_strain))
+        push = self.law.buckling.push(self.column, held)
+        past = where(collapsed, strain - guarded(collapsed, self.collapse), 0.0)
+        gone = -expm1(-rate * past)  # nothing has decayed before collapse
+        left = 1 - gone
+        x = (self._safe(collapsed, strain) - self.column.free_strain) * L0
+        F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
+
+        mesh = where(pulled, pull.mesh, push.mesh * left)
+        bladder = where(pulled, pull.bladder, push.bladder * left)
+        bending = where(pulled, 0.0, push.bending * left - where(collapsed, F_c, 0.0) * gone)
+        held_force = push.mesh + push.bladder + push.bending
+        decay = -rate * left * (held_force + F_c) - gone * F_c_slope * L0
+        slope = where(pulled, pull.slope, where(collapsed, decay, push.slope))
+        return (mesh, bladder, bending), slope, (pulled, collapsed, push.straight)
+
+    def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
+        """Whether pulled, whether collapsed, and the strain [-] of the buckled state, which is
+        held at collapse.
+        """
         eps_f, eps_c = self.column.free_strain, self.collapse
         pulled, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
-        held = jnp.where(pulled, eps_f, jnp.where(collapsed, eps_c, strain))
-        return pulled, collapsed, self.law.buckling.buckled(self.column, held)
+        return pulled, collapsed, where(pulled, eps_f, where(collapsed, eps_c, strain))
 
-
-def _safe(collapsed: BoolBatch, strain: Batch) -> Batch:
-    """A strain [-] at which the hinged shape exists, also where it isn't asked for."""
-    return guarded(collapsed, strain, LARGEST_STRAIN)
+    def _safe(self, collapsed: BoolBatch, strain: Batch) -> Batch:
+        """A strain [-] at which the hinged shape exists, also where it isn't asked for."""
+        return guarded(collapsed, strain, 0.5 * (1 + self.column.free_strain))

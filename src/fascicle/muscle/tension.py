@@ -22,7 +22,7 @@ from .._types import Batch, BatchLike
 from .bladder import Bladder
 from .corrected import Meller2014, TonduLopez
 from .force_balance import Kothera2009
-from .ideal import NOTHING, AbstractTension, Ideal, Offset, solved_free_strain
+from .ideal import NOTHING, AbstractTension, Ideal, Offset, Pull, solved_free_strain
 
 
 class KluteHannaford(AbstractTension):
@@ -32,11 +32,11 @@ class KluteHannaford(AbstractTension):
     parameters: ClassVar[Mapping[str, str]] = NOTHING
     conservative: ClassVar[bool] = True
 
-    def components(
-        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
-    ) -> tuple[Batch, Batch]:
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N], equations (3) and (4)."""
-        return bladder.braid.mesh_force(pressure, strain), bladder.force(strain)
+        mesh, mesh_slope = bladder.braid.mesh(pressure, strain)
+        wall, wall_slope = bladder.pull(strain)
+        return Pull(mesh, wall, mesh_slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The root of $F_{mesh} + F_{bladder} = C_1$ [-]; 0 at $P = 0$, rising with $P$."""

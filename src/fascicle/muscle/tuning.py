@@ -25,26 +25,29 @@ and slope are finite there, the slope that of $P > P_d$.
 
 import warnings
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import ArrayLike, Float
 
+from .._arrays import library, where
 from .._checks import concrete, finite, positive, within
-from .._types import Batch, BatchLike, Values
+from .._methods import Module
+from .._types import Batch, BatchLike, Symbol, Values
 from .bladder import Bladder
-from .tension import AbstractTension
+from .ideal import AbstractTension, Pull
 
 
 _LARGEST_PRESSURE = 1e6  # Pa, the end of the model's domain
 
+Rows = Float[ArrayLike, "*#muscles row"] | Symbol
 
-class Tuning(eqx.Module):
+
+class Tuning(Module):
     """Measured corrections of one muscle; all left out, the identity."""
 
-    pressures: Batch
-    c1: Batch
-    c2: Batch
+    pressures: Rows
+    c1: Rows
+    c2: Rows
     youngs_modulus_factor: Batch
     collapse_moment_factor: Batch
     hinge_stiffness_factor: Batch
@@ -104,9 +107,9 @@ class Tuning(eqx.Module):
 
     def effective_pressure(self, pressure: BatchLike) -> Batch:
         """$P_e$ [Pa] at gauge `pressure` [Pa], equation (D)."""
-        P, P_d = jnp.asarray(pressure, dtype=float), self.dead_band
+        P, P_d = pressure, self.dead_band
         # not `maximum`, which would halve the slope at P = 0 where there is no dead band
-        return jnp.where(P_d <= P, P - P_d, 0.0)
+        return where(P_d <= P, P - P_d, 0.0 * P)
 
     def warn_beyond(self, pressure: Values) -> None:
         """Warn of a `pressure` [Pa] above the table's last row, which holds from there on."""
@@ -129,39 +132,45 @@ class Tuning(eqx.Module):
         """$C_2$ [-] at effective `pressure` [Pa]."""
         return self._at(pressure, self.c2)
 
-    def _at(self, pressure: BatchLike, rows: Array) -> Batch:
+    def _at(self, pressure: BatchLike, rows: Rows) -> Batch:
         """`rows` [any unit], joined by straight lines, at effective `pressure` [Pa]."""
-        P, steps = jnp.asarray(pressure, dtype=float)[..., None], jnp.diff(self.pressures)
+        if rows.shape[-1] == 1:
+            return rows[..., 0]  # nothing was measured
+        P, start = library(pressure).asarray(pressure)[..., None], self.pressures[..., :-1]
+        steps, rises = (x[..., 1:] - x[..., :-1] for x in (self.pressures, rows))
         # a sum of ramps is one pass over the points, a search for the row many; slopes at a
         # row are those to its right
-        start = self.pressures[:-1]
-        risen = jnp.where(start <= P, jnp.where(start + steps <= P, steps, P - start), 0.0)
-        slopes = jnp.where(steps > 0, jnp.diff(rows) / jnp.where(steps > 0, steps, 1.0), 0.0)
-        return rows[0] + jnp.sum(slopes * risen, axis=-1)
+        risen = where(start <= P, where(start + steps <= P, steps, P - start), 0.0)
+        slopes = where(steps > 0, rises / where(steps > 0, steps, 1.0), 0.0)
+        return rows[..., 0] + library(slopes, risen).sum(slopes * risen, axis=-1)
 
     def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
         """Factor on the hinge's stiffness $k_r$ [-] at `pressure` [Pa]."""
-        return self.hinge_stiffness_factor + self.hinge_stiffness_slope * jnp.asarray(pressure)
+        return self.hinge_stiffness_factor + self.hinge_stiffness_slope * pressure
 
 
-class TunedTension(eqx.Module):
+class TunedTension(Module):
     """A muscle's tension law $T(P, \\varepsilon)$ as it is used: corrected by its tuning."""
 
     law: AbstractTension
     bladder: Bladder
     tuning: Tuning
 
-    def components(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+    def pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (32) and (33)."""
         P_e = self.tuning.effective_pressure(pressure)
         c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
-        mesh, bladder = self.law.components(self.bladder, P_e, strain)
-        return c2 * mesh, c2 * (bladder - c1)
+        mesh, bladder, mesh_slope, bladder_slope = self.law.pull(self.bladder, P_e, strain)
+        return Pull(c2 * mesh, c2 * (bladder - c1), c2 * mesh_slope, c2 * bladder_slope)
+
+    def components(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
+        """The two components alone [N]."""
+        pull = self.pull(pressure, strain)
+        return pull.mesh, pull.bladder
 
     def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """$F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
-        mesh, bladder = self.components(pressure, strain)
-        return mesh + bladder
+        return self.pull(pressure, strain).force
 
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
@@ -169,16 +178,19 @@ class TunedTension(eqx.Module):
         return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at)
 
 
-def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Batch, Batch, Batch]:
+def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with its row at zero pressure, checked where its values can be seen."""
-    P, rows1, rows2 = (jnp.atleast_1d(jnp.asarray(x, dtype=float)) for x in (pressures, c1, c2))
+    at_work = np if concrete(pressures, c1, c2) else jnp
+    P, rows1, rows2 = (
+        at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)
+    )
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
         raise ValueError(
             "`pressures`, `c1` and `c2` must be lists of equal length,"
             f" got {P.size}, {rows1.size} and {rows2.size} entries."
         )
     seen = P.size and concrete(pressures)
-    if seen and (finite(P, "pressures", "Pa")[0] < 0 or np.any(np.diff(P) <= 0)):
+    if seen and (finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
         raise ValueError(f"`pressures` must rise from 0 Pa or above, got {P.tolist()} Pa.")
     if P.size and concrete(c1, c2):
         finite(c1, "c1", "N")
@@ -191,9 +203,9 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Batch, Batch, Bat
     if seen and P[0] == 0:
         return P, rows1, rows2
     # harmless where a traced table begins at zero already: its own row holds there
-    zero, one = jnp.zeros(1), jnp.ones(1)
+    zero, one = at_work.zeros(1), at_work.ones(1)
     return (
-        jnp.concatenate([zero, P]),
-        jnp.concatenate([zero, rows1]),
-        jnp.concatenate([one, rows2]),
+        at_work.concatenate([zero, P]),
+        at_work.concatenate([zero, rows1]),
+        at_work.concatenate([one, rows2]),
     )

@@ -1,0 +1,75 @@
+"""At once or compiled: how a law is evaluated for what its caller hands in.
+
+Numbers and NumPy arrays are answered by NumPy, at once, up to `COMPILE_ABOVE` points; more
+are cut into tiles of one size, for which a law is compiled once, so that a new length compiles
+nothing. What is traced goes to the law as JAX compiles it, and so do JAX's own arrays where
+they are many or on another device.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+
+from ._arrays import given
+from ._methods import Module
+
+
+# law points of one call. NumPy takes some 2 µs for each, a compiled law 0.05 µs and a second to
+# compile, which half a million points are worth, and fewer where they come again and again
+COMPILE_ABOVE = 200_000
+
+Law = Callable[..., Any]
+Cut = Callable[..., Any]
+
+
+def evaluate(
+    law: Law, part: Module, *arrays: Any, points: int, cut: Cut | None = None, static: tuple = ()
+) -> Any:
+    """`law(part, *arrays, *static)`, at once or compiled.
+
+    **Arguments:**
+
+    - `law`: an elementwise function of the package's own [-].
+    - `part`: the muscle or bundle that it is evaluated for [-].
+    - `arrays`: numbers or arrays that broadcast [SI].
+    - `points`: at how many points of a muscle's law, about [-].
+    - `cut`: how the arrays are cut where they are many, as `tiles` has it [-]; left out, not.
+    - `static`: what decides the result's shape [-].
+
+    **Returns:** what the law gives [SI]: NumPy's where all came from NumPy, else JAX's.
+    """
+    many = points > COMPILE_ABOVE
+    if not part.is_numpy:
+        return compiled(law, static)(part, *arrays)
+    if not given(*arrays):
+        if many or not all(given(x) or _at_hand(x) for x in arrays):
+            return compiled(law, static)(part, *arrays)
+        at_once = evaluate(law, part, *map(_numbers, arrays), points=points, static=static)
+        return jax.tree.map(jnp.asarray, at_once)
+    if many and cut is not None:
+        return cut(compiled(law, static), part, *arrays)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return _numbers(law(part, *arrays, *static))
+
+
+@cache
+def compiled(law: Law, static: tuple = ()) -> Callable:
+    """`law` [-] compiled, with its `static` arguments [-] bound."""
+    return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
+
+
+def _at_hand(x: Any) -> bool:
+    """Whether `x` [-] is an array of JAX's whose numbers lie in this processor's memory."""
+    return not isinstance(x, Tracer) and all(one.platform == "cpu" for one in x.devices())
+
+
+def _numbers(result: Any) -> Any:
+    """The same as NumPy's arrays and scalars."""
+    if isinstance(result, tuple):
+        return type(result)(*map(_numbers, result))
+    return np.asarray(result)[()]

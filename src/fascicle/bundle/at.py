@@ -1,0 +1,86 @@
+"""A bundle at given pressures: the units' free and collapse strains solved for.
+
+Units whose muscles have the same laws are one row of muscles, evaluated at once.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._arrays import library
+from .._types import Batch, IntBatch, PerUnit
+from ..muscle.entry import LARGEST_STRAIN
+from ..muscle.piecewise import Pressurized as MusclesAtPressures
+from .plates import muscle_strain, plate_strain
+
+
+class Pressurized(NamedTuple):
+    """A bundle at given pressures: `groups` of its units' muscles, the `places` of their units,
+    units last; how many muscles each unit has [-], and its $L/L_i$ [-] where lengths differ.
+    """
+
+    groups: tuple[MusclesAtPressures, ...]
+    places: tuple[tuple[int, ...], ...]
+    counts: IntBatch
+    ratios: Batch | None
+
+    @property
+    def farthest(self) -> Batch:
+        """The largest strain of the bundle [-] that all of its muscles' laws are made for."""
+        if self.ratios is None:
+            return LARGEST_STRAIN
+        seen = plate_strain(self.ratios, LARGEST_STRAIN)
+        return library(seen).min(seen, axis=-1)
+
+    def each(self, function: Callable[[MusclesAtPressures], Any]) -> Any:
+        """`function` of one muscle of every unit, units on the last axis."""
+        return self._ordered([function(group) for group in self.groups])
+
+    def along(self, function: Callable[..., Any], *strains: Batch) -> Any:
+        """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
+        units on the last axis.
+        """
+        own = [library(strain).asarray(strain)[..., None] for strain in strains]
+        values = []
+        for group, places in zip(self.groups, self.places, strict=True):
+            if self.ratios is None:
+                values.append(function(group, *own))
+            else:
+                ratio = self.ratios[..., np.array(places)]
+                values.append(function(group, *(muscle_strain(ratio, eps) for eps in own)))
+        return self._ordered(values)
+
+    @property
+    def kinks(self) -> PerUnit:
+        """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
+        return self._seen(self.each(lambda muscle: muscle.kinks))
+
+    @property
+    def free_strains(self) -> PerUnit:
+        """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
+        return self._seen(self.each(lambda muscle: muscle.column.free_strain))
+
+    def unit_forces(self, strain: Batch) -> tuple[PerUnit, PerUnit]:
+        """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
+        force, slope = self.along(lambda muscle, eps: muscle.force(eps), strain)
+        if self.ratios is not None:
+            slope = slope * self.ratios
+        return self.counts * force, self.counts * slope
+
+    def force(self, strain: Batch) -> tuple[Batch, Batch]:
+        """Force of all units [N] at `strain` [-], (B1), and its slope in strain [N]."""
+        forces, slopes = self.unit_forces(strain)
+        total = library(forces).sum
+        return total(forces, axis=-1), total(slopes, axis=-1)
+
+    def _seen(self, strains: PerUnit) -> PerUnit:
+        return strains if self.ratios is None else plate_strain(self.ratios, strains)
+
+    def _ordered(self, values: list[Any]) -> Any:
+        if isinstance(values[0], tuple):
+            return tuple(self._ordered(list(rows)) for rows in zip(*values, strict=True))
+        if len(values) == 1:
+            return values[0]
+        order = np.argsort([i for places in self.places for i in places])
+        return library(*values).concatenate(values, axis=-1)[..., order]

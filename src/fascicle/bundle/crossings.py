@@ -1,0 +1,190 @@
+r"""Where curves cross zero, many curves at once, none missed that can be helped.
+
+A curve is a sum of terms that are smooth in the stretches between given ends. In a stretch
+each term lies, with a margin, among the control points of the cubic through its values and
+slopes at the stretch's two sides; where their sums leave zero out, nothing crosses. The few
+other stretches are cut into cells, each once more at the extremum of its own cubic, and a
+crossing is a change of sign between two nodes, in a stretch or from it to the next. A pair
+that is missed lies in a dip shallower than that cubic's error, of fourth order in the cell.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import ArrayLike, Bool, Float, Int
+
+from .._arrays import library, maximum, minimum, running_most, sqrt, where
+from .._types import Batch
+from .lists import listed, worked
+
+
+CELLS = 8  # of a stretch that may hold a crossing
+_MARGIN = 0.25  # of a term's span over a stretch, beyond its control points
+_WIDTH = 1e-13  # ends closer than this are one
+
+Ends = Float[ArrayLike, "lane end"]
+PerStretch = Float[ArrayLike, "lane stretch"]
+Listed = Float[ArrayLike, " entry"]
+# values and slopes of the terms of some lanes' curves, on a last axis, at places along a second
+Terms = Callable[[Any, Any], tuple[Any, Any]]
+
+
+class Sides(NamedTuple):
+    """Stretches of every lane, `low` to `high`, as seen from just inside them: the curve's value
+    and slope there, and between which values it lies; all in the units of the curve.
+    """
+
+    low: PerStretch
+    high: PerStretch
+    value_low: PerStretch
+    value_high: PerStretch
+    slope_low: PerStretch
+    slope_high: PerStretch
+    least: PerStretch
+    most: PerStretch
+
+    @property
+    def real(self) -> Bool[ArrayLike, "lane stretch"]:
+        """Which of them have a width."""
+        return self.high - self.low > _WIDTH
+
+    @property
+    def may_cross(self) -> Bool[ArrayLike, "lane stretch"]:
+        """Which of them may hold a crossing of zero."""
+        return self.real & (self.least <= 0) & (self.most >= 0)
+
+
+class Cut(NamedTuple):
+    """Stretches that were cut, a row each: its `lane`, `nodes` that leave one crossing at most
+    between two, the last on the next stretch, and the curve's `value` there.
+    """
+
+    lane: Int[ArrayLike, " row"]
+    nodes: Float[ArrayLike, "row node"]
+    value: Float[ArrayLike, "row node"]
+    real: Bool[ArrayLike, " row"]
+
+
+class Crossings(NamedTuple):
+    """Crossings in the order of lanes and places: the `lane` of each, the places before and
+    behind it, and whether the curve falls there. `total` are meant, the rest is room.
+    """
+
+    lane: Int[ArrayLike, " entry"]
+    low: Listed
+    high: Listed
+    falls: Bool[ArrayLike, " entry"]
+    total: Any
+
+
+def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
+    """Stretches and what is seen of them.
+
+    **Arguments:**
+
+    - `terms`: of the lanes' curves [any unit].
+    - `ends`: of each lane's stretches, rising [any unit].
+    - `inset`: how far inside its sides are looked at, as a share of its width [-].
+
+    **Returns:** the stretches [any unit].
+    """
+    at_work = library(ends)
+    a, b = ends[:, :-1], ends[:, 1:]
+    step, count = inset * (b - a), a.shape[1]
+    # the first and the last end have no other side
+    low = where(a > ends[:, :1], a + step, a)
+    high = where(b < ends[:, -1:], b - step, b)
+    values, slopes = terms(np.arange(len(ends)), at_work.concatenate([low, high], axis=1))
+    v_a, v_b, s_a, s_b = values[:, :count], values[:, count:], slopes[:, :count], slopes[:, count:]
+    thirds = (high - low)[..., None] / 3
+    control = (v_a + s_a * thirds, v_b - s_b * thirds)
+    least, most = (
+        pick(pick(v_a, v_b), pick(*control)) for pick in (minimum, maximum)
+    )
+    margin = _MARGIN * (most - least)
+    summed = (v_a, v_b, s_a, s_b, least - margin, most + margin)
+    return Sides(low, high, *(at_work.sum(x, axis=-1) for x in summed))
+
+
+def cut(terms: Terms, stretches: Sides, marks: Bool[ArrayLike, "lane stretch"]) -> Cut:
+    """Those stretches that are marked, cut into cells.
+
+    **Arguments:**
+
+    - `terms`: of the lanes' curves [any unit].
+    - `stretches`: of every lane [any unit].
+    - `marks`: which are to be cut [-].
+
+    **Returns:** their nodes and values [any unit].
+    """
+
+    def look(lane: Any, *of: Listed) -> tuple[Batch, Batch]:
+        low, high, v_low, v_high, s_low, s_high, after, v_after = of
+        at_work = library(low)
+        x = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CELLS + 1)
+        value, slope = (at_work.sum(y, axis=-1) for y in terms(lane, x[:, 1:-1]))
+        value, slope = (
+            at_work.concatenate([first[:, None], y, last[:, None]], axis=1)
+            for first, y, last in ((v_low, value, v_high), (s_low, slope, s_high))
+        )
+        step = x[:, 1:] - x[:, :-1]
+        turn = _extremum(value[:, :-1], value[:, 1:], slope[:, :-1] * step, slope[:, 1:] * step)
+        between = x[:, :-1] + step * turn
+        turned = at_work.sum(terms(lane, between)[0], axis=-1)
+        return (
+            _interleaved(x, between, after[:, None]),
+            _interleaved(value, turned, v_after[:, None]),
+        )
+
+    (lane, place), total = listed(marks, marks.size)
+    seen = [x[lane, place] for x in stretches[:6]]
+    following = _following(stretches.real)[lane, place]
+    last = following == marks.shape[1]
+    beside = where(last, place, following)
+    after, v_after = (
+        where(last, high[lane, place], low[lane, beside])
+        for low, high in (
+            (stretches.low, stretches.high), (stretches.value_low, stretches.value_high)
+        )
+    )  # fmt: skip
+    nodes, value = worked(look, total, lane, *seen, after, v_after)
+    return Cut(lane, nodes, value, np.arange(len(lane)) < total)
+
+
+def changes(stretches: Cut, room: int) -> Crossings:
+    """Where the values at the nodes of cut `stretches` [any unit] change sign; compiled, there is
+    `room` for so many [-].
+    """
+    above = stretches.value > 0
+    (row, node), total = listed((above[:, 1:] != above[:, :-1]) & stretches.real[:, None], room)
+    low, high = stretches.nodes[row, node], stretches.nodes[row, node + 1]
+    return Crossings(stretches.lane[row], low, high, above[row, node], total)
+
+
+def _following(real: Bool[ArrayLike, "lane stretch"]) -> Int[ArrayLike, "lane stretch"]:
+    """The place of the next stretch that has a width [-], as many as there are where none is."""
+    count = real.shape[1]
+    places = where(real, np.arange(count), count)[:, ::-1]
+    ahead = -running_most(-places, 1)[:, ::-1]
+    at_work = library(real)
+    return at_work.concatenate([ahead[:, 1:], 0 * ahead[:, :1] + count], axis=1)
+
+
+def _interleaved(ends: Batch, between: Batch, after: Batch) -> Batch:
+    at_work = library(ends, between)
+    pairs = at_work.stack([ends[:, :-1], between], axis=-1).reshape(len(ends), 2 * CELLS)
+    return at_work.concatenate([pairs, ends[:, -1:], after], axis=1)
+
+
+def _extremum(left: Batch, right: Batch, left_slope: Batch, right_slope: Batch) -> Batch:
+    """Where in (0, 1) the cubic of these values and slopes turns; the middle if nowhere."""
+    c3 = 2 * (left - right) + left_slope + right_slope
+    c2 = 3 * (right - left) - 2 * left_slope - right_slope
+    # 3 c3 t² + 2 c2 t + left_slope = 0, by the form that doesn't cancel
+    inside = sqrt(maximum(c2**2 - 3 * c3 * left_slope, 0.0))
+    q = -(c2 + where(c2 < 0, -inside, inside))
+    t1 = q / where(c3 == 0, np.inf, 3 * c3)
+    t2 = left_slope / where(q == 0, np.inf, q)
+    good1, good2 = (t1 > 0) & (t1 < 1), (t2 > 0) & (t2 < 1)
+    return where(good1, t1, where(good2, t2, 0.5))

@@ -1,0 +1,83 @@
+"""Rare things among many: listed, and worked off for as many as there are.
+
+NumPy lists what is marked. Compiled, a list has room for a given number; it is worked off in
+blocks up to the last entry, so that cost follows what there is, not what there could be.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from .._arrays import library
+from .._types import BoolBatch
+
+
+_LEAST_BLOCK, _LARGEST_BLOCK = 64, 512  # entries worked on at once
+
+
+def listed(marks: BoolBatch, room: int) -> tuple[tuple[Any, ...], Any]:
+    """Indices of what is marked, in order, and how many there are [-], no more than `room` [-]
+    of them where compiled.
+    """
+    if library(marks) is np:
+        places = np.nonzero(marks)
+        return places, len(places[0])
+    total = jnp.minimum(jnp.sum(marks), room)
+    return jnp.nonzero(marks, size=room, fill_value=0), total
+
+
+def worked(function: Callable[..., tuple], total: Any, *entries: Any) -> tuple:
+    """`function` of the first `total` of the `entries`, arrays with a first axis for them; zeros
+    for the rest.
+    """
+    leaves = jax.tree.leaves(entries)
+    if library(*leaves) is np:
+        return function(*entries)
+    size = leaves[0].shape[0]
+    # a block waits for its slowest entry: small ones for few, where a step's own cost allows
+    block = min(size, max(_LEAST_BLOCK, min(size // 16, _LARGEST_BLOCK)))
+
+    def step(state: tuple) -> tuple:
+        done, results = state
+        # the last block reaches back over the one before it
+        start = jnp.minimum(done, size - block)
+        some = jax.tree.map(lambda x: lax.dynamic_slice_in_dim(x, start, block), entries)
+        results = tuple(
+            lax.dynamic_update_slice_in_dim(result, new, start, 0)
+            for result, new in zip(results, function(*some), strict=True)
+        )
+        return done + block, results
+
+    part = jax.eval_shape(function, *jax.tree.map(lambda x: x[:block], entries))
+    results = tuple(jnp.zeros((size, *one.shape[1:]), one.dtype) for one in part)
+    return lax.while_loop(lambda state: state[0] < total, step, (jnp.zeros((), int), results))[1]
+
+
+def ranked(owner: Any, total: Any, owners: int) -> tuple[Any, Any]:
+    """For each entry of a list its rank among those of its `owner` [-], where these come in
+    order, and how many each owner has [-].
+    """
+    at_work = library(owner)
+    place = at_work.arange(len(owner))
+    if at_work is np:
+        count = np.bincount(owner, minlength=owners)
+    else:
+        count = jnp.zeros(owners, int).at[owner].add((place < total).astype(int))
+    return place - (at_work.cumsum(count) - count)[owner], count
+
+
+def put(fill: Any, shape: tuple[int, int], where: tuple[Any, Any], values: Any, total: Any) -> Any:
+    """A table of `shape`, with the first `total` of the `values` at their rows and columns and
+    `fill` elsewhere; what lies outside is left out.
+    """
+    row, column = where
+    if library(values) is np:
+        table, inside = np.full(shape, fill), column < shape[1]
+        table[row[inside], column[inside]] = values[inside]
+        return table
+    column = jnp.where(jnp.arange(len(row)) < total, column, shape[1])
+    return jnp.full(shape, fill).at[row, column].set(values, mode="drop")
