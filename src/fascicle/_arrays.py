@@ -42,7 +42,7 @@ def given(*values: Any) -> bool:
 
 
 def where(condition: Any, this: Any, other: Any) -> Any:
-    """`this` where the `condition` holds, else `other`, elementwise, all of any unit [any]."""
+    """Where the `condition` holds `this`, else the `other`, elementwise."""
     # numbers are decided at once: NumPy's own `where` takes a microsecond and more for them
     if isinstance(condition, bool | np.bool_) and (
         isinstance(this, _SCALAR) and isinstance(other, _SCALAR)

@@ -22,10 +22,12 @@ from ._types import Batch, BatchLike, BoolBatch
 
 
 _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
-_WRITTEN_OUT = 40  # where steps can't be counted while they run: 24 bisections, and Newton's
+_WRITTEN_OUT = 30  # where steps can't be counted while they run: 24 bisections, and Newton's
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
 _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
+
+_NEVER_MOVES = frozenset({float, np.float64, np.ndarray})  # looked at before any tree is
 
 Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
 
@@ -40,35 +42,39 @@ def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Ba
 
 
 def root(
-    residual: Residual,
-    theta: Any,
-    low: BatchLike,
-    high: BatchLike,
-    start: BatchLike,
-    steps: int = 0,
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
     """The root of an elementwise `residual` that is positive below it, negative above.
 
-    `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. Newton's
-    method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection where it
-    leaves the bracket or fails to halve its step. Compiled, the first `steps` are one pass over
-    the points, and the loop, a pass for each step, has only the others left.
+    `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
+    searched for, and two more Newton steps take it to rounding and carry its derivatives.
     """
-    value, slope = residual(theta, start)
-    at_work = library(value)
-    if at_work is np:
-        x = _searched(residual, theta, low, high, start, (value, slope))
-    elif at_work is jnp:
-        # where the search begins doesn't move the root; unstopped, zero cotangents would flow
-        # back into how the bracket was found, and meet infinite slopes there
-        still = jax.tree.map(lax.stop_gradient, (theta, low, high, start))
-        x = _searched_compiled(residual, *still, jnp.shape(value), steps)
-    else:
-        state = _begun(low, high, start)
-        for _ in range(_WRITTEN_OUT):
-            state = _stepped(state, *residual(theta, state.x))
-        x = state.x
+    x = searched(residual, *still((theta, low, high, start)))
     return polished(residual, theta, polished(residual, theta, x))
+
+
+def searched(
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+) -> Batch:
+    """About where the root of an elementwise `residual` is, without derivatives.
+
+    Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection
+    where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
+    right, else to 1e-7.
+    """
+    at_work = library(low, high, start)
+    if at_work is np:
+        # what is asked about may still be JAX's
+        first = residual(theta, start)
+        at_work = library(*first)
+        if at_work is np:
+            return _searched(residual, theta, low, high, start, first)
+    if at_work is jnp:
+        return _searched_compiled(residual, theta, low, high, start)
+    state = _begun(low, high, start)
+    for _ in range(_WRITTEN_OUT):
+        state = _stepped(state, *residual(theta, state.x))
+    return state.x
 
 
 def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
@@ -95,7 +101,7 @@ class _Search(NamedTuple):
 
 
 def _begun(low: BatchLike, high: BatchLike, start: BatchLike) -> _Search:
-    return _Search(start, start + 4 * (high - low) + 1, low, high, start != start)
+    return _Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
 def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
@@ -132,32 +138,28 @@ def _searched(
 
 
 def _searched_compiled(
-    residual: Residual,
-    theta: Any,
-    low: BatchLike,
-    high: BatchLike,
-    start: BatchLike,
-    shape: tuple[int, ...],
-    steps: int,
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
-    low, high, start = (jnp.broadcast_to(jnp.asarray(x, float), shape) for x in (low, high, start))
+    shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
+    low, high, start = (
+        jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
+    )
 
     def step(state: tuple) -> tuple:
         n, search = state
-        return n + 1, _Search(*_stepped(search, *residual(theta, search.x)))
+        return n + 1, _stepped(search, *residual(theta, search.x))
 
     def keep_going(state: tuple) -> BoolBatch:
         n, search = state
         return (n < _STEPS) & ~jnp.all(search.ended)
 
-    state = (0, _begun(low, high, start))
-    for _ in range(steps):
-        state = step(state)
-    return lax.stop_gradient(lax.while_loop(keep_going, step, state)[1].x)
+    return lax.while_loop(keep_going, step, (0, _begun(low, high, start)))[1].x
 
 
 def still(values: Any) -> Any:
     """The same `values`, a tree of arrays, without derivatives."""
+    if type(values) in _NEVER_MOVES:
+        return values
     stop = lambda x: lax.stop_gradient(x) if isinstance(x, jax.Array) else x  # noqa: E731
     return jax.tree.map(stop, values)
 

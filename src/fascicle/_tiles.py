@@ -46,6 +46,11 @@ def fields(function: Callable, part: Module, first: np.ndarray, second: np.ndarr
     return jax.tree.map(lambda leaf: leaf.reshape(spread).transpose(np.argsort(order)), out)
 
 
+def scattered(function: Callable, part: Module, *arrays: np.ndarray) -> Any:
+    """`function` of `part` and of points that each have numbers of their own [SI], one axis."""
+    return _rows(function, part, _POINTS, *arrays)
+
+
 def rows(function: Callable, part: Module, *arrays: np.ndarray) -> Any:
     """`function` of `part` and arrays [SI] that all have the same first axis."""
     return _rows(function, part, _LANES, *arrays)

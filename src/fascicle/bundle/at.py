@@ -6,10 +6,11 @@ Units whose muscles have the same laws are one row of muscles, evaluated at once
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from .._arrays import library
-from .._types import Batch, IntBatch, PerUnit
+from .._types import Numbers, Whole
 from ..muscle.entry import LARGEST_STRAIN
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
@@ -22,22 +23,26 @@ class Pressurized(NamedTuple):
 
     groups: tuple[MusclesAtPressures, ...]
     places: tuple[tuple[int, ...], ...]
-    counts: IntBatch
-    ratios: Batch | None
+    counts: Whole
+    ratios: Numbers | None
 
     @property
-    def farthest(self) -> Batch:
+    def farthest(self) -> Numbers:
         """The largest strain of the bundle [-] that all of its muscles' laws are made for."""
         if self.ratios is None:
             return LARGEST_STRAIN
         seen = plate_strain(self.ratios, LARGEST_STRAIN)
         return library(seen).min(seen, axis=-1)
 
+    def of(self, lane: Any) -> "Pressurized":
+        """Those of the lanes [-] that are asked for, where lanes are the last axis but two."""
+        return jax.tree.map(lambda x: x if np.ndim(x) < 3 else x[..., lane, :, :], self)
+
     def each(self, function: Callable[[MusclesAtPressures], Any]) -> Any:
         """`function` of one muscle of every unit, units on the last axis."""
         return self._ordered([function(group) for group in self.groups])
 
-    def along(self, function: Callable[..., Any], *strains: Batch) -> Any:
+    def along(self, function: Callable[..., Any], *strains: Numbers) -> Any:
         """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
         units on the last axis.
         """
@@ -52,29 +57,29 @@ class Pressurized(NamedTuple):
         return self._ordered(values)
 
     @property
-    def kinks(self) -> PerUnit:
+    def kinks(self) -> Numbers:
         """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
         return self._seen(self.each(lambda muscle: muscle.kinks))
 
     @property
-    def free_strains(self) -> PerUnit:
+    def free_strains(self) -> Numbers:
         """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
         return self._seen(self.each(lambda muscle: muscle.column.free_strain))
 
-    def unit_forces(self, strain: Batch) -> tuple[PerUnit, PerUnit]:
+    def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
         force, slope = self.along(lambda muscle, eps: muscle.force(eps), strain)
         if self.ratios is not None:
             slope = slope * self.ratios
         return self.counts * force, self.counts * slope
 
-    def force(self, strain: Batch) -> tuple[Batch, Batch]:
+    def force(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of all units [N] at `strain` [-], (B1), and its slope in strain [N]."""
         forces, slopes = self.unit_forces(strain)
         total = library(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 
-    def _seen(self, strains: PerUnit) -> PerUnit:
+    def _seen(self, strains: Numbers) -> Numbers:
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
     def _ordered(self, values: list[Any]) -> Any:

@@ -32,7 +32,7 @@ from .._checks import as_given, concrete, one_of, within
 from .._evaluate import evaluate
 from .._methods import Module
 from .._tiles import rows
-from .._types import Batch, IntBatch, PerUnit, Values
+from .._types import Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
@@ -118,7 +118,7 @@ class Bundle(Module):
         return common if self.plate_distance is None else self.plate_distance
 
     @cached_property
-    def ratios(self) -> Batch | None:
+    def ratios(self) -> Numbers | None:
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` where all are 1."""
         if self.plate_distance is None:
             return None
@@ -126,7 +126,7 @@ class Bundle(Module):
         return _joined([L / unit.muscle.length for unit in self.motor_units])
 
     @cached_property
-    def counts(self) -> IntBatch:
+    def counts(self) -> Whole:
         """Muscles in each motor unit [-], on the last axis."""
         return _joined([unit.count for unit in self.motor_units])
 
@@ -229,13 +229,18 @@ class Bundle(Module):
         return int(np.size(pressures)) * LOOKS * units
 
     def _evaluated(
-        self, law: Any, points: int, *arrays: Batch, shape: tuple | None = None, static: tuple = ()
+        self,
+        law: Any,
+        points: int,
+        *arrays: Numbers,
+        shape: tuple | None = None,
+        static: tuple = (),
     ) -> Any:
         P = arrays[0]
         shape = np.shape(P)[:-1] if shape is None else shape
         one = all(np.ndim(unit.muscle.length) == 0 for unit in self.motor_units)
 
-        def cut(function: Any, part: Module, pressures: PerUnit, *strain: Batch) -> Any:
+        def cut(function: Any, part: Module, pressures: PerUnit, *strain: Numbers) -> Any:
             flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
             more = (np.broadcast_to(x, shape).reshape(-1) for x in strain)
             found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
@@ -253,11 +258,11 @@ def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
     return Pressurized(groups, places, bundle.counts, bundle.ratios)
 
 
-def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Batch) -> PerUnit:
+def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
     return pressurized(bundle, pressures).unit_forces(strain)[0]
 
 
-def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Batch:
+def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Numbers:
     if not resistance:
         free = pressurized(bundle, pressures).free_strains
         return library(free).max(free, axis=-1)
@@ -269,7 +274,8 @@ def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilib
     shape = pressures.shape[:-1]
     if not resistance:
         strain = _free_strain(bundle, pressures, False)[..., None]
-        return Equilibria(strain, strain == strain, 1 + 0 * (strain == strain)[..., 0])
+        there = strain > -np.inf
+        return Equilibria(strain, there, library(there).sum(there, axis=-1))
     found = zeros(partial(pressurized, bundle), _lanes(pressures))
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
@@ -278,7 +284,7 @@ def _lanes(pressures: PerUnit) -> PerUnit:
     return pressures.reshape(-1, pressures.shape[-1])
 
 
-def _joined(values: list[Batch]) -> Batch:
+def _joined(values: list[Any]) -> Any:
     """One for each unit, on the last axis."""
     return library(*values).stack(values, axis=-1)
 

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import ArrayLike, Bool, Float, Int
 
 from .._arrays import library, maximum, minimum, running_most, sqrt, where
-from .._types import Batch
+from .._types import Numbers
 from .lists import listed, worked
 
 
@@ -99,9 +99,7 @@ def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
     v_a, v_b, s_a, s_b = values[:, :count], values[:, count:], slopes[:, :count], slopes[:, count:]
     thirds = (high - low)[..., None] / 3
     control = (v_a + s_a * thirds, v_b - s_b * thirds)
-    least, most = (
-        pick(pick(v_a, v_b), pick(*control)) for pick in (minimum, maximum)
-    )
+    least, most = (pick(pick(v_a, v_b), pick(*control)) for pick in (minimum, maximum))
     margin = _MARGIN * (most - least)
     summed = (v_a, v_b, s_a, s_b, least - margin, most + margin)
     return Sides(low, high, *(at_work.sum(x, axis=-1) for x in summed))
@@ -119,7 +117,7 @@ def cut(terms: Terms, stretches: Sides, marks: Bool[ArrayLike, "lane stretch"]) 
     **Returns:** their nodes and values [any unit].
     """
 
-    def look(lane: Any, *of: Listed) -> tuple[Batch, Batch]:
+    def look(lane: Any, *of: Listed) -> tuple[Numbers, Numbers]:
         low, high, v_low, v_high, s_low, s_high, after, v_after = of
         at_work = library(low)
         x = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CELLS + 1)
@@ -171,13 +169,13 @@ def _following(real: Bool[ArrayLike, "lane stretch"]) -> Int[ArrayLike, "lane st
     return at_work.concatenate([ahead[:, 1:], 0 * ahead[:, :1] + count], axis=1)
 
 
-def _interleaved(ends: Batch, between: Batch, after: Batch) -> Batch:
+def _interleaved(ends: Numbers, between: Numbers, after: Numbers) -> Numbers:
     at_work = library(ends, between)
     pairs = at_work.stack([ends[:, :-1], between], axis=-1).reshape(len(ends), 2 * CELLS)
     return at_work.concatenate([pairs, ends[:, -1:], after], axis=1)
 
 
-def _extremum(left: Batch, right: Batch, left_slope: Batch, right_slope: Batch) -> Batch:
+def _extremum(left: Numbers, right: Numbers, left_slope: Numbers, right_slope: Numbers) -> Numbers:
     """Where in (0, 1) the cubic of these values and slopes turns; the middle if nowhere."""
     c3 = 2 * (left - right) + left_slope + right_slope
     c2 = 3 * (right - left) - 2 * left_slope - right_slope

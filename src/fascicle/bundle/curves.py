@@ -9,52 +9,73 @@ with $w_{kj}$ muscles of kind $j$ in state $k$. Each unlike muscle is evaluated 
 the states and units that have it.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from .._arrays import library, maximum, minimum, running_most, where
-from .._types import Batch
+from .._arrays import given, library, maximum, minimum, nodes, running_most, where
+from .._evaluate import COMPILE_ABOVE, compiled
+from .._tiles import scattered
+from .._types import Numbers
 from ..muscle import Muscle
 from .alike import stacked, taken
 from .plates import muscle_strain, plate_strain
 
 
-_STEP = 1e-7  # of the level: for slopes where there are no derivatives to be had
+_STEP = 1e-7  # of the level: for slopes that only guide a search
 _TABLE = (np.arange(513) / 512) ** 2  # levels, dense where free strain and collapse change fastest
-_FINER, _ROUNDS = 16, 10  # finer and finer, to the level at which a kink is last seen
 _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
 
 
 class Kinds(NamedTuple):
     """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
-    the plates are apart.
+    the plates are apart; `which` of them [-] are meant, all of them where left out.
     """
 
     muscles: Muscle
-    ratios: Batch | None
+    ratios: Numbers | None
     count: int
+    which: Any = None
 
-    def force(self, pressure: Batch, strain: Batch) -> tuple[Batch, Batch]:
-        """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last."""
-        if self.ratios is None:
-            return self.muscles._law().at(pressure).force(strain)
-        value, slope = self.muscles._law().at(pressure).force(muscle_strain(self.ratios, strain))
-        return value, slope * self.ratios
+    def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
+        unless some are picked.
+        """
+        ratios = self.ratios
+        if ratios is not None and np.ndim(ratios) > 0 and self.which is not None:
+            ratios = ratios[self.which]
+        own = strain if ratios is None else muscle_strain(ratios, strain)
+        value, slope = self._evaluated(pressure, own)
+        return value, slope if ratios is None else slope * ratios
 
-    def kinks(self, pressure: Batch) -> Batch:
+    def kinks(self, pressure: Numbers) -> Numbers:
         """Strains of the bundle [-] at which they have kinks, on a new first axis."""
         kinks = self.muscles._law().at(pressure).kinks
         return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
 
     def picked(self, place: Any) -> "Kinds":
         """Those at `place` [-], as many as it has."""
-        place = minimum(maximum(place, 0), self.count - 1)
-        ratios = self.ratios if np.ndim(self.ratios) == 0 else self.ratios[place]
-        return Kinds(taken(self.muscles, place), ratios, self.count)
+        return self._replace(which=minimum(maximum(place, 0), self.count - 1))
+
+    def _evaluated(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        muscles, which = self.muscles, self.which
+        if muscles.is_numpy and given(pressure, strain):
+            kinds = np.arange(self.count) if which is None else which
+            shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
+            if math.prod(shape) > COMPILE_ABOVE:
+                laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
+                found = scattered(compiled(_force), muscles, *laid)
+                return tuple(x.reshape(shape) for x in found)
+        if which is not None:
+            muscles = taken(muscles, which)
+        return muscles._law().at(pressure).force(strain)
+
+
+def _force(muscles: Muscle, which: Any, pressure: Numbers, strain: Numbers) -> tuple:
+    return taken(muscles, which)._law().at(pressure).force(strain)
 
 
 class Kinks(NamedTuple):
@@ -62,15 +83,18 @@ class Kinks(NamedTuple):
     over `strain` [-], kink, place and kind; those `given` [-] by its tuning, whatever the strain.
     """
 
-    levels: Batch
-    strain: Batch
-    given: Batch
+    levels: Numbers
+    strain: Numbers
+    given: Numbers
 
-    def at(self, strain: Batch) -> Batch:
+    def at(self, strain: Numbers) -> Numbers:
         """Those levels at each `strain` [-], kinds and kinks on new last axes."""
         at_work = library(strain, self.levels)
         found = [
-            [at_work.interp(strain, risen[:, kind], place[:, kind]) for kind in range(len(self.given))]
+            [
+                at_work.interp(strain, risen[:, kind], place[:, kind])
+                for kind in range(len(self.given))
+            ]
             for risen, place in zip(self.strain, self.levels, strict=True)
         ]
         moving = at_work.moveaxis(at_work.stack([at_work.stack(one) for one in found]), -1, 0)
@@ -86,12 +110,12 @@ class Bank(NamedTuple):
     """
 
     rows: tuple[Kinds, ...]
-    throttled: Batch
-    no: Batch
-    full: Batch
+    throttled: Numbers
+    no: Numbers
+    full: Numbers
     alone: np.ndarray | None
     kinks: tuple["Kinks", ...]
-    supply: Batch
+    supply: Numbers
     resistance: bool
 
     @property
@@ -99,7 +123,7 @@ class Bank(NamedTuple):
         """How many states there are [-]."""
         return len(self.throttled)
 
-    def forces(self, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+    def forces(self, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] of one muscle of each kind and its slope in strain [N], at `level` [-] and
         `strain` [-], kinds last.
         """
@@ -108,36 +132,32 @@ class Bank(NamedTuple):
         found = [self._kept(row.force(P, eps)) for row in self.rows]
         return tuple(at_work.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
 
-    def held(self, strain: Batch) -> tuple[Batch, Batch]:
+    def held(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """What the units that a state doesn't throttle give [N] at each `strain` [-], states
         last, and its slope in strain [N].
         """
-        (none, none_slope), (full, full_slope) = (
-            self.forces(0.0 * strain + level, strain) for level in (0.0, 1.0)
-        )
         return tuple(
             none @ self.no.T + full @ self.full.T
-            for none, full in ((none, full), (none_slope, full_slope))
+            for none, full in self.forces(nodes((0.0, 1.0), strain) + 0.0 * strain, strain)
         )
 
-    def state_force(self, state: Any, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+    def state_force(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-], and its slope
         in strain [N].
         """
         at_work = library(level, strain, self.supply)
-        at = [self.forces(x + 0.0 * strain, strain) for x in (0.0, level, 1.0)]
-        shares = (self.no[state], self.throttled[state], self.full[state])
+        of_level = at_work.stack([0.0 * level, level, 1.0 + 0.0 * level]) + 0.0 * strain
+        shares = at_work.stack([self.no[state], self.throttled[state], self.full[state]])
         return tuple(
-            sum(at_work.sum(share * part[i], axis=-1) for share, part in zip(shares, at, strict=True))
-            for i in (0, 1)
+            at_work.sum(shares * part, axis=(0, -1)) for part in self.forces(of_level, strain)
         )
 
-    def terms(self, state: Any, level: Batch, strain: Batch) -> tuple[Batch, Batch]:
+    def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Forces [N] of the kinds that a `state` throttles at `level` [-], places along a second
         axis, and `strain` [-]; kinds last; and their slopes by level [N].
         """
 
-        def force(u: Batch) -> Batch:
+        def force(u: Numbers) -> Numbers:
             if self.alone is None:
                 found, _ = self.forces(u, strain[:, None])
                 return self.throttled[state][:, None, :] * found
@@ -152,13 +172,12 @@ class Bank(NamedTuple):
                 first += row.count
             return (self.throttled[state, kind][:, None] * total)[..., None]
 
-        if library(level) is not np:
-            return jax.jvp(force, (level,), (jnp.ones_like(level),))
-        step = np.where(level < 0.5, _STEP, -_STEP)
-        value, moved = np.split(force(np.concatenate([level, level + step], axis=1)), 2, axis=1)
+        step = where(level < 0.5, _STEP, -_STEP)
+        both = force(library(level).concatenate([level, level + step], axis=1))
+        value, moved = both[:, : level.shape[1]], both[:, level.shape[1] :]
         return value, (moved - value) / step[..., None]
 
-    def ends(self, strain: Batch) -> Batch:
+    def ends(self, strain: Numbers) -> Numbers:
         """Levels [-] between which each state's curve is smooth at each `strain` [-], rising along
         a last axis, states ahead of it.
         """
@@ -174,7 +193,7 @@ class Bank(NamedTuple):
         )
         return at_work.sort(at_work.concatenate([own, fixed], axis=-1), axis=-1)
 
-    def _kept(self, found: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
+    def _kept(self, found: tuple[Numbers, Numbers]) -> tuple[Numbers, Numbers]:
         if self.resistance:
             return found
         return tuple(where(found[0] > 0, x, 0.0) for x in found)
@@ -184,8 +203,8 @@ def bank(
     muscles: Sequence[Muscle],
     counts: Sequence[Any],
     places: Sequence[int],
-    length: Batch | None,
-    supply: Batch,
+    length: Numbers | None,
+    supply: Numbers,
     scheme: str,
     resistance: bool,
 ) -> Bank:
@@ -194,8 +213,7 @@ def bank(
     """
     groups = stacked(muscles)
     rows = tuple(
-        Kinds(one, None if length is None else length / one.length, len(row))
-        for row, one in groups
+        Kinds(one, None if length is None else length / one.length, len(row)) for row, one in groups
     )
     order = [i for row, _ in groups for i in row]
     column = [order.index(place) for place in places]
@@ -213,42 +231,32 @@ def bank(
     return Bank(rows, throttled, no, full, alone, kinks, supply, resistance)
 
 
-def _kinks(row: Kinds, supply: Batch) -> Kinks:
+def _kinks(row: Kinds, supply: Numbers) -> Kinks:
     """The kinks of a row's muscles between no pressure and `supply` [Pa].
 
     Free strain, onset and collapse come later the higher the pressure; from some level on the
-    last two come never, and there the force jumps.
+    last two come never, and the force jumps there: then the two levels of the table are given
+    between which that happens.
     """
     at_work = library(supply, *jax.tree.leaves(row.muscles))
-    one = at_work.ones(row.count)
-
-    def seen(level: Batch) -> Batch:
-        return row.kinks(level * supply * one)
-
-    levels = at_work.asarray(_TABLE)[:, None] * one
-    strain = seen(levels)
+    levels = at_work.asarray(_TABLE)[:, None] * at_work.ones(row.count)
+    strain = row.kinks(levels * supply)
     there = at_work.isfinite(strain)
     last = at_work.argmin(there, axis=1) - 1  # of those before the first that is not
     jumps = ~at_work.all(there, axis=1) & (last >= 0)
-    low, high = (at_work.asarray(_TABLE)[maximum(last + i, 0)] for i in (0, 1))
-    if at_work is not np or np.any(jumps):
-        for _ in range(_ROUNDS):
-            share = np.arange(_FINER + 1)[:, None, None] / _FINER
-            fine = low + (high - low) * share
-            # each kink has its own bracket, and its own row among those that are seen
-            ahead = at_work.stack(
-                [at_work.isfinite(seen(fine[:, i]))[i] for i in range(len(strain))], axis=1
-            )
-            steps = at_work.sum(ahead[1:], axis=0)
-            low, high = (low + (high - low) * (steps + i) / _FINER for i in (0, 1))
-    end = at_work.stack([seen(low[i])[i] for i in range(len(strain))])
-    beyond = (np.arange(len(_TABLE))[:, None] > last[:, None]) & jumps[:, None]
-    place = where(beyond, high[:, None], levels)
-    risen = where(beyond, where(jumps, end, 0.0)[:, None], where(there, strain, 0.0))
-    return Kinks(place, running_most(risen, 1), _given(row, supply))
+    place = np.arange(len(_TABLE))[:, None]
+    beyond = (place > last[:, None]) & jumps[:, None]
+    ends = [at_work.asarray(_TABLE)[maximum(last + i, 0)][:, None] for i in (0, 1)]
+    found = [where(beyond, end, levels) for end in ends]
+    # rounding apart from the last that was seen, so that all larger strains lie beyond it
+    known = where(there & ~beyond, strain, -np.inf)
+    risen = running_most(where(beyond, -np.inf, known), 1)
+    return Kinks(
+        at_work.concatenate(found), at_work.concatenate([risen, risen]), _given(row, supply)
+    )
 
 
-def _given(row: Kinds, supply: Batch) -> Batch:
+def _given(row: Kinds, supply: Numbers) -> Numbers:
     """Levels [-] at which the tuning's tables have kinks, a row for each kind."""
     tuning = row.muscles.tuning
     at_work = library(supply, tuning.pressures, tuning.dead_band)

@@ -28,7 +28,7 @@ from jaxtyping import ArrayLike, Bool, Float, Int
 
 from .._arrays import library, where
 from .._math import guarded, still
-from .._types import Batch, PerUnit
+from .._types import Numbers
 from .curves import Bank
 from .levels import solve
 
@@ -53,7 +53,7 @@ class Recruited(NamedTuple):
     `stable`: the force falls with strain at these pressures. `solutions`, and their `count`.
     """
 
-    pressures: PerUnit
+    pressures: Numbers
     state: Int[ArrayLike, "*points"]
     force: Float[ArrayLike, "*points"]
     status: Int[ArrayLike, "*points"]
@@ -63,7 +63,7 @@ class Recruited(NamedTuple):
 
 
 def recruited(
-    live: Bank, force: Batch, strain: Batch, present: PerUnit | None, scheme: str
+    live: Bank, force: Numbers, strain: Numbers, present: Numbers | None = None, *, scheme: str
 ) -> Recruited:
     """Equation (B9) solved.
 
@@ -93,57 +93,63 @@ def recruited(
         where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
         for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
-    level, there, falls = _live(live, force, strain, state, level, reached)
-    firm = _falls(fixed, found.state, found.level, eps, met)
+    # of all solutions, and last of the one that is taken
+    states, levels = (
+        at_work.concatenate([x, own[:, None]], axis=1)
+        for x, own in ((found.state, state), (found.level, level))
+    )
+    there, slope = _states(fixed, states, levels, eps)
+    level, there = _live(live, force, strain, state, level, reached, there[:, -1])
+    firm = slope < 0
     return Recruited(
         pressures=_pressures(state, level, live.supply, units, scheme),
         state=state + 1,
         force=there,
         status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
-        stable=falls < 0,
+        stable=firm[:, -1],
         solutions=Solutions(
             pressure=where(met, found.level * fixed.supply, np.nan),
             state=where(met, found.state + 1, 0),
-            stable=met & firm,
+            stable=met & firm[:, :-1],
         ),
         count=found.count,
     )
 
 
+def _states(fixed: Bank, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+    """Force [N] of several states of each demand at their levels [-], and its slope in strain."""
+    eps = library(level).broadcast_to(strain[:, None], level.shape)
+    flat = (x.reshape(-1) for x in (state, level, eps))
+    return tuple(x.reshape(level.shape) for x in fixed.state_force(*flat))
+
+
 def _live(
-    live: Bank, force: Batch, strain: Batch, state: Any, level: Batch, reached: Any
-) -> tuple[Batch, Batch, Batch]:
-    """The `level` [-] found with its derivatives, by one Newton step, the force [N] that it gives
-    and its slope in strain [N].
-    """
+    live: Bank,
+    force: Numbers,
+    strain: Numbers,
+    state: Any,
+    level: Numbers,
+    reached: Any,
+    there: Numbers,
+) -> tuple[Numbers, Numbers]:
+    """The `level` [-] found and the force [N] that it gives `there`, with their derivatives."""
     if library(force, strain, live.supply, level) is np:
-        there, falls = live.state_force(state, level, strain)
-        return level, there, falls
+        return level, there
     fixed, eps = still((live, strain))
+    given, _ = live.state_force(state, level, strain)
     _, slope = jax.jvp(
         lambda u: fixed.state_force(state, u, eps)[0], (level,), (jnp.ones_like(level),)
     )
-    there, _ = live.state_force(state, level, strain)
+    # it is met already: Newton's step carries derivatives alone
     moves = reached & (slope != 0)
-    short = where(moves, force - there, 0.0)
-    # it is met already: the step has the derivatives alone
+    short = where(moves, force - given, 0.0)
     moved = level + (short - still(short)) / guarded(moves, slope)
-    there, falls = live.state_force(state, moved, strain)
-    return moved, there, falls
-
-
-def _falls(fixed: Bank, state: Any, level: Batch, strain: Batch, met: Any) -> Any:
-    """Whether the force falls with strain at each of the solutions."""
-    shape = level.shape
-    at_work = library(level)
-    eps = at_work.broadcast_to(strain[:, None], shape).reshape(-1)
-    _, slope = fixed.state_force(state.reshape(-1), level.reshape(-1), eps)
-    return (slope < 0).reshape(shape) & met
+    return moved, where(reached, force + still(there - force), given)
 
 
 def _pressures(
-    state: Int[ArrayLike, "*points"], level: Batch, supply: Batch, units: int, scheme: str
-) -> PerUnit:
+    state: Int[ArrayLike, "*points"], level: Numbers, supply: Numbers, units: int, scheme: str
+) -> Numbers:
     """Pressures [Pa] of all units, on a new last axis; `state` counts from 0."""
     at_work = library(state, level, supply)
     state, level = (at_work.asarray(x)[..., None] for x in (state, level))

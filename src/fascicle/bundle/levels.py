@@ -12,25 +12,22 @@ Nothing here carries a derivative; the solution chosen gets it later.
 
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import ArrayLike, Bool, Float, Int
 
 from .._arrays import absolute, library, maximum, minimum, where
-from .._math import root
-from .._types import Batch
-from .crossings import Cut, Sides, Terms, changes, cut, sides
+from .._types import Numbers
+from .crossings import Cut, Sides, changes, cut, sides
 from .curves import Bank
-from .lists import put, ranked, worked
+from .lists import put, ranked, repeated, worked
 
 
 EXACT = 2e-10  # N, the force that counts as met
 ROOM = 2  # solutions of a state for which there is room, and as many more for all
 _INSET = 1e-4  # of a stretch: kinks are known to 1e-6 of a level
-_TURNS = 15  # steps toward a turn: secants, tangents and halvings in turn
+_STEPS, _TURNS = 80, 30  # at most, toward a crossing and toward a turn
+_NARROW = 1e-13  # of the level: a turn's place
 _ROUNDING = 1e-13  # of a force
-
-Row = Float[ArrayLike, " row"]
 
 
 class Found(NamedTuple):
@@ -52,10 +49,10 @@ class Lanes(NamedTuple):
     """A curve for every demand and state: what it is to give [N], at which strain [-]."""
 
     bank: Bank
-    wanted: Row
-    strain: Row
+    wanted: Numbers
+    strain: Numbers
 
-    def terms(self, lane: Any, level: Batch) -> tuple[Batch, Batch]:
+    def terms(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
         """How far its parts are above what is wanted [N], and their slopes by level [N]."""
         bank, at_work = self.bank, library(level, self.wanted)
         value, slope = bank.terms(lane % bank.states, level, self.strain[lane])
@@ -64,14 +61,18 @@ class Lanes(NamedTuple):
             at_work.concatenate(parts, axis=-1) for parts in ((value, short), (slope, 0.0 * short))
         )
 
-    def over(self, lane: Any, level: Row) -> tuple[Row, Row]:
-        """How far a lane is above [N] at one `level` [-], and its slope [N]."""
+    def sums(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
+        """How far a lane is above [N] at each `level` [-], and its slope [N]."""
         at_work = library(level, self.wanted)
-        value, slope = self.terms(lane, level[:, None])
-        return at_work.sum(value, axis=-1)[:, 0], at_work.sum(slope, axis=-1)[:, 0]
+        return tuple(at_work.sum(x, axis=-1) for x in self.terms(lane, level))
+
+    def over(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
+        """The same at one `level` [-]."""
+        value, slope = self.sums(lane, level[:, None])
+        return value[:, 0], slope[:, 0]
 
 
-def solve(bank: Bank, force: Row, strain: Row) -> Found:
+def solve(bank: Bank, force: Numbers, strain: Numbers) -> Found:
     """All levels of all states at which the bundle's force is `force` [N] at `strain` [-]."""
     demands, states = len(strain), bank.states
     at_work = library(force, strain, bank.supply)
@@ -120,15 +121,13 @@ def _ends_apart(looked: Cut, low: Any, high: Any) -> Cut:
     return looked._replace(value=at_work.concatenate(apart, axis=1))
 
 
-def _crossed(lanes: Lanes, close: Row, looked: Cut) -> tuple[Any, Row, Any]:
+def _crossed(lanes: Lanes, close: Numbers, looked: Cut) -> tuple[Any, Numbers, Any]:
     """Crossings by lane and level [-], and which of them are solutions rather than jumps."""
     demands = len(lanes.wanted) // lanes.bank.states
     found = changes(looked, demands * (ROOM * lanes.bank.states + 2))
 
-    def refined(lane: Any, low: Row, high: Row, falls: Any) -> tuple[Row, Row]:
-        theta = (lanes, lane, where(falls, 1.0, -1.0))
-        level = root(_falling, theta, low, high, 0.5 * (low + high))
-        return level, lanes.over(lane, level)[0]
+    def refined(lane: Any, low: Numbers, high: Numbers, falls: Any) -> tuple[Numbers, Numbers]:
+        return _met(lanes, lane, where(falls, 1.0, -1.0), close[lane], low, high)
 
     level, miss = worked(refined, found.total, found.lane, found.low, found.high, found.falls)
     real = np.arange(len(found.lane)) < found.total
@@ -136,10 +135,39 @@ def _crossed(lanes: Lanes, close: Row, looked: Cut) -> tuple[Any, Row, Any]:
     return found.lane, level, met
 
 
-def _falling(theta: tuple, level: Row) -> tuple[Row, Row]:
-    lanes, lane, sense = theta
-    value, slope = lanes.over(lane, level)
-    return sense * value, sense * slope
+def _met(
+    lanes: Lanes, lane: Any, sense: Numbers, close: Numbers, low: Numbers, high: Numbers
+) -> tuple[Numbers, Numbers]:
+    """The level [-] between `low` and `high` at which a lane is met, and its miss [N]: by secants
+    in a bracket whose far end counts half when it stays (Illinois), and bisection where they fail.
+    """
+
+    def step(n: Any, state: tuple) -> tuple:
+        a, b, g_a, g_b, level, miss = state
+        secant = a + (b - a) * g_a / where(g_a == g_b, np.inf, g_a - g_b)
+        inside = (a < secant) & (secant < b) & (n % 4 != 3)
+        x = where(inside, secant, 0.5 * (a + b))
+        g = sense * lanes.over(lane, x)[0]
+        nearer = absolute(g) < absolute(miss)
+        left = g > 0
+        return (
+            where(left, x, a), where(left, b, x),
+            where(left, g, 0.5 * g_a), where(left, 0.5 * g_b, g),
+            where(nearer, x, level), where(nearer, g, miss),
+        )  # fmt: skip
+
+    ends, _ = lanes.sums(lane, library(low).stack([low, high], axis=1))
+    state = (
+        low,
+        high,
+        sense * ends[:, 0],
+        sense * ends[:, 1],
+        0.5 * (low + high),
+        np.inf + 0.0 * low,
+    )
+    tight = 1e-2 * close
+    state = repeated(step, state, lambda state: absolute(state[5]) <= tight, _STEPS)
+    return state[4], sense * state[5]
 
 
 def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]:
@@ -167,7 +195,9 @@ def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]
     rank, _ = ranked(owner, at_work.sum(looked.real), demands)
     width = max(1, stretches.low.size // max(demands, 1))
     shape, where_to, total = (demands, width), (owner, rank), at_work.sum(looked.real)
-    level, miss = (put(fill, shape, where_to, x, total) for fill, x in zip((0.0, np.inf), turns, strict=True))
+    level, miss = (
+        put(fill, shape, where_to, x, total) for fill, x in zip((0.0, np.inf), turns, strict=True)
+    )
     state = put(0, shape, where_to, looked.lane % states, total)
     per_state = stretches.low.shape[1]
     states_of = np.tile(np.repeat(np.arange(states), per_state), 2)
@@ -188,20 +218,21 @@ def _before(marks: Any) -> Any:
     return at_work.concatenate([marks[:, 1:], marks[:, :1] & False], axis=1)
 
 
-def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Row, Row]:
+def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, Numbers]:
     """The level [-] nearest to what is wanted in each cut stretch, and its miss [N]."""
     at_work = library(value)
     best = at_work.argmin(absolute(value), axis=1)
     last = nodes.shape[1] - 1
 
-    def at(x: Any, place: Any) -> Row:
+    def at(x: Any, place: Any) -> Numbers:
         return at_work.take_along_axis(x, place[:, None], axis=1)[:, 0]
 
     level, miss = at(nodes, best), at(value, best)
     sense = where(miss > 0, 1.0, -1.0)
     low, high = at(nodes, maximum(best - 1, 0)), at(nodes, minimum(best + 1, last))
-    ends = [tuple(sense * x for x in lanes.over(lane, side)) for side in (low, high)]
-    state = (low, high, *ends[0], *ends[1], level, sense * miss)
+    value, slope = lanes.sums(lane, at_work.stack([low, high], axis=1))
+    (g_a, g_b), (s_a, s_b) = ((sense * x[:, 0], sense * x[:, 1]) for x in (value, slope))
+    state = (low, high, g_a, s_a, g_b, s_b, level, sense * miss)
 
     def step(n: Any, state: tuple) -> tuple:
         a, b, g_a, s_a, g_b, s_b, level, miss = state
@@ -219,9 +250,5 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Row, Row]:
             where(nearer, x, level), where(nearer, g, miss),
         )  # fmt: skip
 
-    if at_work is np:
-        for n in range(_TURNS):
-            state = step(n, state)
-    else:
-        state = jax.lax.fori_loop(0, _TURNS, step, state)
+    state = repeated(step, state, lambda state: state[1] - state[0] <= _NARROW, _TURNS)
     return state[6], sense * state[7]

@@ -81,3 +81,30 @@ def put(fill: Any, shape: tuple[int, int], where: tuple[Any, Any], values: Any, 
         return table
     column = jnp.where(jnp.arange(len(row)) < total, column, shape[1])
     return jnp.full(shape, fill).at[row, column].set(values, mode="drop")
+
+
+def repeated(
+    step: Callable[[Any, tuple], tuple], state: tuple, ended: Callable[[tuple], Any], most: int
+) -> tuple:
+    """`state` after a `step` of every entry's own, again and again until all have `ended`, at
+    `most` so often; entries that have ended stay as they are.
+    """
+    if library(*state) is np:
+        for n in range(most):
+            done = ended(state)
+            if np.all(done):
+                break
+            moved = step(n, state)
+            state = tuple(np.where(done, x, y) for x, y in zip(state, moved, strict=True))
+        return state
+
+    def one(carry: tuple) -> tuple:
+        n, state = carry
+        done, moved = ended(state), step(n, state)
+        return n + 1, tuple(jnp.where(done, x, y) for x, y in zip(state, moved, strict=True))
+
+    def unfinished(carry: tuple) -> Any:
+        n, state = carry
+        return (n < most) & ~jnp.all(ended(state))
+
+    return lax.while_loop(unfinished, one, (0, state))[1]

@@ -24,16 +24,17 @@ from jaxtyping import Float, Int
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
 from .._evaluate import evaluate
-from .._types import Batch, PerUnit, Values
+from .._types import Numbers, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
 from .bundle import SCHEMES, Bundle
 from .curves import Bank, bank
-from .inverse import Recruited, recruited
+from .inverse import Recruited, Solutions, recruited
 
 
 PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
+_PART = 4096  # demands at once
 _LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
 Forces = Float[np.ndarray, "state strain"]
 
@@ -225,31 +226,44 @@ def recruit(
     points = int(np.size(F) * np.size(eps)) * _LOOKS * len(bundle.motor_units)
     arrays = (F, eps, P) if now is None else (F, eps, P, now)
     static = (scheme, bool(resistance))
-    return evaluate(_recruited, bundle, *arrays, points=points, static=static)
+    return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
 
 
-def _recruited(
-    bundle: Bundle,
-    force: Batch,
-    strain: Batch,
-    supply: Batch,
-    *more: PerUnit | str | bool,
-) -> Recruited:
-    *present, scheme, resistance = more
+def _in_parts(bundle: Bundle, *arguments: Numbers | str | bool) -> Recruited:
+    """Many demands of NumPy's, part by part, so that they fit into memory."""
+    *arrays, scheme, resistance = arguments
+    force, strain, supply, *present = arrays
     shape = np.broadcast_shapes(
         np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
     )
-    at_work = library(force, strain, supply, *present)
+    at_work, units = library(*arrays), len(bundle.motor_units)
     flat = [at_work.broadcast_to(x, shape).reshape(-1) for x in (force, strain)]
-    now = None
-    if present:
-        units = present[0].shape[-1]
-        now = at_work.broadcast_to(present[0], (*shape, units)).reshape(-1, units)
-    found = recruited(_bank(bundle, supply, scheme, resistance), *flat, now, scheme)
-    return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), found)
+    flat += [at_work.broadcast_to(now, (*shape, units)).reshape(-1, units) for now in present]
+    curves = _bank(bundle, supply, scheme, resistance)
+    step = _PART if at_work is np and bundle.is_numpy else max(1, flat[0].size)
+    parts = [
+        recruited(curves, *(x[start : start + step] for x in flat), scheme=scheme)
+        for start in range(0, max(1, flat[0].size), step)
+    ]
+    whole = parts[0] if len(parts) == 1 else _joined(parts)
+    return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
 
 
-def _bank(bundle: Bundle, supply: Batch, scheme: str, resistance: bool) -> Bank:
+def _joined(parts: list[Recruited]) -> Recruited:
+    slots = max(part.solutions.state.shape[1] for part in parts)
+    wide = []
+    for part in parts:
+        more = ((0, 0), (0, slots - part.solutions.state.shape[1]))
+        fills = (np.nan, 0, False)
+        padded = (
+            np.pad(x, more, constant_values=fill)
+            for x, fill in zip(part.solutions, fills, strict=True)
+        )
+        wide.append(part._replace(solutions=Solutions(*padded)))
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *wide)
+
+
+def _bank(bundle: Bundle, supply: Numbers, scheme: str, resistance: bool) -> Bank:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
     key = (scheme, resistance)
     kept = bundle.__dict__.setdefault("_banks", {})
@@ -258,9 +272,7 @@ def _bank(bundle: Bundle, supply: Batch, scheme: str, resistance: bool) -> Bank:
     muscles = [unit.muscle for unit in bundle.motor_units]
     few, places = unlike(muscles)
     counts = [unit.count for unit in bundle.motor_units]
-    made = bank(
-        [muscles[i] for i in few], counts, places, bundle.plate_distance, supply, *key
-    )
+    made = bank([muscles[i] for i in few], counts, places, bundle.plate_distance, supply, *key)
     if bundle.is_numpy and given(supply):
         kept[key] = (supply, made)
     return made
@@ -353,7 +365,7 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     )
 
 
-def _supply(bundle: Bundle, supply: Values) -> Batch:
+def _supply(bundle: Bundle, supply: Values) -> Numbers:
     supply = bundle.supply_pressure if supply is None else supply
     # a traced one can't be looked at, nor made a float
     return np.float64(supply_of(bundle, supply)) if concrete(supply) else jnp.asarray(supply)

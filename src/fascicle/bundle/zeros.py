@@ -14,7 +14,7 @@ from jaxtyping import ArrayLike, Bool, Float, Int
 
 from .._arrays import library, maximum, minimum, where
 from .._math import root, still
-from .._types import Batch
+from .._types import Numbers
 from .at import Pressurized
 from .crossings import changes, cut, sides
 from .lists import put, ranked
@@ -50,22 +50,21 @@ def zeros(at: At, pressures: Lanes) -> Zeros:
     """
     lanes, units = pressures.shape
     most = 2 * units + 1  # a unit adds one dip, before it collapses, so two at most
-    P = still(pressures)
-    here = at(P[:, None, :])
+    live = at(pressures[:, None, :])
+    here = still(live)
     low, largest, ends = _ends(here)
 
     def terms(lane: Any, strain: Any) -> tuple[Any, Any]:
-        # of all lanes, what is solved for already
-        some = here if len(lane) == lanes else at(P[lane][:, None, :])
-        return some.unit_forces(strain)
+        return here.of(lane).unit_forces(strain)
 
     stretches = sides(terms, ends, _INSET)
     looked = cut(terms, stretches, stretches.may_cross)
     # at the first free strain all pull, by definition; rounding may say otherwise there
     first = looked.nodes <= low[looked.lane][:, None]
     found = changes(looked._replace(value=where(first, 1.0, looked.value)), lanes * most)
-    theta = (at(pressures[found.lane]), where(found.falls, 1.0, -1.0))
-    strain = root(_falling, theta, found.low, found.high, 0.5 * (found.low + found.high))
+    theta = (live.of(found.lane), where(found.falls, 1.0, -1.0)[:, None])
+    bracket = (found.low[:, None], found.high[:, None])
+    strain = root(_falling, theta, *bracket, 0.5 * (bracket[0] + bracket[1]))[:, 0]
     # equal units vanish together, where they do
     together = (found.low <= low[found.lane]) & ((largest - low)[found.lane] <= _APART)
     strain = where(together, low[found.lane], strain)
@@ -95,7 +94,7 @@ def _ends(here: Pressurized) -> tuple[Any, Any, Any]:
     return low[:, 0], largest[:, 0], at_work.sort(ends, axis=-1)
 
 
-def _falling(theta: tuple[Pressurized, Batch], strain: Batch) -> tuple[Batch, Batch]:
+def _falling(theta: tuple[Pressurized, Numbers], strain: Numbers) -> tuple[Numbers, Numbers]:
     """The bundle's force [N], made to fall, and its slope [N] at `strain` [-]."""
     here, sense = theta
     force, slope = here.force(strain)

@@ -1,26 +1,15 @@
-"""What commands compute: results as labelled variables, each with its unit and meaning.
-
-Points are evaluated in blocks of a few sizes, filled up with repeats, so that a function
-compiled for one command line and kept on disk serves the next one too.
-"""
+"""What commands compute: results as labelled variables, each with its unit and meaning."""
 
 import itertools
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import Any
 
-import jax
 import numpy as np
 
-from .._types import Batch
 from ..bundle import Bundle, recruitment
 from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
-from ..muscle.piecewise import Response
-
-
-_BLOCK = 64  # points of the smallest block; each larger one holds four times as many
 
 
 def muscle_force(
@@ -37,35 +26,23 @@ def muscle_force(
     **Returns:** variables by name [-], in the order of the JSON.
     """
     P, eps = np.asarray(pressures), np.asarray(strains)
-    points = (np.repeat(P, eps.size), np.tile(eps, P.size))
-    muscle._checked(*points)
-    response, free, collapse = evaluate(partial(_at_points, muscle), *points)
-    grid = {
-        name: getattr(response, name).reshape(P.size, eps.size)
-        for name in ("force", "mesh", "bladder", "bending", "region")
-    }
+    found = muscle.response(P[:, None], eps)
+    free, collapse = muscle.free_strain(P), muscle.collapse_strain(P)
     regions = "0 tension, 1 post-buckling, 2 post-collapse, 3 straight compression"
     dims = ("pressure", "strain")
     return {
         "pressure": Variable(("pressure",), P, "Pa", "gauge pressure"),
         "strain": Variable(("strain",), eps, "-", "contraction over length at rest"),
-        "force": Variable(dims, grid["force"], "N", "pulling force, equation (27)"),
-        "mesh": Variable(dims, grid["mesh"], "N", "the braid's part of the force"),
-        "bladder": Variable(dims, grid["bladder"], "N", "the stretched bladder's part"),
-        "bending": Variable(dims, grid["bending"], "N", "the rest, from the bent bladder"),
-        "region": Variable(dims, grid["region"], "-", regions),
-        "free_strain": Variable(("pressure",), free[:: eps.size], "-", "strain of zero force"),
+        "force": Variable(dims, found.force, "N", "pulling force, equation (27)"),
+        "mesh": Variable(dims, found.mesh, "N", "the braid's part of the force"),
+        "bladder": Variable(dims, found.bladder, "N", "the stretched bladder's part"),
+        "bending": Variable(dims, found.bending, "N", "the rest, from the bent bladder"),
+        "region": Variable(dims, found.region, "-", regions),
+        "free_strain": Variable(("pressure",), free, "-", "strain of zero force"),
         "collapse_strain": Variable(
-            ("pressure",), collapse[:: eps.size], "-", "strain of collapse, inf where it never does"
+            ("pressure",), collapse, "-", "strain of collapse, inf where it never does"
         ),
     }
-
-
-@jax.jit
-def _at_points(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[Response, Batch, Batch]:
-    # all in one: tracing a law takes a command longer than all of its points
-    at = muscle._law().at(pressure)
-    return at.response(strain), at.column.free_strain, at.collapse
 
 
 def muscle_free_strain(muscle: Muscle, pressures: list[float]) -> dict[str, Variable]:
@@ -81,13 +58,21 @@ def muscle_free_strain(muscle: Muscle, pressures: list[float]) -> dict[str, Vari
     P = np.asarray(pressures)
     return {
         "pressure": Variable(("pressure",), P, "Pa", "gauge pressure"),
-        "free_strain": _by_pressure(muscle.free_strain, P, "-", "strain of zero force"),
-        "blocked_force": _by_pressure(muscle.blocked_force, P, "N", "force at rest length"),
-        "collapse_strain": _by_pressure(
-            muscle.collapse_strain, P, "-", "strain of collapse, inf where it never does"
+        "free_strain": Variable(("pressure",), muscle.free_strain(P), "-", "strain of zero force"),
+        "blocked_force": Variable(
+            ("pressure",), muscle.blocked_force(P), "N", "force at rest length"
         ),
-        "collapse_moment": _by_pressure(
-            muscle.collapse_moment, P, "N m", "bending moment at which the bladder collapses"
+        "collapse_strain": Variable(
+            ("pressure",),
+            muscle.collapse_strain(P),
+            "-",
+            "strain of collapse, inf where it never does",
+        ),
+        "collapse_moment": Variable(
+            ("pressure",),
+            muscle.collapse_moment(P),
+            "N m",
+            "bending moment at which the bladder collapses",
         ),
     }
 
@@ -107,11 +92,7 @@ def bundle_force(
     **Returns:** variables by name [-].
     """
     P, eps = np.asarray(states), np.asarray(strains)
-    forces = evaluate(
-        lambda pressures, strain: bundle.unit_forces(pressures, strain, resistance),
-        np.repeat(P, eps.size, axis=0),
-        np.tile(eps, len(P)),
-    ).reshape(len(P), eps.size, P.shape[1])
+    forces = bundle.unit_forces(P[:, None, :], eps, resistance)
     dims = ("state", "strain")
     return {
         "strain": Variable(("strain",), eps, "-", "contraction over length at rest"),
@@ -134,7 +115,7 @@ def bundle_equilibria(
     **Returns:** variables by name [-]; `equilibria` is NaN where there are fewer.
     """
     P = np.asarray(states)
-    found = evaluate(lambda pressures: bundle.equilibria(pressures, resistance), P)
+    found = bundle.equilibria(P, resistance)
     most = max(int(found.count.max()), 1)
     dims = ("state", "equilibrium")
     return {
@@ -221,16 +202,11 @@ def bundle_recruit(
     **Returns:** variables by name [-]; `solution_pressure` is NaN where there are fewer.
     """
     F, eps = np.asarray(forces), np.asarray(strains)
-    found = evaluate(
-        lambda force, strain: recruitment.recruit(
-            bundle, force, strain, supply_pressure, scheme, resistance=resistance
-        ),
-        np.repeat(F, eps.size),
-        np.tile(eps, F.size),
+    found = recruitment.recruit(
+        bundle, F[:, None], eps, supply_pressure, scheme, resistance=resistance
     )
-    found = jax.tree.map(lambda leaf: leaf.reshape(F.size, eps.size, *leaf.shape[1:]), found)
     most = max(int(found.count.max()), 1)
-    every = jax.tree.map(lambda leaf: leaf[..., :most], found.solutions)
+    every = recruitment.Solutions(*(each[..., :most] for each in found.solutions))
     throttled = np.take_along_axis(found.pressures, found.state[..., None] - 1, axis=-1)[..., 0]
     dims = ("demand", "strain")
     of_each, of_unit = (*dims, "solution"), (*dims, "motor_unit")
@@ -299,24 +275,3 @@ def bundle_efficiency(
 def _rising(strains: list[float] | None) -> None:
     if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
         raise ValueError("`--strain` must rise from each value to the next.")
-
-
-def evaluate(function: Callable[..., Any], *points: np.ndarray) -> Any:
-    """`function` at `points`, which are filled up to a block of one of few sizes.
-
-    **Arguments:**
-
-    - `function`: of a batch [any unit].
-    - `points`: its arguments [any unit], points on the first axis.
-
-    **Returns:** its result [any unit] as NumPy arrays, points on the first axis.
-    """
-    count, size = len(points[0]), _BLOCK
-    while size < count:
-        size *= 4
-    filled = [np.resize(argument, (size, *argument.shape[1:])) for argument in points]
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[:count], function(*filled))
-
-
-def _by_pressure(function: Callable[..., Any], P: np.ndarray, unit: str, about: str) -> Variable:
-    return Variable(("pressure",), evaluate(function, P), unit, about)

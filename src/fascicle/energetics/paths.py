@@ -18,7 +18,7 @@ from jaxtyping import ArrayLike, Float
 
 from .._arrays import library, maximum, minimum, nodes, total, where
 from .._evaluate import evaluate
-from .._types import Batch, PerUnit, Values
+from .._types import Numbers, Values
 from ..bundle.bundle import Bundle, pressurized
 from ..muscle.piecewise import Pressurized
 
@@ -54,11 +54,11 @@ def unit_work_along(
 
 
 def _along(
-    bundle: Bundle, pressures: PerUnit, stops: Batch, wanted: int, count: int, resistance: bool
-) -> PerUnit:
+    bundle: Bundle, pressures: Numbers, stops: Numbers, wanted: int, count: int, resistance: bool
+) -> Numbers:
     x, weights = np.polynomial.legendre.leggauss(count)
 
-    def one(muscle: Pressurized, stops: Batch) -> Batch:
+    def one(muscle: Pressurized, stops: Numbers) -> Numbers:
         at_work = library(stops, muscle.collapse)
         kinks = at_work.moveaxis(muscle.kinks[:, :, 0], 0, 1)  # level, kind, unit
         stops = stops + 0.0 * kinks[:, :1]

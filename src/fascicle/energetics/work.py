@@ -19,7 +19,7 @@ import numpy as np
 
 from .._arrays import library, maximum, minimum, nodes, total, where
 from .._evaluate import evaluate
-from .._types import Batch, PerUnit, Values
+from .._types import Batch, Numbers, PerUnit, Values
 from ..bundle.bundle import Bundle, pressurized
 from ..bundle.plates import muscle_strain
 from ..muscle.piecewise import Pressurized
@@ -105,8 +105,8 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
     return supply_pressure * at_work.sum(at_work.asarray(active) * taken, axis=-1)
 
 
-def _unit_work(bundle: Bundle, pressures: PerUnit, strain: Batch, resistance: bool) -> PerUnit:
-    def one(muscle: Pressurized, strain: Batch, rest: Batch) -> Batch:
+def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
+    def one(muscle: Pressurized, strain: Numbers, rest: Numbers) -> Numbers:
         kinks = muscle.kinks if resistance else muscle.kinks[:1]
         # no stretch starts below rest or ends past the strain asked for, either way
         low, high = minimum(strain, rest), maximum(strain, rest)

@@ -67,7 +67,7 @@ class Kim2021(AbstractBuckling):
             bending=bending,
             slope=taut.mesh_slope * growth - EA * stiffening / (1 - eps_f),
             arc_strain=arc,
-            straight=shortening != shortening,  # never
+            straight=shortening < -np.inf,  # never
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:

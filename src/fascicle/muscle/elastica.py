@@ -48,7 +48,17 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from .._arrays import (
-    cos, isfinite, least, maximum, minimum, most, nodes, over, sqrt, total, where,
+    cos,
+    isfinite,
+    least,
+    maximum,
+    minimum,
+    most,
+    nodes,
+    over,
+    sqrt,
+    total,
+    where,
 )  # fmt: skip
 from .._math import elliptic, guarded, jacobi, polynomial, root, still
 from .._types import Batch, BatchLike, BoolBatch

@@ -17,25 +17,24 @@ the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for $r 
 which stays finite as the moment vanishes: no root is nested in another.
 
 **Speed:** Newton's steps are few and fixed, from a start whose error is known, so that one
-pass over the points does them all. The peak's place and height are Chebyshev series in
-$\ln c$, fitted when first asked for.
+pass over the points does them all. The peak's place is a Chebyshev series in
+$1/(1 + \sqrt[4]{c})$, fitted when first asked for.
 **Source:** Kim, Mazzoleni and Bryant (2021), (10)-(16), rearranged here.
 """
 
 from functools import cache
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from .._arrays import exp, expm1, library, log, log1p, maximum, minimum, sqrt, where
-from .._math import root, series
+from .._arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
+from .._math import root, series, still
 from .._types import Batch, BatchLike, BoolBatch
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
-_TERMS = 32  # of the peak's series: its place to 1e-7, its height to 1e-12
+_TERMS = 16  # of the peak's series: its place to 6e-6, and so its height to 1e-8 of itself
+_EARLY = 0.25  # a compression well before any peak
 
 
 def unshortened(c: BatchLike, xi: BatchLike) -> Batch:
@@ -44,13 +43,13 @@ def unshortened(c: BatchLike, xi: BatchLike) -> Batch:
     To rounding for $\\xi \\le 0.8$, farther than any strain of the domain; beyond, to 1e-7.
     """
     per_xi = c * (1 - xi) ** 4 / (1 + xi)
-    still, place = _stopped(per_xi), _stopped(xi)
     # (16a) with h = (1 - w q)/(1 - 0.87 w xi) at w = 1/(1 + b); q and 0.87 are fitted so that
     # one step of Newton's leaves 3e-5 of v, two 4e-10, three rounding
-    b, q = place * still, place * (0.0612 + 0.0037 * place)
-    opened = 1 + b - 0.87 * place
-    v = still * opened / (1 + b - q + b * opened)
-    value, slope = left_over(still, place, v)
+    f, x = still(per_xi), still(xi)
+    b, q = x * f, x * (0.0612 + 0.0037 * x)
+    opened = 1 + b - 0.87 * x
+    v = f * opened / (1 + b - q + b * opened)
+    value, slope = left_over(f, x, v)
     v = v - value / slope
     for _ in range(2):  # from here on derivatives go along, right up to the third
         value, slope = left_over(per_xi, xi, v)
@@ -93,10 +92,11 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether
     there is one; where there is none, that of half the peak.
     """
-    peak, highest = _peak(c)
-    reached = target <= highest
-    m = where(reached, target, 0.5 * highest)
-    r = root(_surplus, (c, m), m / peak, sqrt(c), _start(c, m, peak), steps=3)
+    peak = _peak(c)
+    # at the peak's place (16a) says whether the moment there is larger than what is asked for
+    reached = _surplus((still(c), still(target)), still(target) / peak)[0] >= 0
+    m = where(reached, target, _early_moment(still(c)))
+    r = root(_surplus, (c, m), still(m) / peak, sqrt(still(c)), _start(still(c), still(m), peak))
     return m / r, reached
 
 
@@ -123,42 +123,36 @@ def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
     return sqrt(g) / minimum(xi * exp(minimum(maximum(short / rise, -1.0), 0.3)), peak)
 
 
-def _peak(c: BatchLike) -> tuple[Batch, Batch]:
-    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], and how large [-].
+def _early_moment(c: Batch) -> Batch:
+    """A moment that is surely reached [-]: of a compression before the peak, and too low."""
+    xi, per_xi = _EARLY, c * (1 - _EARLY) ** 4 / (1 + _EARLY)
+    return 0.5 * xi * sqrt(per_xi / (1.5 + xi * per_xi) / (1 - xi) ** 3)
 
-    Neither carries a derivative: one bounds a search, the other is compared with.
-    """
-    low, high = np.log(_LEAST), np.log(_MOST)
-    x = (2 * log(minimum(maximum(_stopped(c), _LEAST), _MOST)) - low - high) / (high - low)
-    place, height = _series()
-    return series(place, x), exp(series(height, x))
+
+def _peak(c: BatchLike) -> Batch:
+    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], without derivatives."""
+    low, high = _short(_MOST), _short(_LEAST)
+    x = (2 * _short(minimum(maximum(still(c), _LEAST), _MOST)) - low - high) / (high - low)
+    return series(_series(), x)
+
+
+def _short(c: Batch) -> Batch:
+    return 1 / (1 + sqrt(sqrt(c)))
 
 
 @cache
-def _series() -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Series of the peak's place and of its height's logarithm [-] over ln c, by ever finer grids
-    at Chebyshev's points.
-    """
+def _series() -> tuple[float, ...]:
+    """Series of the peak's place [-], by ever finer grids at Chebyshev's points."""
     x = chebyshev.chebpts1(_TERMS)
-    c = np.sqrt(_LEAST * _MOST) * (_MOST / _LEAST) ** (x / 2)
-    low, high = np.full_like(c, 0.4), np.full_like(c, 0.96)
-    height = c
-    for _ in range(5):  # each 16 times finer: places to 1e-6, so heights to their square
-        xi = low + (high - low) * np.linspace(0, 1, 33)[:, None]
+    low, high = _short(_MOST), _short(_LEAST)
+    c = (2 / (low + high + (high - low) * x) - 1) ** 4
+    left, right = np.full_like(c, 0.4), np.full_like(c, 0.96)
+    for _ in range(5):  # each 16 times finer: to 1e-7
+        xi = left + (right - left) * np.linspace(0, 1, 33)[:, None]
         v = unshortened(c, xi)
         for _ in range(2):  # it is near the end that they are needed
             value, slope = left_over(c * (1 - xi) ** 4 / (1 + xi), xi, v)
             v = v - value / slope
-        heights = xi * np.sqrt(v / (1 - xi) ** 3)
-        best, height = np.argmax(heights, axis=0), np.max(heights, axis=0)
-        step = (high - low) / 32
-        low, high = low + (best - 1) * step, low + (best + 1) * step
-    place = (low + high) / 2
-    fits = (chebyshev.chebfit(x, of, _TERMS - 1) for of in (place, np.log(height)))
-    first, second = (tuple(fit.tolist()) for fit in fits)
-    return first, second
-
-
-def _stopped(x: BatchLike) -> Batch:
-    """`x` [-] without derivatives: where a search begins doesn't move the root."""
-    return jax.lax.stop_gradient(x) if library(x) is jnp else x
+        best, step = np.argmax(xi**2 * v / (1 - xi) ** 3, axis=0), (right - left) / 32
+        left, right = left + (best - 1) * step, left + (best + 1) * step
+    return tuple(chebyshev.chebfit(x, (left + right) / 2, _TERMS - 1).tolist())
