@@ -51,6 +51,28 @@ def where(condition: Any, this: Any, other: Any) -> Any:
     return library(condition, this, other).where(condition, this, other)
 
 
+# symbols have no `&`, `|` and `~`
+
+
+def both(this: Any, other: Any) -> Any:
+    """Whether two conditions hold, elementwise."""
+    at_work = library(this, other)
+    return at_work.logical_and(this, other) if type(this) in _OTHERS else this & other
+
+
+def either(this: Any, other: Any) -> Any:
+    """Whether one of two conditions holds, elementwise."""
+    at_work = library(this, other)
+    return at_work.logical_or(this, other) if type(this) in _OTHERS else this | other
+
+
+def no(condition: Any) -> Any:
+    """Whether a condition doesn't hold, elementwise."""
+    if type(condition) in _OTHERS:
+        return library(condition).logical_not(condition)
+    return not condition if isinstance(condition, bool) else ~condition
+
+
 def sqrt(x: Any) -> Any:
     """Square root."""
     return library(x).sqrt(x)
@@ -126,11 +148,16 @@ def isfinite(x: Any) -> Any:
 
 def nodes(values: Any, like: Any) -> Any:
     """The `values` on a first axis, ahead of all those that `like` has."""
-    return library(like).asarray(values).reshape((-1,) + (1,) * np.ndim(like))
+    at_work = library(like)
+    if type(like) in _OTHERS:
+        return at_work.asarray(values)
+    return at_work.asarray(values).reshape((-1,) + (1,) * np.ndim(like))
 
 
 def over(x: Any, like: Any) -> Any:
     """What has nodes on its first axis, laid over all axes that `like` has."""
+    if type(x) in _OTHERS:
+        return x
     more = np.ndim(like) + 1 - np.ndim(x)
     return x if more <= 0 else x.reshape(x.shape[:1] + (1,) * more + x.shape[1:])
 
@@ -148,6 +175,16 @@ def least(x: Any) -> Any:
 def most(x: Any) -> Any:
     """The largest of the nodes."""
     return library(x).max(x, axis=0)
+
+
+def spread(x: Any) -> Any:
+    """`x` with a new last axis, along which a table goes."""
+    return x if type(x) in _OTHERS else library(x).asarray(x)[..., None]
+
+
+def along_table(x: Any) -> Any:
+    """Sum over that last axis."""
+    return library(x).sum(x, axis=0 if type(x) in _OTHERS else -1)
 
 
 def stack(rows: Any) -> Any:

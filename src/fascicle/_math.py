@@ -17,12 +17,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from ._arrays import absolute, arcsin, library, maximum, minimum, sin, sqrt, where
+from ._arrays import absolute, arcsin, both, either, library, maximum, minimum, sin, sqrt, where
 from ._types import Batch, BatchLike, BoolBatch
 
 
 _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
-_WRITTEN_OUT = 30  # where steps can't be counted while they run: 24 bisections, and Newton's
+_WRITTEN_OUT = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
 _AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
@@ -74,7 +74,7 @@ def searched(
     state = _begun(low, high, start)
     for _ in range(_WRITTEN_OUT):
         state = _stepped(state, *residual(theta, state.x))
-    return state.x
+    return at_work.still(state.x)
 
 
 def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
@@ -107,16 +107,17 @@ def _begun(low: BatchLike, high: BatchLike, start: BatchLike) -> _Search:
 def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
     x, before, a, b, ended = search
     a, b = where(value > 0, x, a), where(value > 0, b, x)
-    sloped = (slope != 0) & (absolute(slope) < np.inf)  # bisect where it is flat or vertical
+    sloped = both(slope != 0, absolute(slope) < np.inf)  # bisect where it is flat or vertical
     step = where(value == 0, 0.0, where(sloped, -value / guarded(sloped, slope), 2 * (b - a)))
     length = absolute(step)
     size = 1 + absolute(x)
-    inside = (x + step >= a) & (x + step <= b) & (length < 0.5 * absolute(x - before))
+    halved = length < 0.5 * absolute(x - before)
+    inside = both(both(x + step >= a, x + step <= b), halved)
     # within rounding also where it is just outside
-    newton = inside | (length <= size * _TINY)
+    newton = either(inside, length <= size * _TINY)
     new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
-    near = (newton & (length <= size * _NEAR)) | (absolute(new - x) <= size * _TINY)
-    return _Search(where(ended, x, new), x, a, b, ended | near)
+    near = either(both(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY)
+    return _Search(where(ended, x, new), x, a, b, either(ended, near))
 
 
 def _searched(
@@ -160,8 +161,14 @@ def still(values: Any) -> Any:
     """The same `values`, a tree of arrays, without derivatives."""
     if type(values) in _NEVER_MOVES:
         return values
-    stop = lambda x: lax.stop_gradient(x) if isinstance(x, jax.Array) else x  # noqa: E731
-    return jax.tree.map(stop, values)
+    return jax.tree.map(_stopped, values)
+
+
+def _stopped(x: Any) -> Any:
+    at_work = library(x)
+    if at_work is np:
+        return x
+    return lax.stop_gradient(x) if at_work is jnp else at_work.still(x)
 
 
 def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batch]:

@@ -48,12 +48,14 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from .._arrays import (
+    both,
     cos,
     isfinite,
     least,
     maximum,
     minimum,
     most,
+    no,
     nodes,
     over,
     sqrt,
@@ -100,7 +102,7 @@ class Elastica(AbstractBuckling):
             bending=where(bent, T / chord - T, 0.0),
             slope=where(bent, slope, at.pull.slope),
             arc_strain=arc,
-            straight=~bent,
+            straight=no(bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -123,7 +125,7 @@ class Elastica(AbstractBuckling):
         onset, curve = column.branch
         fits = _fits()
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
-        reached = (bend <= fits.largest_bend) & isfinite(onset)
+        reached = both(bend <= fits.largest_bend, isfinite(onset))
         load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
         held = still(load)
         half = _first(curve, *(over(end.load, held) <= held for end in curve[1:]))
@@ -157,7 +159,7 @@ class Elastica(AbstractBuckling):
             for one, other in pairwise(past):
                 crossed = crossed + total(where(one != other, 1.0, 0.0))
         straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
-        return (crossed + straight > 1.5) & (eps > here.free_strain)
+        return both(crossed + straight > 1.5, eps > here.free_strain)
 
 
 class _State(NamedTuple):
@@ -252,7 +254,7 @@ def _onset(column: Column) -> Batch:
     # a load that rises and falls again within a cell may be large enough in between
     curve = _cut(here, one, other, lambda at: at.load_slope)
     half = _first(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
-    ever = half.found & (free < _FARTHEST)
+    ever = both(half.found, free < _FARTHEST)
     target = where(ever, _EULER, 0.0)
     strain = root(_short_of, (column, target), half.start, half.stop, half.middle)
     return where(ever, strain, np.inf)
@@ -284,7 +286,7 @@ def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Bat
         same = (here[1] > 0) == (a[1] > 0)
         a, b = (
             tuple(where(moves, new, old) for new, old in zip(here, side, strict=True))
-            for moves, side in ((same, a), (~same, b))
+            for moves, side in ((same, a), (no(same), b))
         )
         share = guarded(turns, a[1]) / guarded(turns, a[1] - b[1], 2.0)
         place = where(turns, a[0] + share * (b[0] - a[0]), place)
@@ -295,14 +297,14 @@ def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Bat
 
 def _first(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Half:
     """The first half cell at whose end something holds; the last one where it never does."""
-    rank = nodes(np.arange(float(len(curve.start.arc))), least(where(end, 0.0, 0.0)))
+    rank = nodes(np.arange(float(curve.start.arc.shape[0])), least(where(end, 0.0, 0.0)))
     half, whole = (least(where(holds, rank, np.inf)) for holds in (cut, end))
-    cell = minimum(minimum(half, whole), len(curve.start.arc) - 1.0)
+    cell = minimum(minimum(half, whole), curve.start.arc.shape[0] - 1.0)
     early = half <= cell  # it ends at the cut
     here = rank == cell
     start, middle, stop = (total(where(here, over(x.arc, cell), 0.0)) for x in curve)
     at_cut, at_end = (over(x.strain, cell) for x in curve[1:])
-    behind = where(here & ~early, at_cut, -np.inf)
+    behind = where(both(here, no(early)), at_cut, -np.inf)
     farthest = most(where(rank < cell, maximum(at_cut, at_end), behind))
     return _Half(
         where(early, start, middle), where(early, middle, stop), farthest,
@@ -371,6 +373,6 @@ def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     """$k$ and $K$ [-] at a load $G$ [-]."""
     m = _fits().parameter(guarded(bent, load, _EULER))
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
-    curved = bent & (m > 0)
+    curved = both(bent, m > 0)
     k = where(curved, sqrt(guarded(curved, m)), 0.0)
     return k, elliptic(k**2).K

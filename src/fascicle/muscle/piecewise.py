@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._arrays import expm1, stack, where
+from .._arrays import both, either, expm1, no, stack, where
 from .._math import guarded
 from .._methods import Module
 from .._types import Batch, BoolBatch, IntBatch
@@ -124,7 +124,9 @@ class Pressurized(NamedTuple):
         (mesh, bladder, bending), _, (pulled, collapsed, straight) = self._forces(strain)
         bowed = where(straight, STRAIGHT, POST_BUCKLING)
         region = where(pulled, TENSION, where(collapsed, POST_COLLAPSE, bowed))
-        several = self.law.buckling.several(self.column, strain) & ~collapsed & ~pulled
+        several = both(
+            self.law.buckling.several(self.column, strain), no(either(collapsed, pulled))
+        )
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
@@ -144,7 +146,7 @@ class Pressurized(NamedTuple):
         """Centerline [m] at `strain` [-], points on a new last axis."""
         pulled, collapsed, _ = self._state(strain)
         strain = strain + 0.0 * self.column.free_strain
-        held = where(pulled | collapsed, self.column.free_strain, strain)
+        held = where(either(pulled, collapsed), self.column.free_strain, strain)
         bowed = self.law.buckling.shape(self.column, held, points)
         safe = self._safe(collapsed, strain)
         hinged = self.law.post_collapse.shape(self.column, safe, points)

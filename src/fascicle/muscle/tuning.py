@@ -29,7 +29,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import ArrayLike, Float
 
-from .._arrays import library, where
+from .._arrays import along_table, spread, where
 from .._checks import concrete, finite, positive, within
 from .._methods import Module
 from .._types import Batch, BatchLike, Symbol, Values
@@ -136,13 +136,13 @@ class Tuning(Module):
         """`rows` [any unit], joined by straight lines, at effective `pressure` [Pa]."""
         if rows.shape[-1] == 1:
             return rows[..., 0]  # nothing was measured
-        P, start = library(pressure).asarray(pressure)[..., None], self.pressures[..., :-1]
+        P, start = spread(pressure), self.pressures[..., :-1]
         steps, rises = (x[..., 1:] - x[..., :-1] for x in (self.pressures, rows))
         # a sum of ramps is one pass over the points, a search for the row many; slopes at a
         # row are those to its right
         risen = where(start <= P, where(start + steps <= P, steps, P - start), 0.0)
         slopes = where(steps > 0, rises / where(steps > 0, steps, 1.0), 0.0)
-        return rows[..., 0] + library(slopes, risen).sum(slopes * risen, axis=-1)
+        return rows[..., 0] + along_table(slopes * risen)
 
     def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
         """Factor on the hinge's stiffness $k_r$ [-] at `pressure` [Pa]."""

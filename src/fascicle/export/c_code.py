@@ -1,0 +1,116 @@
+r"""A muscle or a bundle as C: one header and one source without dependencies, C99.
+
+The laws are evaluated on symbols, and CasADi writes what they come to: the force with its
+slopes, free strain, onset and collapse strain, all roots included, as straight code of known
+length. No memory is allocated. What is added here are the names, the checks of the domain, the
+sum over motor units, and the search for a bundle's free strain between its kinks.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from .._checks import concrete
+from .._types import Values
+from ..bundle import Bundle
+from ..bundle.alike import unlike
+from ..muscle import Muscle
+from ..muscle.entry import HIGHEST_PRESSURE, LARGEST_STRAIN, lowest_strain
+from . import template
+
+
+def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
+    """Header and source of a muscle or bundle in C.
+
+    **Arguments:**
+
+    - `target`: the muscle or bundle [-], with numbers, not arrays.
+    - `name`: with which all names in C begin [-].
+
+    **Returns:** the header's text and the source's [-].
+
+    **Raises:** `ValueError` for a name that C can't have and for what isn't one muscle or bundle;
+    `ModuleNotFoundError` where CasADi is missing.
+    """
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
+        raise ValueError(
+            f"`name` must be a name in C: up to 31 letters, digits and _, a letter first, got"
+            f" {name[:40]!r}."
+        )
+    bundle = isinstance(target, Bundle)
+    if not bundle and not isinstance(target, Muscle):
+        raise ValueError(f"`target` must be a Muscle or a Bundle, got {target!r}.")
+    units = list(target.motor_units) if bundle else []
+    muscles = [unit.muscle for unit in units] if bundle else [target]
+    if not concrete(target) or any(not muscle._is_single for muscle in muscles):
+        raise ValueError("`target` must hold numbers, one for each size, got arrays.")
+    kept, kinds = unlike(muscles)
+    written, room = _laws([muscles[i] for i in kept], name)
+    ratios = [1.0] * len(muscles)
+    if bundle and target.ratios is not None:
+        ratios = [float(ratio) for ratio in target.ratios]
+    numbers = {
+        "name": name,
+        "guard": name.upper(),
+        "units": len(muscles),
+        "kinds": kinds,
+        "counts": [int(unit.count) for unit in units] if bundle else [1],
+        "ratios": ratios,
+        "lowest": max(1 - (1 - lowest_strain(m.braid_angle)) / r for m, r in zip(muscles, ratios, strict=True)),
+        "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),
+        "highest": HIGHEST_PRESSURE,
+        "room": room,
+        "laws": written,
+        "bundle": bundle,
+    }  # fmt: skip
+    return template.header(numbers), template.source(numbers)
+
+
+def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tuple[Path, Path]:
+    """Write `NAME.h` and `NAME.c` into a folder.
+
+    **Arguments:**
+
+    - `target`: the muscle or bundle [-].
+    - `folder`: where to [-]; made where it isn't.
+    - `name`: with which files and names in C begin [-].
+
+    **Returns:** the paths of header and source [-].
+
+    **Raises:** as `c_code`.
+    """
+    texts = c_code(target, name)
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = folder / f"{name}.h", folder / f"{name}.c"
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text, encoding="utf-8")
+    return paths
+
+
+def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
+    """The laws of unlike muscles as C, and how many doubles of stack they need [-]."""
+    try:
+        import casadi as ca
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            "C code needs CasADi: `pip install 'fascicle[export]'`."
+        ) from None
+    from .symbols import symbols
+
+    made = ca.CodeGenerator(f"{name}.c", {"with_header": False})
+    functions = [_law(ca, symbols(), muscle, f"{name}_law{i}") for i, muscle in enumerate(muscles)]
+    for function in functions:
+        made.add(function)
+    return made.dump(), max(int(function.sz_w()) for function in functions)
+
+
+def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
+    """Force, its slopes and the kinks as a function of pressure and strain."""
+    P, eps = ca.SX.sym("P"), ca.SX.sym("eps")
+    at = muscle._law().at(P)
+    F, by_strain = at.force(eps)
+    kinks = (at.column.free_strain, at.law.buckling.onset(at.column), at.collapse)
+    found = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))
+    return ca.Function(name, [P, eps], found)
+
