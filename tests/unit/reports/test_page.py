@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from fascicle.reports import Page, data_uri, prose, verdict
+from fascicle.reports import Page, data_uri, prose, quotation, verdict
 
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
@@ -39,9 +39,22 @@ def test_a_picture_is_in_its_address():
     assert data_uri(SVG, "svg") in page()
 
 
-@pytest.mark.parametrize("word", ["holds", "differs", "fails"])
+def test_a_file_is_in_its_address_and_is_saved_under_its_name():
+    made = Page("t")
+    made.downloads({"a.csv": b"x,y", 'b".json': b"{}"})
+    text = made.text("")
+    assert '<a download="a.csv" href="data:text/csv;base64,eCx5">a.csv</a>' in text
+    assert 'download="b&quot;.json" href="data:application/json;base64,e30="' in text
+
+
+@pytest.mark.parametrize("word", ["holds", "differs", "fails", "chosen", "by definition"])
 def test_a_verdict_has_a_sign_beside_its_color(word):
-    assert re.fullmatch(rf'<span class="{word}">\S\xa0{word}</span>', verdict(word))
+    style = word.split()[-1].replace("definition", "defined")
+    assert re.fullmatch(rf'<span class="{style}">\S\xa0{word}</span>', verdict(word))
+
+
+def test_a_quotation_is_escaped():
+    assert quotation("a < b") == "<q>a &lt; b</q>"
 
 
 def test_a_lone_backtick_stays():
