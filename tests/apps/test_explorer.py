@@ -26,7 +26,8 @@ pytestmark = [
     # the server's own process, and the browser's, end after their sockets
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
 ]
-READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
+READY = """window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle
+  && Bokeh.documents[0].get_model_by_name('explorer')"""
 SOURCE = """name => {
   const model = Bokeh.documents[0].get_model_by_name(name);
   if (!model) return null;
@@ -282,7 +283,7 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
     np.testing.assert_allclose(shown["ys"][0], one.resisted, atol=1e-9)
     assert source(page, "turns")["y"] == pytest.approx([one.turn.free_strain])
     page = visit("?muscle=kim2021_bundle_1_1&tab=efficiency&path=isotonic")
-    page.wait_for_function(f"({SOURCE})('efficiency').image.length > 0")
+    source(page, "efficiency")
     means = source(page, "average_true")["y"]
     assert len(means) == 5
     assert means == sorted(means)

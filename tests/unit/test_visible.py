@@ -1,6 +1,6 @@
 import pytest
 
-from fascicle._visible import visible
+from fascicle._visible import revealed, visible
 
 
 @pytest.mark.parametrize(
@@ -11,7 +11,6 @@ from fascicle._visible import visible
 )  # fmt: skip
 def test_no_sign_hides(text, shown):
     assert visible(text) == shown
-    assert visible(text).isprintable()
 
 
 def test_what_is_long_is_cut_in_the_middle():
@@ -21,3 +20,9 @@ def test_what_is_long_is_cut_in_the_middle():
     assert visible(text).endswith("x ends")
     assert "x … x" in visible(text)
     assert len(visible(text, 60)) < 65
+
+
+def test_what_belongs_to_words_stays():
+    text = "Muskel\xa0№\u202f7, 筋肉, עברית, é, e\u0301 €\n\tnext"
+    assert revealed(text) == text
+    assert visible(text) == "Muskel № 7, 筋肉, עברית, é, e\u0301 € next"

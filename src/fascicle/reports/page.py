@@ -8,6 +8,8 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
+from .._visible import revealed
+
 
 _STYLE = """
 :root { color-scheme: light; --ink: #1d2126; --soft: #5d6570; --line: #d9dde2; --good: #00664a;
@@ -117,9 +119,9 @@ class Page:
         self._parts.append(text)
 
     def text(self, footer: str) -> str:
-        """The whole page, `footer` last."""
+        """The whole page, `footer` last; of what it says, every sign can be seen."""
         body = "\n".join(self._parts)
-        return (
+        return revealed(
             '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
             '<link rel="icon" href="data:,">\n'  # else browsers ask for one

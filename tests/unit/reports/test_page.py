@@ -27,6 +27,24 @@ def test_text_is_escaped():
     assert 'alt="a &quot;picture&quot;"' in text
 
 
+def test_no_sign_hides_wherever_it_stands():
+    made = Page("a\u202e")
+    made.paragraph("b\x1b\u2066")
+    made.table(("c\u200b",), [("d\u202e",)])
+    made.files(["gpj\u202e.exe"])
+    text = made.text("e\u2069")
+    for shown in (
+        "a\\u202e",
+        "b\\x1b\\u2066",
+        "c\\u200b",
+        "d\\u202e",
+        "gpj\\u202e.exe",
+        "e\\u2069",
+    ):
+        assert shown in text
+    assert text.encode()
+
+
 def test_nothing_is_asked_for_from_outside():
     addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page())
     assert addresses
