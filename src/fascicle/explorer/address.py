@@ -77,6 +77,13 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
             refused.append(f"link: `{key}` can't be read.")
     if len(view.pressures) != len(view.units):
         view = replace(view, pressures=(view.supply,) * len(view.units))
+    if max(view.pressure, *view.pressures) > view.supply:
+        limited = tuple(min(P, view.supply) for P in view.pressures)
+        view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
+        if "pressure" in query or "pressures" in query:
+            refused.append(
+                f"link: `pressure` must be at most the supply's, {_tight(view.supply, 'pressure')}."
+            )
     return view, refused
 
 

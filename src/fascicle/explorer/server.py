@@ -11,6 +11,7 @@ from typing import Any
 import panel as pn
 
 from .address import from_query
+from .browser import attach
 from .guard import EVERYWHERE, LOOPBACK, guard, names_of
 from .look import look_of, page_css
 from .page import build, opening
@@ -122,6 +123,7 @@ def page(start: View) -> Any:
         view, refused = from_query(query, start)
         shell.objects = [build(Session(view, pn.io.unlocked), theme, refused)]
 
+    attach(pn.state.curdoc)
     pn.state.onload(fill)
     return shell
 
