@@ -1,0 +1,36 @@
+"""Words of strangers as they are shown: nothing in them hides, turns around or runs on."""
+
+import re
+
+
+_LONGEST = 400  # characters of a message: what is longer is no message
+# control signs save line breaks and tabs; signs of direction and of no width, which make a name
+# look like another one; byte order marks, tags, and halves of signs that no file can hold
+_HIDDEN = re.compile(
+    r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    r"\ufeff\ufff9-\ufffb\U000e0000-\U000e007f\ud800-\udfff]"
+)
+
+
+def revealed(text: str) -> str:
+    """A `text` [-] with its hidden signs written as their numbers [-]; line breaks stay."""
+    return _HIDDEN.sub(_number, text)
+
+
+def visible(text: str, longest: int = _LONGEST) -> str:
+    """A text as one line of which every sign can be seen.
+
+    **Arguments:**
+
+    - `text`: it [-].
+    - `longest`: how many of its characters may be left [-]; an ellipsis stands for the middle.
+
+    **Returns:** the line [-].
+    """
+    if len(text) > longest:
+        text = f"{text[: longest // 2]} … {text[-(longest // 3) :]}"
+    return " ".join(revealed(text).split())
+
+
+def _number(found: re.Match[str]) -> str:
+    return found.group().encode("unicode_escape", "surrogatepass").decode("ascii")
