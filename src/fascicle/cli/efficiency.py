@@ -10,6 +10,7 @@ from .options import (
     Forces,
     NoResistance,
     Out,
+    Overwrite,
     Plot,
     Scheme,
     SpaceStrain,
@@ -36,6 +37,7 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Efficiency, isobaric and isotonic.
 
@@ -46,7 +48,7 @@ def run(
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     forces = None if force is None else read_list(force, "force", "--force")
     strains = None if strain is None else read_list(strain, "strain", "--strain")
-    outputs = Outputs(as_json, as_csv, out, plot)
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite, "--overwrite")
     bundle = read_bundle(file)
     from .compute import bundle_efficiency
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from .options import Replace
 from .problems import UserError, refusing
 from .startup import prepare
 
@@ -30,6 +31,7 @@ def run(
             show_default=False,
         ),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Figures and claims of a paper, made anew.
 
@@ -38,13 +40,11 @@ def run(
     if paper != "kim2021":
         raise UserError(f"{paper}: no such paper here, choose kim2021.")
     folder = Path(f"out/{paper}" if out is None else out)
-    with refusing(f"--out {folder}: "):
-        _check(folder)
+    with refusing("--out "):
+        _check(folder, overwrite)
     prepare()
-    try:
-        claims = _made(folder)
-    except OSError as error:  # a full disk, a folder gone
-        raise UserError(f"--out {folder}: can't be written: {error.strerror or error}.") from error
+    with refusing("--out "):  # a full disk, a folder gone
+        claims = _made(folder, overwrite)
     _show(claims)
     print(f"report: {folder / 'report.html'}")
     from ..reproduce.claims import failed
@@ -53,24 +53,25 @@ def run(
         raise typer.Exit(1)
 
 
-def _check(folder: Path) -> None:
+def _check(folder: Path, overwrite: bool) -> None:
     """Refuse a folder that can't be made or written, before the minutes of work."""
     if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError("it is no folder.")
+        raise NotADirectoryError(f"{folder}: it is no folder.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OSError(f"can't be made: {error.strerror or error}.") from None
-    from ..describe.atomic import check_writable
+        raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
+    from ..describe.ours import check_folder
 
-    check_writable(folder / "report.html")
+    check_folder(folder, "reproduce", overwrite)
 
 
-def _made(folder: Path) -> list[Any]:
+def _made(folder: Path, overwrite: bool) -> list[Any]:
     """The claims, once everything is in `folder`; a bar on the terminal meanwhile."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from ..describe.ours import write_folder
     from ..reproduce import kim2021
 
     columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
@@ -85,7 +86,14 @@ def _made(folder: Path) -> list[Any]:
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        return list(kim2021.run(folder, progress))
+        claims: list[Any] = []
+        write_folder(
+            folder,
+            "reproduce",
+            lambda draft: claims.extend(kim2021.run(draft, progress)),
+            overwrite,
+        )
+        return claims
 
 
 def _show(claims: list[Any]) -> None:
