@@ -23,6 +23,7 @@ from .explore import run as explore
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
+from .interrupts import CODE, not_dropped
 from .muscles import run as muscles
 from .problems import UserError
 from .record import run as record
@@ -83,7 +84,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
     warnings.showwarning = _warn
-    code, message = _run(given)
+    with not_dropped():
+        code, message = _run(given)
     if message:
         with contextlib.suppress(OSError):
             sys.stderr.write(f"error: {' '.join(message.split())}\n")
@@ -104,9 +106,9 @@ def _run(arguments: list[str]) -> tuple[int, str]:
         sys.stdout.flush()
         code = result if isinstance(result, int) else 0
     except UserError as error:
-        code, message = 2, str(error)
+        code, message = error.code, str(error)
     except (KeyboardInterrupt, typer.Abort):
-        code = 130
+        code = CODE
     except OSError as error:  # of standard output itself
         _drop_output()
         if not isinstance(error, BrokenPipeError):  # `| head` has seen enough, and is no mistake

@@ -7,6 +7,14 @@ from collections.abc import Iterator
 class UserError(Exception):
     """What a command can't do, in one line for whoever typed it."""
 
+    code = 2  # that the command ends with
+
+
+class StoppedError(UserError):
+    """What a command couldn't end, through no fault of whoever typed it."""
+
+    code = 1
+
 
 @contextlib.contextmanager
 def refusing(prefix: str = "") -> Iterator[None]:

@@ -6,6 +6,8 @@ import sys
 import warnings
 from pathlib import Path
 
+from .interrupts import at_once
+
 
 def prepare() -> None:
     """Set JAX up for one command; call it before the laws are imported.
@@ -17,7 +19,12 @@ def prepare() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module="jax.*")
-    import jax
+    with at_once():
+        import jax
+
+        # all that a command has of the laws
+        from .. import bundle, describe  # noqa: F401
+        from ..describe import reading  # noqa: F401
 
     if not os.environ.get("JAX_PLATFORMS"):
         jax.config.update("jax_platforms", "cpu")

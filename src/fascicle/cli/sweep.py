@@ -2,13 +2,14 @@
 
 import contextlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from .problems import UserError, refusing
+from .problems import StoppedError, UserError, refusing
 
 
 StudyFile = Annotated[
@@ -44,6 +45,8 @@ Workers = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+_KEPT = "finished blocks are kept in {}, --resume goes on with them."
+_QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
 _FRONT = 5_000_000  # designs of which the front is looked for in the end
 
 
@@ -59,7 +62,7 @@ def run(
 
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler and --workers: a scheduler has its own workers, take one.")
-    needed = ["zarr"] if workers == 0 else ["zarr", "distributed"]
+    needed = ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]
     for name in needed:
         if find_spec(name) is None:
             raise UserError(f"sweeping needs the package {name}: pip install 'fascicle[sweep]'.")
@@ -80,18 +83,28 @@ def run(
 
         Store.check(folder, made, resume)
     with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
-        try:
-            store = sweep(made, folder, client, resume, watch)
-        except ConnectionError as error:
-            raise UserError(f"{error}; finished blocks are kept: --resume goes on.") from None
-        except OSError as error:
-            raise UserError(
-                f"{folder}: {error.strerror or error}; finished blocks are kept: --resume goes on."
-            ) from None
+        call = partial(sweep, made, folder, client, resume, watch)
+        store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
     print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
     if len(made.space) <= _FRONT:
         with refusing():
             _front(store, file, folder)
+
+
+def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
+    """The store, complete; or in one line what happened, and what can be done about it."""
+    try:
+        return sweep()
+    except KeyboardInterrupt:
+        sys.stderr.write(f"interrupted; {_KEPT.format(folder)}\n")
+        raise
+    except ConnectionError as error:
+        raise StoppedError(f"{error}; {_KEPT.format(folder)}") from None
+    except OSError as error:
+        where = error.filename or folder
+        raise UserError(
+            f"{where}: {error.strerror or error}; once that is mended, {_KEPT.format(folder)}"
+        ) from None
 
 
 def _front(store: Any, file: Any, folder: Path) -> None:
@@ -120,7 +133,11 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     from ..design.cluster import local, remote
 
     if scheduler is None:
-        with local(workers) as client:
+        with contextlib.ExitStack() as stack:
+            try:
+                client = stack.enter_context(local(workers))
+            except ConnectionError as error:
+                raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
             yield client
         return
     with contextlib.ExitStack() as stack:
@@ -128,6 +145,8 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
             client = stack.enter_context(remote(scheduler))
         except ConnectionError as error:
             raise UserError(f"--scheduler {scheduler}: {error}.") from None
+        if not client.nthreads():
+            sys.stderr.write(f"the scheduler has no workers yet: waiting, {_QUEUE:g} s at most\n")
         yield client
 
 

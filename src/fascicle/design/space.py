@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
@@ -82,8 +83,10 @@ class Space:
             )
 
     def __getstate__(self) -> dict:
-        # what is derived is derived again: it can be a thousand times larger
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        # what is derived is derived again: it can be a thousand times larger. As NumPy's, since a
+        # process that is sent JAX's arrays with each of its blocks grows with each of them
+        state = {field.name: getattr(self, field.name) for field in fields(self)}
+        return state | {"drawings": jax.tree.map(np.asarray, self.drawings)}
 
     def __len__(self) -> int:
         return math.prod(map(len, self._grid)) * len(self._shapes[0])
