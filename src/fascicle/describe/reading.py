@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from .._checks import one_of
+from .._nesting import check_depth
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
 from ..muscle.collapse import COLLAPSE_LAWS
@@ -119,6 +120,7 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
 def parsed(text: str, source: str) -> dict[str, Any]:
     """The tables [-] of a file of this format, from its `text` [-]; `source` [-] names it."""
+    check_depth(text, source)
     try:
         data = tomllib.loads(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as error:

@@ -28,6 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from .._nesting import check_depth
 from ..units import parse
 from .columns import check_roles
 
@@ -109,7 +110,9 @@ def _parsed(path: Path) -> dict[str, Any]:
     if len(raw) > _LARGEST:
         raise ValueError(f"{path}: larger than {_LARGEST} bytes, not a record's TOML.")
     try:
-        return tomllib.loads(raw.decode("utf-8-sig").replace("\r\n", "\n"))
+        text = raw.decode("utf-8-sig")
+        check_depth(text, str(path))
+        return tomllib.loads(text.replace("\r\n", "\n"))
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
