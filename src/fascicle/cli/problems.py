@@ -1,6 +1,7 @@
 """A user's mistake, as the command line says it."""
 
 import contextlib
+import re
 from collections.abc import Iterator
 
 
@@ -28,3 +29,17 @@ def refusing(prefix: str = "") -> Iterator[None]:
         raise
     except (ValueError, OSError) as error:
         raise UserError(f"{prefix}{error}") from error
+
+
+def too_large(error: Exception) -> str:
+    """What to say where memory didn't suffice; empty for any other `error` [-]."""
+    text = str(error)
+    if not isinstance(error, MemoryError) and "RESOURCE_EXHAUSTED" not in text:
+        return ""
+    # NumPy's words, and XLA's
+    asked = re.search(r"allocat\w+ ([\d.]+ ?[KMGTPE]?i?B|\d+)", text)
+    need = ""
+    if asked:
+        size = asked[1] if asked[1][-1] == "B" else f"{int(asked[1]) / 1e9:.3g} GB"
+        need = f", {size} at once"
+    return f"this needs more memory than there is{need}: take fewer motor units, muscles or points."

@@ -43,7 +43,9 @@ def from_validation(error: ValidationError, source: str, data: Any, model: type[
         key=lambda fault: _ORDER.index(fault["type"]) if fault["type"] in _ORDER else len(_ORDER),
     )
     fault, more = faults[0], len(faults) - 1
-    path = [part for part in fault["loc"] if part not in ("", PLAIN, TABLE)]
+    # a lone muscle's name is empty
+    loc = [part for part in fault["loc"] if part not in (PLAIN, TABLE)]
+    path = [part for i, part in enumerate(loc) if part != "" or i != 1 or loc[0] != "muscle"]
     kind, name = fault["type"], str(path[-1])
     if kind == "extra_forbidden":
         known = _known_keys(model, fault["loc"][:-1])

@@ -115,7 +115,8 @@ def revive(client: Any) -> None:
             if one.status in (Status.closed, Status.failed):
                 del cluster.workers[name]
 
-    cluster.loop.add_callback(forget)
+    loop: Any = cluster.loop
+    loop.add_callback(forget)
     cluster.scale(len(cluster.worker_spec))
 
 
