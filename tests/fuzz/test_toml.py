@@ -156,6 +156,8 @@ def test_many_task_files(seed):
         ("format = 9223372036854775808", "x.toml: format: a whole number beyond 64 bits"),
         ("a." * 20000 + "a = 1", "x.toml: not TOML: nested too deep on line 1"),
         ("format = 1\nx = 1987-13-99", "x.toml: not TOML: "),
+        ('"(plain)" = 1', 'x.toml: "(plain)": unknown key'),
+        ('[muscle.material]\n"(plain)" = 1', "x.toml: "),
     ],
 )
 def test_what_a_hostile_trial_found(text, told):

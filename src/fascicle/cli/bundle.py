@@ -17,7 +17,7 @@ from .options import (
 )
 from .outputs import Outputs
 from .problems import refusing
-from .states import show_states
+from .states import check_zeros, show_states
 from .tables import decimals, number, show
 
 
@@ -52,6 +52,7 @@ def run(
         lambda: _figure(bundle, states, strains, not no_resistance),
         title=f"Bundle {file}",
     )
+    check_zeros(variables)
 
 
 def _table(variables: Any) -> None:

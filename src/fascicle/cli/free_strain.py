@@ -16,7 +16,7 @@ from .options import (
 )
 from .outputs import Outputs
 from .problems import UserError, refusing
-from .states import show_states
+from .states import check_zeros, show_states
 from .tables import decimals, number, show
 
 
@@ -58,6 +58,7 @@ def run(
         lambda: _figure(variables),
         title=f"Free strain of {file}",
     )
+    check_zeros(variables)
 
 
 def _table(variables: Any) -> None:

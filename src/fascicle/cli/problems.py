@@ -2,7 +2,11 @@
 
 import contextlib
 import re
+import sys
 from collections.abc import Iterator
+from typing import NoReturn
+
+import typer
 
 
 class UserError(Exception):
@@ -15,6 +19,16 @@ class StoppedError(UserError):
     """What a command couldn't end, through no fault of whoever typed it."""
 
     code = 1
+
+
+INCOMPLETE = 3  # what a command ends with that gave what it could, and that wasn't all
+
+
+def fall_short(told: str) -> NoReturn:
+    """End a command that gave what it could, and say what it couldn't; `told`: one line [-]."""
+    sys.stdout.flush()  # in this order, also where both go to one place
+    sys.stderr.write(f"{told}\n")
+    raise typer.Exit(INCOMPLETE)
 
 
 @contextlib.contextmanager

@@ -7,7 +7,7 @@ import typer
 from .inputs import check_grid, read_bundle, read_list, read_one
 from .options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Supply, Target
 from .outputs import Outputs
-from .problems import refusing
+from .problems import fall_short, refusing
 from .tables import decimals, number, show
 
 
@@ -63,6 +63,12 @@ def run(
             bundle, forces, strains, supply_pressure, scheme, not no_resistance
         )
     outputs.give(variables, lambda: _table(variables), title=f"Recruitment of {file}")
+    status = variables["status"].values
+    if missed := int((status != 0).sum()):
+        fall_short(
+            f"{missed} of {status.size} demands can't be reached: for them the nearest force is"
+            " given, with status 1 where more was demanded than can be, 2 where less."
+        )
 
 
 def _table(variables: Any) -> None:

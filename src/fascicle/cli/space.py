@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .inputs import read_bundle, read_list, read_one
+from .inputs import check_grid, read_bundle, read_list, read_one
 from .options import (
     AsCsv,
     AsJson,
@@ -38,6 +38,7 @@ def run(
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     pressures = None if levels is None else read_list(levels, "pressure", "--levels")
     strains = None if strain is None else read_list(strain, "strain", "--strain")
+    check_grid(len(pressures or ()), len(strains or ()))
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     bundle = read_bundle(file)
     from .compute import bundle_space

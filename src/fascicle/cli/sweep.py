@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .problems import StoppedError, UserError, refusing
+from .options import Replace
+from .problems import INCOMPLETE, StoppedError, UserError, refusing
 
 
 StudyFile = Annotated[
@@ -56,6 +57,7 @@ def run(
     resume: Resume = False,
     scheduler: Scheduler = None,
     workers: Workers = None,
+    overwrite: Replace = False,
 ) -> None:
     """Judge every design of a study, block by block, into a folder with a zarr store."""
     from importlib.util import find_spec
@@ -79,16 +81,22 @@ def run(
         made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
     # what can't be is said before a cluster is started
     with refusing():
+        from ..describe.ours import check_file
         from ..design.store import Store
 
         Store.check(folder, made, resume)
+        check_file(folder / "front.nc", overwrite)
     with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
         call = partial(sweep, made, folder, client, resume, watch)
         store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
     print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
     if len(made.space) <= _FRONT:
         with refusing():
-            _front(store, file, folder)
+            found = _front(store, file, folder, overwrite)
+        if not found.front.size:
+            raise typer.Exit(INCOMPLETE)
+    else:
+        print(f"more than {_FRONT} designs: their front is left for you to look for")
 
 
 def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
@@ -107,10 +115,12 @@ def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
         ) from None
 
 
-def _front(store: Any, file: Any, folder: Path) -> None:
+def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> Any:
+    """The front of all designs, printed, and in a file."""
     import numpy as np
 
     from ..describe.designed import front_variables
+    from ..describe.ours import replacing
     from ..describe.results import write
     from ..design.searching import concluded
     from .designed import print_front
@@ -120,8 +130,10 @@ def _front(store: Any, file: Any, folder: Path) -> None:
     found = concluded(file.space, file.task, file.senses, file.limits, index, store.all())
     if found.front.size:
         title = f"Front of designs for {file.task.name}"
-        write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
+        with replacing(folder / "front.nc", overwrite):
+            write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
     print_front(found)
+    return found
 
 
 @contextlib.contextmanager
