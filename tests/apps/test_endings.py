@@ -143,6 +143,12 @@ def test_what_hides_is_shown_by_its_number(fascicle, name):
     assert code == 2 and err.rstrip("\n").isprintable() and "\\" in err
 
 
+def test_names_of_files_are_shown_as_plainly_as_messages(fascicle, tmp_path):
+    code, out, _ = fascicle("init", "a\u202elmot.toml")
+    assert (code, out) == (0, "wrote a\\u202elmot.toml\n")
+    assert (tmp_path / "a\u202elmot.toml").exists()
+
+
 def test_a_message_has_an_end(fascicle, tmp_path):
     for words in (["force", "x" * 9000], ["force", SIX, "-p", "9" * 9000], ["--" + "x" * 9000]):
         code, _, err = fascicle(*words)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import AsJson, Replace, complete_target
+from .outputs import say
 from .problems import UserError, refusing
 
 
@@ -187,7 +188,7 @@ def run(
         return
     found.show()
     if written:
-        print(f"wrote {', '.join(written)}")
+        say(f"wrote {', '.join(written)}")
 
 
 def pairs(texts: list[str] | None, option: str) -> dict[str, str]:

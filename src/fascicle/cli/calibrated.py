@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..units import pretty
+from .outputs import say
 from .problems import refusing
 
 
@@ -67,7 +68,7 @@ class Found:
             print("synthetic: a model made these readings, no muscle was measured")
         # what was guessed is always shown; what a file remarks about itself is in the report
         for note in (*self.remarks, *(n for n in made.record.notes if ": note: " not in n)):
-            print(note)
+            say(note)
         rows = [
             [
                 one.name,
@@ -97,7 +98,7 @@ class Found:
             f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
         )
         for warning in made.warnings:
-            print(f"warning: {warning}")
+            say(f"warning: {warning}")
 
     def write(self, folder: Path, date: str, overwrite: bool) -> list[str]:
         """Write muscle, report and figures into `folder` [-]; `overwrite`: over others' too [-]."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import AsJson, Replace
+from .outputs import say
 from .problems import UserError, refusing
 
 
@@ -117,7 +118,7 @@ def run(
         print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
     if written:
         shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
-        print(f"wrote {', '.join(shown)}")
+        say(f"wrote {', '.join(shown)}")
 
 
 def _sure(found: Any, chance: Any) -> Any:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .outputs import say
 from .problems import refusing
 from .tables import show
 
@@ -49,7 +50,7 @@ def print_front(found: "Found") -> None:
     print(f"{found.judged} designs,{kept} {len(found.front)} on the front")
     if found.recommended is None:
         for line in nothing_left(found):
-            print(line)
+            say(line)
         return
     names = [name for name in found.values if name in OBJECTIVES]
     first = range(min(len(found.front), _SHOWN))
@@ -67,7 +68,7 @@ def print_front(found: "Found") -> None:
     caption = "*: recommended" + (f"; {more} more are in the files" if more else "")
     show("Designs that no other betters", heads, rows, caption)
     for line in recommendation(found):
-        print(line)
+        say(line)
 
 
 def write(

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from .options import Replace, complete_target
+from .outputs import say
 from .problems import UserError, refusing
 from .task_template import TASK_TEMPLATE
 
@@ -87,4 +88,4 @@ def run(
         text = begun if example is None else example_text(example)
         with replacing(path, overwrite):
             write_text(path, text)
-    print(f"wrote {path}")
+    say(f"wrote {path}")

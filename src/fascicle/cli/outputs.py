@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .._visible import visible
 from .problems import UserError, refusing
 
 
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from ..describe.results import Variable
 
 _PICTURES = (".png", ".svg")
+_LONGEST = 2000  # characters of a line
 
 
 class Outputs:
@@ -94,7 +96,12 @@ class Outputs:
             table()
             for path in (self.out, self.plot):
                 if path is not None:
-                    print(f"wrote {path}")
+                    say(f"wrote {path}")
+
+
+def say(line: str) -> None:
+    """Print a `line` [-] that holds words of others: names of files, notes."""
+    print(visible(line, _LONGEST))
 
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"

@@ -7,6 +7,7 @@ import typer
 
 from .inputs import check_grid, read_list, read_muscle, read_one
 from .options import AsJson, Replace, Target
+from .outputs import say
 from .problems import refusing
 
 
@@ -130,7 +131,7 @@ def run(
     if as_json:
         print(json.dumps(summary))
         return
-    print(f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} of them clipped")
+    say(f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} of them clipped")
     print(
         f"contraction to {summary['largest_strain']:.4f},"
         f" force to {summary['largest_force']:.4g} N, seed {seed}"

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import Replace
+from .outputs import say
 from .problems import UserError, refusing
 from .startup import prepare
 
@@ -46,7 +47,7 @@ def run(
     with refusing("--out "):  # a full disk, a folder gone
         claims = _made(folder, overwrite)
     _show(claims)
-    print(f"report: {folder / 'report.html'}")
+    say(f"report: {folder / 'report.html'}")
     from ..reproduce.claims import failed
 
     if failed(claims):

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import Replace
+from .outputs import say
 from .problems import INCOMPLETE, StoppedError, UserError, refusing
 
 
@@ -89,7 +90,7 @@ def run(
     with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
         call = partial(sweep, made, folder, client, resume, watch)
         store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
-    print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
+    say(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
     if len(made.space) <= _FRONT:
         with refusing():
             found = _front(store, file, folder, overwrite)
