@@ -20,7 +20,7 @@ $(STAMP): requirements.lock pyproject.toml
 	touch $@
 
 reproduce: $(STAMP)
-	$(BIN)/fascicle reproduce kim2021 --out out/kim2021
+	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --force
 
 # the README and the docs show the reproduction's own Fig. 9 and claims, and the explorer at work
 picture: reproduce browser

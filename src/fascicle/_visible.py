@@ -14,7 +14,7 @@ _HIDDEN = re.compile(
 
 def revealed(text: str) -> str:
     """A `text` [-] with its hidden signs written as their numbers [-]; line breaks stay."""
-    return _HIDDEN.sub(_number, text)
+    return _HIDDEN.sub(lambda found: _number(found.group()), text)
 
 
 def visible(text: str, longest: int = _LONGEST) -> str:
@@ -29,8 +29,9 @@ def visible(text: str, longest: int = _LONGEST) -> str:
     """
     if len(text) > longest:
         text = f"{text[: longest // 2]} … {text[-(longest // 3) :]}"
-    return " ".join(revealed(text).split())
+    line = " ".join(revealed(text).split())
+    return "".join(sign if sign.isprintable() else _number(sign) for sign in line)
 
 
-def _number(found: re.Match[str]) -> str:
-    return found.group().encode("unicode_escape", "surrogatepass").decode("ascii")
+def _number(sign: str) -> str:
+    return sign.encode("unicode_escape", "surrogatepass").decode("ascii")

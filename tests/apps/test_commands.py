@@ -189,7 +189,13 @@ def test_space(fascicle, tmp_path):
 
 def test_efficiency(fascicle, tmp_path):
     command = ["efficiency", PAIR, "--force", "20N,100N,5kN", "--strain", "0.1"]
-    found = json.loads(answer(fascicle, *command, "--json"))
+    code, out, err = fascicle(*command, "--json")
+    assert code == 3
+    assert err == (
+        "not all points are reached (66.7 % isobaric, 66.7 % isotonic): the others have no"
+        " efficiency.\n"
+    )
+    found = json.loads(out)
     assert found["path"] == ["isobaric", "isotonic"]
     for path, grid, average in zip(
         found["path"], found["efficiency"], found["average"], strict=True
@@ -199,7 +205,8 @@ def test_efficiency(fascicle, tmp_path):
         assert grid[2] == [None]  # 5 kN is out of reach
         assert average == pytest.approx(expected.average, rel=1e-12)
     assert found["reached"] == [2 / 3, 2 / 3]
-    out = answer(fascicle, *command, "--plot", "e.png")
+    code, out, _ = fascicle(*command, "--plot", "e.png")
+    assert code == 3
     assert (tmp_path / "e.png").read_bytes().startswith(b"\x89PNG")
     for words in ("isobaric", "isotonic", f"{found['average'][0]:.4f}", "67 %"):
         assert words in out

@@ -11,6 +11,7 @@ from fascicle._visible import revealed, visible
 )  # fmt: skip
 def test_no_sign_hides(text, shown):
     assert visible(text) == shown
+    assert visible(text).isprintable()
 
 
 def test_what_is_long_is_cut_in_the_middle():

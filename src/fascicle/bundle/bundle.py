@@ -27,7 +27,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from .._checks import concrete, one_of, within
+from .._checks import one_of, within
+from .._limits import whole
 from .._methods import compilable
 from .._types import Batch, IntBatch, PerUnit, Values
 from ..muscle import Muscle
@@ -51,10 +52,7 @@ class MotorUnit(eqx.Module):
         """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
         if not isinstance(muscle, Muscle):
             raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
-        if concrete(count):
-            n = np.asarray(count)
-            if n.dtype.kind not in "iu" or np.any(n < 1):
-                raise ValueError(f"`count` must be a whole number of at least 1, got {count!r}.")
+        whole(count, "count")
         self.muscle, self.count = muscle, jnp.asarray(count)
 
 

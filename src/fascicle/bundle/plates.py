@@ -15,9 +15,11 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete, positive, within
+from .._checks import concrete, within
+from .._limits import size
 from .._types import Batch, Values
 from ..muscle import Muscle
+from ..muscle.entry import lowest_strain
 from ..muscle.piecewise import LARGEST_STRAIN
 
 
@@ -49,7 +51,7 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
         if concrete(*lengths):
             _equal(lengths)
         return None
-    L = positive(length, "length", "m")
+    L = size(length, "length")
     if not concrete(L, *lengths):
         return L
     if all(np.array_equal(np.broadcast_arrays(L, one)[0], one) for one in lengths):
@@ -76,8 +78,8 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
         return jnp.asarray(strain, dtype=float)
     low, high = -np.inf, np.inf
     for muscle in muscles:
-        ratio, straight = length / muscle.length, 1 - 1 / jnp.cos(muscle.braid_angle)
-        low = max(low, float(jnp.max(plate_strain(ratio, straight))))
+        ratio, straight = length / muscle.length, lowest_strain(muscle.braid_angle)
+        low = max(low, float(jnp.max(plate_strain(ratio, jnp.asarray(straight)))))
         high = min(high, float(jnp.min(plate_strain(ratio, jnp.asarray(LARGEST_STRAIN)))))
     why = "(every muscle in its domain, seen from the plates)"
     return within(strain, low, high, "strain", "-", why, (False, True))

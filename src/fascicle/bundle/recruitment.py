@@ -21,6 +21,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import concrete, finite, one_of, within
+from .._limits import plausible
 from .._types import Batch, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
@@ -315,9 +316,8 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
         raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
-    return float(
-        within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
-    )
+    P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
+    return float(plausible(P, "supply_pressure"))
 
 
 def _supply(bundle: Bundle, supply: Values) -> Batch:

@@ -18,9 +18,11 @@ from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
 from ..muscle.piecewise import Response
+from .memory import check_memory, of_efficiency, of_equilibria, of_recruitment, of_space
 
 
 _BLOCK = 64  # points of the smallest block; each larger one holds four times as many
+_ROOM = 1e9  # B, what a block may take; a smaller one than the smallest, where points are large
 
 
 def muscle_force(
@@ -134,7 +136,9 @@ def bundle_equilibria(
     **Returns:** variables by name [-]; `equilibria` is NaN where there are fewer.
     """
     P = np.asarray(states)
-    found = evaluate(lambda pressures: bundle.equilibria(pressures, resistance), P)
+    each = of_equilibria(P.shape[1])
+    check_memory(each * block_size(each), f"{P.shape[1]} motor units in {len(P)} states")
+    found = evaluate(lambda pressures: bundle.equilibria(pressures, resistance), P, each=each)
     most = max(int(found.count.max()), 1)
     dims = ("state", "equilibrium")
     return {
@@ -172,6 +176,9 @@ def bundle_space(
     **Returns:** variables by name, and the space itself [-].
     """
     _rising(strains)
+    units, points = len(bundle.motor_units), len(strains or range(201))
+    need = of_space(units, len(levels or range(7)), points)
+    check_memory(need, f"{units} motor units at {points} strains")
     space = recruitment.space(
         bundle,
         supply_pressure,
@@ -221,12 +228,19 @@ def bundle_recruit(
     **Returns:** variables by name [-]; `solution_pressure` is NaN where there are fewer.
     """
     F, eps = np.asarray(forces), np.asarray(strains)
+    units = len(bundle.motor_units)
+    each = of_recruitment(units)
+    check_memory(
+        each * (block_size(each) + F.size * eps.size / 10),
+        f"{F.size * eps.size} demands of {units} motor units",
+    )
     found = evaluate(
         lambda force, strain: recruitment.recruit(
             bundle, force, strain, supply_pressure, scheme, resistance=resistance
         ),
         np.repeat(F, eps.size),
         np.tile(eps, F.size),
+        each=each,
     )
     found = jax.tree.map(lambda leaf: leaf.reshape(F.size, eps.size, *leaf.shape[1:]), found)
     most = max(int(found.count.max()), 1)
@@ -275,6 +289,10 @@ def bundle_efficiency(
     **Returns:** variables by name, and the maps themselves [-].
     """
     _rising(strains)
+    units, sides = len(bundle.motor_units), (len(forces or range(80)), len(strains or range(225)))
+    check_memory(
+        of_efficiency(units, *sides), f"{units} motor units at {sides[0]} x {sides[1]} points"
+    )
     maps = [
         efficiency_map(bundle, supply_pressure, path, forces, strains, resistance, scheme)
         for path in paths
@@ -301,21 +319,35 @@ def _rising(strains: list[float] | None) -> None:
         raise ValueError("`--strain` must rise from each value to the next.")
 
 
-def evaluate(function: Callable[..., Any], *points: np.ndarray) -> Any:
+def evaluate(function: Callable[..., Any], *points: np.ndarray, each: float = 0.0) -> Any:
     """`function` at `points`, which are filled up to a block of one of few sizes.
 
     **Arguments:**
 
     - `function`: of a batch [any unit].
     - `points`: its arguments [any unit], points on the first axis.
+    - `each`: what a point takes [B]; blocks are no larger than memory should be filled.
 
     **Returns:** its result [any unit] as NumPy arrays, points on the first axis.
     """
-    count, size = len(points[0]), _BLOCK
-    while size < count:
+    count, size, most = len(points[0]), block_size(each), _ROOM / max(each, 1.0)
+    while size < count and 4 * size <= most:
         size *= 4
-    filled = [np.resize(argument, (size, *argument.shape[1:])) for argument in points]
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[:count], function(*filled))
+    parts = []
+    for start in range(0, count, size):
+        block = [argument[start : start + size] for argument in points]
+        held = len(block[0])
+        filled = [np.resize(argument, (size, *argument.shape[1:])) for argument in block]
+        parts.append(jax.tree.map(lambda leaf: np.asarray(leaf)[:held], function(*filled)))  # noqa: B023 called at once
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+
+
+def block_size(each: float) -> int:
+    """Points of the smallest block [-], where a point takes so many bytes `each` [B]."""
+    size = _BLOCK
+    while size > 1 and size * each > _ROOM:
+        size //= 4
+    return size
 
 
 def _by_pressure(function: Callable[..., Any], P: np.ndarray, unit: str, about: str) -> Variable:

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import AsJson
+from .options import AsJson, Replace
+from .outputs import say
 from .problems import UserError, refusing
 
 
@@ -74,13 +75,14 @@ def run(
     population: Population = 100,
     seed: Seed = 0,
     checkpoint: Checkpoint = None,
+    overwrite: Replace = False,
     as_json: AsJson = False,
 ) -> None:
     """Judge every design of a task file's space, and show those that no other betters."""
     from .designed import folder_for, print_front, write
     from .startup import prepare
 
-    folder = folder_for(out, task, as_json)
+    folder = folder_for(out, task, as_json, overwrite)
     _check(generations, checkpoint)
     prepare()
     from ..describe.task import load_task
@@ -100,9 +102,8 @@ def run(
     written: list[str] = []
     if folder is not None:
         with refusing("--out "):
-            written = write(
-                found, folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}", seconds, sure
-            )
+            today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+            written = write(found, folder, today, seconds, sure, overwrite)
     if as_json:
         from ..describe.designed import front_variables
         from ..describe.results import to_json
@@ -117,7 +118,7 @@ def run(
         print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
     if written:
         shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
-        print(f"wrote {', '.join(shown)}")
+        say(f"wrote {', '.join(shown)}")
 
 
 def _sure(found: Any, chance: Any) -> Any:

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .problems import UserError, refusing
+from .outputs import say
+from .problems import refusing
 from .tables import show
 
 
@@ -12,10 +13,9 @@ if TYPE_CHECKING:
     from ..design.searching import Found
 
 _SHOWN, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
-_OURS = {"report.html", "front.nc", "designs.nc"}
 
 
-def folder_for(out: str | None, path: str, as_json: bool) -> Path | None:
+def folder_for(out: str | None, path: str, as_json: bool, overwrite: bool) -> Path | None:
     """Where the files go.
 
     **Arguments:**
@@ -23,23 +23,17 @@ def folder_for(out: str | None, path: str, as_json: bool) -> Path | None:
     - `out`: the folder that was asked for [-], or `None`.
     - `path`: of the task file [-].
     - `as_json`: whether JSON is printed [-].
+    - `overwrite`: whether others' files may be replaced [-].
 
     **Returns:** the folder [-], checked; `None` where nothing is written.
     """
-    from ..describe.atomic import check_writable
+    from ..describe.ours import check_folder
 
     if out is None and as_json:
         return None
     folder = Path(f"designed-{Path(path).stem}" if out is None else out)
     with refusing("--out "):
-        target = check_writable(folder, folder=True)
-        inside = {entry.name for entry in target.iterdir()} if target.is_dir() else set()
-        # it will be replaced as a whole
-        others = sorted(name for name in inside - _OURS if not name.startswith("bundle_"))
-        if others:
-            raise UserError(
-                f"--out {folder}: holds {others[0]}, which isn't this command's: name a new folder."
-            )
+        check_folder(folder, "design", overwrite)
     return folder
 
 
@@ -56,7 +50,7 @@ def print_front(found: "Found") -> None:
     print(f"{found.judged} designs,{kept} {len(found.front)} on the front")
     if found.recommended is None:
         for line in nothing_left(found):
-            print(line)
+            say(line)
         return
     names = [name for name in found.values if name in OBJECTIVES]
     first = range(min(len(found.front), _SHOWN))
@@ -74,27 +68,33 @@ def print_front(found: "Found") -> None:
     caption = "*: recommended" + (f"; {more} more are in the files" if more else "")
     show("Designs that no other betters", heads, rows, caption)
     for line in recommendation(found):
-        print(line)
+        say(line)
 
 
 def write(
-    found: "Found", folder: Path, date: str, seconds: float, sure: "Spread | None" = None
+    found: "Found",
+    folder: Path,
+    date: str,
+    seconds: float,
+    sure: "Spread | None" = None,
+    overwrite: bool = False,
 ) -> list[str]:
     """Write report, data and bundles.
 
     **Arguments:**
 
     - `found`: by a search [-].
-    - `folder`: where they go [-]; what is there is replaced.
+    - `folder`: where they go [-].
     - `date`: of the day [-].
     - `seconds`: that the search took [s].
     - `sure`: how the front's designs come out [-], if that was asked.
+    - `overwrite`: whether others' files may be replaced [-].
 
     **Returns:** the files' paths [-].
     """
     from ..describe import dumps
-    from ..describe.atomic import write as write_whole
     from ..describe.designed import every_variables, front_variables
+    from ..describe.ours import write_folder
     from ..describe.results import dataset
     from ..reports.design import report
     from .outputs import SOURCE
@@ -110,7 +110,6 @@ def write(
     page = report(found, date, files, seconds, sure)
 
     def fill(draft: Path) -> None:
-        draft.mkdir()
         (draft / "report.html").write_text(page, encoding="utf-8")
         for name, text in bundles.items():
             (draft / name).write_text(text, encoding="utf-8")
@@ -118,5 +117,5 @@ def write(
             made = dataset(variables, title=f"Designs for {found.task.name}", source=SOURCE)
             made.to_netcdf(draft / name, engine="netcdf4")
 
-    write_whole(folder, fill, folder=True)
+    write_folder(folder, "design", fill, overwrite)
     return [str(folder / name) for name in ("report.html", *files)]

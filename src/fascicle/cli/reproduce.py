@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .options import Replace
+from .outputs import say
 from .problems import UserError, refusing
 from .startup import prepare
 
@@ -34,6 +36,7 @@ def run(
             show_default=False,
         ),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Figures and claims of a paper, made anew.
 
@@ -42,41 +45,39 @@ def run(
     if paper != "kim2021":
         raise UserError(f"{paper}: no such paper here, choose kim2021.")
     folder = Path(f"out/{paper}" if out is None else out)
-    with refusing(f"--out {folder}: "):
-        _check(folder)
+    with refusing("--out "):
+        _check(folder, overwrite)
     prepare()
-    try:
-        claims = _made(folder)
-    except OSError as error:  # a full disk, a folder gone
-        raise UserError(f"--out {folder}: can't be written: {error.strerror or error}.") from error
+    with refusing("--out "):  # a full disk, a folder gone
+        claims = _made(folder, overwrite)
     _show(claims)
-    print(f"claims: {folder / 'claims.json'}")
-    print(f"report: {folder / 'report.html'}")
+    say(f"claims: {folder / 'claims.json'}")
+    say(f"report: {folder / 'report.html'}")
     from ..reproduce.claims import failed
 
     if failed(claims):
         raise typer.Exit(1)
 
 
-def _check(folder: Path) -> None:
+def _check(folder: Path, overwrite: bool) -> None:
     """Refuse a folder that can't be made or written, before the minutes of work."""
     if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError("it is no folder.")
+        raise NotADirectoryError(f"{folder}: it is no folder.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OSError(f"can't be made: {error.strerror or error}.") from None
-    from ..describe.atomic import check_writable
+        raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
+    from ..describe.ours import check_folder
 
-    for name in ("report.html", "claims.json"):
-        check_writable(folder / name)
+    check_folder(folder, "reproduce", overwrite)
 
 
-def _made(folder: Path) -> "list[Claim]":
+def _made(folder: Path, overwrite: bool) -> "list[Claim]":
     """The claims, once everything is in `folder`; a bar on the terminal meanwhile."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from ..describe.ours import write_folder
     from ..reproduce import kim2021
 
     columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
@@ -91,7 +92,14 @@ def _made(folder: Path) -> "list[Claim]":
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        return list(kim2021.run(folder, progress))
+        claims: list[Any] = []
+        write_folder(
+            folder,
+            "reproduce",
+            lambda draft: claims.extend(kim2021.run(draft, progress)),
+            overwrite,
+        )
+        return claims
 
 
 def _show(claims: "list[Claim]") -> None:

@@ -9,14 +9,14 @@ Every generation is judged by one compiled function of one shape. Seeded: the sa
 the same front. Stopped after any generation, it goes on from its checkpoint to the same end.
 """
 
-import pickle
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from . import checkpoint as checkpoints
+from .checkpoint import Kept
 from .designs import Designs, of_sizes
 from .judging import Values, evaluate, sizes_of
 from .objectives import known, needs
@@ -24,6 +24,7 @@ from .outcome import Demand
 from .pareto import directed, non_dominated
 from .searching import Found, Limits, best_first, checked, within_limits
 from .space import Space
+from .study import Study
 from .task import Task
 from .unlike import unlike_objectives
 
@@ -132,45 +133,41 @@ def evolve(
     names, told = known([*senses, *limits]), known([*senses, *limits, *extra])
     checked(senses, limits)
     coding, demand = Coding(space, continuous), Demand.of(task)
-    state = _begun(coding, senses, limits, population, seed, checkpoint)
-    while state["generation"] < generations:
-        algorithm = state["algorithm"]
-        asked = algorithm.ask()
+    # the digest is that of the numbers, `search` of how they are looked for
+    digest = Study(space, task, names, senses, limits, block=1).digest
+    search = {
+        "study": digest, "senses": senses, "limits": limits, "population": population,
+        "seed": seed, "continuous": continuous,
+    }  # fmt: skip
+    state = _begun(coding, senses, limits, population, seed)
+    if checkpoint is not None and checkpoint.exists():
+        state = checkpoints.load(checkpoint, search, state.algorithm, tuple(state.values))
+    while state.generation < generations:
+        asked = state.algorithm.ask()
         genomes = np.asarray(asked.get("X"), float)
         values = _judged(coding, genomes, demand, names, population)
         asked.set("F", directed(values, senses))
         asked.set("G", _broken(values, limits))
-        algorithm.tell(infills=asked)
-        _keep(state, genomes, values, senses, limits)
-        state["generation"] += 1
+        state.algorithm.tell(infills=asked)
+        state = _kept(state, genomes, values, senses, limits)
         if checkpoint is not None:
-            _save(state, checkpoint)
+            checkpoints.save(checkpoint, search, state)
         if watch is not None:
-            watch(state["generation"])
-    designs = coding.designs(state["genomes"])
+            watch(state.generation)
+    designs = coding.designs(state.genomes)
     # what is told in the end is told by the same means as an exhaustive search tells it
     values = evaluate(designs, task, told)
     front = best_first(values, senses, np.flatnonzero(within_limits(values, limits)))
     return Found(
         space, task, senses, limits, np.full(len(designs), -1), values,
-        np.ones(len(designs), bool), front, designs.take(front), state["judged"],
+        np.ones(len(designs), bool), front, designs.take(front), state.judged,
     )  # fmt: skip
 
 
 def _begun(
-    coding: Coding,
-    senses: Mapping[str, str],
-    limits: Limits,
-    population: int,
-    seed: int,
-    checkpoint: Path | None,
-) -> dict[str, Any]:
-    told = [coding.genes, dict(senses), dict(limits), population, seed, coding.continuous]
-    if checkpoint is not None and checkpoint.exists():
-        state = pickle.loads(checkpoint.read_bytes())  # noqa: S301 written by `_save` alone
-        if state["told"] != told:
-            raise ValueError(f"{checkpoint}: is another search's: name a new file.")
-        return state
+    coding: Coding, senses: Mapping[str, str], limits: Limits, population: int, seed: int
+) -> Kept:
+    """A search before its first generation."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.termination import get_termination
@@ -182,10 +179,7 @@ def _begun(
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
     names = [*dict.fromkeys([*senses, *limits])]
-    return {
-        "told": told, "algorithm": algorithm, "generation": 0, "judged": 0,
-        "genomes": np.zeros((0, coding.genes)), "values": {n: np.zeros(0) for n in names},
-    }  # fmt: skip
+    return Kept(algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names})
 
 
 def _judged(
@@ -210,33 +204,27 @@ def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]
     return np.stack(columns, axis=1)
 
 
-def _keep(
-    state: dict[str, Any],
+def _kept(
+    state: Kept,
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
-) -> None:
-    """Add a generation to the front of all that were judged."""
-    state["judged"] += len(genomes)
+) -> Kept:
+    """A generation more, added to the front of all that were judged."""
+    more = state._replace(generation=state.generation + 1, judged=state.judged + len(genomes))
     good = within_limits(values, limits)
-    rows = np.concatenate([state["genomes"], genomes[good]])
-    both = {name: np.concatenate([state["values"][name], values[name][good]]) for name in values}
+    rows = np.concatenate([state.genomes, genomes[good]])
+    both = {name: np.concatenate([state.values[name], values[name][good]]) for name in values}
     if not len(rows):
-        return
+        return more
     points = directed(both, senses)
     front = non_dominated(points)
     # of equal points the first is enough
     first = np.zeros(len(points), bool)
     first[np.unique(points, axis=0, return_index=True)[1]] = True
     kept = front & first
-    state["genomes"], state["values"] = rows[kept], {name: one[kept] for name, one in both.items()}
-
-
-def _save(state: dict[str, Any], checkpoint: Path) -> None:
-    draft = checkpoint.with_name(f".{checkpoint.name}")
-    draft.write_bytes(pickle.dumps(state))
-    draft.replace(checkpoint)
+    return more._replace(genomes=rows[kept], values={name: one[kept] for name, one in both.items()})
 
 
 def _place(share: np.ndarray, count: int) -> np.ndarray:

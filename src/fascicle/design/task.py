@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._checks import one_of, within
+from .._limits import plausible
 from ..bundle.bundle import SCHEMES
 
 
@@ -81,6 +82,7 @@ class Task:
                 " does no work."
             )
         supply = within(supply_pressure, 0.0, 1e6, "supply_pressure", "Pa", closed=(False, True))
+        plausible(supply, "supply_pressure")
         one_of(scheme, SCHEMES, "scheme")
         return cls(F, eps, w, float(supply), scheme, name, source)
 

@@ -31,14 +31,14 @@ from typing import ClassVar
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._checks import positive
+from .._limits import size
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .column import Centerline, Column
 
 
 def _factor(value: Values) -> Batch:
-    return positive(value, "factor", "-")
+    return size(value, "factor")
 
 
 class AbstractCollapse(eqx.Module):

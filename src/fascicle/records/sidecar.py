@@ -22,13 +22,12 @@ strain = "extension positive"         # or "contraction positive"; displacement 
 
 import difflib
 import os
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .._nesting import check_depth
+from .._toml import tables
 from ..units import parse
 from .columns import check_roles
 
@@ -111,12 +110,9 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: larger than {_LARGEST} bytes, not a record's TOML.")
     try:
         text = raw.decode("utf-8-sig")
-        check_depth(text, str(path))
-        return tomllib.loads(text.replace("\r\n", "\n"))
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ValueError(f"{path}: not TOML: {' '.join(str(error).split())}.") from None
+    return tables(text, str(path))
 
 
 def _checked(data: dict[str, Any], source: str) -> Sidecar:
