@@ -5,6 +5,9 @@ wall and angle, one for each gap between muscles (cut or not), and one for each 
 With `continuous` sizes lie anywhere between the least and the largest that the space lists;
 else they are the nearest listed, so that the front can be compared with an exhaustive one.
 
+A design that doesn't reach the task is worse than any that does, the more so the larger a share
+of its worst point it misses, so that a search leads there; the nearest is kept where none does.
+
 Every generation is judged by one compiled function of one shape. Seeded: the same seed gives
 the same front. Stopped after any generation, it goes on from its checkpoint to the same end.
 """
@@ -17,12 +20,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from .catalog import Catalog, cheapest
 from .designs import Designs, of_sizes
 from .judging import Values, evaluate, sizes_of
-from .objectives import known, needs
+from .limits import Limits, checked, within_limits
+from .objectives import needs
 from .outcome import Demand
 from .pareto import directed, non_dominated
-from .searching import Found, Limits, best_first, checked, within_limits
+from .reach import demanding, others, reaching, recorded
+from .searching import Found, concluded, nearest
 from .space import Space
 from .task import Task
 from .unlike import unlike_objectives
@@ -105,6 +111,7 @@ def evolve(
     checkpoint: Path | None = None,
     watch: Callable[[int], None] | None = None,
     extra: tuple[str, ...] = (),
+    catalog: Catalog | None = None,
 ) -> Found:
     """Search a space by NSGA-II.
 
@@ -113,7 +120,7 @@ def evolve(
     - `space`: of one drawing, with all compositions [-].
     - `task`: what is demanded [-].
     - `senses`: "min" or "max" by objective [-].
-    - `limits`: on objectives, by name [-].
+    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `population`: designs in a generation [-].
     - `generations`: how many [-].
     - `seed`: of chance [-].
@@ -121,18 +128,20 @@ def evolve(
     - `checkpoint`: a file that is kept after each generation, and gone on from [-].
     - `watch`: told how many generations are done [-].
     - `extra`: objectives to record that don't make the front [-].
+    - `catalog`: products and prices [-]; left out, none is known.
 
-    **Returns:** what was found [-]: of all designs that were judged, those of the front.
+    **Returns:** what was found [-]: of all designs that were judged, those of the front and the
+    cheapest, or where none keeps the limits the one that comes nearest to the task.
 
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
     `ModuleNotFoundError` without pymoo.
     """
-    limits = dict(limits or {})
+    limits, catalog = demanding(limits), catalog or Catalog()
     senses = dict(senses)
-    names, told = known([*senses, *limits]), known([*senses, *limits, *extra])
+    names, told = recorded(senses, limits), recorded(senses, limits, extra)
     checked(senses, limits)
     coding, demand = Coding(space, continuous), Demand.of(task)
-    state = _begun(coding, senses, limits, population, seed, checkpoint)
+    state = _begun(coding, names, senses, limits, catalog, population, seed, checkpoint)
     while state["generation"] < generations:
         algorithm = state["algorithm"]
         asked = algorithm.ask()
@@ -141,7 +150,7 @@ def evolve(
         asked.set("F", directed(values, senses))
         asked.set("G", _broken(values, limits))
         algorithm.tell(infills=asked)
-        _keep(state, genomes, values, senses, limits)
+        _keep(state, coding, genomes, values, senses, limits, catalog)
         state["generation"] += 1
         if checkpoint is not None:
             _save(state, checkpoint)
@@ -150,22 +159,25 @@ def evolve(
     designs = coding.designs(state["genomes"])
     # what is told in the end is told by the same means as an exhaustive search tells it
     values = evaluate(designs, task, told)
-    front = best_first(values, senses, np.flatnonzero(within_limits(values, limits)))
-    return Found(
-        space, task, senses, limits, np.full(len(designs), -1), values,
-        np.ones(len(designs), bool), front, designs.take(front), state["judged"],
+    return concluded(
+        space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
+        state["judged"],
     )  # fmt: skip
 
 
 def _begun(
     coding: Coding,
+    names: tuple[str, ...],
     senses: Mapping[str, str],
     limits: Limits,
+    catalog: Catalog,
     population: int,
     seed: int,
     checkpoint: Path | None,
 ) -> dict[str, Any]:
-    told = [coding.genes, dict(senses), dict(limits), population, seed, coding.continuous]
+    told = [
+        coding.genes, dict(senses), dict(limits), population, seed, coding.continuous, str(catalog)
+    ]  # fmt: skip
     if checkpoint is not None and checkpoint.exists():
         state = pickle.loads(checkpoint.read_bytes())  # noqa: S301 written by `_save` alone
         if state["told"] != told:
@@ -176,12 +188,11 @@ def _begun(
     from pymoo.termination import get_termination
 
     problem = Problem(
-        n_var=coding.genes, n_obj=len(senses), n_ieq_constr=max(1, 2 * len(limits)),
+        n_var=coding.genes, n_obj=len(senses), n_ieq_constr=1 + len(others(limits)),
         xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
     )  # fmt: skip
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
-    names = [*dict.fromkeys([*senses, *limits])]
     return {
         "told": told, "algorithm": algorithm, "generation": 0, "judged": 0,
         "genomes": np.zeros((0, coding.genes)), "values": {n: np.zeros(0) for n in names},
@@ -201,36 +212,50 @@ def _judged(
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
-    """How far limits are broken [SI], positive where they are."""
-    size = len(next(iter(values.values())))
-    columns = [np.full(size, -1.0)] if not limits else []
-    for name, limit in limits.items():
-        misses = (limit.least - values[name], values[name] - limit.most)
-        columns += [np.where(np.isfinite(miss), miss, -1.0) for miss in misses]
+    """How far limits are broken [SI], positive where they are; first how far from the task."""
+    # a share of points says nothing of how near they are
+    far = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
+    columns = [np.where(reaching(values, limits), -1.0, far)]
+    for name, limit in others(limits).items():
+        excess = limit.excess(values[name])
+        columns.append(np.where(np.isfinite(excess), excess, -1.0))
     return np.stack(columns, axis=1)
 
 
 def _keep(
     state: dict[str, Any],
+    coding: Coding,
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
+    catalog: Catalog,
 ) -> None:
-    """Add a generation to the front of all that were judged."""
+    """Add a generation to what is kept of all: the front and the cheapest, or the nearest."""
     state["judged"] += len(genomes)
-    good = within_limits(values, limits)
-    rows = np.concatenate([state["genomes"], genomes[good]])
-    both = {name: np.concatenate([state["values"][name], values[name][good]]) for name in values}
-    if not len(rows):
-        return
-    points = directed(both, senses)
-    front = non_dominated(points)
-    # of equal points the first is enough
-    first = np.zeros(len(points), bool)
-    first[np.unique(points, axis=0, return_index=True)[1]] = True
-    kept = front & first
+    rows = np.concatenate([state["genomes"], genomes])
+    both = {name: np.concatenate([state["values"][name], values[name]]) for name in values}
+    (good,) = np.nonzero(within_limits(both, limits))
+    kept = np.zeros(len(rows), bool)
+    if not good.size:
+        kept[nearest(both, limits)] = True
+    else:
+        points = directed(both, senses)[good]
+        # of equal points the first is enough
+        first = np.zeros(len(good), bool)
+        first[np.unique(points, axis=0, return_index=True)[1]] = True
+        kept[good[first & non_dominated(points)]] = True
+        kept[_cheapest(coding, rows, both, good, catalog)] = True
     state["genomes"], state["values"] = rows[kept], {name: one[kept] for name, one in both.items()}
+
+
+def _cheapest(
+    coding: Coding, rows: Genomes, values: Values, good: np.ndarray, catalog: Catalog
+) -> int | None:
+    def designs(places: np.ndarray) -> Designs:
+        return coding.designs(rows[places])
+
+    return cheapest(good, values, designs, catalog, coding.space.drawings)
 
 
 def _save(state: dict[str, Any], checkpoint: Path) -> None:
