@@ -53,7 +53,7 @@ def run(
     resume: Resume = False,
     scheduler: Scheduler = None,
     workers: Workers = None,
-) -> None:
+) -> int:
     """Judge every design of a study, block by block, into a folder with a zarr store."""
     from importlib.util import find_spec
 
@@ -89,26 +89,34 @@ def run(
                 f"{folder}: {error.strerror or error}; finished blocks are kept: --resume goes on."
             ) from None
     print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
-    if len(made.space) <= _FRONT:
-        with refusing():
-            _front(store, file, folder)
+    if len(made.space) > _FRONT:
+        print(f"of more than {_FRONT} designs none is recommended, nor is a front looked for")
+        return 0
+    with refusing():
+        return _front(store, file, folder)
 
 
-def _front(store: Any, file: Any, folder: Path) -> None:
+def _front(store: Any, file: Any, folder: Path) -> int:
+    """Print and write which design to take and the front; gives the exit code."""
     import numpy as np
 
-    from ..describe.designed import front_variables
+    from ..describe.designed import case_variables, front_variables
     from ..describe.results import write
     from ..design.searching import concluded
-    from .designed import print_front
+    from ..reports.unreached import Unreached, answer
+    from .designed import print_answer
     from .outputs import SOURCE
 
-    index = np.arange(len(file.space))
-    found = concluded(file.space, file.task, file.senses, file.limits, index, store.all())
-    if found.front.size:
+    index, values = np.arange(len(file.space)), store.all()
+    found = concluded(
+        file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
+    )
+    answered = answer(found)
+    if not isinstance(answered, Unreached):
         title = f"Front of designs for {file.task.name}"
-        write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
-    print_front(found)
+        variables = front_variables(found) | case_variables(answered)
+        write(variables, folder / "front.nc", title=title, source=SOURCE)
+    return print_answer(found, answered, file.notes)
 
 
 @contextlib.contextmanager

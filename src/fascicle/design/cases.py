@@ -215,10 +215,9 @@ class Bench:
 
         **Returns:** of air the normal volume [m³], of liquid the volume [m³].
         """
-        inside = np.minimum(strain, LARGEST_STRAIN)
-        volumes = [(np.asarray(m.volume(inside)), float(m.volume(0.0))) for m in self.muscles]
-        now = np.stack([volumes[i][0] for i in self.which], axis=-1)
-        rest = np.array([volumes[i][1] for i in self.which])
+        asked = np.append(np.minimum(strain, LARGEST_STRAIN), 0.0)
+        volumes = np.stack([np.asarray(m.volume(asked)) for m in self.muscles], axis=-1)
+        now, rest = volumes[:-1, self.which], volumes[-1, self.which]
         if fluid == "liquid":
             return now - rest
         return ((pressure + ATMOSPHERE) * now - ATMOSPHERE * rest) / ATMOSPHERE

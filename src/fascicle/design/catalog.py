@@ -169,4 +169,4 @@ def meaning(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
             "fewest valves, then lowest price of muscles, then least fluid energy;"
             " no price of a valve is given"
         )
-    return "fewest valves, then fewest muscles, then least fluid energy; no price is given"
+    return "fewest valves, then fewest muscles, then least fluid energy; prices aren't given"
