@@ -47,9 +47,11 @@ def test_a_task_becomes_bundles_and_a_page(fascicle, written, tmp_path):
     # the engineer's view first
     first = out.splitlines()[0]
     assert first.startswith("Take 4 muscles in 1 motor unit, L₀ ")
-    assert out.index("It is the cheapest of the 14 designs that reach every load case") < out.index(
-        "3 of 3 reached"
-    ) < out.index("14 designs, 14 reach every load case")
+    assert (
+        out.index("It is the cheapest of the 14 designs that reach every load case")
+        < out.index("3 of 3 reached")
+        < out.index("14 designs, 14 reach every load case")
+    )
     for fact in ("margin: ", "stroke: ", "mass: not known", "air: ", "cost of air: no price given",
                  "price: no price given", "outer diameter: ", "valves: 1"):  # fmt: skip
         assert f"\n{fact}" in out
@@ -120,7 +122,9 @@ def test_what_nothing_reaches_is_not_recommended(fascicle, written, tmp_path):
     assert {path.name for path in folder.iterdir()} >= {"report.html", "designs.nc"}
     assert not list(folder.glob("*.toml"))
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "The nearest design" in page and "✗\u00a0MISSED" in page and "What would reach it" in page
+    assert (
+        "The nearest design" in page and "✗\u00a0MISSED" in page and "What would reach it" in page
+    )
     # what it says would reach it does, as it is printed
     written.write_text(PEAK.replace("muscles = [4]", f'muscles = [4]\nradius = "{radius} mm"'))
     code, out, _ = fascicle("design", "task.toml", "-o", "wider")
@@ -179,8 +183,9 @@ def test_one_design_reaches_the_task(fascicle, written):
 
 def test_a_catalogs_product_is_named(fascicle, written):
     written.write_text(
-        TASK.replace('length = ["110 mm", "127 mm"]', 'length = "200 mm"\ncatalog = "festo_dmsp"')
-        .replace("muscles = [4]", "muscles = [1, 2]")
+        TASK.replace(
+            'length = ["110 mm", "127 mm"]', 'length = "200 mm"\ncatalog = "festo_dmsp"'
+        ).replace("muscles = [4]", "muscles = [1, 2]")
     )
     code, out, err = fascicle("design", "task.toml")
     assert (code, err) == (0, "")

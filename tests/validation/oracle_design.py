@@ -83,7 +83,9 @@ def task_objectives(units, supply, task, levels, scheme="orderly"):
         "worst_shortfall": max(v[1] for v in visits),
         "points_not_reached": sum(v[0] is None for v in visits) / len(task),
         # of nothing there is no share: the largest force stands for it
-        "relative_shortfall": max(v[1] / (f or largest) for (f, *_), v in zip(task, visits, strict=True)),
+        "relative_shortfall": max(
+            v[1] / (f or largest) for (f, *_), v in zip(task, visits, strict=True)
+        ),
         "margin": min(spare(units, supply, point, levels, scheme) for point in task),
     }
 

@@ -84,8 +84,8 @@ def run(
     Where no design reaches every load case, the nearest is told, what it misses and what would
     reach it; the exit code is 3 then.
     """
-    from .designed import as_json as to_json
     from .designed import NONE_REACHES, folder_for, print_answer, write
+    from .designed import as_json as to_json
     from .startup import prepare
 
     folder = folder_for(out, task, as_json)
@@ -164,7 +164,7 @@ def _evolved(
     seed: int,
     checkpoint: str | None,
     extra: tuple[str, ...],
-    tell: Callable[[str], object],
+    tell: Callable[[str], None],
 ) -> Any:
     from ..design.genetic import evolve
 
@@ -176,7 +176,7 @@ def _evolved(
 
 
 @contextlib.contextmanager
-def _telling(designs: int) -> Iterator[Callable[[str], object]]:
+def _telling(designs: int) -> Iterator[Callable[[str], None]]:
     """What is being done, on a terminal's standard error."""
     from rich.console import Console
 

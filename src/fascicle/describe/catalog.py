@@ -190,13 +190,13 @@ def _product(section: ProductSection, length: float) -> Product:
     )  # fmt: skip
 
 
-def _sum(
-    fixed: Price | float | None, each: Price | float | None, length: float
-) -> float | None:
+def _sum(fixed: Price | float | None, each: Price | float | None, length: float) -> float | None:
     """What is fixed and what grows with the length [any unit], where either is known."""
     if fixed is None and each is None:
         return None
-    one, more = (0.0 if x is None else x.amount if isinstance(x, Price) else x for x in (fixed, each))
+    one, more = (
+        0.0 if x is None else x.amount if isinstance(x, Price) else x for x in (fixed, each)
+    )
     return one + more * length
 
 

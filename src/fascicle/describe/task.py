@@ -31,7 +31,7 @@ from .named import example, examples
 from .places import Place
 from .prices import Price
 from .problems import from_validation
-from .reading import load, parsed, text_of
+from .reading import load, parsed, provenance, text_of
 from .task_schema import (
     DesignSection,
     PricesSection,
@@ -132,7 +132,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
         if len(space.drawings) > 1:
             raise at.refuse((), "needs a space of one muscle, search each alone.")
         chance = _chance(file.scatter, file.design, at, folder)
-    notes = () if bought is None else bought.notes
+    notes = (*_errors(file.design, folder), *(() if bought is None else bought.notes))
     return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes)
 
 
@@ -146,7 +146,9 @@ def _task(section: TaskSection, place: Place) -> Task:
         with place.naming():
             made = example_task(section.example, supply)
             scheme = one_of(section.scheme or made.scheme, SCHEMES, "scheme")
-            return replace(made, scheme=scheme, fluid=one_of(section.fluid or "air", FLUIDS, "fluid"))
+            return replace(
+                made, scheme=scheme, fluid=one_of(section.fluid or "air", FLUIDS, "fluid")
+            )
     if "strain" in given and "stroke" in given:
         raise place.refuse(
             ("stroke",),
@@ -164,7 +166,7 @@ def _task(section: TaskSection, place: Place) -> Task:
             given[key] = given[key][0] if len(given[key]) == 1 else given[key]
     with place.naming():
         make = Task.in_time if "time" in given else Task.of
-        return make(supply_pressure=supply, **({"strain": None} | given))
+        return make(**({"strain": None, "supply_pressure": supply} | given))
 
 
 def _offer(section: DesignSection, place: Place, folder: Path) -> Offer | None:
@@ -266,6 +268,18 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
             law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
             found = eqx.tree_at(lambda m: m.buckling, found, law())
         return found
+
+
+def _errors(section: DesignSection, folder: Path) -> list[str]:
+    """What calibrated muscles are off by, which no margin counts."""
+    notes = []
+    for name in section.muscle:
+        told = provenance(folder / name).get("rmse") if name not in examples() else None
+        if isinstance(told, str):
+            notes.append(
+                f"{name} was fitted with an error of {told} (rmse): a margin doesn't count it."
+            )
+    return notes
 
 
 def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:

@@ -73,7 +73,7 @@ class Catalog:
         return designs.counts.sum(axis=1) * each[designs.kind]
 
     def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of each design's muscles and valves [-]; NaN where it isn't known. `designs` [-]."""
+        """Price of each design's muscles and valves [-], NaN if not known. `designs` [-]."""
         valve = np.nan if self.valve is None else self.valve
         return self.muscle_price(designs) + valve * designs.units
 

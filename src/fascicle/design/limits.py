@@ -1,10 +1,10 @@
 """Limits on objectives: the least and the largest that each may be."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float
+from jaxtyping import Bool, Float
 
 from .._checks import one_of
 from .objectives import OBJECTIVES
@@ -19,8 +19,8 @@ class Limit(NamedTuple):
     least: float = -np.inf
     most: float = np.inf
 
-    def holds(self, values: Float[ArrayLike, "*any"]) -> Bool[ArrayLike, "*any"]:
-        """Whether `values` [SI] are within, up to rounding; a NaN isn't."""
+    def holds(self, values: Any) -> Any:
+        """Whether `values` [SI], of any shape, are within, up to rounding; a NaN isn't."""
         return (values >= self.least - _hair(self.least)) & (values <= self.most + _hair(self.most))
 
     def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
@@ -56,5 +56,5 @@ def checked(senses: Mapping[str, str], limits: Limits) -> None:
             )
 
 
-def _hair(end: float | int) -> float:
+def _hair(end: Any) -> float:
     return _ROUNDING * max(1.0, abs(end)) if np.isfinite(end) else 0.0

@@ -6,9 +6,10 @@ lost among the others: with a tenth to miss, one of nine points is too many.
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float
+from jaxtyping import Bool, Float
 
 from .limits import Limit, Limits, Values, within_limits
 from .objectives import known
@@ -64,7 +65,7 @@ def others(limits: Limits) -> dict[str, Limit]:
 
 def enough(
     spare: Float[np.ndarray, "*any point"], weight: Float[np.ndarray, " point"], may_miss: float
-) -> Bool[ArrayLike, "*any"]:
+) -> Any:
     """Whether what is reached is enough.
 
     **Arguments:**

@@ -101,7 +101,7 @@ class Found:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Objectives that the user asked for [-], by a sense, a limit or by name; and the margin."""
+        """Objectives that were asked for [-], by a sense, a limit or by name; and the margin."""
         names = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra, "margin"]
         return tuple(dict.fromkeys(names))
 

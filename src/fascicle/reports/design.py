@@ -151,8 +151,8 @@ def _recommended(page: Page, found: Found, summary: Summary) -> None:
     _cases(page, summary)
     page.points(f"{name}: {text}" for name, text in facts(found, summary).items())
     page.paragraph(
-        "All of this holds for muscles as drawn; [scatter] in the task file tells how sure it is for"
-        " muscles as they come out.",
+        "All of this holds for muscles as drawn; [scatter] in the task file tells how sure it is"
+        " for muscles as they come out.",
         "note",
     )
     assert found.cheapest is not None
@@ -173,9 +173,7 @@ def _unreached(page: Page, none: Unreached) -> None:
 
 def _cases(page: Page, summary: Summary) -> None:
     rows, caption = case_rows(summary, _CASES)
-    marked = [
-        [*map(escape, row[:-1]), _mark(row[-1])] for row in rows
-    ]
+    marked = [[*map(escape, row[:-1]), _mark(row[-1])] for row in rows]
     page.table(HEADS, marked)
     page.paragraph(f"{caption[0].upper()}{caption[1:]}.", "note")
 

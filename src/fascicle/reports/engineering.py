@@ -83,7 +83,8 @@ def headline(found: Found, summary: Summary) -> list[str]:
     if many == 1 and every:
         return [
             first,
-            f"It is the only one of {found.judged} designs that can {demand(found)} within all limits.",
+            f"It is the only one of {found.judged} designs that can {demand(found)} within all"
+            " limits.",
         ]
     which = f"the {many} designs" if every else f"those of {found.judged} judged designs"
     return [
@@ -185,7 +186,9 @@ def _margin(summary: Summary) -> str:
         f" {pretty(largest, 'force')}, {spare / STANDARD_GRAVITY:.3g} kg more"
     )
     if np.isfinite(summary.load_factor):
-        text += f"; all loads could be {np.floor(1e3 * summary.load_factor) / 1e3:.4g} times as large"
+        text += (
+            f"; all loads could be {np.floor(1e3 * summary.load_factor) / 1e3:.4g} times as large"
+        )
     return text
 
 
@@ -208,7 +211,9 @@ def _fluid(summary: Summary) -> str:
     if cases.task.time is not None:
         cycle = "a cycle, once through all load cases and back to the first"
     else:
-        cycle = f"a cycle, from rest to a load case and back (mean by weight; {largest:.3g} at most)"
+        cycle = (
+            f"a cycle, from rest to a load case and back (mean by weight; {largest:.3g} at most)"
+        )
     if cases.task.fluid == "liquid":
         return f"{one:.3g} liters {cycle}"
     return f"{one:.3g} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"

@@ -47,8 +47,8 @@ class Unreached:
         reach = int(found.reaching.sum())
         if reach and all_kept:
             return (
-                f"{reach} of {found.judged} designs {demand(found)}, but none of them keeps all other"
-                " limits: none is recommended."
+                f"{reach} of {found.judged} designs {demand(found)}, but none of them keeps all"
+                " other limits: none is recommended."
             )
         rest = "" if all_kept or not others(found.limits) else " within the other limits"
         return (
@@ -78,8 +78,8 @@ class Unreached:
         strain = 100 * cases.task.strain_of(cases.length)[i]
         does = f"gives {pretty(gives, 'force')}" if gives > 0 else "only pushes"
         return (
-            f"The nearest is {which}. It misses {missed} of {len(cases.task)} load cases, worst case"
-            f" {i + 1} by {pretty(-float(cases.spare[i]), 'force')}{share}:"
+            f"The nearest is {which}. It misses {missed} of {len(cases.task)} load cases, worst"
+            f" case {i + 1} by {pretty(-float(cases.spare[i]), 'force')}{share}:"
             f" {pretty(asked, 'force')} at {strain:.3g} % contraction, where it {does}.{rest}"
         )
 
@@ -113,8 +113,8 @@ class Unreached:
         if self._too_far(one):
             at = f"at {top}" if one.what == "supply_pressure" else "at this pressure"
             return (
-                f"{what}: {none} does: {at} these muscles contract by {100 * one.contracts:.3g} % at"
-                f" most, case {one.worst + 1} asks for {100 * self._strain(one):.3g} %."
+                f"{what}: {none} does: {at} these muscles contract by {100 * one.contracts:.3g} %"
+                f" at most, case {one.worst + 1} asks for {100 * self._strain(one):.3g} %."
             )
         return (
             f"{what}: {none} up to {top} does: there case {one.worst + 1} still misses"

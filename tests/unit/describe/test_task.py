@@ -55,14 +55,16 @@ def test_a_stroke_instead_of_a_strain():
 
 def test_an_example_keeps_its_times_and_takes_a_scheme_and_a_fluid():
     text = 'format = 1\n[task]\nexample = "walking_ankle"\nsupply_pressure = "4 bar"\n'
-    text += 'scheme = "batch"\nfluid = "liquid"\n[design]\nmuscle = "kim2021_figure_6"\nmuscles = 2\n'
+    text += (
+        'scheme = "batch"\nfluid = "liquid"\n[design]\nmuscle = "kim2021_figure_6"\nmuscles = 2\n'
+    )
     task = loads_task(text).task
     assert (task.scheme, task.fluid, len(task.time)) == ("batch", "liquid", 23)
 
 
 def test_prices_in_one_currency():
     more = '[prices]\nvalve = "90 EUR"\nmuscle = "20 EUR"\nair = "0.02 EUR/m^3"\n'
-    catalog = loads_task(PLAIN + "muscles = 2\ndensity = \"1.1 g/cm^3\"\n" + more).catalog
+    catalog = loads_task(PLAIN + 'muscles = 2\ndensity = "1.1 g/cm^3"\n' + more).catalog
     assert (catalog.valve, catalog.muscle, catalog.air) == (90.0, 20.0, 0.02)
     assert (catalog.energy, catalog.currency, catalog.density) == (None, "EUR", 1100.0)
 
@@ -115,12 +117,16 @@ def test_what_a_task_file_can_not_say(more, message):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("strain =", 'stroke = "25 mm"\nstrain =', "task.stroke = \"25 mm\": `strain` is there too"),
+        ("strain =", 'stroke = "25 mm"\nstrain =', 'task.stroke = "25 mm": `strain` is there too'),
         ('strain = [0.16, "5 %"]\n', "", "task.strain: missing, write strain = […] (or stroke"),
         ('strain = [0.16, "5 %"]', 'stroke = "25"', "write it with its unit"),
         ('strain = [0.16, "5 %"]', 'stroke = "-2 mm"', "`stroke` must lie in [0, 10] m"),
         ('strain = [0.16, "5 %"]', 'stroke = "0 mm"', "this task does no work"),
-        ('strain = [0.16, "5 %"]', 'stroke = ["2 mm", "3 mm", "4 mm"]', "`stroke` and `weight` must"),
+        (
+            'strain = [0.16, "5 %"]',
+            'stroke = ["2 mm", "3 mm", "4 mm"]',
+            "`stroke` and `weight` must",
+        ),
         ('scheme = "batch"', 'fluid = "aire"', "did you mean 'air'?"),
     ],
 )
@@ -130,6 +136,15 @@ def test_what_can_not_be_demanded(old, new, message):
         loads_task(PLAIN.replace(old, new, 1) + "muscles = 2\n", "t.toml")
     line = str(refused.value)
     assert line.startswith("t.toml: ") and message in line and "\n" not in line
+
+
+def test_what_a_calibration_is_off_by_is_noted(tmp_path):
+    muscle = fs.example("kim2021_slenderness_10")
+    fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
+    text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"
+    (tmp_path / "task.toml").write_text(text)
+    (note,) = load_task(tmp_path / "task.toml").notes
+    assert note.startswith("fitted.toml was fitted with an error of 12.5 N (rmse)")
 
 
 def test_constants_are_drawn_from_the_calibration(tmp_path):

@@ -25,7 +25,9 @@ def test_the_margin_is_the_one_that_designs_are_judged_by(designs, scheme):
     for place in range(2):
         found = cases(designs, place, task)
         assert_allclose(found.spare.min(), judged["margin"][place], rtol=1e-9)
-        assert_allclose(-found.relative[found.worst], judged["relative_shortfall"][place], rtol=1e-9)
+        assert_allclose(
+            -found.relative[found.worst], judged["relative_shortfall"][place], rtol=1e-9
+        )
         assert found.reached.tolist() == [True, True, True, False]
         assert found.tightest == 3 and found.worst == 3
 

@@ -41,7 +41,9 @@ def test_without_prices_valves_count_first_then_muscles(found):
 
 
 def test_the_price_decides_where_all_of_it_is_known(found):
-    dear = Catalog({"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR", 5.0)
+    dear = Catalog(
+        {"small": Product("s", price=50.0), "large": Product("l", price=9.0)}, "EUR", 5.0
+    )
     assert told(found, dear) == ("large", "2")
     assert meaning(dear, found.space.drawings).startswith("lowest price of muscles and valves")
     prices = dear.price(found.all_designs(np.arange(12)))

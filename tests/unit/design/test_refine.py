@@ -54,9 +54,7 @@ def test_what_can_not_be_reached_is_no_result(muscle):
     )
     assert after[0] < before[0]
     # half of the points may be missed, and half of the weight
-    _, cost = refined(
-        designs, 0, task, "mean_energy", bounds, steps=2, starts=2, may_miss=0.5
-    )
+    _, cost = refined(designs, 0, task, "mean_energy", bounds, steps=2, starts=2, may_miss=0.5)
     assert np.isfinite(cost[0])
 
 

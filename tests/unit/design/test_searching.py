@@ -120,7 +120,7 @@ def test_a_stroke_is_another_strain_for_each_length(muscle):
 
 @pytest.mark.parametrize("force", [0.0, 50.0])
 def test_no_muscle_contracts_so_far(muscle, force):
-    """At half its length a muscle of 33° pushes, whatever the pressure; with nothing to pull too."""
+    """At half its length a muscle of 33° pushes, whatever the pressure, with no load too."""
     task = Task.of([10.0, force], [0.1, 0.5], 413.7e3, [1.0, 1e-6])
     found = search(Space({"m": muscle}, (5,)), task, SENSES)
     assert found.recommended is None
