@@ -308,7 +308,8 @@ def _limits(given: Mapping[str, Mapping[str, Any]], place: Place) -> dict[str, L
                 raise place.refuse((name, key), str(error)) from None
         if not ends:
             raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
-        if name in SHARES and not all(0 <= end <= 1 for end in ends.values()):
-            raise place.refuse((name,), 'a share of the task: must lie in [0, 1], as "10 %" does.')
+        if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
+            rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
+            raise place.refuse((name,), f"{rule} Something must be reached.")
         limits[name] = Limit(**ends)
     return limits

@@ -25,7 +25,7 @@ from .reach import enough, others
 from .task import Task
 
 
-_LARGER = 10.0  # times the radius, and the length: beyond, it is another machine
+_LONGEST, _WIDEST = 10.0, 0.25  # m; some three times what has been built
 _MOST_MUSCLES = 1000  # of a bundle
 _GRID = 33
 _PRECISION = 1e-6  # of a pressure or a size
@@ -102,15 +102,15 @@ def remedies(
         return longer.largest(supply, asked.strain(value), task.scheme)
 
     number = np.geomspace(held + last, max(_MOST_MUSCLES, held + last), _GRID).round()
-    larger = np.geomspace(1.0, _LARGER, _GRID)
     tried: list[tuple[str, Forces, Float[np.ndarray, " grid"]]] = [
         ("supply_pressure", by_pressure, np.linspace(supply, max(supply, top), _GRID)),
         ("muscles", by_number, np.unique(number)),
     ]
     if product is None:
-        tried.append(("radius", by_radius, radius * larger))
+        tried.append(("radius", by_radius, np.geomspace(radius, max(radius, _WIDEST), _GRID)))
     if task.stroke is not None:
-        tried.append(("length", by_length, bench.length * larger))
+        longest = max(bench.length, _LONGEST)
+        tried.append(("length", by_length, np.geomspace(bench.length, longest, _GRID)))
     found = []
     for what, forces, grid in tried:
         one = _solved(what, forces, grid, asked)

@@ -61,10 +61,10 @@ def report(
     else:
         _recommended(page, found, answered)
     took = "" if seconds is None else f" in {seconds:.1f} s"
-    page.paragraph(
-        f"{found.judged} designs were judged at {len(task)} points of the task{took};"
-        f" {_kept(found)}{len(found.front)} are bettered by no other."
-    )
+    kept = "."
+    if found.cheapest is not None:
+        kept = f"; {_kept(found)}{len(found.front)} are bettered by no other."
+    page.paragraph(f"{found.judged} designs were judged at {len(task)} load cases{took}{kept}")
     origin = task.source or "not said"
     page.paragraph(
         f"The task's figures: {origin}. Supply {pretty(task.supply_pressure, 'pressure')},"

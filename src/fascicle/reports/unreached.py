@@ -112,9 +112,11 @@ class Unreached:
         none = "no number" if one.what == "muscles" else "none"
         if self._too_far(one):
             at = f"at {top}" if one.what == "supply_pressure" else "at this pressure"
+            upto = f" up to {top}" if one.what == "length" else ""
             return (
-                f"{what}: {none} does: {at} these muscles contract by {100 * one.contracts:.3g} %"
-                f" at most, case {one.worst + 1} asks for {100 * self._strain(one):.3g} %."
+                f"{what}: {none}{upto} does: {at} these muscles contract by"
+                f" {100 * one.contracts:.3g} % at most, case {one.worst + 1} asks for"
+                f" {100 * self._strain(one):.3g} %."
             )
         return (
             f"{what}: {none} up to {top} does: there case {one.worst + 1} still misses"

@@ -99,7 +99,11 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2\n[limits]\nvalves = {}\n", "empty: write { at_most"),
         ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
-        ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1], as "10 %" does'),
+        ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),
+        (
+            'muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n',
+            "Something must be reached",
+        ),
         ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "nothing can be both"),
         ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
         ('muscles = 2\ndensity = "1 g/m^3"\n', "must lie in [1, 30000] kg/m^3"),
