@@ -181,7 +181,7 @@ def test_one_design_reaches_the_task(fascicle, written):
     assert code == 3 and re.search(r"\nlength: \d+(\.\d+)? mm instead of 127 mm", out)
 
 
-def test_a_catalogs_product_is_named(fascicle, written):
+def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     written.write_text(
         TASK.replace(
             'length = ["110 mm", "127 mm"]', 'length = "200 mm"\ncatalog = "festo_dmsp"'
@@ -192,6 +192,9 @@ def test_a_catalogs_product_is_named(fascicle, written):
     assert "note: of DMSP-10, DMSP-20, DMSP-40 wall, braid angle, rubber and laws are taken" in out
     assert "Take 1 muscle in 1 motor unit, DMSP-20, L₀ 200 mm" in out
     assert "\nproduct: 1 × DMSP-20, 200 mm; figures: ThomasNet News" in out
+    front = results.read(tmp_path / "designed-task" / "front.nc")
+    assert "wall, braid angle, rubber and laws are taken" in front.attrs["notes"]
+    assert front.drawing[front.recommended.values.argmax()].item() == "DMSP-20, 200 mm"
 
 
 @pytest.mark.parametrize("example", ["pick_and_place_arm", "sit_to_stand_knee", "walking_ankle"])

@@ -118,7 +118,7 @@ def run(
         with refusing("--out "):
             written = write(found, folder, today, seconds, sure, file.notes, answered)
     if as_json:
-        print(to_json(found, answered, sure))
+        print(to_json(found, answered, sure, file.notes))
         return 0 if found.recommended is not None else NONE_REACHES
     code = print_answer(found, answered, file.notes)
     if sure is not None and found.recommended is not None:

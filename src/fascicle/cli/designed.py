@@ -66,17 +66,14 @@ def print_answer(
 
     for note in notes:
         print(f"note: {note}")
+    none = answered if isinstance(answered, Unreached) else None
     summary = answered.summary if isinstance(answered, Unreached) else answered
-    told = answered.lines() if isinstance(answered, Unreached) else headline(found, answered)
-    if not isinstance(answered, Unreached):
-        for line in told:
-            print(line)
+    if none is None:
+        print("\n".join(headline(found, summary)))
     rows, caption = case_rows(summary, _CASES)
     show(f"Load cases, {called(summary)}", list(HEADS), rows, caption)
-    if isinstance(answered, Unreached):
-        # last, where it is read
-        for line in told:
-            print(line)
+    if none is not None:
+        print("\n".join(none.lines()))  # last, where it is read
         return NONE_REACHES
     for name, text in facts(found, summary).items():
         print(f"{name}: {text}")
@@ -166,6 +163,7 @@ def write(
         data["front.nc"] = front_variables(found, sure) | case_variables(answered)
     files = [*data, *bundles]
     page = report(found, date, files, seconds, sure, notes, answered)
+    about = {"notes": " ".join(notes)} if notes else {}
 
     def fill(draft: Path) -> None:
         draft.mkdir()
@@ -173,14 +171,20 @@ def write(
         for name, text in bundles.items():
             (draft / name).write_text(text, encoding="utf-8")
         for name, variables in data.items():
-            made = dataset(variables, title=f"Designs for {found.task.name}", source=SOURCE)
+            title = f"Designs for {found.task.name}"
+            made = dataset(variables, title=title, source=SOURCE, **about)
             made.to_netcdf(draft / name, engine="netcdf4")
 
     write_whole(folder, fill, folder=True)
     return [str(folder / name) for name in ("report.html", *files)]
 
 
-def as_json(found: "Found", answered: "Summary | Unreached", sure: "Spread | None") -> str:
+def as_json(
+    found: "Found",
+    answered: "Summary | Unreached",
+    sure: "Spread | None",
+    notes: tuple[str, ...] = (),
+) -> str:
     """What was found as JSON.
 
     **Arguments:**
@@ -188,6 +192,7 @@ def as_json(found: "Found", answered: "Summary | Unreached", sure: "Spread | Non
     - `found`: by a search [-].
     - `answered`: what the reports' `answer` says of it [-].
     - `sure`: how the front's designs come out [-], if that was asked.
+    - `notes`: on what the search left out [-].
 
     **Returns:** the text [-]: the front and the recommended design, or what is told of the nearest.
     """
@@ -197,14 +202,17 @@ def as_json(found: "Found", answered: "Summary | Unreached", sure: "Spread | Non
     from ..describe.results import to_json
     from ..reports.unreached import Unreached
 
-    if not isinstance(answered, Unreached):
-        variables = front_variables(found, sure) | case_variables(answered)
-        return json.dumps({"reached": True} | json.loads(to_json(variables)))
-    nearest = design_variables(answered.design) | case_variables(answered.summary)
+    none = answered if isinstance(answered, Unreached) else None
+    summary = answered.summary if isinstance(answered, Unreached) else answered
+    about = {"reached": bool(summary.cases.reached.all()), "notes": list(notes)}
+    if none is None:
+        variables = front_variables(found, sure) | case_variables(summary)
+        return json.dumps(about | json.loads(to_json(variables)), ensure_ascii=False)
+    nearest = design_variables(none.design) | case_variables(summary)
     remedies = [
         {"change": one.what, "now": one.now, "value": one.value, "looked_up_to": one.most,
          "breaks": dict(one.breaks)}
-        for one in answered.ways
+        for one in none.ways
     ]  # fmt: skip
-    told = {"reached": False, "nearest": json.loads(to_json(nearest)), "would_reach": remedies}
-    return json.dumps(told | {"told": answered.lines()}, ensure_ascii=False)
+    about |= {"nearest": json.loads(to_json(nearest)), "would_reach": remedies}
+    return json.dumps(about | {"told": none.lines()}, ensure_ascii=False)

@@ -115,7 +115,8 @@ def _front(store: Any, file: Any, folder: Path) -> int:
     if not isinstance(answered, Unreached):
         title = f"Front of designs for {file.task.name}"
         variables = front_variables(found) | case_variables(answered)
-        write(variables, folder / "front.nc", title=title, source=SOURCE)
+        about = {"notes": " ".join(file.notes)} if file.notes else {}
+        write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
     return print_answer(found, answered, file.notes)
 
 

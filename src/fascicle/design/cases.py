@@ -16,6 +16,7 @@ takes in what its content rises by.
 20 °C too, the atmosphere at 100 kPa. **Assumes** no dead volume in tubes and valves, and no leaks.
 """
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -106,6 +107,8 @@ def cases(designs: Designs, place: int, task: Task) -> Cases:
     **Returns:** the load cases [-].
     """
     bench = Bench.of(designs, place)
+    for muscle in bench.muscles:
+        muscle.tuning.warn_beyond(task.supply_pressure)
     strain = task.strain_of(bench.length)
     parts = [
         bench.states(task.supply_pressure, np.minimum(strain[rows], LARGEST_STRAIN), task.scheme)
@@ -131,6 +134,7 @@ def cases(designs: Designs, place: int, task: Task) -> Cases:
 class Bench:
     """A design whose forces are looked at: its unlike `muscles`, which of them is each unit's
     (`which`), the units' `counts`, and the throttled pressures over the supply's, `level` [-].
+    Pressures beyond what a muscle's tuning was measured at are tried without a word.
     """
 
     muscles: tuple[Muscle, ...]
@@ -166,8 +170,22 @@ class Bench:
         # filled up: as many points in every call
         padded = np.append(strain, np.full(_BLOCK - len(strain), strain[-1]))
         pressure = np.minimum(self.level * supply, supply)[:, None]
-        each = [np.asarray(m.force(pressure, padded))[:, : len(strain)] for m in self.muscles]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            each = [np.asarray(m.force(pressure, padded))[:, : len(strain)] for m in self.muscles]
         return np.stack(each, axis=-1)[..., self.which]
+
+    def contracts(self, supply: float) -> float:
+        """The largest free strain of its muscles [-] at the `supply` [Pa]."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            return max(float(m.free_strain(supply)) for m in self.muscles)
+
+    @property
+    def measured(self) -> float:
+        """The pressure that all its muscles' tuning was measured up to [Pa]; infinite without."""
+        rows = [np.asarray(m.tuning.pressures) for m in self.muscles if m.tuning.pressures.size > 1]
+        return min((float(row.max()) for row in rows), default=np.inf)
 
     def states(
         self, supply: float, strain: Points, scheme: str

@@ -42,7 +42,7 @@ class Remedy:
     `most`: the largest that was looked at, which at the `worst` point is still `short` by so much
     [N], so that it gives `largest` there [N]. `contracts`: the largest free strain of the muscles,
     at that pressure [-]. `breaks`: limits that the changed design breaks, by name, and the value
-    it has then [SI].
+    it has then [SI]; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
     """
 
     what: str
@@ -54,6 +54,7 @@ class Remedy:
     largest: float = 0.0
     contracts: float = 0.0
     breaks: tuple[tuple[str, float], ...] = ()
+    measured: float = np.inf
 
 
 def remedies(
@@ -116,8 +117,8 @@ def remedies(
         one = _solved(what, forces, grid, asked)
         if one.value is None:
             at = one.most if what == "supply_pressure" else supply
-            contracts = max(float(m.free_strain(at)) for m in bench.muscles)
-            one = replace(one, contracts=contracts)
+            one = replace(one, contracts=bench.contracts(at))
+        one = replace(one, measured=bench.measured)
         found.append(_checked(one, designs, place, task, limits))
     return found
 

@@ -131,6 +131,8 @@ class Unreached:
             return f"{one.value:.0f} of this size instead of {one.now:.0f} ({units})"
         kind = _DIMENSIONS[one.what]
         text = f"{_up(one.value, kind)} instead of {pretty(one.now, kind)}"
+        if one.what == "supply_pressure" and one.value > one.measured:
+            text += f", beyond the {pretty(one.measured, kind)} that the tuning was measured up to"
         return f"{text}, walls in proportion" if one.what == "radius" else text
 
     def _broken(self, one: Remedy) -> str:

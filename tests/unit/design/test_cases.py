@@ -95,6 +95,24 @@ def test_more_points_than_one_call_takes(designs):
         assert_allclose(cases(designs, 1, alone).spare[0], found.spare[i] - 1.0, atol=1e-9)
 
 
+def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
+    import fascicle as fs
+    from fascicle.design.reach import demanding
+    from fascicle.design.remedies import remedies
+
+    tuned = fs.Muscle(
+        muscle.length, muscle.outer_radius, muscle.wall_thickness, muscle.braid_angle,
+        muscle.material, tuning=fs.Tuning([100e3, 200e3], [1.5, 2.0], [0.95, 0.97]),
+    )  # fmt: skip
+    task = Task.of([100.0], [0.08], SUPPLY)
+    with pytest.warns(UserWarning, match="measured up to 200 kPa") as told:
+        cases(Designs.of(tuned, [(1,)]), 0, task)
+    assert len(told) == 1
+    # warnings are errors here
+    first, *_ = remedies(Designs.of(tuned, [(1,)]), 0, task, 0.0, demanding(None))
+    assert first.value is not None and first.measured == 200e3
+
+
 def test_a_stroke_longer_than_the_bundle(designs):
     task = Task.of([0.0, 10.0], None, SUPPLY, stroke=[0.2, 0.01])
     found = cases(designs, 0, task)
