@@ -11,7 +11,7 @@ import typer
 
 from .options import Replace
 from .outputs import say
-from .problems import INCOMPLETE, StoppedError, UserError, refusing
+from .problems import StoppedError, UserError, refusing
 
 
 StudyFile = Annotated[
@@ -59,7 +59,7 @@ def run(
     scheduler: Scheduler = None,
     workers: Workers = None,
     overwrite: Replace = False,
-) -> None:
+) -> int:
     """Judge every design of a study, block by block, into a folder with a zarr store."""
     from importlib.util import find_spec
 
@@ -91,13 +91,11 @@ def run(
         call = partial(sweep, made, folder, client, resume, watch)
         store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
     say(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
-    if len(made.space) <= _FRONT:
-        with refusing():
-            found = _front(store, file, folder, overwrite)
-        if not found.front.size:
-            raise typer.Exit(INCOMPLETE)
-    else:
-        print(f"more than {_FRONT} designs: their front is left for you to look for")
+    if len(made.space) > _FRONT:
+        print(f"of more than {_FRONT} designs none is recommended, nor is a front looked for")
+        return 0
+    with refusing():
+        return _front(store, file, folder, overwrite)
 
 
 def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
@@ -116,25 +114,30 @@ def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
         ) from None
 
 
-def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> Any:
-    """The front of all designs, printed, and in a file."""
+def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
+    """Print and write which design to take and the front; gives the exit code."""
     import numpy as np
 
-    from ..describe.designed import front_variables
+    from ..describe.designed import case_variables, front_variables
     from ..describe.ours import replacing
     from ..describe.results import write
     from ..design.searching import concluded
-    from .designed import print_front
+    from ..reports.unreached import Unreached, answer
+    from .designed import print_answer
     from .outputs import SOURCE
 
-    index = np.arange(len(file.space))
-    found = concluded(file.space, file.task, file.senses, file.limits, index, store.all())
-    if found.front.size:
+    index, values = np.arange(len(file.space)), store.all()
+    found = concluded(
+        file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
+    )
+    answered = answer(found)
+    if not isinstance(answered, Unreached):
         title = f"Front of designs for {file.task.name}"
+        variables = front_variables(found) | case_variables(answered)
+        about = {"notes": " ".join(file.notes)} if file.notes else {}
         with replacing(folder / "front.nc", overwrite):
-            write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
-    print_front(found)
-    return found
+            write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
+    return print_answer(found, answered, file.notes)
 
 
 @contextlib.contextmanager

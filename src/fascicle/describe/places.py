@@ -32,6 +32,8 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "motor_unit": {},
     "task": {},
     "design": {"drawings": ("muscle",), "most_units": ()},
+    "catalog": {"catalog": ()},
+    "prices": {},
     "objectives": {"objectives": ()},
     "limits": {"objectives": ()},
 }

@@ -116,6 +116,11 @@ class Space:
         sizes = (length, radius * scale[shape], ratio, angle)
         return of_sizes(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
 
+    def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
+        """Which of the drawings designs are of [-], by their `index` [-]; -1 is of the first."""
+        each = len(self) // len(self.drawings)
+        return np.maximum(index, 0) // each
+
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
     ) -> Float[np.ndarray, " design"]:

@@ -169,8 +169,9 @@ def efficiency(view: View) -> Export:
     """The efficiency maps of the bundle of a `view` [-], with resistance and without."""
     made = view.bundle
     found = efficiency_map(made, path=view.path)
-    points = {"force": found.force, "strain": found.strain}
-    free = efficiency_map(made, path=view.path, resistance=False, **points)
+    free = efficiency_map(
+        made, path=view.path, resistance=False, force=found.force, strain=found.strain
+    )
     grid = ("force", "strain")
     variables = {
         "force": Variable(("force",), found.force, "N"),

@@ -137,6 +137,31 @@ def test_a_made_up_checkpoint_is_refused(space, task, tmp_path, checkpoint, name
         gone_on(space, task, tmp_path / "kept")
 
 
+def test_all_is_reached_unless_it_is_said(space, task, evolved):
+    """The task's last point is beyond all of them: the nearest is told, and nothing else."""
+    found = evolve(space, task, SENSES, None, 32, 6, seed=1, continuous=False)
+    assert found.recommended is None and not found.front.size and found.nearest == 0
+    assert found.judged == 6 * 32 and len(found.index) == 1
+    miss = found.values["relative_shortfall"][0]
+    exhaustive = search(space, task, SENSES)
+    least = exhaustive.values["relative_shortfall"].min()
+    # a design at random is 0.05 to 0.4 worse than the nearest of all
+    assert least - 1e-9 <= miss <= least + 0.02
+    # half of the task may be missed: all designs of its front reach as much
+    assert np.all(evolved.values["points_not_reached"] <= 0.5)
+
+
+def test_the_search_leads_to_what_reaches(muscle):
+    """A peak that one in forty of the space's designs reaches, and that counts a millionth."""
+    space = Space({"m": muscle}, (2, 3, 4, 5), radius=(4e-3, 9e-3), length=(0.11, 0.15))
+    peak = Task.of([60.0, 1450.0], [0.1, 0.03], 413.7e3, [1.0, 1e-6])
+    found = evolve(space, peak, SENSES, None, 32, 12, seed=3)
+    assert found.recommended is not None
+    assert np.all(found.values["margin"][found.allowed] >= -1e-9)
+    # the cheapest is kept though fewer muscles are no objective
+    assert found.designs.units[found.recommended] == 1
+
+
 def test_every_genome_is_a_design_of_the_space(space):
     rng = np.random.default_rng(0)
     coding = Coding(space, continuous=True)
