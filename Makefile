@@ -20,11 +20,12 @@ $(STAMP): requirements.lock pyproject.toml
 	touch $@
 
 reproduce: $(STAMP)
-	$(BIN)/fascicle reproduce kim2021 --out out/kim2021
+	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --force
 
-# the README shows the reproduction's own Fig. 9, and the explorer at work
+# the README and the docs show the reproduction's own Fig. 9 and claims, and the explorer at work
 picture: reproduce browser
 	cp out/kim2021/figure_09.png docs/_static/readme.png
+	cp out/kim2021/claims.json docs/_static/claims.json
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 
 test: lint types layers unit docs

@@ -14,10 +14,13 @@ install_import_hook("fascicle", "beartype.beartype")
 
 
 def pytest_configure(config):
-    """Compiling is most of the time: workers share it, and the next run finds it."""
+    """Compiling is most of the time: workers share it, and the next run finds it. What commands
+    remember of files that they wrote isn't the user's own.
+    """
     folder = config.rootpath / ".pytest_cache" / "compiled"
     folder.mkdir(parents=True, exist_ok=True)
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
+    os.environ["XDG_STATE_HOME"] = str(folder.parent / "state")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
 
 

@@ -56,6 +56,8 @@ _INVERSE = {f"1/{unit}": 1 / factor for unit, factor in _PRESSURE.items()}
 _MOMENT = {f"{f}*{d}": _FORCE[f] * _LENGTH[d] for f in _FORCE for d in ("m", "mm", "in")}
 _STIFFNESS = {f"{f}/{d}": _FORCE[f] / _LENGTH[d] for f in _FORCE for d in _LENGTH}
 _VOLUME = {f"{d}^3": factor**3 for d, factor in _LENGTH.items()}
+_MASS = {"kg": Fraction(1), "g": Fraction("1e-3"), "lb": Fraction("0.45359237")}
+_DENSITY = {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000)}
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH),
@@ -71,13 +73,18 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS)),
     "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
                         _table(**_VOLUME, L="1e-3", mL="1e-6")),
+    "mass": Dimension("a mass", "kg", "kg", ("g", "kg"), _table(**_MASS)),
+    "linear_density": Dimension("a mass per length", "kg/m", "g/m", ("g/m", "kg/m"),
+                                _table(**{f"{m}/m": factor for m, factor in _MASS.items()})),
+    "density": Dimension("a density", "kg/m^3", "kg/m^3", ("kg/m^3",), _table(**_DENSITY)),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
     "number": Dimension("a number", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
 })  # fmt: skip
 
 _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure": "34.5 kPa",
              "inverse_pressure": "0.92 1/bar", "moment": "0.03 N*m", "energy": "1.5 J",
-             "time": "0.2 s", "stiffness": "5 N/mm", "volume": "12 cm^3", "strain": "0.12",
+             "time": "0.2 s", "stiffness": "5 N/mm", "volume": "12 cm^3", "mass": "58 g",
+             "linear_density": "94 g/m", "density": "1100 kg/m^3", "strain": "0.12",
              "number": "1.25"}  # fmt: skip
 
 _QUANTITY = re.compile(

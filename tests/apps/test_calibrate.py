@@ -74,7 +74,17 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
         for name in ("fit", "profiles", "readings", "residuals")
         for kind in ("png", "svg")
     }
-    assert set(names) == {"muscle.toml", "report.html"} | pictures
+    assert set(names) == {"muscle.toml", "report.html", ".fascicle.json"} | pictures
+
+
+def test_a_muscle_that_was_edited_is_kept(ran, refused, folder):
+    path = folder / "calibrated-d/muscle.toml"
+    written = path.read_text(encoding="utf-8")
+    path.write_text("# better by hand\n" + written, encoding="utf-8")
+    err = refused(folder / "d.csv", "--muscle", TEN, "--out", folder / "calibrated-d")
+    assert "muscle.toml, which was changed since" in err and "--force" in err
+    assert path.read_text(encoding="utf-8").startswith("# better by hand")
+    path.write_text(written, encoding="utf-8")
 
 
 def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):

@@ -16,7 +16,7 @@ from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.cli.startup import cache_folder
 from fascicle.describe import example, example_text, examples, load
 from fascicle.energetics.efficiency import efficiency_map
-from fascicle.reproduce import Claim
+from fascicle.reproduce.claims import Claim, Criterion
 
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
@@ -189,7 +189,13 @@ def test_space(fascicle, tmp_path):
 
 def test_efficiency(fascicle, tmp_path):
     command = ["efficiency", PAIR, "--force", "20N,100N,5kN", "--strain", "0.1"]
-    found = json.loads(answer(fascicle, *command, "--json"))
+    code, out, err = fascicle(*command, "--json")
+    assert code == 3
+    assert err == (
+        "not all points are reached (66.7 % isobaric, 66.7 % isotonic): the others have no"
+        " efficiency.\n"
+    )
+    found = json.loads(out)
     assert found["path"] == ["isobaric", "isotonic"]
     for path, grid, average in zip(
         found["path"], found["efficiency"], found["average"], strict=True
@@ -199,7 +205,8 @@ def test_efficiency(fascicle, tmp_path):
         assert grid[2] == [None]  # 5 kN is out of reach
         assert average == pytest.approx(expected.average, rel=1e-12)
     assert found["reached"] == [2 / 3, 2 / 3]
-    out = answer(fascicle, *command, "--plot", "e.png")
+    code, out, _ = fascicle(*command, "--plot", "e.png")
+    assert code == 3
     assert (tmp_path / "e.png").read_bytes().startswith(b"\x89PNG")
     for words in ("isobaric", "isotonic", f"{found['average'][0]:.4f}", "67 %"):
         assert words in out
@@ -314,16 +321,28 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
     def run(folder, progress):
         progress(0, 1, "Fig. 6")
         (folder / "report.html").write_text("a report")
+        number = Criterion("strain left", 0.0674, "<", 0.1 if verdict else 0.05)
+        chosen = Criterion("free strain", 0.2403, "=", 0.24, tolerance=0.005, ours="two digits")
+        far = Criterion("times", 1.0, ">", 2.0)
         return [
-            Claim("Fig. 6", "it collapses", "at 0.067", holds=verdict, must_hold=True),
-            Claim("Sec. 4", "it never does", "it does", holds=False, why="its own sizes"),
-        ]
+            Claim("a", "Fig. 6", "prediction", "it collapses", "it folds", (number,), "at 0.067"),
+            Claim("b", "Sec. 4", "prediction", "it never does", "no", (far,), "it does",
+                  why="its own sizes"),
+            Claim("c", "Sec. 5", "input", "it is 0.24", "0.24", (chosen,), "0.2403",
+                  chosen="a constant"),
+        ]  # fmt: skip
 
     monkeypatch.setattr("fascicle.reproduce.kim2021.run", run, raising=False)
     code, out, err = fascicle("reproduce", "kim2021", "--out", "made")
     assert (code, err) == (0 if verdict else 1, "")
-    for words in ("Fig. 6", "holds" if verdict else "fails", "differs", "its own sizes"):
+    for words in ("Fig. 6", "holds" if verdict else "fails", "differs", "its own sizes", "chosen",
+                  "“it folds”", "must be >", "Predictions: ", "Inputs: ", "limit)"):  # fmt: skip
         assert words in out
-    assert out.endswith("report: made/report.html\n")
-    assert "2 claims: " in out
+    assert "Definitions" not in out
+    assert out.endswith("claims: made/claims.json\nreport: made/report.html\n")
+    count = (
+        "1 of 2 predictions hold, 1 differs" if verdict else "0 of 2 predictions hold, 1 differs, "
+    )
+    assert count in out
+    assert "1 input was chosen to meet the paper's words.\n" in out
     assert (tmp_path / "made" / "report.html").read_text() == "a report"

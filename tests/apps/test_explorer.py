@@ -26,7 +26,8 @@ pytestmark = [
     # the server's own process, and the browser's, end after their sockets
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
 ]
-READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
+READY = """window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle
+  && Bokeh.documents[0].get_model_by_name('explorer')"""
 SOURCE = """name => {
   const model = Bokeh.documents[0].get_model_by_name(name);
   if (!model) return null;
@@ -282,7 +283,7 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
     np.testing.assert_allclose(shown["ys"][0], one.resisted, atol=1e-9)
     assert source(page, "turns")["y"] == pytest.approx([one.turn.free_strain])
     page = visit("?muscle=kim2021_bundle_1_1&tab=efficiency&path=isotonic")
-    page.wait_for_function(f"({SOURCE})('efficiency').image.length > 0")
+    source(page, "efficiency")
     means = source(page, "average_true")["y"]
     assert len(means) == 5
     assert means == sorted(means)
@@ -312,6 +313,59 @@ def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
     assert float(found.blocked_force(P[-1])) == pytest.approx(float(force[-1, 0]), rel=0.02)
     page.get_by_role("button", name="Use the tuned muscle").click()
     page.get_by_text("tuned muscle", exact=True).first.wait_for()
+
+
+def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
+    from fascicle.explorer.address import pack
+
+    page = visit(f"?file={pack('a.' * 15_000 + 'a = 1')}&strain=0.2")
+    assert "nested too deep" in page.get_by_role("alert").first.inner_text()
+    assert source(page, "here")["x"] == [0.2]
+
+
+def test_a_name_is_shown_with_every_sign(visit):
+    from fascicle.explorer.address import pack
+
+    page = visit(f"?file={pack(dumps(MUSCLE))}&name=%3Cb%3Ea%E2%80%AEb%3C/b%3E")
+    page.get_by_text("<b>a\\u202eb</b>", exact=True).wait_for()
+
+
+def test_a_file_that_is_too_large_to_send_is_refused_in_the_browser(visit, tmp_path):
+    (tmp_path / "large.csv").write_bytes(b"1" * 20_000_000)
+    page = visit("?tab=data")
+    page.locator("input[type=file]").last.set_input_files(tmp_path / "large.csv")
+    page.get_by_text("large.csv: a file may have 5000000 bytes here, got 20000000").wait_for()
+    # the page still follows: its connection would have been lost
+    page.get_by_text("Muscle", exact=True).first.click()
+    assert len(source(page, "chosen")["force"]) > 0
+
+
+def test_a_page_whose_server_is_gone_says_so(browser):
+    with serving("kim2021_figure_6") as (url, process, _):
+        page = browser.new_page()
+        page.goto(url)
+        page.wait_for_function(READY, timeout=SLOW)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+        page.get_by_text("The connection to fascicle is lost").wait_for(timeout=SLOW)
+        page.close()
+
+
+def test_a_fit_that_runs_does_not_keep_ctrl_c_waiting(browser, tmp_path):
+    tuned = fs.example("kim2021_slenderness_10")
+    strain = np.linspace(0, 0.2, 24)
+    record = records.Record.of(2e5, strain, np.asarray(tuned.force(2e5, strain)), synthetic=True)
+    records.write(record, tmp_path / "d.csv")
+    with serving("kim2021_slenderness_10") as (url, process, _):
+        page = browser.new_page()
+        page.goto(f"{url}?tab=data")
+        page.wait_for_function(READY, timeout=SLOW)
+        page.locator("input[type=file]").last.set_input_files(tmp_path / "d.csv")
+        page.get_by_role("button", name="Calibrate the muscle").click()
+        page.get_by_text("fitting").first.wait_for(timeout=SLOW)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(5) == 0
+        page.close()
 
 
 def test_the_dark_page_is_dark(visit):

@@ -2,11 +2,13 @@
 
 import contextlib
 import io
+import json
 import re
 from pathlib import Path
 
 
 README = Path(__file__).parents[2] / "README.md"
+CLAIMS = README.parent / "docs" / "_static" / "claims.json"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -22,3 +24,8 @@ def test_the_python_block_prints_what_the_readme_shows():
         exec(compile(blocks[first][1], "README.md", "exec"), {"__name__": "__main__"})  # noqa: S102 the README is ours
     assert printed.getvalue().strip() == shown.strip()
     assert printed.getvalue().strip()
+
+
+def test_the_claims_are_counted_as_the_reproduction_counts_them():
+    counted = json.loads(CLAIMS.read_text(encoding="utf-8"))["summary"]
+    assert counted in " ".join(README.read_text(encoding="utf-8").split())

@@ -52,9 +52,25 @@ def visit(units, supply, point, levels, scheme="orderly"):
     return state, min(shortfalls), energy, efficiency
 
 
+def spare(units, supply, point, levels, scheme="orderly"):
+    """Force beyond what a point demands that some state still gives; negative where none does."""
+    force, strain, _ = point
+    tops = [region(units, supply, k, strain, levels, scheme)[1] for k in range(len(units))]
+    return max(tops) - force
+
+
+def reaches(units, supply, task, levels, scheme="orderly", may_miss=0.0):
+    """Whether a design does a task: no more than a share of it missed, by points and by weight."""
+    missed = [visit(units, supply, point, levels, scheme)[0] is None for point in task]
+    total = sum(weight for *_, weight in task)
+    by_weight = sum(w for (*_, w), miss in zip(task, missed, strict=True) if miss) / total
+    return sum(missed) <= may_miss * len(task) and by_weight <= may_miss
+
+
 def task_objectives(units, supply, task, levels, scheme="orderly"):
     """Objectives that look at the task."""
     total = sum(weight for *_, weight in task)
+    largest = max(force for force, *_ in task)
     visits = [visit(units, supply, point, levels, scheme) for point in task]
     worked = [(w, eta) for (*_, w), (*_, eta) in zip(task, visits, strict=True) if eta is not None]
     return {
@@ -65,6 +81,12 @@ def task_objectives(units, supply, task, levels, scheme="orderly"):
         / total,
         "shortfall": sum(w * v[1] for (*_, w), v in zip(task, visits, strict=True)) / total,
         "worst_shortfall": max(v[1] for v in visits),
+        "points_not_reached": sum(v[0] is None for v in visits) / len(task),
+        # of nothing there is no share: the largest force stands for it
+        "relative_shortfall": max(
+            v[1] / (f or largest) for (f, *_), v in zip(task, visits, strict=True)
+        ),
+        "margin": min(spare(units, supply, point, levels, scheme) for point in task),
     }
 
 

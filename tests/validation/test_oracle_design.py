@@ -57,9 +57,14 @@ def random_designs(seed, count, alike):
         yield design, supply, tuple(task)
 
 
-def library(design, supply, task, alike, resolution, scheme="orderly"):
+def library(design, supply, task, alike, resolution, scheme="orderly", by_stroke=False):
     force, strain, weight = map(np.array, zip(*task, strict=True))
-    demand = Demand.of(Task.of(force, strain, supply, weight, scheme))
+    if by_stroke:
+        stroke = strain * design[0][0].length
+        asked = Task.of(force, None, supply, weight, scheme, stroke=stroke)
+    else:
+        asked = Task.of(force, strain, supply, weight, scheme)
+    demand = Demand.of(asked)
     counts = np.zeros((1, UNITS), int)
     counts[0, : len(design)] = [n for _, n in design]
     if alike:
@@ -105,8 +110,8 @@ def _packed(radii):
     return float(packed_radius(jnp.asarray(radii), jnp.ones(len(radii), int)))
 
 
-def compare(design, supply, task, alike, resolution, scheme="orderly"):
-    got = library(design, supply, task, alike, resolution, scheme)
+def compare(design, supply, task, alike, resolution, scheme="orderly", by_stroke=False):
+    got = library(design, supply, task, alike, resolution, scheme, by_stroke)
     want = expected(design, supply, task, resolution, scheme)
     assert got.keys() == want.keys()
     step = free_strain(design[0][0], supply) / (resolution.strains - 1)
@@ -126,6 +131,33 @@ def compare(design, supply, task, alike, resolution, scheme="orderly"):
 def test_every_objective_of_fifty_designs(alike):
     for design, supply, task in random_designs(21 + alike, 25, alike):
         compare(design, supply, task, alike, COARSE)
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_a_task_of_strokes_is_one_of_strains_for_each_length(alike):
+    for design, supply, task in random_designs(51 + alike, 4, alike):
+        compare(design, supply, task, alike, COARSE, by_stroke=True)
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_what_reaches_is_what_the_oracle_says_reaches(alike):
+    """Points a hair inside and a hair outside of what the design gives, of hardly any weight."""
+    levels = COARSE.level.tolist()
+    for design, supply, task in random_designs(61 + alike, 3, alike):
+        strain = 0.05
+        top = max(oracle.region(design, supply, k, strain, levels)[1] for k in range(len(design)))
+        # forces agree to 1e-8 of themselves and a newton, each muscle
+        hair = 1e-6 * (1 + top)
+        easy = tuple((0.5 * top, strain, weight) for *_, weight in task)
+        for force, reached in ((top - hair, True), (top + hair, False)):
+            asked = (*easy[1:], (force, strain, 1e-9))
+            assert oracle.reaches(design, supply, asked, levels) is reached
+            got = library(design, supply, asked, alike, COARSE)
+            assert (got["points_not_reached"] == 0) is reached
+            assert (got["margin"] >= 0) is reached
+            # as much as an eighth of the points may be missed, and of the weight much less is
+            assert oracle.reaches(design, supply, asked, levels, may_miss=0.2)
+            assert got["not_reached"] < 1e-6
 
 
 @pytest.mark.slow

@@ -25,14 +25,15 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, where
 from .._checks import as_given, concrete, one_of, within
 from .._evaluate import evaluate
+from .._limits import whole
 from .._methods import Module
 from .._tiles import rows
-from .._types import Batch, IntBatch, Numbers, PerUnit, Values, Whole
+from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
@@ -54,10 +55,7 @@ class MotorUnit(Module):
         """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
         if not isinstance(muscle, Muscle):
             raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
-        if concrete(count):
-            n = np.asarray(count)
-            if n.dtype.kind not in "iu" or np.any(n < 1):
-                raise ValueError(f"`count` must be a whole number of at least 1, got {count!r}.")
+        whole(count, "count")
         self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
 
 
@@ -66,9 +64,9 @@ class Equilibria(NamedTuple):
     are fewer. `stable`: the force falls with strain there. `count`: how many there are.
     """
 
-    strain: Float[ArrayLike, "*#points zero"]
-    stable: Bool[ArrayLike, "*#points zero"]
-    count: Int[ArrayLike, "*#points"]
+    strain: Float[AnyArray, "*#points zero"]
+    stable: Bool[AnyArray, "*#points zero"]
+    count: Int[AnyArray, "*#points"]
 
 
 class Bundle(Module):

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, maximum, minimum, running_most, sqrt, where
-from .._types import Numbers
+from .._types import AnyArray, Numbers
 from .lists import listed, worked
 
 
@@ -23,9 +23,9 @@ CELLS = 8  # of a stretch that may hold a crossing
 _MARGIN = 0.25  # of a term's span over a stretch, beyond its control points
 _WIDTH = 1e-13  # ends closer than this are one
 
-Ends = Float[ArrayLike, "lane end"]
-PerStretch = Float[ArrayLike, "lane stretch"]
-Listed = Float[ArrayLike, " entry"]
+Ends = Float[AnyArray, "lane end"]
+PerStretch = Float[AnyArray, "lane stretch"]
+Listed = Float[AnyArray, " entry"]
 # values and slopes of the terms of some lanes' curves, on a last axis, at places along a second
 Terms = Callable[[Any, Any], tuple[Any, Any]]
 
@@ -45,12 +45,12 @@ class Sides(NamedTuple):
     most: PerStretch
 
     @property
-    def real(self) -> Bool[ArrayLike, "lane stretch"]:
+    def real(self) -> Bool[AnyArray, "lane stretch"]:
         """Which of them have a width."""
         return self.high - self.low > _WIDTH
 
     @property
-    def may_cross(self) -> Bool[ArrayLike, "lane stretch"]:
+    def may_cross(self) -> Bool[AnyArray, "lane stretch"]:
         """Which of them may hold a crossing of zero."""
         return self.real & (self.least <= 0) & (self.most >= 0)
 
@@ -60,10 +60,10 @@ class Cut(NamedTuple):
     between two, the last on the next stretch, and the curve's `value` there.
     """
 
-    lane: Int[ArrayLike, " row"]
-    nodes: Float[ArrayLike, "row node"]
-    value: Float[ArrayLike, "row node"]
-    real: Bool[ArrayLike, " row"]
+    lane: Int[AnyArray, " row"]
+    nodes: Float[AnyArray, "row node"]
+    value: Float[AnyArray, "row node"]
+    real: Bool[AnyArray, " row"]
 
 
 class Crossings(NamedTuple):
@@ -71,10 +71,10 @@ class Crossings(NamedTuple):
     behind it, and whether the curve falls there. `total` are meant, the rest is room.
     """
 
-    lane: Int[ArrayLike, " entry"]
+    lane: Int[AnyArray, " entry"]
     low: Listed
     high: Listed
-    falls: Bool[ArrayLike, " entry"]
+    falls: Bool[AnyArray, " entry"]
     total: Any
 
 
@@ -105,7 +105,7 @@ def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
     return Sides(low, high, *(at_work.sum(x, axis=-1) for x in summed))
 
 
-def cut(terms: Terms, stretches: Sides, marks: Bool[ArrayLike, "lane stretch"]) -> Cut:
+def cut(terms: Terms, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -> Cut:
     """Those stretches that are marked, cut into cells.
 
     **Arguments:**
@@ -160,7 +160,7 @@ def changes(stretches: Cut, room: int) -> Crossings:
     return Crossings(stretches.lane[row], low, high, above[row, node], total)
 
 
-def _following(real: Bool[ArrayLike, "lane stretch"]) -> Int[ArrayLike, "lane stretch"]:
+def _following(real: Bool[AnyArray, "lane stretch"]) -> Int[AnyArray, "lane stretch"]:
     """The place of the next stretch that has a width [-], as many as there are where none is."""
     count = real.shape[1]
     places = where(real, np.arange(count), count)[:, ::-1]

@@ -24,11 +24,11 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, where
 from .._math import guarded, still
-from .._types import Numbers
+from .._types import AnyArray, Numbers
 from .curves import Bank
 from .levels import solve
 
@@ -41,9 +41,9 @@ class Solutions(NamedTuple):
     the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
     """
 
-    pressure: Float[ArrayLike, "*points solution"]
-    state: Int[ArrayLike, "*points solution"]
-    stable: Bool[ArrayLike, "*points solution"]
+    pressure: Float[AnyArray, "*points solution"]
+    state: Int[AnyArray, "*points solution"]
+    stable: Bool[AnyArray, "*points solution"]
 
 
 class Recruited(NamedTuple):
@@ -54,12 +54,12 @@ class Recruited(NamedTuple):
     """
 
     pressures: Numbers
-    state: Int[ArrayLike, "*points"]
-    force: Float[ArrayLike, "*points"]
-    status: Int[ArrayLike, "*points"]
-    stable: Bool[ArrayLike, "*points"]
+    state: Int[AnyArray, "*points"]
+    force: Float[AnyArray, "*points"]
+    status: Int[AnyArray, "*points"]
+    stable: Bool[AnyArray, "*points"]
     solutions: Solutions
-    count: Int[ArrayLike, "*points"]
+    count: Int[AnyArray, "*points"]
 
 
 def recruited(
@@ -148,7 +148,7 @@ def _live(
 
 
 def _pressures(
-    state: Int[ArrayLike, "*points"], level: Numbers, supply: Numbers, units: int, scheme: str
+    state: Int[AnyArray, "*points"], level: Numbers, supply: Numbers, units: int, scheme: str
 ) -> Numbers:
     """Pressures [Pa] of all units, on a new last axis; `state` counts from 0."""
     at_work = library(state, level, supply)

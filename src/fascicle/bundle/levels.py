@@ -13,10 +13,10 @@ Nothing here carries a derivative; the solution chosen gets it later.
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._arrays import absolute, library, maximum, minimum, where
-from .._types import Numbers
+from .._types import AnyArray, Numbers
 from .crossings import Cut, Sides, changes, cut, sides
 from .curves import Bank
 from .lists import put, ranked, repeated, worked
@@ -36,13 +36,13 @@ class Found(NamedTuple):
     how much more than what is demanded it gives, where none is.
     """
 
-    level: Float[ArrayLike, "demand slot"]
-    state: Int[ArrayLike, "demand slot"]
-    met: Bool[ArrayLike, "demand slot"]
-    count: Int[ArrayLike, " demand"]
-    nearest: Float[ArrayLike, " demand"]
-    nearest_state: Int[ArrayLike, " demand"]
-    miss: Float[ArrayLike, " demand"]
+    level: Float[AnyArray, "demand slot"]
+    state: Int[AnyArray, "demand slot"]
+    met: Bool[AnyArray, "demand slot"]
+    count: Int[AnyArray, " demand"]
+    nearest: Float[AnyArray, " demand"]
+    nearest_state: Int[AnyArray, " demand"]
+    miss: Float[AnyArray, " demand"]
 
 
 class Lanes(NamedTuple):

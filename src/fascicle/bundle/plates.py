@@ -15,10 +15,11 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import as_given, concrete, positive, within
+from .._checks import as_given, concrete, within
+from .._limits import size
 from .._types import Batch, Values
 from ..muscle import Muscle
-from ..muscle.entry import LARGEST_STRAIN
+from ..muscle.entry import LARGEST_STRAIN, lowest_strain
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -49,7 +50,7 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
         if concrete(*lengths):
             _equal(lengths)
         return None
-    L = positive(length, "length", "m")
+    L = size(length, "length")
     if not concrete(L, *lengths):
         return L
     if all(np.array_equal(np.broadcast_arrays(L, one)[0], one) for one in lengths):
@@ -77,7 +78,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
     low, high = -np.inf, np.inf
     for muscle in muscles:
         ratio = np.asarray(length / muscle.length)
-        straight = 1 - 1 / np.cos(np.asarray(muscle.braid_angle))
+        straight = lowest_strain(muscle.braid_angle)
         low = max(low, float(np.max(plate_strain(ratio, straight))))
         high = min(high, float(np.min(plate_strain(ratio, LARGEST_STRAIN))))
     why = "(every muscle in its domain, seen from the plates)"

@@ -24,6 +24,7 @@ from jaxtyping import Float, Int
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
 from .._evaluate import evaluate
+from .._limits import plausible
 from .._types import Numbers, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
@@ -360,9 +361,8 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
         raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
-    return float(
-        within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
-    )
+    P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
+    return float(plausible(P, "supply_pressure"))
 
 
 def _supply(bundle: Bundle, supply: Values) -> Numbers:

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import ArrayLike, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, maximum, minimum, where
 from .._math import root, still
-from .._types import Numbers
+from .._types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import changes, cut, sides
 from .lists import put, ranked
@@ -25,7 +25,7 @@ _INSET = 1e-7  # of a stretch: its sides are seen from inside
 _APART = 1e-13  # free strains closer than this are one
 
 At = Callable[[Any], Pressurized]
-Lanes = Float[ArrayLike, "lane unit"]
+Lanes = Float[AnyArray, "lane unit"]
 
 
 class Zeros(NamedTuple):
@@ -33,9 +33,9 @@ class Zeros(NamedTuple):
     the force falls there; how many there are [-].
     """
 
-    strain: Float[ArrayLike, "lane zero"]
-    falls: Bool[ArrayLike, "lane zero"]
-    count: Int[ArrayLike, " lane"]
+    strain: Float[AnyArray, "lane zero"]
+    falls: Bool[AnyArray, "lane zero"]
+    count: Int[AnyArray, " lane"]
 
 
 def zeros(at: At, pressures: Lanes) -> Zeros:
@@ -77,7 +77,7 @@ def zeros(at: At, pressures: Lanes) -> Zeros:
     )
 
 
-def first_zero(at: At, pressures: Lanes) -> Float[ArrayLike, " lane"]:
+def first_zero(at: At, pressures: Lanes) -> Float[AnyArray, " lane"]:
     """The smallest of them [-], inf where there is none; arguments as of `zeros`."""
     found = zeros(at, pressures)
     return where(found.count > 0, found.strain[:, 0], np.inf)

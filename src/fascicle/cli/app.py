@@ -15,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from .._visible import visible
 from .bundle import run as bundle
 from .calibrate import run as calibrate
 from .design import run as design
@@ -23,13 +24,18 @@ from .explore import run as explore
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
+from .interrupts import CODE, not_dropped
 from .muscles import run as muscles
-from .problems import UserError
+from .problems import UserError, too_large
 from .record import run as record
 from .recruit import run as recruit
 from .reproduce import run as reproduce
 from .space import run as space
 from .sweep import run as sweep
+
+
+_LONGEST = 600  # characters of a message
+_BUG = 70  # as sysexits has it
 
 
 app = typer.Typer(
@@ -74,26 +80,49 @@ def _app(
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run one command and exit: 0 if it did, 1 if a claim failed, 2 for a user's mistake.
+    """Run one command and exit.
+
+    With 0 if it did what was asked; 1 if a claim failed, or something from outside ended it; 2 for
+    a user's mistake; 3 if not all of what was asked for can be reached; 70 for a bug; 130 for
+    Ctrl-C.
 
     **Arguments:** `arguments`: those of the command line [-]; left out, the process's own.
     """
     given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
     warnings.showwarning = _warn
-    code, message = _run(given)
+    with not_dropped():
+        code, message = _run(given)
     if message:
-        with contextlib.suppress(OSError):
-            sys.stderr.write(f"error: {' '.join(message.split())}\n")
+        _say(f"error: {message}")
     sys.exit(code)
+
+
+def _open_streams() -> None:
+    """Keep a closed stream's number from the next file that is opened. What is then printed is
+    lost for standard error, and for standard output an error.
+    """
+    ways = {"stdin": (os.O_RDONLY, "r"), "stdout": (os.O_RDONLY, "w"), "stderr": (os.O_WRONLY, "w")}
+    for number, (name, (way, mode)) in enumerate(ways.items()):
+        if getattr(sys, name) is None:
+            handle = os.open(os.devnull, way)
+            if handle != number:
+                os.dup2(handle, number)
+                os.close(handle)
+            setattr(sys, name, open(number, mode, closefd=False))  # noqa: SIM115 for good
 
 
 def _warn(message: Warning | str, *_: object, **__: object) -> None:
     """Say a warning in one line, as a command's errors are said."""
+    _say(f"warning: {message}")
+
+
+def _say(line: str) -> None:
     with contextlib.suppress(OSError):
-        sys.stderr.write(f"warning: {' '.join(str(message).split())}\n")
+        sys.stderr.write(f"{visible(' '.join(line.split()), _LONGEST)}\n")
 
 
 def _run(arguments: list[str]) -> tuple[int, str]:
@@ -104,9 +133,9 @@ def _run(arguments: list[str]) -> tuple[int, str]:
         sys.stdout.flush()
         code = result if isinstance(result, int) else 0
     except UserError as error:
-        code, message = 2, str(error)
+        code, message = error.code, str(error)
     except (KeyboardInterrupt, typer.Abort):
-        code = 130
+        code = CODE
     except OSError as error:  # of standard output itself
         _drop_output()
         if not isinstance(error, BrokenPipeError):  # `| head` has seen enough, and is no mistake
@@ -116,9 +145,20 @@ def _run(arguments: list[str]) -> tuple[int, str]:
     except Exception as error:
         # typer's own, whose class has moved between its versions: a wrong option, a missing one
         wrong_usage = getattr(error, "format_message", None)
-        if wrong_usage is None:
+        if wrong_usage is not None:
+            code, message = 2, f"{wrong_usage()} Try 'fascicle --help'."
+        elif memory := too_large(error):
+            code, message = 2, memory
+        elif os.environ.get("FASCICLE_TRACEBACK", "") not in ("", "0"):
             raise
-        code, message = 2, f"{wrong_usage()} Try 'fascicle --help'."
+        else:
+            code, message = (
+                _BUG,
+                (
+                    f"{type(error).__name__}: {error}. That is a bug in fascicle, please report it;"
+                    " with FASCICLE_TRACEBACK=1 it shows where."
+                ),
+            )
     return code, message
 
 

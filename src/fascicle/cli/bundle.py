@@ -11,12 +11,13 @@ from .options import (
     Out,
     Plot,
     Pressures,
+    Replace,
     Strain,
     Target,
 )
 from .outputs import Outputs
 from .problems import refusing
-from .states import show_states
+from .states import check_zeros, show_states
 from .tables import decimals, number, show
 
 
@@ -29,13 +30,14 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Replace = False,
 ) -> None:
     """Force and equilibria of a bundle.
 
     At pressures, one for each motor unit; left out, the end of each recruitment state.
     """
     strains = read_list(strain, "strain", "--strain")
-    outputs = Outputs(as_json, as_csv, out, plot)
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     bundle = read_bundle(file)
     states = read_states(pressure, bundle)
     check_grid(len(states), len(states[0]), len(strains))
@@ -50,6 +52,7 @@ def run(
         lambda: _figure(bundle, states, strains, not no_resistance),
         title=f"Bundle {file}",
     )
+    check_zeros(variables)
 
 
 def _table(variables: Any) -> None:

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import AsJson, complete_target
+from .options import AsJson, Replace, complete_target
+from .outputs import say
 from .problems import UserError, refusing
 
 
@@ -153,6 +154,7 @@ def run(
     compare: Compare = False,
     profile: Profiles = True,
     out: Out = None,
+    overwrite: Replace = False,
     as_json: AsJson = False,
 ) -> None:
     """Fit a muscle to what a dynamometer measured, and say how sure it is."""
@@ -174,18 +176,19 @@ def run(
         pairs(prior, "--prior"), loss, weights, starts, seed, posterior, compare,
         profile and not (as_json and out is None),
     )  # fmt: skip
-    folder = folder_for(out, data, as_json)
+    folder = folder_for(out, data, as_json, overwrite)
     found = calibrated(begin, reading, search, drawn=folder is not None)
     written: list[str] = []
     if folder is not None:
         with refusing("--out "):
-            written = found.write(folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}")
+            today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+            written = found.write(folder, today, overwrite)
     if as_json:
         print(json.dumps(found.summary(), allow_nan=False, ensure_ascii=False))
         return
     found.show()
     if written:
-        print(f"wrote {', '.join(written)}")
+        say(f"wrote {', '.join(written)}")
 
 
 def pairs(texts: list[str] | None, option: str) -> dict[str, str]:

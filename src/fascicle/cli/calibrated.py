@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..units import pretty
-from .problems import UserError, refusing
+from .outputs import say
+from .problems import refusing
 
 
 if TYPE_CHECKING:
     from ..calibrate.calibration import Calibration
-
-_FILES = ("muscle.toml", "report.html")
-_FIGURES = ("fit", "residuals", "readings", "profiles")
-_OURS = {*_FILES, *(f"{name}.{kind}" for name in _FIGURES for kind in ("png", "svg"))}
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ class Found:
             print("synthetic: a model made these readings, no muscle was measured")
         # what was guessed is always shown; what a file remarks about itself is in the report
         for note in (*self.remarks, *(n for n in made.record.notes if ": note: " not in n)):
-            print(note)
+            say(note)
         rows = [
             [
                 one.name,
@@ -101,13 +98,13 @@ class Found:
             f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
         )
         for warning in made.warnings:
-            print(f"warning: {warning}")
+            say(f"warning: {warning}")
 
-    def write(self, folder: Path, date: str) -> list[str]:
-        """Write muscle, report and figures into a new `folder` [-], whole or not at all."""
+    def write(self, folder: Path, date: str, overwrite: bool) -> list[str]:
+        """Write muscle, report and figures into `folder` [-]; `overwrite`: over others' too [-]."""
         from ..describe import dumps
-        from ..describe.atomic import write
         from ..describe.calibrated import provenance_of
+        from ..describe.ours import write_folder
         from ..plot import to_bytes
         from ..reports.calibration import report
 
@@ -125,15 +122,14 @@ class Found:
                 content[f"{name}.{kind}"] = to_bytes(figure, kind)
 
         def fill(draft: Path) -> None:
-            draft.mkdir()
             for name, raw in content.items():
                 (draft / name).write_bytes(raw)
 
-        write(folder, fill, folder=True)
+        write_folder(folder, "calibrate", fill, overwrite)
         return [str(folder / name) for name in content]
 
 
-def folder_for(out: str | None, paths: list[str], as_json: bool) -> Path | None:
+def folder_for(out: str | None, paths: list[str], as_json: bool, overwrite: bool) -> Path | None:
     """Where the files go.
 
     **Arguments:**
@@ -141,24 +137,17 @@ def folder_for(out: str | None, paths: list[str], as_json: bool) -> Path | None:
     - `out`: the folder that was asked for [-], or `None`.
     - `paths`: the data's files [-].
     - `as_json`: whether JSON is printed [-].
+    - `overwrite`: whether others' files may be replaced [-].
 
     **Returns:** the folder [-], checked; `None` where nothing is written.
     """
-    from ..describe.atomic import check_writable
+    from ..describe.ours import check_folder
 
     if out is None and as_json:
         return None
     folder = Path(f"calibrated-{Path(paths[0]).stem}" if out is None else out)
     with refusing("--out "):
-        target = check_writable(folder, folder=True)
-        # it will be replaced as a whole
-        others = (
-            sorted({entry.name for entry in target.iterdir()} - _OURS) if target.is_dir() else []
-        )
-        if others:
-            raise UserError(
-                f"--out {folder}: holds {others[0]}, which isn't this command's: name a new folder."
-            )
+        check_folder(folder, "calibrate", overwrite)
     return folder
 
 

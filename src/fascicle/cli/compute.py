@@ -10,6 +10,7 @@ from ..bundle import Bundle, recruitment
 from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
+from .memory import check_memory, of_efficiency, of_equilibria, of_recruitment, of_space
 
 
 def muscle_force(
@@ -115,6 +116,7 @@ def bundle_equilibria(
     **Returns:** variables by name [-]; `equilibria` is NaN where there are fewer.
     """
     P = np.asarray(states)
+    check_memory(of_equilibria(P.shape[1]), f"{P.shape[1]} motor units in {len(P)} states")
     found = bundle.equilibria(P, resistance)
     most = max(int(found.count.max()), 1)
     dims = ("state", "equilibrium")
@@ -153,6 +155,9 @@ def bundle_space(
     **Returns:** variables by name, and the space itself [-].
     """
     _rising(strains)
+    units, points = len(bundle.motor_units), len(strains or range(201))
+    need = of_space(units, len(levels or range(7)), points)
+    check_memory(need, f"{units} motor units at {points} strains")
     space = recruitment.space(
         bundle,
         supply_pressure,
@@ -202,6 +207,11 @@ def bundle_recruit(
     **Returns:** variables by name [-]; `solution_pressure` is NaN where there are fewer.
     """
     F, eps = np.asarray(forces), np.asarray(strains)
+    units = len(bundle.motor_units)
+    check_memory(
+        of_recruitment(units) * (1 + F.size * eps.size / 10),
+        f"{F.size * eps.size} demands of {units} motor units",
+    )
     found = recruitment.recruit(
         bundle, F[:, None], eps, supply_pressure, scheme, resistance=resistance
     )
@@ -251,6 +261,10 @@ def bundle_efficiency(
     **Returns:** variables by name, and the maps themselves [-].
     """
     _rising(strains)
+    units, sides = len(bundle.motor_units), (len(forces or range(80)), len(strains or range(225)))
+    check_memory(
+        of_efficiency(units, *sides), f"{units} motor units at {sides[0]} x {sides[1]} points"
+    )
     maps = [
         efficiency_map(bundle, supply_pressure, path, forces, strains, resistance, scheme)
         for path in paths

@@ -1,14 +1,18 @@
 """`fascicle design`: which bundle for a task."""
 
+import contextlib
 import datetime as dt
+import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from .options import AsJson
-from .problems import UserError, refusing
+from .options import AsJson, Replace
+from .outputs import say
+from .problems import INCOMPLETE, UserError, refusing
 
 
 Task = Annotated[
@@ -74,13 +78,19 @@ def run(
     population: Population = 100,
     seed: Seed = 0,
     checkpoint: Checkpoint = None,
+    overwrite: Replace = False,
     as_json: AsJson = False,
-) -> None:
-    """Judge every design of a task file's space, and show those that no other betters."""
-    from .designed import folder_for, print_front, write
+) -> int:
+    """Recommend the cheapest bundle that does a task, and show those that no other betters.
+
+    Where no design reaches every load case, the nearest is told, what it misses and what would
+    reach it; the exit code is 3 then.
+    """
+    from .designed import as_json as to_json
+    from .designed import folder_for, print_answer, write
     from .startup import prepare
 
-    folder = folder_for(out, task, as_json)
+    folder = folder_for(out, task, as_json, overwrite)
     _check(generations, checkpoint)
     prepare()
     from ..describe.task import load_task
@@ -90,39 +100,41 @@ def run(
         file = load_task(task)
     extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
     begun = time.perf_counter()
-    with refusing():
+    from ..reports.unreached import answer
+
+    with _telling(len(file.space)) as tell, refusing():
         if generations is None:
-            found = search(file.space, file.task, file.senses, file.limits, extra)
+            found = search(
+                file.space, file.task, file.senses, file.limits, extra,
+                lambda done, all_: tell(f"{done} of {all_} designs"), file.catalog,
+            )  # fmt: skip
         else:
-            found = _evolved(file, generations, population, seed, checkpoint, extra)
+            found = _evolved(file, generations, population, seed, checkpoint, extra, tell)
+        tell("what the best of them do")
         sure = _sure(found, file.chance)
-    seconds = time.perf_counter() - begun
+        seconds = time.perf_counter() - begun
+        answered = answer(found)
     written: list[str] = []
     if folder is not None:
+        today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
         with refusing("--out "):
-            written = write(
-                found, folder, f"{dt.datetime.now().astimezone():%Y-%m-%d}", seconds, sure
-            )
+            written = write(found, folder, today, seconds, sure, file.notes, answered, overwrite)
     if as_json:
-        from ..describe.designed import front_variables
-        from ..describe.results import to_json
-
-        if not found.front.size:
-            raise UserError(f"{task}: no design keeps all limits.")
-        print(to_json(front_variables(found, sure)))
-        return
-    print_front(found)
+        print(to_json(found, answered, sure, file.notes))
+        return 0 if found.recommended is not None else INCOMPLETE
+    code = print_answer(found, answered, file.notes)
     if sure is not None and found.recommended is not None:
         share = sure.probability[found.recommended]
         print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
     if written:
         shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
-        print(f"wrote {', '.join(shown)}")
+        say(f"wrote {', '.join(shown)}")
+    return code
 
 
 def _sure(found: Any, chance: Any) -> Any:
     """How the front's designs come out, where the task file asks for it."""
-    if chance is None or not found.front.size:
+    if chance is None or not found.listed.size:
         return None
     from ..design.robust import spread
 
@@ -154,10 +166,25 @@ def _evolved(
     seed: int,
     checkpoint: str | None,
     extra: tuple[str, ...],
+    tell: Callable[[str], None],
 ) -> Any:
     from ..design.genetic import evolve
 
     return evolve(
         file.space, file.task, file.senses, file.limits, population, generations, seed,
         checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
+        watch=lambda done: tell(f"{done} of {generations} generations"), catalog=file.catalog,
     )  # fmt: skip
+
+
+@contextlib.contextmanager
+def _telling(designs: int) -> Iterator[Callable[[str], None]]:
+    """What is being done, on a terminal's standard error."""
+    from rich.console import Console
+
+    console = Console(file=sys.stderr)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status(f"judging {designs} designs") as status:
+        yield status.update

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .inputs import read_bundle, read_list, read_one
+from .inputs import check_grid, read_bundle, read_list, read_one
 from .options import (
     Along,
     AsCsv,
@@ -10,6 +10,7 @@ from .options import (
     Forces,
     NoResistance,
     Out,
+    Overwrite,
     Plot,
     Scheme,
     SpaceStrain,
@@ -17,7 +18,7 @@ from .options import (
     Target,
 )
 from .outputs import Outputs
-from .problems import UserError, refusing
+from .problems import UserError, fall_short, refusing
 from .tables import number, show
 
 
@@ -36,6 +37,7 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Efficiency, isobaric and isotonic.
 
@@ -46,15 +48,17 @@ def run(
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     forces = None if force is None else read_list(force, "force", "--force")
     strains = None if strain is None else read_list(strain, "strain", "--strain")
-    outputs = Outputs(as_json, as_csv, out, plot)
+    check_grid(len(forces or ()), len(strains or ()))
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite, "--overwrite")
     bundle = read_bundle(file)
+    paths = _PATHS if path is None else (path,)
     from .compute import bundle_efficiency
 
     with refusing():
         variables, maps = bundle_efficiency(
             bundle,
             supply_pressure,
-            _PATHS if path is None else (path,),
+            paths,
             forces,
             strains,
             not no_resistance,
@@ -66,6 +70,12 @@ def run(
         lambda: _figure(maps),
         title=f"Efficiency of {file}",
     )
+    share = variables["reached"].values
+    # by itself the map is of all points that are reached; points that were asked for are another
+    # matter, and so is a map of none
+    if not share.all() or (force is not None and share.min() < 1):
+        told = ", ".join(f"{100 * x:.3g} % {path}" for path, x in zip(paths, share, strict=True))
+        fall_short(f"not all points are reached ({told}): the others have no efficiency.")
 
 
 def _table(variables: Any, points: bool) -> None:

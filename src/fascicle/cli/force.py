@@ -11,6 +11,7 @@ from .options import (
     Out,
     Plot,
     Pressure,
+    Replace,
     Strain,
     Target,
 )
@@ -31,12 +32,13 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Replace = False,
 ) -> None:
     """Force of a muscle over strain."""
     pressures = read_list(pressure, "pressure", "--pressure")
     strains = read_list(strain, "strain", "--strain")
     check_grid(len(pressures), len(strains))
-    outputs = Outputs(as_json, as_csv, out, plot)
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     muscle = read_muscle(file, "fascicle bundle")
     from .compute import muscle_force
 

@@ -3,10 +3,20 @@
 from typing import Any
 
 from .inputs import check_grid, is_bundle, read_list, read_states, read_target
-from .options import DEFAULT_PRESSURE, AsCsv, AsJson, NoResistance, Out, Plot, Pressures, Target
+from .options import (
+    DEFAULT_PRESSURE,
+    AsCsv,
+    AsJson,
+    NoResistance,
+    Out,
+    Plot,
+    Pressures,
+    Replace,
+    Target,
+)
 from .outputs import Outputs
 from .problems import UserError, refusing
-from .states import show_states
+from .states import check_zeros, show_states
 from .tables import decimals, number, show
 
 
@@ -18,12 +28,13 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Replace = False,
 ) -> None:
     """Free strain of a muscle or a bundle.
 
     With a muscle's blocked force and collapse, or all of a bundle's equilibria.
     """
-    outputs = Outputs(as_json, as_csv, out, plot)
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     found = read_target(file)
     from .compute import bundle_equilibria, muscle_free_strain
 
@@ -47,6 +58,7 @@ def run(
         lambda: _figure(variables),
         title=f"Free strain of {file}",
     )
+    check_zeros(variables)
 
 
 def _table(variables: Any) -> None:

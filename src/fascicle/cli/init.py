@@ -1,11 +1,11 @@
 """`fascicle init`: a commented muscle or task file to begin with."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .options import complete_target
+from .options import Replace, complete_target
+from .outputs import say
 from .problems import UserError, refusing
 from .task_template import TASK_TEMPLATE
 
@@ -72,18 +72,20 @@ def run(
     task: Annotated[
         bool, typer.Option("--task", help="A task file for `fascicle design` instead.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    overwrite: Replace = False,
 ) -> None:
     """Write a commented muscle or task file, to be edited."""
     from ..describe import example_text
-    from ..describe.atomic import write_text
+    from ..describe.atomic import check_writable, write_text
+    from ..describe.ours import replacing
 
     if task and example is not None:
         raise UserError("--task and --from: muscles are begun from an example, take one.")
     path = path or ("task.toml" if task else "muscle.toml")
     with refusing():
-        if Path(path).is_file() and not force:
-            raise UserError(f"{path}: is there already; --force replaces it.")
+        check_writable(path)
         begun = TASK_TEMPLATE if task else _TEMPLATE
-        write_text(path, begun if example is None else example_text(example))
-    print(f"wrote {path}")
+        text = begun if example is None else example_text(example)
+        with replacing(path, overwrite):
+            write_text(path, text)
+    say(f"wrote {path}")

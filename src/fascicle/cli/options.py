@@ -137,6 +137,22 @@ Plot = Annotated[
         show_default=False,
     ),
 ]
+Replace = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        "--overwrite",
+        help="Replace files that are there, also where fascicle didn't write them.",
+    ),
+]
+Overwrite = Annotated[
+    bool,
+    typer.Option(
+        "--overwrite",
+        help="Replace files that are there, also where fascicle didn't write them (--force is the"
+        " demand).",
+    ),
+]
 
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
 DEFAULT_STRAIN = "0:0.33:0.03"

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .._visible import visible
 from .problems import UserError, refusing
 
 
@@ -12,34 +13,50 @@ if TYPE_CHECKING:
     from ..describe.results import Variable
 
 _PICTURES = (".png", ".svg")
+_LONGEST = 2000  # characters of a line
 
 
 class Outputs:
     """Where a command's result goes; refuses what can't be written before the work begins."""
 
-    def __init__(self, as_json: bool, as_csv: bool, out: str | None, plot: str | None):
+    def __init__(
+        self,
+        as_json: bool,
+        as_csv: bool,
+        out: str | None,
+        plot: str | None,
+        overwrite: bool,
+        flag: str = "--force",
+    ):
         """**Arguments:**
 
         - `as_json`: print JSON [-].
         - `as_csv`: print CSV [-].
         - `out`: where the result is written [-], or `None`.
         - `plot`: where its picture is drawn [-], or `None`.
+        - `overwrite`: whether whatever stands there is replaced [-].
+        - `flag`: the option that says so [-].
         """
         if as_json and as_csv:
             raise UserError("--json and --csv: both can't be printed, take one.")
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
+        self.overwrite, self.flag = overwrite, flag
         if out is not None:
+            from ..describe.ours import check_file
             from ..describe.results import check_result_path
 
             with refusing("--out "):
                 check_result_path(out)
+                check_file(out, overwrite, flag)
         if plot is not None:
             from ..describe.atomic import check_writable
+            from ..describe.ours import check_file
 
             if Path(plot).suffix.lower() not in _PICTURES:
                 raise UserError(f"--plot {plot!r}: its name must end in {', '.join(_PICTURES)}.")
             with refusing("--plot "):
                 check_writable(plot)
+                check_file(plot, overwrite, flag)
 
     def give(
         self,
@@ -61,12 +78,16 @@ class Outputs:
         - `title`: what it is [-].
         """
         from ..describe import results
+        from ..describe.ours import replacing
 
         with refusing():
             if self.out is not None:
-                results.write(variables, self.out, title=title, source=SOURCE)
+                with replacing(self.out, self.overwrite, self.flag):
+                    results.write(variables, self.out, title=title, source=SOURCE)
             if self.plot is not None and draw is not None:
-                save_figure(draw(), self.plot)
+                picture = draw()
+                with replacing(self.plot, self.overwrite, self.flag):
+                    save_figure(picture, self.plot)
         if self.as_json:
             print(results.to_json(json_variables or variables))
         elif self.as_csv:
@@ -75,7 +96,12 @@ class Outputs:
             table()
             for path in (self.out, self.plot):
                 if path is not None:
-                    print(f"wrote {path}")
+                    say(f"wrote {path}")
+
+
+def say(line: str) -> None:
+    """Print a `line` [-] that holds words of others: names of files, notes."""
+    print(visible(line, _LONGEST))
 
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"

@@ -1,14 +1,14 @@
 """`fascicle record`: a virtual dynamometer's CSV of a muscle, synthetic and labelled so."""
 
 import json
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from .inputs import check_grid, read_list, read_muscle, read_one
-from .options import AsJson, Target
-from .problems import UserError, refusing
+from .options import AsJson, Replace, Target
+from .outputs import say
+from .problems import refusing
 
 
 Out = Annotated[
@@ -60,7 +60,6 @@ AngleScatter = Annotated[
     str, typer.Option("--angle-scatter", metavar="ANGLE", help="Of fabrication, in braid angle.")
 ]
 Clip = Annotated[bool, typer.Option("--clip", help="The gauge only pulls: a push reads zero.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
 
 
 def run(
@@ -80,7 +79,7 @@ def run(
     length_scatter: LengthScatter = "0%",
     angle_scatter: AngleScatter = "0deg",
     clip: Clip = False,
-    force: Force = False,
+    overwrite: Replace = False,
     as_json: AsJson = False,
 ) -> None:
     """Test a muscle on a virtual dynamometer, into a CSV that says it is synthetic.
@@ -88,12 +87,11 @@ def run(
     The noises and scatters are standard deviations.
     """
     from ..describe.atomic import check_writable
+    from ..describe.ours import check_file, replacing
 
     with refusing("--out "):
         check_writable(out)
-    if Path(out).exists() and not force:
-        # it may be a measurement
-        raise UserError(f"--out {out}: is there already; --force replaces it.")
+        check_file(out, overwrite)  # it may be a measurement
     settings: dict[str, Any] = {
         "samples": samples,
         "both_ways": not one_way,
@@ -117,7 +115,8 @@ def run(
 
     with refusing():
         record = VirtualDynamometer(**settings).record(muscle, seed)
-        write(record, out)
+        with replacing(out, overwrite):
+            write(record, out)
     summary = {
         "synthetic": True,
         "path": out,
@@ -132,7 +131,7 @@ def run(
     if as_json:
         print(json.dumps(summary))
         return
-    print(f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} of them clipped")
+    say(f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} of them clipped")
     print(
         f"contraction to {summary['largest_strain']:.4f},"
         f" force to {summary['largest_force']:.4g} N, seed {seed}"

@@ -5,9 +5,9 @@ from typing import Annotated, Any
 import typer
 
 from .inputs import check_grid, read_bundle, read_list, read_one
-from .options import AsCsv, AsJson, NoResistance, Out, Scheme, Supply, Target
+from .options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Supply, Target
 from .outputs import Outputs
-from .problems import refusing
+from .problems import fall_short, refusing
 from .tables import decimals, number, show
 
 
@@ -44,6 +44,7 @@ def run(
     as_json: AsJson = False,
     as_csv: AsCsv = False,
     out: Out = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """State and pressures that give a force at a strain.
 
@@ -53,7 +54,7 @@ def run(
     strains = read_list(strain, "strain", "--strain")
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     check_grid(len(forces), len(strains))
-    outputs = Outputs(as_json, as_csv, out, None)
+    outputs = Outputs(as_json, as_csv, out, None, overwrite, "--overwrite")
     bundle = read_bundle(file)
     from .compute import bundle_recruit
 
@@ -62,6 +63,12 @@ def run(
             bundle, forces, strains, supply_pressure, scheme, not no_resistance
         )
     outputs.give(variables, lambda: _table(variables), title=f"Recruitment of {file}")
+    status = variables["status"].values
+    if missed := int((status != 0).sum()):
+        fall_short(
+            f"{missed} of {status.size} demands can't be reached: for them the nearest force is"
+            " given, with status 1 where more was demanded than can be, 2 where less."
+        )
 
 
 def _table(variables: Any) -> None:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .inputs import read_bundle, read_list, read_one
+from .inputs import check_grid, read_bundle, read_list, read_one
 from .options import (
     AsCsv,
     AsJson,
@@ -10,6 +10,7 @@ from .options import (
     NoResistance,
     Out,
     Plot,
+    Replace,
     Scheme,
     SpaceStrain,
     Supply,
@@ -31,12 +32,14 @@ def run(
     as_csv: AsCsv = False,
     out: Out = None,
     plot: Plot = None,
+    overwrite: Replace = False,
 ) -> None:
     """Recruitment states and their overlap."""
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     pressures = None if levels is None else read_list(levels, "pressure", "--levels")
     strains = None if strain is None else read_list(strain, "strain", "--strain")
-    outputs = Outputs(as_json, as_csv, out, plot)
+    check_grid(len(pressures or ()), len(strains or ()))
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     bundle = read_bundle(file)
     from .compute import bundle_space
 

@@ -6,6 +6,9 @@ import sys
 import warnings
 from pathlib import Path
 
+from .interrupts import at_once
+from .problems import UserError
+
 
 def prepare() -> None:
     """Set JAX up for one command; call it before the laws are imported.
@@ -17,15 +20,33 @@ def prepare() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module="jax.*")
-    import jax
+    with at_once():
+        import jax
 
     if not os.environ.get("JAX_PLATFORMS"):
         jax.config.update("jax_platforms", "cpu")
+    else:
+        _check_platforms()
+    with at_once():
+        from ..describe import reading  # noqa: F401 and with it all laws
     folder = cache_folder()
     if folder is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
         # below this, reading the file costs as much as compiling
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def _check_platforms() -> None:
+    """Refuse a `JAX_PLATFORMS` that isn't there, before it fails somewhere in the laws."""
+    import jax
+
+    try:
+        jax.devices()
+    except Exception:  # noqa: BLE001 a RuntimeError, an AssertionError, as the plugin has it
+        asked = os.environ["JAX_PLATFORMS"]
+        raise UserError(
+            f"JAX_PLATFORMS={asked}: JAX finds no such device; unset it, or write cpu."
+        ) from None
 
 
 def cache_folder() -> Path | None:

@@ -3,7 +3,16 @@
 import math
 from typing import Any
 
+from .problems import fall_short
 from .tables import number, show
+
+
+def check_zeros(variables: Any) -> None:
+    """End a command whose states have no strain of zero force; `variables` as `show_states`."""
+    free = variables["free_strain"].values.tolist()
+    missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
+    if missing:
+        fall_short(f"no strain of zero force was found in row {', '.join(missing)}.")
 
 
 def show_states(variables: Any) -> None:

@@ -2,13 +2,16 @@
 
 import contextlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from .problems import UserError, refusing
+from .options import Replace
+from .outputs import say
+from .problems import StoppedError, UserError, refusing
 
 
 StudyFile = Annotated[
@@ -44,6 +47,8 @@ Workers = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+_KEPT = "finished blocks are kept in {}, --resume goes on with them."
+_QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
 _FRONT = 5_000_000  # designs of which the front is looked for in the end
 
 
@@ -53,13 +58,14 @@ def run(
     resume: Resume = False,
     scheduler: Scheduler = None,
     workers: Workers = None,
-) -> None:
+    overwrite: Replace = False,
+) -> int:
     """Judge every design of a study, block by block, into a folder with a zarr store."""
     from importlib.util import find_spec
 
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler and --workers: a scheduler has its own workers, take one.")
-    needed = ["zarr"] if workers == 0 else ["zarr", "distributed"]
+    needed = ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]
     for name in needed:
         if find_spec(name) is None:
             raise UserError(f"sweeping needs the package {name}: pip install 'fascicle[sweep]'.")
@@ -76,39 +82,62 @@ def run(
         made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
     # what can't be is said before a cluster is started
     with refusing():
+        from ..describe.ours import check_file
         from ..design.store import Store
 
         Store.check(folder, made, resume)
+        check_file(folder / "front.nc", overwrite)
     with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
-        try:
-            store = sweep(made, folder, client, resume, watch)
-        except ConnectionError as error:
-            raise UserError(f"{error}; finished blocks are kept: --resume goes on.") from None
-        except OSError as error:
-            raise UserError(
-                f"{folder}: {error.strerror or error}; finished blocks are kept: --resume goes on."
-            ) from None
-    print(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
-    if len(made.space) <= _FRONT:
-        with refusing():
-            _front(store, file, folder)
+        call = partial(sweep, made, folder, client, resume, watch)
+        store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
+    say(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
+    if len(made.space) > _FRONT:
+        print(f"of more than {_FRONT} designs none is recommended, nor is a front looked for")
+        return 0
+    with refusing():
+        return _front(store, file, folder, overwrite)
 
 
-def _front(store: Any, file: Any, folder: Path) -> None:
+def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
+    """The store, complete; or in one line what happened, and what can be done about it."""
+    try:
+        return sweep()
+    except KeyboardInterrupt:
+        sys.stderr.write(f"interrupted; {_KEPT.format(folder)}\n")
+        raise
+    except ConnectionError as error:
+        raise StoppedError(f"{error}; {_KEPT.format(folder)}") from None
+    except OSError as error:
+        where = error.filename or folder
+        raise UserError(
+            f"{where}: {error.strerror or error}; once that is mended, {_KEPT.format(folder)}"
+        ) from None
+
+
+def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
+    """Print and write which design to take and the front; gives the exit code."""
     import numpy as np
 
-    from ..describe.designed import front_variables
+    from ..describe.designed import case_variables, front_variables
+    from ..describe.ours import replacing
     from ..describe.results import write
     from ..design.searching import concluded
-    from .designed import print_front
+    from ..reports.unreached import Unreached, answer
+    from .designed import print_answer
     from .outputs import SOURCE
 
-    index = np.arange(len(file.space))
-    found = concluded(file.space, file.task, file.senses, file.limits, index, store.all())
-    if found.front.size:
+    index, values = np.arange(len(file.space)), store.all()
+    found = concluded(
+        file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
+    )
+    answered = answer(found)
+    if not isinstance(answered, Unreached):
         title = f"Front of designs for {file.task.name}"
-        write(front_variables(found), folder / "front.nc", title=title, source=SOURCE)
-    print_front(found)
+        variables = front_variables(found) | case_variables(answered)
+        about = {"notes": " ".join(file.notes)} if file.notes else {}
+        with replacing(folder / "front.nc", overwrite):
+            write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
+    return print_answer(found, answered, file.notes)
 
 
 @contextlib.contextmanager
@@ -120,7 +149,11 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     from ..design.cluster import local, remote
 
     if scheduler is None:
-        with local(workers) as client:
+        with contextlib.ExitStack() as stack:
+            try:
+                client = stack.enter_context(local(workers))
+            except ConnectionError as error:
+                raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
             yield client
         return
     with contextlib.ExitStack() as stack:
@@ -128,6 +161,8 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
             client = stack.enter_context(remote(scheduler))
         except ConnectionError as error:
             raise UserError(f"--scheduler {scheduler}: {error}.") from None
+        if not client.nthreads():
+            sys.stderr.write(f"the scheduler has no workers yet: waiting, {_QUEUE:g} s at most\n")
         yield client
 
 

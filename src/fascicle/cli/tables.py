@@ -5,6 +5,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from .._visible import visible
+
 
 def show(
     title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str = ""
@@ -32,7 +34,7 @@ def show(
         for index in columns:
             table.add_column(Text(heads[index]), justify="right", no_wrap=True)
         for row in rows:
-            table.add_row(*(Text(row[index]) for index in columns))
+            table.add_row(*(Text(visible(row[index])) for index in columns))
         console.print(table)
     if caption:
         console.print(Text(caption))

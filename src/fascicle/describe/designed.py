@@ -8,6 +8,7 @@ from ..design.designs import Designs
 from ..design.objectives import OBJECTIVES
 from ..design.robust import Spread
 from ..design.searching import Found
+from ..design.summary import Summary
 from .results import Variable
 
 
@@ -17,20 +18,58 @@ def front_variables(found: Found, sure: Spread | None = None) -> dict[str, Varia
     **Arguments:**
 
     - `found`: by a search [-].
-    - `sure`: how the front's designs come out [-]; left out, nothing of it.
+    - `sure`: how these designs come out [-]; left out, nothing of it.
 
-    **Returns:** values by name [-]: objectives first, then composition and sizes.
+    **Returns:** values by name [-], of the front and then, if it isn't there, of the recommended
+    design: objectives first, then composition and sizes.
     """
-    places = found.front
+    places = found.listed
     recommended = np.zeros(len(places), bool)
     if found.recommended is not None:
         recommended[found.recommended] = True
+    on_front = np.arange(len(places)) < len(found.front)
+    about = "cheapest of the designs that do the task within the limits"
     return {
         "design": Variable(("design",), found.index[places], "-", "index in the space of designs"),
         **_objectives({name: values[places] for name, values in found.values.items()}),
-        "recommended": Variable(("design",), recommended, "-", "least bad in its worst objective"),
+        "recommended": Variable(("design",), recommended, "-", about),
+        "front": Variable(("design",), on_front, "-", "whether no other betters it"),
+        **_prices(found),
         **({} if sure is None else _sure(sure)),
         **design_variables(found.designs),
+    }
+
+
+def case_variables(summary: Summary) -> dict[str, Variable]:
+    """What one design does at each load case, a case a row.
+
+    **Arguments:** `summary`: of the design [-].
+
+    **Returns:** values by name [-], and what else there is to know of it.
+    """
+    cases = summary.cases
+    task, fluid = cases.task, cases.task.fluid
+    kind = "normal volume at 20 °C and 100 kPa (ISO 8778)" if fluid == "air" else "volume"
+
+    def each(values: Any, unit: str, about: str) -> Variable:
+        return Variable(("case",), np.asarray(values), unit, about)
+
+    def one(value: Any, unit: str, about: str) -> Variable:
+        return Variable((), np.asarray(np.nan if value is None else value), unit, about)
+
+    return {
+        "case": each(np.arange(1, len(task) + 1), "-", "load case, as in the task"),
+        "case_force": each(task.force, "N", "demanded"),
+        "case_stroke": each(task.stroke_of(cases.length), "m", "demanded"),
+        "case_strain": each(task.strain_of(cases.length), "-", "demanded of this design"),
+        "case_largest_force": each(cases.largest, "N", "that the design gives there"),
+        "case_spare": each(cases.spare, "N", "force to spare, negative where it isn't reached"),
+        "case_reached": each(cases.reached, "-", "whether it is reached"),
+        "case_state": each(cases.state + 1, "-", "recruitment state that meets it"),
+        "case_fluid": each(cases.fluid, "m³", f"{fluid} from rest to it and back, {kind}"),
+        "fluid_of_a_cycle": one(cases.fluid_of_a_cycle, "m³", f"{fluid}, {kind}"),
+        "mass": one(summary.mass, "kg", "as the report says, NaN if not known"),
+        "outer_diameter": one(summary.diameter, "m", "at the largest contraction"),
     }
 
 
@@ -76,6 +115,14 @@ def design_variables(designs: Designs) -> dict[str, Variable]:
         "wall_thickness": by_unit(sizes(designs.wall), "m", "of the unit's muscles at rest"),
         "braid_angle": by_unit(sizes(designs.angle), "rad", "from the axis, at rest"),
     }  # fmt: skip
+
+
+def _prices(found: Found) -> dict[str, Variable]:
+    prices = found.catalog.price(found.designs)
+    if np.all(np.isnan(prices)):
+        return {}
+    about = f"of muscles and valves, in {found.catalog.currency}"
+    return {"price": Variable(("design",), prices, "-", about)}
 
 
 def _sure(sure: Spread) -> dict[str, Variable]:

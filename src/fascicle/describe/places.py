@@ -32,6 +32,8 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "motor_unit": {},
     "task": {},
     "design": {"drawings": ("muscle",), "most_units": ()},
+    "catalog": {"catalog": ()},
+    "prices": {},
     "objectives": {"objectives": ()},
     "limits": {"objectives": ()},
 }
@@ -63,10 +65,10 @@ class Place:
 
     @contextlib.contextmanager
     def naming(self) -> Iterator[None]:
-        """Name this place in a `ValueError` raised inside."""
+        """Name this place in a `ValueError` raised inside, or in a file's that it names."""
         try:
             yield
-        except ValueError as error:
+        except (ValueError, OSError) as error:
             named = re.match(r"`(\w+)`", str(error))
             name = named[1] if named else ""
             keys = _KEYS[self.kind].get(name, (name,) if name else ())

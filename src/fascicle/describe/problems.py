@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from .schema import PLAIN, TABLE
+from .schema import CHOICES, PLAIN, TABLE
 
 
 _ORDER = ("extra_forbidden", "missing")
@@ -43,7 +43,9 @@ def from_validation(error: ValidationError, source: str, data: Any, model: type[
         key=lambda fault: _ORDER.index(fault["type"]) if fault["type"] in _ORDER else len(_ORDER),
     )
     fault, more = faults[0], len(faults) - 1
-    path = [part for part in fault["loc"] if part not in ("", PLAIN, TABLE)]
+    loc = _without_choices(fault["loc"])
+    # a lone muscle's name is empty
+    path = [part for i, part in enumerate(loc) if part != "" or i != 1 or loc[0] != "muscle"]
     kind, name = fault["type"], str(path[-1])
     if kind == "extra_forbidden":
         known = _known_keys(model, fault["loc"][:-1])
@@ -52,7 +54,7 @@ def from_validation(error: ValidationError, source: str, data: Any, model: type[
         return line(source, path, f"missing{_example(model, fault['loc'])}.")
     rule = fault.get("ctx", {}).get("error") or f"{_RULES.get(kind, fault['msg'])}"
     others = f" ({more} more after it)" if more else ""
-    return line(source, path, f"{str(rule).rstrip('.')}.{others}", value(data, fault["loc"]))
+    return line(source, path, f"{str(rule).rstrip('.')}.{others}", value(data, loc))
 
 
 def line(source: str, path: Iterable[Any], rule: str, written: Any = None) -> str:
@@ -98,18 +100,22 @@ def value(data: Any, path: Iterable[Any]) -> Any:
     **Arguments:**
 
     - `data`: nested tables and lists [-].
-    - `path`: keys and indices [-]; those of a choice between types are skipped.
+    - `path`: keys and indices [-].
 
     **Returns:** the value [-].
     """
     for part in path:
-        if part in (PLAIN, TABLE):
-            continue
         try:
             data = data[part]
         except (KeyError, IndexError, TypeError):
             return None
     return data
+
+
+def _without_choices(loc: Sequence[Any]) -> list[Any]:
+    """Keys and indices without pydantic's marks of a choice between types, which no file has."""
+    marks = (PLAIN, TABLE)
+    return [one for i, one in enumerate(loc) if one not in marks or loc[i - 1 : i] not in CHOICES]
 
 
 def _bare(part: Any) -> str:

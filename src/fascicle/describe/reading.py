@@ -1,7 +1,6 @@
 """From a TOML file to a `Muscle` or a `Bundle`, checked once, on the way in."""
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from .._checks import one_of
+from .._toml import tables
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
 from ..muscle.collapse import COLLAPSE_LAWS
@@ -119,13 +119,7 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
 def parsed(text: str, source: str) -> dict[str, Any]:
     """The tables [-] of a file of this format, from its `text` [-]; `source` [-] names it."""
-    try:
-        data = tomllib.loads(text.replace("\r\n", "\n"))
-    except tomllib.TOMLDecodeError as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"{source}: not TOML: {reason}.") from None
-    except RecursionError:
-        raise ValueError(f"{source}: not TOML: nested too deep.") from None
+    data = tables(text, source)
     version = data.get("format")
     if version is not None and (version != 1 or isinstance(version, bool)):
         rule = "must be 1, the format that this version of fascicle reads."

@@ -37,6 +37,7 @@ Number = Annotated[float, _reader("number")]
 
 # a value that is either plain or a table: the choice is by type, so an error names one key
 PLAIN, TABLE = "(plain)", "(table)"
+CHOICES = (("material",), ("tension",), ("hinge_stiffness_factor",), ("catalog",))
 
 
 def _plain_or_table(value: Any) -> str:

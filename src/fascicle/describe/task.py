@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,27 +11,40 @@ from pydantic import ValidationError
 
 from .._checks import one_of
 from ..bundle import Bundle
+from ..bundle.bundle import SCHEMES
+from ..design.catalog import Catalog
 from ..design.examples import example_task
+from ..design.limits import Limit, checked
 from ..design.objectives import OBJECTIVES, known
-from ..design.searching import USUAL, Limit, checked
+from ..design.reach import SHARES, demanding
+from ..design.searching import USUAL
 from ..design.space import SPLITS, Space
 from ..design.splits import read as read_split
-from ..design.task import Task
+from ..design.task import FLUIDS, Task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.fabrication import Scatter
 from ..units import parse
+from .catalog import Offer, offer, sections_of
 from .drawn import drawn
 from .named import example, examples
 from .places import Place
+from .prices import Price
 from .problems import from_validation
-from .reading import load, parsed, text_of
-from .task_schema import DesignSection, ScatterSection, TaskFileSection, TaskSection
+from .reading import load, parsed, provenance, text_of
+from .task_schema import (
+    DesignSection,
+    PricesSection,
+    ScatterSection,
+    TaskFileSection,
+    TaskSection,
+)
 
 
 DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}
-_CLOUD = ("force", "strain", "weight", "time")
+_BY_LIST = ("force", "strain", "stroke", "weight")
+_OF_PRODUCTS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
 BLOCK = 4096  # designs of a study worked on at once, unless it says otherwise
 
 
@@ -48,17 +61,20 @@ class Chance(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class TaskFile:
     """What a task file says: the `task`, the `space` of designs, the objectives' `senses` and
-    `limits` by name, the `chance` that no muscle comes out as drawn, how many designs make a
-    `block` of a study, and the file's own `data`.
+    `limits` by name, the `catalog` of what can be bought, the `chance` that no muscle comes out as
+    drawn, how many designs make a `block` of a study, the file's own `data`, and `notes` on what
+    was left out.
     """
 
     task: Task
     space: Space
     senses: dict[str, str]
     limits: dict[str, Limit]
+    catalog: Catalog
     chance: Chance | None
     block: int
     data: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
 
 
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
@@ -98,50 +114,109 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     senses = _senses(file.objectives, Place(source, data, ("objectives",), "objectives"))
     place = Place(source, data, ("design",), "design")
     with Place(source, data, ("limits",), "limits").naming():
-        checked(senses, limits)
-    space = _space(file.design, place, limits, folder)
+        checked(senses, demanding(limits))
+    bought = _offer(file.design, place, folder)
+    space = _space(file.design, place, limits, folder, bought)
+    at = Place(source, data, ("prices",), "prices")
+    catalog = _catalog(file.prices or PricesSection(), at, file.design.density, bought)
     block = BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
     if not 1 <= block <= 2**20:
         at = Place(source, data, ("sweep",), "task")
         raise at.refuse(("block",), "must lie in [1, 1048576] designs.")
+    density = file.design.density
+    if density is not None and not 1.0 <= density <= 3e4:
+        raise place.refuse(("density",), "must lie in [1, 30000] kg/m^3.")
     chance = None
     if file.scatter is not None:
         at = Place(source, data, ("scatter",), "task")
+        if len(space.drawings) > 1:
+            raise at.refuse((), "needs a space of one muscle, search each alone.")
         chance = _chance(file.scatter, file.design, at, folder)
-    return TaskFile(task, space, senses, limits, chance, block, data)
+    notes = (*_errors(file.design, folder), *(() if bought is None else bought.notes))
+    return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes)
 
 
 def _task(section: TaskSection, place: Place) -> Task:
-    given = section.model_dump(exclude_none=True)
+    given: dict[str, Any] = section.model_dump(exclude_none=True)
     supply = given.pop("supply_pressure")
     if section.example is not None:
-        others = [key for key in given if key not in ("example", "scheme")]
+        others = [key for key in given if key not in ("example", "scheme", "fluid")]
         if others:
             raise place.refuse((others[0],), "an example has its own, drop this key or `example`.")
         with place.naming():
             made = example_task(section.example, supply)
-            cloud = {key: getattr(made, key) for key in ("force", "strain", "weight")}
-            more = {"scheme": section.scheme} if section.scheme is not None else {}
-            return Task.of(
-                **cloud, supply_pressure=supply, name=made.name, source=made.source, **more
+            scheme = one_of(section.scheme or made.scheme, SCHEMES, "scheme")
+            return replace(
+                made, scheme=scheme, fluid=one_of(section.fluid or "air", FLUIDS, "fluid")
             )
+    if "strain" in given and "stroke" in given:
+        raise place.refuse(
+            ("stroke",),
+            "`strain` is there too, and says the same of a bundle of one length: keep one of them.",
+        )
     for key in ("force", "strain"):
-        if key not in given:
-            raise place.refuse((key,), f'missing, write {key} = […], or example = "…".')
+        if key not in given and not (key == "strain" and "stroke" in given):
+            other = ' (or stroke = ["25 mm", …])' if key == "strain" else ""
+            raise place.refuse((key,), f'missing, write {key} = […]{other}, or example = "…".')
     if "time" in given and "weight" in given:
         raise place.refuse(("weight",), "points in time count for as long as they last: drop it.")
+    for key in _BY_LIST:
+        # one value, not a list of one, stands for all points
+        if key in given and isinstance(place.data["task"][key], str | int | float):
+            given[key] = given[key][0] if len(given[key]) == 1 else given[key]
     with place.naming():
         make = Task.in_time if "time" in given else Task.of
-        return make(supply_pressure=supply, **given)
+        return make(**({"strain": None, "supply_pressure": supply} | given))
+
+
+def _offer(section: DesignSection, place: Place, folder: Path) -> Offer | None:
+    """What the catalog offers, where there is one."""
+    if section.catalog is None:
+        return None
+    for key in _OF_PRODUCTS:
+        if getattr(section, key) is not None:
+            raise place.refuse((key,), "products have their own: drop this key, or the catalog.")
+    if len(section.muscle) != 1:
+        raise place.refuse(
+            ("muscle",), "must be one for a catalog; a product may name its own, muscle = …."
+        )
+    at = place.inner("catalog", kind="catalog")
+    sections, at = sections_of(section.catalog, at, folder)
+    drawing: dict[str | None, tuple[str, Muscle]] = {}
+    for i, product in enumerate(sections):
+        name = product.muscle or section.muscle[0]
+        own = place if product.muscle is None else at.inner(i, kind="catalog")
+        drawing[product.muscle] = name, _drawing(name, section, own, folder)
+    return offer(sections, at, section.length or (), drawing)
+
+
+def _catalog(
+    section: PricesSection, place: Place, density: float | None, bought: Offer | None
+) -> Catalog:
+    given: dict[str, Price] = {key: one for key, one in section if one is not None}
+    currency = "" if bought is None else bought.currency
+    for key, one in given.items():
+        currency = currency or one.currency
+        if one.currency != currency:
+            raise place.refuse((key,), f"another price is in {currency}: give all in one currency.")
+    amounts = {key: one.amount for key, one in given.items()}
+    products = {} if bought is None else bought.products
+    return Catalog(products, currency, density=density, **amounts)
 
 
 def _space(
-    section: DesignSection, place: Place, limits: Mapping[str, Limit], folder: Path
+    section: DesignSection,
+    place: Place,
+    limits: Mapping[str, Limit],
+    folder: Path,
+    bought: Offer | None,
 ) -> Space:
-    drawings = {name: _drawing(name, section, place, folder) for name in section.muscle}
-    given: dict[str, Any] = section.model_dump(
-        exclude_none=True, exclude={"muscle", "splits", "buckling"}
-    )
+    kept = ("muscle", "splits", "buckling", "density", "catalog")
+    if bought is None:
+        drawings = {name: _drawing(name, section, place, folder) for name in section.muscle}
+    else:
+        drawings, kept = bought.drawings, (*kept, "length")
+    given: dict[str, Any] = section.model_dump(exclude_none=True, exclude=set(kept))
     splits = section.splits or ("all",)
     if "valves" in limits and limits["valves"].most < 1:
         raise place.refuse((), "the space is empty: every bundle needs a valve.")
@@ -195,6 +270,18 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
         return found
 
 
+def _errors(section: DesignSection, folder: Path) -> list[str]:
+    """What calibrated muscles are off by, which no margin counts."""
+    notes = []
+    for name in section.muscle:
+        told = provenance(folder / name).get("rmse") if name not in examples() else None
+        if isinstance(told, str):
+            notes.append(
+                f"{name} was fitted with an error of {told} (rmse): a margin doesn't count it."
+            )
+    return notes
+
+
 def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:
     senses = dict(USUAL if given is None else given)
     for name, sense in senses.items():
@@ -221,5 +308,8 @@ def _limits(given: Mapping[str, Mapping[str, Any]], place: Place) -> dict[str, L
                 raise place.refuse((name, key), str(error)) from None
         if not ends:
             raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
+        if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
+            rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
+            raise place.refuse((name,), f"{rule} Something must be reached.")
         limits[name] = Limit(**ends)
     return limits

@@ -2,10 +2,19 @@
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, StrictBool, StrictInt, StrictStr
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    Tag,
+)
 
 from ..units import parse, parse_list
-from .schema import Angle, Number, Pressure, Section
+from .prices import Price, parse_price
+from .schema import PLAIN, TABLE, Angle, Length, Number, Pressure, Section
 
 
 def _values(dimension: str) -> BeforeValidator:
@@ -36,6 +45,37 @@ def _entries(kind: type, rule: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
+def _one(dimension: str) -> BeforeValidator:
+    def read(value: Any, info: Any) -> float:
+        return parse(value, dimension, info.field_name)
+
+    return BeforeValidator(read)
+
+
+def _price(per: str | None) -> BeforeValidator:
+    def read(value: Any, info: Any) -> Price:
+        return parse_price(value, info.field_name, per)
+
+    return BeforeValidator(read)
+
+
+def _a_list(value: Any) -> Any:
+    """One table is a list of one."""
+    return [value] if isinstance(value, dict) else value
+
+
+def _name_or_tables(value: Any) -> str:
+    return TABLE if isinstance(value, list) else PLAIN
+
+
+Mass = Annotated[float, _one("mass")]
+LinearDensity = Annotated[float, _one("linear_density")]
+Density = Annotated[float, _one("density")]
+Strain = Annotated[float, _one("strain")]
+PriceEach = Annotated[Price, _price(None)]
+PricePerVolume = Annotated[Price, _price("volume")]
+PricePerEnergy = Annotated[Price, _price("energy")]
+PricePerLength = Annotated[Price, _price("length")]
 Lengths = Annotated[tuple[float, ...], _values("length")]
 Angles = Annotated[tuple[float, ...], _values("angle")]
 Forces = Annotated[tuple[float, ...], _values("force")]
@@ -47,17 +87,57 @@ Integers = Annotated[tuple[int, ...], _entries(int, "a whole number")]
 
 
 class TaskSection(Section):
-    """`[task]`: a named example, or forces at strains with weights or times."""
+    """`[task]`: a named example, or forces at strains or strokes, with weights or times."""
 
     example: StrictStr | None = None
     name: StrictStr | None = None
     source: StrictStr | None = None
     force: Forces | None = None
     strain: Strains | None = None
+    stroke: Lengths | None = None
     weight: Numbers | None = None
     time: Times | None = None
     supply_pressure: Pressure = Field(examples=['"413.7 kPa"'])
     scheme: StrictStr | None = None
+    fluid: StrictStr | None = None
+
+
+class ProductSection(Section):
+    """`[[design.catalog]]`, or `[[product]]` of a catalog's own file: a muscle that is sold."""
+
+    name: StrictStr = Field(examples=['"DMSP-20"'])
+    muscle: StrictStr | None = None
+    outer_radius: Length | None = None
+    outer_diameter: Length | None = None
+    inner_diameter: Length | None = None
+    wall_thickness: Length | None = None
+    braid_angle: Angle | None = None
+    length: Lengths | None = None
+    least_length: Length | None = None
+    most_length: Length | None = None
+    price: PriceEach | None = None
+    price_per_length: PricePerLength | None = None
+    mass: Mass | None = None
+    mass_per_length: LinearDensity | None = None
+    largest_pressure: Pressure | None = None
+    largest_strain: Strain | None = None
+    source: StrictStr | None = None
+
+
+class CatalogFileSection(Section):
+    """A whole catalog file."""
+
+    format: StrictInt = Field(examples=["1"])
+    product: list[ProductSection] = Field(examples=["[[product]]"])
+
+
+class PricesSection(Section):
+    """`[prices]`: what things cost, for one or by their unit; the m³ of air is a normal one."""
+
+    valve: PriceEach | None = None
+    muscle: PriceEach | None = None
+    air: PricePerVolume | None = None
+    energy: PricePerEnergy | None = None
 
 
 class DesignSection(Section):
@@ -73,6 +153,15 @@ class DesignSection(Section):
     wall_ratio: Numbers | None = None
     unit_factors: Numbers | None = None
     buckling: StrictStr | None = None
+    density: Density | None = None
+    catalog: (
+        Annotated[
+            Annotated[StrictStr, Tag(PLAIN)] | Annotated[list[ProductSection], Tag(TABLE)],
+            Discriminator(_name_or_tables),
+            BeforeValidator(_a_list),
+        ]
+        | None
+    ) = None
 
 
 class SweepSection(Section):
@@ -98,5 +187,6 @@ class TaskFileSection(Section):
     design: DesignSection = Field(examples=["[design]"])
     objectives: dict[str, StrictStr] | None = None
     limits: dict[str, dict[str, Any]] | None = None
+    prices: PricesSection | None = None
     scatter: ScatterSection | None = None
     sweep: SweepSection | None = None

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
+    from .catalog import Catalog as Catalog
+    from .catalog import Product as Product
     from .designs import Designs as Designs
     from .examples import example_task as example_task
     from .judging import evaluate as evaluate
+    from .limits import Limit as Limit
     from .objectives import OBJECTIVES as OBJECTIVES
     from .pareto import hypervolume as hypervolume
     from .pareto import non_dominated as non_dominated
-    from .searching import Limit as Limit
     from .searching import search as search
     from .space import Space as Space
     from .splits import compositions as compositions
@@ -22,9 +24,11 @@ if TYPE_CHECKING:
     from .task import Task as Task
 
 _HOMES = {
+    "Catalog": "catalog",
     "Designs": "designs",
-    "Limit": "searching",
+    "Limit": "limits",
     "OBJECTIVES": "objectives",
+    "Product": "catalog",
     "Space": "space",
     "Task": "task",
     "compositions": "splits",
@@ -37,9 +41,11 @@ _HOMES = {
 }
 
 __all__ = [
+    "Catalog",
     "Designs",
     "Limit",
     "OBJECTIVES",
+    "Product",
     "Space",
     "Task",
     "compositions",

@@ -2,18 +2,26 @@
 
 Each local worker computes on one thread: as many workers as cores then share a machine without
 waiting for one another. XLA reads that when a worker first computes, so it is in its environment.
+Whoever can talk to a scheduler can have its workers run anything: the local one asks for a
+certificate that only its own workers have, and serves no page.
 """
 
 import contextlib
 import logging
 import os
+import signal
 from collections.abc import Iterator
+from multiprocessing import active_children, resource_tracker
 from typing import Any
 
 
 _ONE_THREAD = {"PJRT_NPROC": "1", "OMP_NUM_THREADS": "1"}
-_PARTS = ("client", "comm", "core", "nanny", "scheduler", "worker")
-_LOGS = ("distributed", *(f"distributed.{part}" for part in _PARTS))
+_PARTS = ("client", "comm", "core", "nanny", "scheduler", "worker", "deploy")
+_LOGS = ("distributed", *(f"distributed.{part}" for part in _PARTS), "tornado.application",
+         "asyncio")  # fmt: skip
+_STARTS = 3  # of the workers; one may be killed as it starts
+_CLOSING = 3.0  # s that workers may take to end, what they write is whole or not there
+_NO_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 @contextlib.contextmanager
@@ -23,21 +31,93 @@ def local(workers: int | None = None) -> Iterator[Any]:
     **Arguments:** `workers`: how many [-]; left out, one a core.
 
     **Returns:** Dask's client [-], inside a `with`.
-    """
-    from distributed import Client, LocalCluster
 
-    cluster: Any = LocalCluster
+    **Raises:** `ConnectionError` where workers can't be started.
+    """
+    import distributed  # noqa: F401 first: its own settings are what these are put over
+    from dask import config
+
+    with quiet(), config.set(_NO_PAGES):
+        cluster, client = _started(cores() if workers is None else workers)
+        try:
+            yield client
+        finally:
+            # in vain where all of it is dead already
+            with contextlib.suppress(Exception):
+                client.close(timeout=_CLOSING)
+            with contextlib.suppress(Exception):
+                cluster.close(timeout=_CLOSING)
+            for worker in active_children():  # one that compiles hears nothing else
+                worker.kill()
+
+
+def _started(workers: int) -> tuple[Any, Any]:
+    """A cluster of so many `workers` [-], and a client."""
+    from distributed import Client, LocalCluster, Security
+
+    make: Any = LocalCluster
     options = {
-        "n_workers": cores() if workers is None else workers,
+        "n_workers": workers,
         "threads_per_worker": 1,
         "processes": True,
-        "dashboard_address": None,
+        "dashboard_address": "127.0.0.1:0",  # a port of its own; `None` would be 8787
+        "scheduler_kwargs": {"dashboard": False},
         "memory_limit": 0,
         "host": "127.0.0.1",
         "env": _surroundings(),
+        "silence_logs": logging.CRITICAL,
+        "security": Security.temporary(),
     }
-    with quiet(), cluster(**options) as made, Client(made) as client:
-        yield client
+    for last in (False,) * (_STARTS - 1) + (True,):
+        with contextlib.ExitStack() as stack:
+            try:
+                with _uninterrupted():
+                    cluster = stack.enter_context(make(**options))
+                client = stack.enter_context(Client(cluster, timeout=20, set_as_default=False))
+            except (RuntimeError, OSError, TimeoutError) as error:
+                if last:
+                    told = " ".join(str(error).split())[:120] or type(error).__name__
+                    raise ConnectionError(f"no worker can be started ({told})") from None
+            else:
+                stack.pop_all()
+                return cluster, client
+    raise AssertionError  # the last start returns or raises
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Threads and processes begun inside don't see Ctrl-C: it is this process's to end them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # else each start of a process would begin it, and let the signal through again
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def revive(client: Any) -> None:
+    """Start local workers again that died as they started; `client` [-]: Dask's.
+
+    Dask itself starts a dead worker again, once: one that is killed before it is up stays dead.
+    """
+    from distributed import LocalCluster, Status
+
+    cluster: Any = client.cluster
+    if not isinstance(cluster, LocalCluster):
+        return
+
+    def forget() -> None:
+        for name, one in list(cluster.workers.items()):
+            if one.status in (Status.closed, Status.failed):
+                del cluster.workers[name]
+
+    loop: Any = cluster.loop
+    loop.add_callback(forget)
+    cluster.scale(len(cluster.worker_spec))
 
 
 @contextlib.contextmanager
@@ -54,7 +134,7 @@ def remote(address: str) -> Iterator[Any]:
 
     with quiet():
         try:
-            client = Client(address, timeout=20)
+            client = Client(address, timeout=20, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             reason = " ".join(str(error).split())[:200] or type(error).__name__
             raise ConnectionError(reason) from None

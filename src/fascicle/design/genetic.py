@@ -5,25 +5,32 @@ wall and angle, one for each gap between muscles (cut or not), and one for each 
 With `continuous` sizes lie anywhere between the least and the largest that the space lists;
 else they are the nearest listed, so that the front can be compared with an exhaustive one.
 
+A design that doesn't reach the task is worse than any that does, the more so the larger a share
+of its worst point it misses, so that a search leads there; the nearest is kept where none does.
+
 Every generation is judged by one compiled function of one shape. Seeded: the same seed gives
 the same front. Stopped after any generation, it goes on from its checkpoint to the same end.
 """
 
-import pickle
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from . import checkpoint as checkpoints
+from .catalog import Catalog, cheapest
+from .checkpoint import Kept
 from .designs import Designs, of_sizes
 from .judging import Values, evaluate, sizes_of
-from .objectives import known, needs
+from .limits import Limits, checked, within_limits
+from .objectives import needs
 from .outcome import Demand
 from .pareto import directed, non_dominated
-from .searching import Found, Limits, best_first, checked, within_limits
+from .reach import demanding, others, reaching, recorded
+from .searching import Found, concluded, nearest
 from .space import Space
+from .study import Study
 from .task import Task
 from .unlike import unlike_objectives
 
@@ -105,6 +112,7 @@ def evolve(
     checkpoint: Path | None = None,
     watch: Callable[[int], None] | None = None,
     extra: tuple[str, ...] = (),
+    catalog: Catalog | None = None,
 ) -> Found:
     """Search a space by NSGA-II.
 
@@ -113,7 +121,7 @@ def evolve(
     - `space`: of one drawing, with all compositions [-].
     - `task`: what is demanded [-].
     - `senses`: "min" or "max" by objective [-].
-    - `limits`: on objectives, by name [-].
+    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `population`: designs in a generation [-].
     - `generations`: how many [-].
     - `seed`: of chance [-].
@@ -121,71 +129,65 @@ def evolve(
     - `checkpoint`: a file that is kept after each generation, and gone on from [-].
     - `watch`: told how many generations are done [-].
     - `extra`: objectives to record that don't make the front [-].
+    - `catalog`: products and prices [-]; left out, none is known.
 
-    **Returns:** what was found [-]: of all designs that were judged, those of the front.
+    **Returns:** what was found [-]: of all designs that were judged, those of the front and the
+    cheapest, or where none keeps the limits the one that comes nearest to the task.
 
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
     `ModuleNotFoundError` without pymoo.
     """
-    limits = dict(limits or {})
+    limits, catalog = demanding(limits), catalog or Catalog()
     senses = dict(senses)
-    names, told = known([*senses, *limits]), known([*senses, *limits, *extra])
+    names, told = recorded(senses, limits), recorded(senses, limits, extra)
     checked(senses, limits)
     coding, demand = Coding(space, continuous), Demand.of(task)
-    state = _begun(coding, senses, limits, population, seed, checkpoint)
-    while state["generation"] < generations:
-        algorithm = state["algorithm"]
-        asked = algorithm.ask()
+    # the digest is that of the numbers, `search` of how they are looked for
+    digest = Study(space, task, names, senses, limits, block=1).digest
+    search = {
+        "study": digest, "senses": senses, "limits": str(limits), "catalog": str(catalog),
+        "population": population, "seed": seed, "continuous": continuous,
+    }  # fmt: skip
+    state = _begun(coding, names, limits, len(senses), population, seed)
+    if checkpoint is not None and checkpoint.exists():
+        state = checkpoints.load(checkpoint, search, state.algorithm, tuple(state.values))
+    while state.generation < generations:
+        asked = state.algorithm.ask()
         genomes = np.asarray(asked.get("X"), float)
         values = _judged(coding, genomes, demand, names, population)
         asked.set("F", directed(values, senses))
         asked.set("G", _broken(values, limits))
-        algorithm.tell(infills=asked)
-        _keep(state, genomes, values, senses, limits)
-        state["generation"] += 1
+        state.algorithm.tell(infills=asked)
+        state = _kept(state, genomes, values, senses, limits, coding, catalog)
         if checkpoint is not None:
-            _save(state, checkpoint)
+            checkpoints.save(checkpoint, search, state)
         if watch is not None:
-            watch(state["generation"])
-    designs = coding.designs(state["genomes"])
+            watch(state.generation)
+    designs = coding.designs(state.genomes)
     # what is told in the end is told by the same means as an exhaustive search tells it
     values = evaluate(designs, task, told)
-    front = best_first(values, senses, np.flatnonzero(within_limits(values, limits)))
-    return Found(
-        space, task, senses, limits, np.full(len(designs), -1), values,
-        np.ones(len(designs), bool), front, designs.take(front), state["judged"],
+    return concluded(
+        space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
+        state.judged,
     )  # fmt: skip
 
 
 def _begun(
-    coding: Coding,
-    senses: Mapping[str, str],
-    limits: Limits,
-    population: int,
+    coding: Coding, names: tuple[str, ...], limits: Limits, objectives: int, population: int,
     seed: int,
-    checkpoint: Path | None,
-) -> dict[str, Any]:
-    told = [coding.genes, dict(senses), dict(limits), population, seed, coding.continuous]
-    if checkpoint is not None and checkpoint.exists():
-        state = pickle.loads(checkpoint.read_bytes())  # noqa: S301 written by `_save` alone
-        if state["told"] != told:
-            raise ValueError(f"{checkpoint}: is another search's: name a new file.")
-        return state
+) -> Kept:  # fmt: skip
+    """A search before its first generation."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.termination import get_termination
 
     problem = Problem(
-        n_var=coding.genes, n_obj=len(senses), n_ieq_constr=max(1, 2 * len(limits)),
+        n_var=coding.genes, n_obj=objectives, n_ieq_constr=1 + len(others(limits)),
         xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
     )  # fmt: skip
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
-    names = [*dict.fromkeys([*senses, *limits])]
-    return {
-        "told": told, "algorithm": algorithm, "generation": 0, "judged": 0,
-        "genomes": np.zeros((0, coding.genes)), "values": {n: np.zeros(0) for n in names},
-    }  # fmt: skip
+    return Kept(algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names})
 
 
 def _judged(
@@ -201,42 +203,50 @@ def _judged(
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
-    """How far limits are broken [SI], positive where they are."""
-    size = len(next(iter(values.values())))
-    columns = [np.full(size, -1.0)] if not limits else []
-    for name, limit in limits.items():
-        misses = (limit.least - values[name], values[name] - limit.most)
-        columns += [np.where(np.isfinite(miss), miss, -1.0) for miss in misses]
+    """How far limits are broken [SI], positive where they are; first how far from the task."""
+    # a share of points says nothing of how near they are
+    far = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
+    columns = [np.where(reaching(values, limits), -1.0, far)]
+    for name, limit in others(limits).items():
+        excess = limit.excess(values[name])
+        columns.append(np.where(np.isfinite(excess), excess, -1.0))
     return np.stack(columns, axis=1)
 
 
-def _keep(
-    state: dict[str, Any],
+def _kept(
+    state: Kept,
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
-) -> None:
-    """Add a generation to the front of all that were judged."""
-    state["judged"] += len(genomes)
-    good = within_limits(values, limits)
-    rows = np.concatenate([state["genomes"], genomes[good]])
-    both = {name: np.concatenate([state["values"][name], values[name][good]]) for name in values}
-    if not len(rows):
-        return
-    points = directed(both, senses)
-    front = non_dominated(points)
-    # of equal points the first is enough
-    first = np.zeros(len(points), bool)
-    first[np.unique(points, axis=0, return_index=True)[1]] = True
-    kept = front & first
-    state["genomes"], state["values"] = rows[kept], {name: one[kept] for name, one in both.items()}
+    coding: Coding,
+    catalog: Catalog,
+) -> Kept:
+    """A generation more, added to what is kept: the front and the cheapest, or the nearest."""
+    more = state._replace(generation=state.generation + 1, judged=state.judged + len(genomes))
+    rows = np.concatenate([state.genomes, genomes])
+    both = {name: np.concatenate([state.values[name], values[name]]) for name in values}
+    (good,) = np.nonzero(within_limits(both, limits))
+    kept = np.zeros(len(rows), bool)
+    if not good.size:
+        kept[nearest(both, limits)] = True
+    else:
+        points = directed(both, senses)[good]
+        # of equal points the first is enough
+        first = np.zeros(len(good), bool)
+        first[np.unique(points, axis=0, return_index=True)[1]] = True
+        kept[good[first & non_dominated(points)]] = True
+        kept[_cheapest(coding, rows, both, good, catalog)] = True
+    return more._replace(genomes=rows[kept], values={name: one[kept] for name, one in both.items()})
 
 
-def _save(state: dict[str, Any], checkpoint: Path) -> None:
-    draft = checkpoint.with_name(f".{checkpoint.name}")
-    draft.write_bytes(pickle.dumps(state))
-    draft.replace(checkpoint)
+def _cheapest(
+    coding: Coding, rows: Genomes, values: Values, good: np.ndarray, catalog: Catalog
+) -> int | None:
+    def designs(places: np.ndarray) -> Designs:
+        return coding.designs(rows[places])
+
+    return cheapest(good, values, designs, catalog, coding.space.drawings)
 
 
 def _place(share: np.ndarray, count: int) -> np.ndarray:

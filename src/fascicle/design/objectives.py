@@ -46,6 +46,20 @@ def not_reached(outcome: Outcome) -> PerDesign:
     return _mean(outcome, jnp.where(outcome.reached, 0.0, 1.0))
 
 
+def points_not_reached(outcome: Outcome) -> PerDesign:
+    """Share of the task's points that no recruitment state reaches, each as good as any other
+    [-]; `outcome` [-].
+    """
+    return jnp.mean(jnp.where(outcome.reached, 0.0, 1.0), axis=0)
+
+
+def margin(outcome: Outcome) -> PerDesign:
+    """Least force to spare over the task's points [N], negative where one isn't reached; the
+    demanded load could be larger by that everywhere. `outcome` [-].
+    """
+    return jnp.min(outcome.spare, axis=0)
+
+
 def shortfall(outcome: Outcome) -> PerDesign:
     """Mean distance from what is demanded to what is reachable [N]; `outcome` [-]."""
     return _mean(outcome, outcome.shortfall)
@@ -54,6 +68,14 @@ def shortfall(outcome: Outcome) -> PerDesign:
 def worst_shortfall(outcome: Outcome) -> PerDesign:
     """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
     return jnp.max(outcome.shortfall, axis=0)
+
+
+def relative_shortfall(outcome: Outcome) -> PerDesign:
+    """Largest shortfall over what is demanded there [-], over the task's largest force where
+    nothing is; `outcome` [-].
+    """
+    F = outcome.force
+    return jnp.max(outcome.shortfall / jnp.where(F > 0, F, jnp.max(F)), axis=0)
 
 
 def largest_force(outcome: Outcome) -> PerDesign:
@@ -117,7 +139,10 @@ OBJECTIVES: dict[str, Objective] = {
     "peak_energy": Objective(peak_energy, "J", "min"),
     "mean_energy": Objective(mean_energy, "J", "min"),
     "not_reached": Objective(not_reached, "-", "min"),
+    "points_not_reached": Objective(points_not_reached, "-", "min"),
+    "margin": Objective(margin, "N", "max"),
     "shortfall": Objective(shortfall, "N", "min"),
+    "relative_shortfall": Objective(relative_shortfall, "-", "min"),
     "worst_shortfall": Objective(worst_shortfall, "N", "min"),
     "reversal_depth": Objective(reversal_depth, "-", "min", "curves"),
     "overlap_width": Objective(overlap_width, "N", "max", "curves"),

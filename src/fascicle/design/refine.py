@@ -2,15 +2,17 @@ r"""Sizes refined by gradients, from a design whose split is chosen.
 
 An objective is bettered by Adam steps on coordinates that keep every size within its bounds,
 $x = l + (h - l)/(1 + e^{-z})$, from several starts. What must be reached enters as a penalty
-on the shortfall, whose slope, unlike that of the points not reached, leads there. The laws
-are differentiable; where the state that meets a point changes, the objective has a step,
-which a gradient doesn't see: the best of all steps is kept, as the slow way judges it.
+on the shortfalls, each over what is demanded there and counting the same, whose slope, unlike
+that of the points not reached, leads there. The laws are differentiable; where the state that
+meets a point changes, the objective has a step, which a gradient doesn't see: the best of all
+steps is kept, as the slow way judges it. One that reaches the task is better than any that
+doesn't, whatever its objective.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -23,6 +25,7 @@ from .designs import Designs, joined
 from .judging import evaluate, size_of
 from .objectives import OBJECTIVES, judged, known, needs
 from .outcome import Demand
+from .reach import SHARES
 from .table import UNLIKE
 from .task import Task
 from .unlike import Sizes, unlike_outcome
@@ -30,6 +33,7 @@ from .unlike import Sizes, unlike_outcome
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")
 _RATE = 0.2
+_STERNER, _STERNEST = 1.1, 1e4  # the penalty grows while the task isn't reached
 _INSIDE = 6.0  # a coordinate's largest size: a part in 400 from a bound
 
 
@@ -44,6 +48,7 @@ def refined(
     steps: int = 60,
     starts: int = 4,
     seed: int = 0,
+    may_miss: float = 0.0,
 ) -> tuple[Designs, Float[np.ndarray, " start"]]:
     """Better sizes for a split.
 
@@ -56,14 +61,16 @@ def refined(
     - `bounds`: least and largest `length` and `radius` [m], `wall_ratio` [-] and `angle` [rad];
       what isn't bounded is held [-].
     - `sense`: "min" or "max" [-]; left out, the objective's usual one.
-    - `penalty`: on the mean shortfall over the task's mean force, in units of what the objective
-      is at first [-].
+    - `penalty`: on the shortfalls over what is demanded, their mean and their largest, in units
+      of what the objective is at first [-]; it grows where the task isn't reached.
     - `steps`: of each start [-].
     - `starts`: how many; the first is the design itself [-].
     - `seed`: of the others [-].
+    - `may_miss`: share of the task that may be missed [-], by weight and by points.
 
-    **Returns:** the best design of each start [-], and its objective with the penalty, turned
-    so that smaller is better, over the first design's objective [-].
+    **Returns:** the best design of each start [-], and its objective, turned so that smaller is
+    better, over the first design's objective [-]; infinite for a start that never came to
+    reach the task, whose design is the one that came nearest.
 
     **Raises:** `ValueError` for unknown names and bounds that the design's sizes are outside of.
     """
@@ -80,27 +87,39 @@ def refined(
     others = rng.uniform(-2.0, 2.0, (starts - 1, first.size))
     z = jnp.asarray(np.concatenate([first[None], others]))
     sign = (1.0 if sense == "min" else -1.0) / abs(begun)
-    scale = penalty / max(float(np.mean(task.force)), 1e-9)
     adam: Any = optax.adam(_RATE)
-    state = jax.vmap(adam.init)(z)
-    best = (np.full(starts, np.inf), np.asarray(z).copy())
+    state, weight = jax.vmap(adam.init)(z), np.full(starts, penalty)
+    # the best that reaches the task, and the nearest to it
+    best, near = (_Best(np.full(starts, np.inf), np.asarray(z).copy()) for _ in range(2))
     for _ in range(steps + 1):
-        value, slope = _slopes(
-            drawing, sizes, demand, z, low, high, sign, scale,
+        (_, (value, far)), slope = _slopes(
+            drawing, sizes, demand, z, low, high, sign, jnp.asarray(weight), may_miss,
             name=name, bounded=tuple(bounds),
         )  # fmt: skip
-        better = np.asarray(value) < best[0]
-        best = (
-            np.where(better, value, best[0]),
-            np.where(better[:, None], z, best[1]),
-        )
+        value, far = np.asarray(value), np.asarray(far)
+        best = best.or_better(np.where(far > 0, np.inf, value), np.asarray(z))
+        near = near.or_better(far, np.asarray(z))
+        weight = np.where(far > 0, np.minimum(_STERNER * weight, _STERNEST * penalty), weight)
         update, state = jax.vmap(adam.update)(slope, state)
         z = jnp.clip(z + update, -_INSIDE, _INSIDE)
+    kept = np.where(np.isfinite(best.value)[:, None], best.place, near.place)
     made = [
-        _designed(one, _placed(sizes, jnp.asarray(row), low, high, tuple(bounds)))
-        for row in best[1]
+        _designed(one, _placed(sizes, jnp.asarray(row), low, high, tuple(bounds))) for row in kept
     ]
-    return joined(made), best[0]
+    return joined(made), best.value
+
+
+class _Best(NamedTuple):
+    """The smallest `value` [-] of each start so far, and its `place` [-]."""
+
+    value: Float[np.ndarray, " start"]
+    place: Float[np.ndarray, "start coordinate"]
+
+    def or_better(self, value: np.ndarray, place: np.ndarray) -> "_Best":
+        better = value < self.value
+        return _Best(
+            np.where(better, value, self.value), np.where(better[:, None], place, self.place)
+        )
 
 
 def gradient(
@@ -142,17 +161,27 @@ def _slopes(
     low: Array,
     high: Array,
     sign: Array | float,
-    scale: Array | float,
+    weight: Float[Array, " start"],
+    may_miss: Array | float,
     *,
     name: str,
     bounded: tuple[str, ...],
-) -> tuple[Float[Array, " start"], Float[Array, "start coordinate"]]:
-    def cost(z: Array) -> Array:
-        own = _placed(sizes, z, low, high, bounded)
-        value, miss = _objectives(drawing, own.counts, tuple(own)[1:], demand, (name, "shortfall"))
-        return sign * value + scale * miss
+) -> tuple[Any, Float[Array, "start coordinate"]]:
+    """The cost of each start, with the objective and how far it is from the task; its slopes."""
 
-    return jax.lax.map(jax.value_and_grad(cost), z)
+    def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
+        own = _placed(sizes, z, low, high, bounded)
+        outcome = unlike_outcome(drawing, own, demand, needs((name,)), UNLIKE)
+        names = (name, "relative_shortfall", *SHARES)
+        objective, worst, *missed = judged(outcome, names)
+        F = outcome.force
+        mean = jnp.mean(outcome.shortfall / jnp.where(F > 0, F, jnp.max(F)))
+        enough = jnp.max(jnp.stack(missed)) <= may_miss
+        far = jnp.where(enough, 0.0, worst + mean)
+        return sign * objective + weight * far, (sign * objective, far)
+
+    sloped = jax.value_and_grad(cost, has_aux=True)
+    return jax.lax.map(lambda start: sloped(*start), (z, weight))
 
 
 def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array, Array, Any]:

@@ -22,10 +22,11 @@ from ..muscle import Muscle
 from ..records.fabrication import Scatter
 from .designs import Designs
 from .judging import size_of
+from .limits import Limits, within_limits
 from .objectives import judged, known, needs
 from .outcome import Demand
 from .pareto import directed, non_dominated
-from .searching import Limits, within_limits
+from .reach import demanding
 from .table import UNLIKE, Resolution
 from .task import Task
 from .unlike import Sizes, unlike_outcome
@@ -46,7 +47,7 @@ class Scales(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Spread:
     """Objectives of designs over draws. `values` [SI] by name, draws last; `met`: whether a
-    draw reaches all of the task and keeps all limits.
+    draw reaches what must be of the task and keeps all limits.
     """
 
     values: dict[str, Float[np.ndarray, "design draw"]]
@@ -95,7 +96,7 @@ def spread(
     - `designs`: of one drawing [-].
     - `task`: what is demanded [-].
     - `objectives`: by name [-].
-    - `limits`: on objectives, by name [-].
+    - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `scatter`: of length and braid angle [-]; left out, none.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; left
       out, the drawing itself.
@@ -106,8 +107,8 @@ def spread(
 
     **Raises:** `ValueError` for designs of several drawings and unknown objectives.
     """
-    limits = dict(limits or {})
-    names = known([*objectives, *limits, "not_reached"])
+    limits = demanding(limits)
+    names = known([*objectives, *limits])
     drawing = _only(designs)
     generator = np.random.default_rng(seed)
     units = designs.counts.shape[1]
@@ -122,8 +123,7 @@ def spread(
         )
     by_name = dict(zip(names, values, strict=True))
     met = within_limits({k: v.ravel() for k, v in by_name.items()}, limits)
-    met = met.reshape(len(designs), draws) & (by_name["not_reached"] <= 0)
-    return Spread(by_name, met)
+    return Spread(by_name, met.reshape(len(designs), draws))
 
 
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))

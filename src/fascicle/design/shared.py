@@ -104,14 +104,16 @@ def shared_outcome(known: Prepared, counts: Int[Array, "design unit"], demand: D
     # not stacked: states are looked at in turn, and needn't be written to memory
     low = [x + w * known.low[:, None] for x, w in zip(held, throttled, strict=True)]
     high = [x + w * known.high[:, None] for x, w in zip(held, throttled, strict=True)]
-    reached, miss, state = visited(demand.force, low, high, n > 0)
+    visit = visited(demand, table.length, low, high, n > 0)
     # few units: a sum over them is faster than to look the state up
-    active = sum(jnp.where(state >= k, n[k], 0) for k in range(n.shape[0]))
+    active = sum(jnp.where(visit.state >= k, n[k], 0) for k in range(n.shape[0]))
     return Outcome(
+        force=demand.force[:, None],
         weight=demand.weight[:, None],
-        work=(demand.force * demand.strain * table.length)[:, None],
-        reached=reached,
-        shortfall=miss,
+        work=demand.work(table.length)[:, None],
+        reached=visit.reached,
+        shortfall=visit.shortfall,
+        spare=visit.spare,
         energy=demand.supply * table.volume[:, None] * active,
         blocked=n * table.blocked,
         units=jnp.sum(n > 0, axis=0),

@@ -14,11 +14,13 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import one_of, within
+from .._limits import RANGES, plausible
 from ..muscle import Muscle
 from .designs import Designs, of_sizes
 from .packing import packed_radius
@@ -64,14 +66,16 @@ class Space:
         if self.radius_rule != "each" and not self.radius:
             raise ValueError(f"`radius` must be given with the rule {self.radius_rule!r}, in m.")
         for name, unit, low, high in (
-            ("radius", "m", 0.0, 1.0),
-            ("length", "m", 0.0, 10.0),
+            ("radius", "m", 0.0, RANGES["radius"].largest),
+            ("length", "m", 0.0, RANGES["length"].largest),
             ("braid_angle", "rad", 0.0, math.acos(1 / math.sqrt(3))),
             ("wall_ratio", "-", 0.0, 1.0),
             ("unit_factors", "-", 0.0, 10.0),
         ):
             if getattr(self, name):
-                within(getattr(self, name), low, high, name, unit)
+                value = within(getattr(self, name), low, high, name, unit)
+                if name in RANGES:
+                    plausible(value, name)
         if isinstance(self.splits, str):
             one_of(self.splits, SPLITS, "splits")
             if not self.muscles:
@@ -82,8 +86,10 @@ class Space:
             )
 
     def __getstate__(self) -> dict:
-        # what is derived is derived again: it can be a thousand times larger
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        # what is derived is derived again: it can be a thousand times larger. As NumPy's, since a
+        # process that is sent JAX's arrays with each of its blocks grows with each of them
+        state = {field.name: getattr(self, field.name) for field in fields(self)}
+        return state | {"drawings": jax.tree.map(np.asarray, self.drawings)}
 
     def __len__(self) -> int:
         return math.prod(map(len, self._grid)) * len(self._shapes[0])
@@ -109,6 +115,11 @@ class Space:
         )
         sizes = (length, radius * scale[shape], ratio, angle)
         return of_sizes(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
+
+    def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
+        """Which of the drawings designs are of [-], by their `index` [-]; -1 is of the first."""
+        each = len(self) // len(self.drawings)
+        return np.maximum(index, 0) // each
 
     def scale(
         self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]

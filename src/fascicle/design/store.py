@@ -4,14 +4,20 @@
 - `manifest.json`: which study this is;
 - `finished.jsonl`: a line for each block that is wholly written, with a digest of its bits.
 
-Blocks are written by whoever computed them, lines by the one who handed them out. A block
-without a line counts as not done: whatever a killed writer left there is written over.
+Blocks are written by whoever computed them, and are on the disk before they are reported; lines
+are written by the one who handed them out. A block without a line, or one that doesn't read back
+to the bits of its line, counts as not done: whatever is left there is written over. What describes
+the arrays follows from the study, and is written anew where it is broken.
 """
 
+import contextlib
 import json
 import os
+import secrets
+import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +29,8 @@ from .study import Study, bits
 
 
 DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
-OURS = {DATA, MANIFEST, JOURNAL, "front.nc"}
+_META = "zarr.json"  # describes a group, or an array
+_VERSION = version("fascicle")
 
 
 class Store:
@@ -49,14 +56,24 @@ class Store:
 
         **Raises:** `ValueError` where there are none to resume, another study's, or any other.
         """
-        there = (folder / MANIFEST).exists()
-        same = there and _manifest(folder).get("study") == study.digest
+        there = (folder / MANIFEST).exists() or (folder / DATA / _META).exists()
+        told = _told(folder)
+        same = told.get("study") == study.digest
         if resume and not there:
             raise ValueError(f"{folder}: holds no sweep to resume: leave --resume out.")
+        if resume and not told:
+            raise ValueError(
+                f"{folder}: {MANIFEST} can't be read, nor {DATA}/{_META}, so nothing tells whose"
+                " results these are; nothing was changed. Name a new folder."
+            )
         if resume and not same:
+            began = told.get("fascicle", _VERSION)
+            goes_on = "sweep with the file that began it"
+            if began != _VERSION:
+                goes_on = f"go on with fascicle {began}, which began it (this is {_VERSION})"
             raise ValueError(
                 f"{folder}: holds another study's results; nothing was changed. Name another"
-                " folder, or sweep with the file that began it."
+                f" folder, or {goes_on}."
             )
         if there and not resume:
             hint = "--resume goes on with it" if same else "another study's: name a new folder"
@@ -80,20 +97,8 @@ class Store:
         cls.check(folder, study, resume=False)
         folder.mkdir(parents=True, exist_ok=True)
         store = cls(folder, study)
-        store._lay_out()
-        manifest = {
-            "format": 1,
-            "study": study.digest,
-            "objectives": {name: OBJECTIVES[name].unit for name in study.names},
-            "task": study.task.name,
-            "designs": len(study.space),
-            "block": study.block,
-            "blocks": study.blocks,
-        }
-        # last: a folder with a manifest is complete
-        draft = folder / f".{MANIFEST}"
-        draft.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
-        draft.replace(folder / MANIFEST)
+        store._lay_out(folder)
+        store._sign()  # last: a folder with a manifest is complete
         return store
 
     @classmethod
@@ -110,13 +115,19 @@ class Store:
         **Raises:** `ValueError` where there is none, or another study's.
         """
         cls.check(folder, study, resume=True)
-        return cls(folder, study)
+        store = cls(folder, study)
+        store._mend()
+        return store
 
     def write(self, block: int, values: Values) -> str:
-        """Write a block [-] of `values` [SI], whole chunks; gives a digest of its bits [-]."""
+        """Write a block [-] of `values` [SI], whole chunks, onto the disk; a digest of it [-]."""
         arrays, index = self._arrays("r+"), self.study.index(block)
         for name, one in values.items():
             arrays[name][index[0] : index[-1] + 1] = one
+        for name in values:
+            chunk = self.folder / DATA / name / "c" / str(block)
+            for path in (chunk, chunk.parent):
+                _settle(path)
         return bits(values)
 
     def read(self, block: int) -> Values:
@@ -141,8 +152,13 @@ class Store:
 
     def finished(self) -> set[int]:
         """Blocks [-] that are done: noted, and with the bits that were noted."""
-        noted = dict(self._noted())
-        return {block for block, digest in noted.items() if bits(self.read(block)) == digest}
+        return {block for block, digest in dict(self._noted()).items() if self._is(block, digest)}
+
+    def _is(self, block: int, digest: str) -> bool:
+        try:
+            return bits(self.read(block)) == digest
+        except Exception:  # noqa: BLE001 zarr's own for whatever a crash has left: not done
+            return False
 
     def tidy(self) -> None:
         """Remove what killed writers left: chunks are written beside their place, then moved."""
@@ -156,20 +172,47 @@ class Store:
         for line in journal.read_text(encoding="utf-8", errors="replace").splitlines():
             try:
                 entry = json.loads(line)
-                block, digest = int(entry["block"]), str(entry["bits"])
-            except (ValueError, TypeError, KeyError):
+                block, digest = entry["block"], entry["bits"]
+            except (ValueError, TypeError, KeyError, RecursionError):
                 continue  # torn by a kill
-            if 0 <= block < self.study.blocks:
+            if type(block) is int and 0 <= block < self.study.blocks and isinstance(digest, str):
                 yield block, digest
         # a torn last line must not run into the next one
         if not journal.read_bytes().endswith(b"\n"):
             with journal.open("a", encoding="utf-8") as file:
                 file.write("\n")
 
-    def _lay_out(self) -> None:
+    def _sign(self) -> None:
+        """Write the manifest."""
+        manifest = {
+            "format": 1,
+            "study": self.study.digest,
+            "fascicle": _VERSION,
+            "objectives": {name: OBJECTIVES[name].unit for name in self.study.names},
+            "task": self.study.task.name,
+            "designs": len(self.study.space),
+            "block": self.study.block,
+            "blocks": self.study.blocks,
+        }
+        _put(self.folder / MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
+
+    def _mend(self) -> None:
+        """Write anew what describes the arrays, and the manifest, where they are broken."""
+        with tempfile.TemporaryDirectory() as scratch:
+            self._lay_out(Path(scratch))
+            for made in Path(scratch, DATA).rglob(_META):
+                there = self.folder / made.relative_to(scratch)
+                if _read(there) != _read(made):
+                    there.parent.mkdir(parents=True, exist_ok=True)
+                    _put(there, made.read_bytes())
+        if _read(self.folder / MANIFEST).get("study") != self.study.digest:
+            self._sign()
+
+    def _lay_out(self, folder: Path) -> None:
+        """Make empty arrays in `folder` [-]."""
         import zarr
 
-        group = zarr.open_group(str(self.folder / DATA), mode="w")
+        group = zarr.open_group(str(folder / DATA), mode="w")
         size, block = len(self.study.space), min(self.study.block, len(self.study.space))
         group.attrs["study"] = self.study.digest
         for name in self.study.names:
@@ -194,9 +237,37 @@ def _opened(path: str, mode: Any, names: tuple[str, ...], digest: str) -> dict[s
     return {name: group[name] for name in names}
 
 
-def _manifest(folder: Path) -> dict[str, Any]:
+def _told(folder: Path) -> dict[str, Any]:
+    """What a folder says of the study in it: its manifest, or else the data themselves."""
+    manifest = _read(folder / MANIFEST)
+    if isinstance(manifest.get("study"), str):
+        return manifest
+    told = _read(folder / DATA / _META).get("attributes")
+    return told if isinstance(told, dict) and isinstance(told.get("study"), str) else {}
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """A JSON object; empty where there is none that can be read."""
     try:
-        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ValueError(f"{folder / MANIFEST}: can't be read: {error}.") from None
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
     return found if isinstance(found, dict) else {}
+
+
+def _put(path: Path, raw: bytes) -> None:
+    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    draft.write_bytes(raw)
+    draft.replace(path)
+    _settle(path)
+
+
+def _settle(path: Path) -> None:
+    """Have the system bring a file, or a folder's entries, onto the disk, if it is there."""
+    # a chunk of nothing but NaN isn't written; not every system opens folders
+    with contextlib.suppress(FileNotFoundError, PermissionError, IsADirectoryError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

@@ -15,8 +15,8 @@ import jax
 import numpy as np
 
 from .judging import Values, evaluate
-from .objectives import known
-from .searching import Limit, checked
+from .limits import Limit, checked
+from .reach import demanding, recorded
 from .space import Space
 from .task import Task
 
@@ -62,8 +62,8 @@ class Study:
 
         **Raises:** `ValueError` for unknown objectives, and blocks and spaces out of range.
         """
-        limits = dict(limits or {})
-        names = known([*senses, *limits, *extra])
+        limits = demanding(limits)
+        names = recorded(senses, limits, extra)
         checked(senses, limits)
         if not 1 <= block <= 2**20:
             raise ValueError(f"`block` must lie in [1, 1048576], got {block}.")

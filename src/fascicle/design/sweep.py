@@ -2,26 +2,28 @@
 
 A worker gets a number and the study; it computes the block, writes its chunks, and reports
 what they were. Nothing else travels, and nothing is kept in a worker between blocks but
-compiled functions. A block that a killed worker was at is handed out again, and writes the
-same bits over whatever was left.
+compiled functions and the study. A block that a killed worker was at is handed out again, and
+writes the same bits over whatever was left.
 """
 
 import os
-import pickle
 import secrets
 import time
-from collections.abc import Callable, Iterable
-from functools import lru_cache
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from .cluster import revive
 from .store import Store
 from .study import Study
 
 
 _AHEAD = 3  # blocks handed to each worker, so that none waits for the next
-_PATIENCE = 5.0  # s between questions how many workers there are
+_ASK = 2.0  # s between questions how many workers there are
+_LOOK = 0.02  # s between looks whether a block is done
+_ALONE = 60.0  # s without any worker, since a block was last done, after which there are none
 _TRIES = 20  # of one block; a worker that is killed at it isn't the block's fault
+_KNOWN: dict[str, Study] = {}  # the last study of a worker, by its digest
 
 
 class Done(NamedTuple):
@@ -61,6 +63,7 @@ def sweep(
     client: Any = None,
     resume: bool = False,
     watch: Watch | None = None,
+    alone: float = _ALONE,
 ) -> Store:
     """Compute what is missing of a study.
 
@@ -71,20 +74,23 @@ def sweep(
     - `client`: Dask's, of any deployment [-]; left out, this process does all.
     - `resume`: whether results are there to go on from [-].
     - `watch`: told about progress [-].
+    - `alone`: how long without any worker until it is given up [s].
 
     **Returns:** the store, complete [-].
 
     **Raises:** `ValueError` for a folder that holds something else; `OSError` where a block
-    can't be written; `ConnectionError` where the scheduler is lost.
+    can't be written; `ConnectionError` where the scheduler or all workers are lost.
     """
     store = (Store.opened if resume else Store.created)(folder, study)
     finished = store.finished() if resume else set()
     left = [block for block in range(study.blocks) if block not in finished]
-    payload = pickle.dumps(study)
     begun, designs, done = time.perf_counter(), 0, len(finished)
     if watch is not None:
         watch(Progress(done, study.blocks, 0, 0.0, None))
-    work = _here(payload, folder, left) if client is None else _there(client, payload, folder, left)
+    if client is None:
+        work = (run_block(study, str(folder), block) for block in left)
+    else:
+        work = _there(client, study, folder, left, alone)
     for one in work:
         store.finish(one.block, one.digest)
         designs, done = designs + len(study.index(one.block)), done + 1
@@ -95,18 +101,20 @@ def sweep(
     return store
 
 
-def run_block(payload: bytes, folder: str, block: int) -> Done:
+def run_block(study: Study, folder: str, block: int) -> Done:
     """Compute and write a block: what a worker does.
 
     **Arguments:**
 
-    - `payload`: the study, pickled [-].
+    - `study`: whose [-].
     - `folder`: where results are kept, as the worker sees it [-].
     - `block`: which, counted from 0 [-].
 
     **Returns:** what was written [-].
     """
-    study = _study(payload)
+    if study.digest not in _KNOWN:
+        _KNOWN.clear()
+    study = _KNOWN.setdefault(study.digest, study)  # whose tables are made already
     begun = time.perf_counter()
     values = study.values(block)
     computed = time.perf_counter()
@@ -123,56 +131,72 @@ def _memory() -> int:
     return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM")), 0)
 
 
-@lru_cache(maxsize=2)
-def _study(payload: bytes) -> Study:
-    return pickle.loads(payload)  # noqa: S301 sent by the one who hands out the work
-
-
-def _here(payload: bytes, folder: Path, blocks: list[int]) -> Iterable[Done]:
-    return (run_block(payload, str(folder), block) for block in blocks)
-
-
-def _there(client: Any, payload: bytes, folder: Path, blocks: list[int]) -> Iterable[Done]:
+def _there(
+    client: Any, study: Study, folder: Path, blocks: list[int], alone: float
+) -> Iterator[Done]:
     """Blocks as workers finish them; one that failed with its worker is handed out again."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
     from distributed.comm.core import CommClosedError
 
-    where = str(folder.resolve())
+    where, crew = str(folder.resolve()), _Crew(client, alone)
     waiting = blocks[::-1]
     tries: dict[int, int] = {}
     owner: dict[str, int] = {}
-    futures = as_completed()
+    futures = as_completed(loop=client.loop)
     # keys are the scheduler's, which may serve others, and remembers what it has given up
-    sweep_key, asked, workers = secrets.token_hex(4), -_PATIENCE, 1
-
-    def hand_out() -> None:
-        nonlocal asked, workers
-        # workers may come and go
-        if time.monotonic() - asked >= _PATIENCE:
-            workers, asked = max(1, len(client.nthreads())), time.monotonic()
-        while waiting and len(owner) < _AHEAD * workers:
-            block = waiting.pop()
-            tries[block] = tries.get(block, 0) + 1
-            key = f"block-{sweep_key}-{block}-{tries[block]}"
-            future = client.submit(run_block, payload, where, block, key=key, pure=False)
-            owner[key] = block
-            futures.add(future)
-
+    sweep_key = secrets.token_hex(4)
     try:
-        hand_out()
-        for future in futures:
+        while waiting or owner:
+            while waiting and len(owner) < _AHEAD * max(1, crew.count()):
+                block = waiting.pop()
+                tries[block] = tries.get(block, 0) + 1
+                key = f"block-{sweep_key}-{block}-{tries[block]}"
+                future = client.submit(run_block, study, where, block, key=key, pure=False)
+                owner[key] = block
+                futures.add(future)
+            while not futures.has_ready():
+                time.sleep(_LOOK)
+                crew.count()
+            future = next(futures)
             block = owner.pop(future.key)
             try:
-                done = future.result()
+                done = future.result(timeout=_ASK)
+            except TimeoutError:  # its worker died between doing and telling: it is done again
+                owner[future.key] = block
+                futures.add(future)
             except KilledWorker:
                 if tries[block] >= _TRIES:
-                    raise OSError(f"block {block} lost its worker {_TRIES} times.") from None
+                    raise ConnectionError(f"block {block} lost its worker {_TRIES} times") from None
                 waiting.append(block)
             else:
+                crew.worked()
                 yield done
-            hand_out()
     except (CancelledError, CommClosedError, TimeoutError) as error:
         told = " ".join(str(error).split())[:120] or type(error).__name__
         raise ConnectionError(f"the scheduler is lost ({told})") from None
+
+
+class _Crew:
+    """How many workers there are, asked now and then: they may come and go, or all be gone."""
+
+    def __init__(self, client: Any, alone: float):
+        self._client, self._most = client, alone
+        self._asked, self._count, self._alone = -_ASK, 1, 0.0
+
+    def count(self) -> int:
+        """Workers [-] when last asked; `ConnectionError` if there have long been none."""
+        since = time.monotonic() - self._asked
+        if since >= _ASK:
+            revive(self._client)
+            self._count, self._asked = len(self._client.nthreads()), time.monotonic()
+            if not self._count:
+                self._alone += min(since, 2 * _ASK)
+            if self._alone >= self._most:
+                raise ConnectionError(f"no worker has been there for {self._most:g} s")
+        return self._count
+
+    def worked(self) -> None:
+        """A block is done: there is hope."""
+        self._alone = 0.0

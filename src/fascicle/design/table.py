@@ -73,8 +73,8 @@ def tabulated(
     **Returns:** the table [-].
     """
     braid = muscle.braid
-    strain = demand.strain
-    count = strain.size
+    demanded = demand.strain(muscle.length)
+    strain, count = demanded, demanded.size
     if "curves" in needs:
         even = top * jnp.linspace(0.0, 1.0, resolution.strains)
         strain = jnp.concatenate([strain, even])
@@ -82,7 +82,7 @@ def tabulated(
     force = at.response(strain).force
     radius = bulge = None
     if "size" in needs:
-        largest = jnp.max(demand.strain)
+        largest = jnp.max(demanded)
         radius = jnp.asarray(braid.radius_at(largest))
         # what depends on pressure has a row for each level, the first at none
         rows = (resolution.levels, 1)
@@ -92,7 +92,7 @@ def tabulated(
         bulge = jnp.max(none.deflection(stops))
     return Table(
         force=force[:, :count],
-        volume=braid.volume(demand.strain) - braid.volume(jnp.zeros(())),
+        volume=braid.volume(demanded) - braid.volume(jnp.zeros(())),
         blocked=at.law.tension.force(demand.supply, jnp.zeros(())),
         length=muscle.length,
         radius=radius,

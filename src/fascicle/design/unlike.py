@@ -79,7 +79,7 @@ def unlike_objectives(
     **Returns:** them, a row for each name, in its unit [SI].
     """
     units = sizes.counts.shape[-1]
-    strains = demand.strain.size + ("curves" in needs) * resolution.strains
+    strains = demand.travel.size + ("curves" in needs) * resolution.strains
     block = max(1, _POINTS // (units * resolution.levels * strains))
 
     def one(sizes: Sizes) -> Float[Array, " objective"]:
@@ -110,8 +110,8 @@ def unlike_outcome(
         at, *own
     )
     low, high = _edges(n, tables.force, demand.scheme)
-    reached, miss, state = visited(demand.force, low, high, there)
-    fed = jnp.arange(n.size)[:, None] <= state
+    visit = visited(demand, sizes.length, low, high, there)
+    fed = jnp.arange(n.size)[:, None] <= visit.state
     size = depth = overlap = None
     if tables.radius is not None and tables.bulge is not None:
         bulge = jnp.max(jnp.where(there, tables.bulge, 0.0))
@@ -120,10 +120,12 @@ def unlike_outcome(
         depth = _depth(n, tables.curves, top)
         overlap = _overlap(n, tables.curves, demand.scheme)
     return Outcome(
+        force=demand.force,
         weight=demand.weight,
-        work=demand.force * demand.strain * sizes.length,
-        reached=reached,
-        shortfall=miss,
+        work=demand.work(sizes.length),
+        reached=visit.reached,
+        shortfall=visit.shortfall,
+        spare=visit.spare,
         energy=demand.supply * jnp.sum(fed * (n[:, None] * tables.volume), axis=0),
         blocked=n * tables.blocked,
         units=jnp.sum(there),

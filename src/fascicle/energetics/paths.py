@@ -14,11 +14,11 @@ with 4 where no piece is wider than 1/250.
 """
 
 import numpy as np
-from jaxtyping import ArrayLike, Float
+from jaxtyping import Float
 
 from .._arrays import library, maximum, minimum, nodes, total, where
 from .._evaluate import evaluate
-from .._types import Numbers, Values
+from .._types import AnyArray, Numbers, Values
 from ..bundle.bundle import Bundle, pressurized
 from ..muscle.piecewise import Pressurized
 
@@ -29,7 +29,7 @@ _NARROW, _FEW, _MANY = 1 / 250, 4, 6
 
 def unit_work_along(
     bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
-) -> Float[ArrayLike, "level strain unit"]:
+) -> Float[AnyArray, "level strain unit"]:
     """Work of each motor unit from rest length to every strain, at constant pressures.
 
     **Arguments:**

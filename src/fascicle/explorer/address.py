@@ -6,7 +6,6 @@ nothing in it is a path or is run.
 """
 
 import base64
-import binascii
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -21,7 +20,8 @@ from .state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
 
 
 LONGEST = 16_000  # characters of a packed file
-_LARGEST_TEXT = 64_000  # bytes of the file in it
+_LARGEST_TEXT = 32_000  # bytes of the file in it: eight unlike tuned muscles take half of that
+_LEFT_OUT = "left-out"  # instead of a file that is larger than that
 
 
 def to_query(view: View) -> dict[str, str]:
@@ -73,29 +73,46 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
             view = read(view, text, query)
         except ValueError as error:
             refused.append(f"link: {error}")
+        except Exception:  # noqa: BLE001 whatever a link holds, the page opens
+            refused.append(f"link: `{key}` can't be read.")
     if len(view.pressures) != len(view.units):
         view = replace(view, pressures=(view.supply,) * len(view.units))
+    if max(view.pressure, *view.pressures) > view.supply:
+        limited = tuple(min(P, view.supply) for P in view.pressures)
+        view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
+        if "pressure" in query or "pressures" in query:
+            refused.append(
+                f"link: `pressure` must be at most the supply's, {_tight(view.supply, 'pressure')}."
+            )
     return view, refused
 
 
 def pack(text: str) -> str:
-    """A file's `text` [-], deflated, in characters that an address may have [-]."""
-    return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+    """A file's `text` [-], deflated, in characters that an address may have [-]; or a word that
+    says that it is too large for one.
+    """
+    raw = text.encode()
+    packed = base64.urlsafe_b64encode(zlib.compress(raw, 9)).decode().rstrip("=")
+    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= LONGEST else _LEFT_OUT
 
 
 def unpack(packed: str) -> str:
     """The text [-] that was `packed` [-]; `ValueError` for anything else."""
+    if packed == _LEFT_OUT:
+        raise ValueError("`file` was too large for a link: open the file itself.")
     if len(packed) > LONGEST:
         raise ValueError(f"`file` must be at most {LONGEST} characters, got {len(packed)}.")
+    inflate = zlib.decompressobj()
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
-        inflate = zlib.decompressobj()
-        text = inflate.decompress(raw, _LARGEST_TEXT)
-        if inflate.unconsumed_tail:
-            raise ValueError(f"`file` must hold at most {_LARGEST_TEXT} bytes.")
-        return text.decode()
-    except (binascii.Error, zlib.error, UnicodeDecodeError) as error:
-        raise ValueError("`file` is no file that this explorer has packed.") from error
+        text = inflate.decompress(raw, _LARGEST_TEXT + 1)
+        if len(text) <= _LARGEST_TEXT and inflate.eof:
+            return text.decode()
+    except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
+        text = b""
+    if len(text) > _LARGEST_TEXT:
+        raise ValueError(f"`file` must hold at most {_LARGEST_TEXT} bytes.")
+    raise ValueError("`file` is no file that this explorer has packed.")
 
 
 def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:

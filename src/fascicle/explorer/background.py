@@ -9,6 +9,12 @@ import panel as pn
 
 
 _WORKERS = ThreadPoolExecutor(2, thread_name_prefix="fascicle")
+_RUNNING: set["Future[Any]"] = set()
+
+
+def working() -> bool:
+    """Whether anything is being computed [-]."""
+    return bool(_RUNNING)
 
 
 class Latest:
@@ -39,10 +45,13 @@ class Latest:
         self._busy, asked = True, self._asked
 
         def done(future: "Future[Any]") -> None:
+            _RUNNING.discard(future)
             if doc.session_context and not doc.session_context.destroyed:
                 doc.add_next_tick_callback(lambda: self._landed(doc, asked, future.result()))
 
-        _WORKERS.submit(_tried, compute).add_done_callback(done)
+        future = _WORKERS.submit(_tried, compute)
+        _RUNNING.add(future)
+        future.add_done_callback(done)
 
     def _landed(self, doc: Any, asked: int, outcome: tuple[Any, str | None]) -> None:
         self._busy = False

@@ -8,6 +8,7 @@ import numpy as np
 from ..bundle import Bundle, recruitment
 from ..bundle.plates import muscle_strain
 from ..bundle.recruitment import Overlap, Space
+from ..units import DIMENSIONS
 from .muscle_curves import picture
 from .state import View
 from .tube import AROUND, RINGS, Solid, solid
@@ -87,7 +88,9 @@ def force_at(
     return float(np.asarray(bundle.unit_forces(np.array(pressures), eps, resistance))[0].sum())
 
 
-def ways(bundle: Bundle, force: float, strain: float, resistance: bool) -> tuple[list[Way], str]:
+def ways(
+    bundle: Bundle, force: float, strain: float, resistance: bool, unit: str = "N"
+) -> tuple[list[Way], str]:
     """All pressures that reach a point, and what to say where none does.
 
     **Arguments:**
@@ -96,6 +99,7 @@ def ways(bundle: Bundle, force: float, strain: float, resistance: bool) -> tuple
     - `force`: demanded [N].
     - `strain`: there [-].
     - `resistance`: whether units past their own free strain push back [-].
+    - `unit`: that forces are told in [-].
 
     **Returns:** the ways, lowest state first, and a remark [-].
     """
@@ -119,9 +123,8 @@ def ways(bundle: Bundle, force: float, strain: float, resistance: bool) -> tuple
         return out, ""
     side = "above" if status == 1 else "below"
     nearest = tuple(map(float, np.asarray(found.pressures)))
-    remark = (
-        f"{side} what is reachable at this strain: the nearest force is {float(found.force):.4g} N."
-    )
+    given = float(found.force) / float(DIMENSIONS["force"].factors[unit])
+    remark = f"{side} what is reachable at this strain: the nearest force is {given:.4g} {unit}."
     return [Way(int(found.state), nearest, bool(found.stable))], remark
 
 

@@ -12,6 +12,7 @@ from .bundle_space import Shown, Way, force_at, shown_space, solids, state_at, w
 from .bundle_units import UnitRows
 from .look import Look, legend_style, plain_figure, set_range, source_of, widget_css
 from .muscle_view import table
+from .notes import equilibria, notes
 from .solid_view import Scene
 from .state import Session, View, changed
 from .tab import Tab, status
@@ -46,6 +47,7 @@ class BundleView(Tab):
         self._scene = Scene(look, 350, 330, "bundle")
         self._numbers = pn.pane.HTML("", margin=(0, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._ways = pn.Column(margin=0, sizing_mode="stretch_width")
         self._space = Latest(self._show_space, self._failed)
         self._state = Latest(self._show_state, self._failed)
@@ -55,7 +57,7 @@ class BundleView(Tab):
             width=300, height=590, scroll=True, margin=0,
         )  # fmt: skip
         middle = pn.Column(
-            self._strain.panel, self._status, pn.pane.Bokeh(self.figure, margin=0),
+            self._notes, self._strain.panel, self._status, pn.pane.Bokeh(self.figure, margin=0),
             self.message.pane, sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
         right = pn.Column(
@@ -73,6 +75,7 @@ class BundleView(Tab):
         self._silent = False
         self._supply.show(view.supply, view.shown["pressure"])
         self._rows.show(view)
+        self._notes.object = status(" ".join(notes(view, "bundle")))
         self._status.object = status("computing the space; the first time, the laws are compiled")
         self._space.ask(lambda: shown_space(view.bundle, view.resistance))
 
@@ -216,10 +219,9 @@ class BundleView(Tab):
         length = float(view.bundle.length)
         self._scene.show(drawn, shades, places, max(0.62 * length, 1.2 * reach))
         inch = view.shown["length"]
-        free = f"{state.zeros[0]:.4f}" if state.zeros.size else "-"
         self._numbers.object = table({
             "force": f"{force / scale:.4g} {unit}",
-            "free strain": free,
+            "free strain": equilibria(state.zeros, state.stable),
             "envelope's radius": f"{reach / factor(inch, 'length'):.4g} {inch}",
         })  # fmt: skip
 
@@ -236,7 +238,8 @@ class BundleView(Tab):
             pn.pane.HTML(status("looking for pressures; the first time, the laws are compiled"))
         ]
         strain, force = float(event.x), float(event.y) * scale
-        self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance)))
+        unit = view.shown["force"]
+        self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance, unit)))
 
     def _show_ways(self, found: tuple[float, list[Way], str]) -> None:
         strain, several, remark = found

@@ -11,6 +11,7 @@ from ..energetics import PATHS
 from .background import Latest
 from .efficiency_maps import STATES, Maps, averages, maps
 from .look import Look, legend_style, plain_figure, set_range, source_of
+from .notes import notes
 from .reversal_view import grid
 from .state import Session, View
 from .tab import Tab, status
@@ -39,12 +40,13 @@ class EfficiencyView(Tab):
         self._kind.param.watch(lambda _: self._other_map(), "value")
         self._draw_figures()
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._numbers = pn.pane.HTML("", margin=(0, 8))
         self._maps = Latest(self._show, self._failed)
         self._averages = Latest(self._show_averages, self._failed)
         self.panel = pn.Column(
             pn.Row(self._path, self._kind, self._numbers, margin=0),
-            self.message.pane, self._status,
+            self.message.pane, self._notes, self._status,
             pn.Row(pn.pane.Bokeh(self.figure), pn.pane.Bokeh(self._bars, width=500),
                    sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_width", margin=0,
@@ -55,6 +57,7 @@ class EfficiencyView(Tab):
         self._silent = True
         self._path.value = view.path
         self._silent = False
+        self._notes.object = status(" ".join(notes(view, "efficiency")))
         self._status.object = status("computing the map; the first time, the laws are compiled")
         self._maps.ask(lambda: maps(view.bundle, view.path))
 

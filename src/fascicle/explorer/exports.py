@@ -166,14 +166,19 @@ plot.free_strain(pressure, strains, "P₂").savefig("reversal.svg")
 
 
 def efficiency(view: View) -> Export:
-    """The efficiency map of the bundle of a `view` [-]."""
+    """The efficiency maps of the bundle of a `view` [-], with resistance and without."""
     made = view.bundle
-    found = efficiency_map(made, path=view.path, resistance=view.resistance)
+    found = efficiency_map(made, path=view.path)
+    free = efficiency_map(
+        made, path=view.path, resistance=False, force=found.force, strain=found.strain
+    )
+    grid = ("force", "strain")
     variables = {
         "force": Variable(("force",), found.force, "N"),
         "strain": Variable(("strain",), found.strain, "-"),
-        "efficiency": Variable(("force", "strain"), found.efficiency, "-"),
-        "state": Variable(("force", "strain"), found.state, "-"),
+        "efficiency": Variable(grid, found.efficiency, "-"),
+        "state": Variable(grid, found.state, "-"),
+        "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
     }
     imports = (
         "from fascicle.energetics import efficiency_map\n"
@@ -182,12 +187,16 @@ def efficiency(view: View) -> Export:
     python = (
         _head("efficiency", "bundle", dumps(made), imports)
         + f"""
-found = efficiency_map(bundle, path={view.path!r}, resistance={view.resistance})
+found = efficiency_map(bundle, path={view.path!r})
+points = {{"force": found.force, "strain": found.strain}}
+free = efficiency_map(bundle, path={view.path!r}, resistance=False, **points)
+grid = ("force", "strain")
 variables = {{
     "force": Variable(("force",), found.force, "N"),
     "strain": Variable(("strain",), found.strain, "-"),
-    "efficiency": Variable(("force", "strain"), found.efficiency, "-"),
-    "state": Variable(("force", "strain"), found.state, "-"),
+    "efficiency": Variable(grid, found.efficiency, "-"),
+    "state": Variable(grid, found.state, "-"),
+    "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
 }}
 write(variables, "efficiency.csv")
 draw(found).savefig("efficiency.svg")

@@ -5,6 +5,7 @@ from urllib.parse import urlencode
 
 import panel as pn
 
+from .._visible import visible
 from ..describe import example, examples, loads
 from .address import to_query
 from .look import Look, widget_css
@@ -61,7 +62,7 @@ class Header:
         self._silent = True
         self._name.object = (
             '<div style="font-size:20px;font-weight:650;letter-spacing:.01em">fascicle</div>'
-            f'<div style="opacity:.75;font-size:12.5px">{_safe(view.name)}</div>'
+            f'<div style="opacity:.75;font-size:12.5px">{_safe(visible(view.name, 60))}</div>'
         )
         self._example.value = view.name if view.name in examples() else _OTHER
         for kind, widget in self._units.items():

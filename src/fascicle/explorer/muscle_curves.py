@@ -19,6 +19,7 @@ from ..plot.shapes import ARC_POINTS
 
 POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
 PARTS = ("force", "mesh", "bladder", "bending")
+_COMPILED: set[Any] = set()  # the laws' kinds, whatever their sizes
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 
 
@@ -26,7 +27,8 @@ REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 class Picture:
     """A muscle at a pressure and strain, with a row for each pressure of the family and last
     the chosen one's: `pressure` [Pa]; `strain` [-]; `force` and its components [N];
-    `free_strain`, `collapse_strain` [-], inf where it never collapses; `blocked` [N].
+    `free_strain`, `collapse_strain` [-], inf where it never collapses; `blocked` [N]. Along the
+    chosen one's curve its `regions` [-], and where there are `branches`, other equilibria.
 
     At the chosen point: `force_here` [N], its `region` [-], whether there are `several`
     equilibria, `volume` of fluid [m³], `deflection` [m], `moment` [N·m], the centerline's `z`,
@@ -42,6 +44,8 @@ class Picture:
     free_strain: np.ndarray
     collapse_strain: np.ndarray
     blocked: np.ndarray
+    regions: np.ndarray
+    branches: np.ndarray
     force_here: float
     region: int
     several: bool
@@ -69,11 +73,34 @@ def picture(muscle: Muscle, pressure: float, strain: float, supply: float, top: 
     """
     pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
     found = _picture(muscle, pressures, np.float64(strain), np.float64(top))
+    _COMPILED.add(jax.tree.structure(muscle))
     values: dict[str, Any] = {name: np.asarray(value) for name, value in found.items()}
     for name, value in values.items():
         if value.ndim == 0:
             values[name] = value.item()
     return Picture(pressure=pressures, **values)
+
+
+def compiled(muscle: Muscle) -> bool:
+    """Whether the laws of a `muscle` [-] have been compiled: else a picture takes long."""
+    return jax.tree.structure(muscle) in _COMPILED
+
+
+def strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, float, int]]:
+    """Where a curve runs through which region.
+
+    **Arguments:**
+
+    - `strain`: along the curve [-], rising.
+    - `regions`: there [-].
+
+    **Returns:** the ends [-] and the region [-] of each stretch, in order.
+    """
+    # a kink is among the strains, and belongs to the region that ends there
+    last = np.flatnonzero(np.r_[np.diff(regions) != 0, True])
+    edges = np.r_[strain[0], strain[last]]
+    found = zip(edges[:-1], edges[1:], regions[last], strict=True)
+    return [(float(a), float(b), int(region)) for a, b, region in found if b > a]
 
 
 def widest(muscle: Muscle, supply: float) -> float:
@@ -103,6 +130,8 @@ def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str,
         "free_strain": free[:, 0],
         "collapse_strain": collapse[:, 0],
         "blocked": response.force[:, -2],
+        "regions": response.region[-1, :-2],
+        "branches": response.several[-1, :-2],
         "force_here": response.force[-1, -1],
         "region": response.region[-1, -1],
         "several": response.several[-1, -1],

@@ -1,26 +1,29 @@
 """The muscle's tab: its force over strain, taken apart, beside other laws, and itself."""
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.models import BoxAnnotation, HoverTool, LabelSet
+from bokeh.models import HoverTool, LabelSet
 
 from ..units import pretty
 from .background import Latest
 from .laws import alternative, alternatives
 from .look import Look, legend_style, plain_figure, set_range, source_of, widget_css
-from .muscle_curves import REGIONS, Picture, picture, widest
+from .muscle_curves import REGIONS, Picture, compiled, picture, strips, widest
 from .muscle_inputs import MuscleInputs
+from .notes import branches, notes
 from .solid_view import Scene
 from .state import Session, View, changed
+from .tab import status
 from .tube import solid
 from .widgets import Dial, factor, heading
 
 
 _TUBE = (214, 232, 245), (120, 160, 190)  # light, dark
+_STRAIGHT = (0, 3)  # regions in which a muscle is
+_FAR = 1e9  # any shown unit: beyond every picture
 _PARTS = (
     ("mesh", "mesh", "dashed"),
     ("bladder", "bladder", "dotdash"),
@@ -34,7 +37,7 @@ class MuscleView:
     def __init__(self, session: Session, look: Look):
         """**Arguments:** `session` [-]; `look`: the page's [-]."""
         self._session, self._look, self._stale = session, look, True
-        self._top = 0.3
+        self._top, self._above = 0.3, 0.0
         self._inputs = MuscleInputs(session, look)
         self._pressure = Dial(look, "Pressure P", "pressure", "pressure", self._set_pressure)
         self._strain = Dial(
@@ -43,6 +46,7 @@ class MuscleView:
         self._draw()
         self._scene = Scene(look, 350, 300, "solid")
         self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(2, 8))
         self._play = pn.widgets.Toggle(
             label="▶ Sweep the strain", stylesheets=[widget_css(look)], margin=(4, 8)
         )
@@ -55,6 +59,7 @@ class MuscleView:
         self._compare.param.watch(self._compared, "value")
         self._silent = False
         self._others = Latest(self._show_others, self._inputs.message.say)
+        self._laws = Latest(lambda _: self._all(session.view), self._inputs.message.say)
         session.watch(self._changed)
         turn = pn.widgets.IntSlider(
             label="Turn the picture, in degrees", start=-180, end=180, value=35,
@@ -63,8 +68,8 @@ class MuscleView:
         turn.param.watch(lambda event: self._scene.turn(event.new, 22.0), "value")
         left = pn.Column(self._inputs.panel, self._compare, width=262, margin=0)
         middle = pn.Column(
-            self._pressure.panel, self._strain.panel, pn.pane.Bokeh(self.figure, margin=0),
-            sizing_mode="stretch_width", margin=0,
+            self._notes, self._pressure.panel, self._strain.panel,
+            pn.pane.Bokeh(self.figure, margin=0), sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
         right = pn.Column(
             pn.pane.Bokeh(self._scene.figure, margin=0), turn, self._play, heading("At this point"),
@@ -84,17 +89,22 @@ class MuscleView:
         if after.tab != "muscle":
             self._stale = True
             return
-        if self._stale or changed(before, after, "muscle", "supply", "shown", "tab"):
+        if self._stale or changed(before, after, "muscle", "units", "supply", "shown", "tab"):
             self._stale = False
             self._all(after)
-        elif changed(before, after, "pressure", "strain"):
+        elif changed(before, after, "pressure", "strain") and compiled(after.muscle):
             self._picture(after, pressed=changed(before, after, "pressure"))
         if changed(before, after, "compared"):
             self._ask_others(after)
 
     def _all(self, view: View) -> None:
-        self._top = widest(view.muscle, view.supply)
-        if view.strain > self._top:
+        if not compiled(view.muscle):
+            # beside the loop, that nobody's page waits for it
+            self._notes.object = status("compiling these laws, once; it takes some seconds")
+            self._laws.ask(lambda: widest(view.muscle, view.supply))
+            return
+        self._top, asked = widest(view.muscle, view.supply), view.strain
+        if asked > self._top:
             self._session.view = view = replace(view, strain=self._top)
         self._inputs.show(view)
         self._silent = True
@@ -103,6 +113,11 @@ class MuscleView:
         self._compare.value = [key for key in view.compared if key in options]
         self._silent = False
         self._picture(view, pressed=True, family=True)
+        if asked > self._top:
+            self._strain.field.message.say(
+                f"`strain` is drawn up to {self._top:g} for this muscle, asked was {asked:g}."
+            )
+        self._notes.object = status(" ".join(notes(view, "muscle")))
         self._ask_others(view)
 
     def _picture(self, view: View, pressed: bool, family: bool = False) -> None:
@@ -119,12 +134,9 @@ class MuscleView:
         look = self._look
         fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 620, 500)
         self.figure = fig
-        self._regions = [
-            BoxAnnotation(left=0, right=0, fill_color=color, fill_alpha=alpha, line_color=None)
-            for color, alpha in ((look.cycle[4], 0.14), (look.muted, 0.20))
-        ]
-        for box in self._regions:
-            fig.add_layout(box)
+        self._strips = source_of({"left": [], "right": [], "color": [], "alpha": []}, name="strips")
+        fig.quad("left", "right", _FAR, -_FAR, source=self._strips, fill_color="color",
+                 fill_alpha="alpha", line_color=None)  # fmt: skip
         names = ("force", *(part for part, _, _ in _PARTS))
         self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
         self._families = source_of(
@@ -135,7 +147,7 @@ class MuscleView:
         )
         self._marks = source_of({"x": [], "y": [], "label": [], "below": []}, name="marks")
         self._here = source_of({"x": [], "y": []}, name="here")
-        self._names = source_of({"x": [0, 0, 0], "y": [0, 0, 0], "label": [""] * 3})
+        self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
         fig.line([0, 10], [0, 0], color=look.muted, line_width=1)
         fig.text("x", "y", "label", source=self._names, color=look.muted, text_align="center",
                  text_font_size="12px", text_baseline="top")  # fmt: skip
@@ -181,7 +193,7 @@ class MuscleView:
             "y": force[:, 0] / scale,
         }
         low, high = float(force.min()) / scale, float(force.max()) / scale
-        self._names.data = {**self._names.data, "y": [high + 0.14 * (high - low)] * 3}
+        self._above = high + 0.14 * (high - low)
         set_range(self.figure.x_range, 0.0, self._top)
         set_range(self.figure.y_range, low - 0.08 * (high - low), high + 0.16 * (high - low))
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
@@ -203,16 +215,19 @@ class MuscleView:
         free, blocked = float(found.free_strain[-1]), float(found.blocked[-1])
         onset = float(found.collapse_strain[-1])
         collapse = min(onset, self._top)
-        self._regions[0].update(left=min(free, self._top), right=collapse)
-        self._regions[1].update(left=collapse, right=self._top)
-        ends = [0.0, min(free, self._top), collapse, self._top]
+        ran = strips(found.strain[-1], found.regions)
+        fills = [(self._look.paper, 0.0), (self._look.cycle[4], 0.14), (self._look.muted, 0.20),
+                 (self._look.cycle[5], 0.14)]  # fmt: skip
+        self._strips.data = {
+            "left": [left for left, _, _ in ran], "right": [right for _, right, _ in ran],
+            "color": [fills[i][0] for _, _, i in ran], "alpha": [fills[i][1] for _, _, i in ran],
+        }  # fmt: skip
         self._names.data = {
-            **self._names.data,
-            "x": [(a + b) / 2 for a, b in pairwise(ends)],
+            "x": [(left + right) / 2 for left, right, _ in ran],
+            "y": [self._above] * len(ran),
             # a strip too narrow for its name goes without
             "label": [
-                name if b - a > 0.12 * self._top else ""
-                for (a, b), name in zip(pairwise(ends), REGIONS[:3], strict=True)
+                REGIONS[i] if right - left > 0.12 * self._top else "" for left, right, i in ran
             ],
         }
         x, y = [0.0, free], [blocked / scale, 0.0]
@@ -229,12 +244,15 @@ class MuscleView:
         self._here.data = {"x": [view.strain], "y": [found.force_here / scale]}
         drawn = solid(view.muscle, found, view.strain)
         length = float(view.muscle.length)
-        self._scene.show([drawn], [_TUBE[self._look.dark]], [(0.0, 0.0, 0.0)], 0.56 * length)
+        reach = max(0.56 * length, 2.0 * drawn.radius)  # a stubby muscle is wider than long
+        self._scene.show([drawn], [_TUBE[self._look.dark]], [(0.0, 0.0, 0.0)], reach)
         state = REGIONS[found.region] + (", other equilibria exist" if found.several else "")
+        # the volume is a straight muscle's of this length: no law here knows a bent one's
+        fluid = "fluid" if found.region in _STRAIGHT else "fluid, if it were straight"
         rows = {
             "force": f"{found.force_here / scale:.4g} {unit}",
             "state": state,
-            "fluid": f"{found.volume * 1e6:.4g} cm³",
+            fluid: f"{found.volume * 1e6:.4g} cm³",
             "braid angle": pretty(drawn.angle, "angle"),
             "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
@@ -242,6 +260,8 @@ class MuscleView:
             f" {view.shown['length']}",
             "bending moment": f"{found.moment:.4g} N·m",
         }
+        if more := branches(found.strain[-1], found.branches):
+            rows["several equilibria"] = more
         self._numbers.object = table(rows)
 
     # other laws

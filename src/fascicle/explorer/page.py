@@ -42,15 +42,23 @@ def build(session: Session, theme: str = "default", refused: Sequence[str] = ())
     header = Header(session, look)
     header.message.say(" ".join(refused))
     names = [name for name in TABS if name in _VIEWS]
-    views = {name: _VIEWS[name](session, look) for name in names}
+    views: dict[str, Any] = {}
+    places = {name: pn.Column(sizing_mode="stretch_width", margin=0) for name in names}
     tabs = pn.Tabs(
-        *((_TITLES[name], _with_downloads(session, look, name, views[name])) for name in names),
+        *((_TITLES[name], places[name]) for name in names),
         dynamic=True,
         stylesheets=[widget_css(look)],
         sizing_mode="stretch_width",
         margin=(0, 8),
         active=names.index(session.view.tab) if session.view.tab in names else 0,
     )
+
+    def look_at(name: str) -> None:
+        # a tab is made when it is first looked at: most visitors never see most of them
+        if name not in views:
+            views[name] = _VIEWS[name](session, look)
+            places[name].objects = [_with_downloads(session, look, name, views[name])]
+        views[name].refresh()
 
     def switched(event: Any) -> None:
         name = names[event.new]
@@ -60,12 +68,20 @@ def build(session: Session, theme: str = "default", refused: Sequence[str] = ())
     def follow(before: View, after: View) -> None:
         if before.tab != after.tab and after.tab in names:
             tabs.active = names.index(after.tab)
-            views[after.tab].refresh()
+            look_at(after.tab)
 
     tabs.param.watch(switched, "active")
     session.watch(follow)
-    views[names[tabs.active]].refresh()
-    return pn.Column(header.panel, tabs, sizing_mode="stretch_width", margin=0)
+    look_at(names[tabs.active])
+    return pn.Column(header.panel, tabs, name="explorer", sizing_mode="stretch_width", margin=0)
+
+
+def opening(look: Look) -> Any:
+    """What stands there until the rest does [-], in a `look` [-]."""
+    return pn.pane.HTML(
+        f'<div role="status" style="padding:24px;color:{look.ink};font-size:15px">'
+        "fascicle is drawing …</div>", margin=0,
+    )  # fmt: skip
 
 
 def _with_downloads(session: Session, look: Look, name: str, view: Any) -> Any:

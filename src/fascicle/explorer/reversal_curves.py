@@ -30,6 +30,28 @@ class Split:
         return " + ".join(map(str, self.counts))
 
 
+def through(one: Split) -> tuple[np.ndarray, np.ndarray]:
+    """A split's curve through its turning point, as it is drawn: with a gap where it jumps.
+
+    **Arguments:** `one`: the split [-].
+
+    **Returns:** pressures [Pa] and free strains [-], NaN in the gap.
+    """
+    turn = one.turn
+    if turn.depth <= 0:
+        return one.pressure, one.resisted
+    after = int(np.searchsorted(one.pressure, turn.pressure))
+    strain = [turn.free_strain]
+    if turn.jump:
+        ends = np.abs(one.resisted[[max(after - 1, 0), min(after, POINTS - 1)]] - turn.free_strain)
+        strain = [np.nan, turn.free_strain] if ends[0] > ends[1] else [turn.free_strain, np.nan]
+    at = [after] * len(strain)
+    return (
+        np.insert(one.pressure, at, [turn.pressure] * len(strain)),
+        np.insert(one.resisted, at, strain),
+    )
+
+
 def split_curves(muscle: Muscle, splits: tuple[tuple[int, ...], ...], supply: float) -> list[Split]:
     """The free strain of each split as its second unit is fed, the first at supply.
 

@@ -8,7 +8,8 @@ import panel as pn
 from .address import parse_splits
 from .background import Latest
 from .look import Look, legend_style, plain_figure, set_range, source_of, widget_css
-from .reversal_curves import Split, split_curves
+from .notes import notes
+from .reversal_curves import Split, split_curves, through
 from .state import Session, View
 from .tab import Tab, status
 from .widgets import factor
@@ -18,7 +19,7 @@ class ReversalView(Tab):
     """Widgets and figure of gradient reversal."""
 
     name: ClassVar[str] = "reversal"
-    fields: ClassVar[tuple[str, ...]] = ("muscle", "supply", "splits", "shown")
+    fields: ClassVar[tuple[str, ...]] = ("muscle", "units", "supply", "splits", "shown")
 
     def __init__(self, session: Session, look: Look):
         """**Arguments:** `session` [-]; `look`: the page's [-]."""
@@ -51,18 +52,19 @@ class ReversalView(Tab):
         legend_style(fig, look, "bottom_right")
         self._table = pn.pane.HTML("", margin=(8, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
+        self._notes = pn.pane.HTML("", margin=(8, 8), width=330)
         self._found = Latest(self._show, self._failed)
         about = pn.pane.HTML(
             '<div style="max-width:330px;font-size:13.5px;opacity:.85">The first unit is at supply'
-            " pressure. As the second one is fed, it resists more at first than it did empty: the"
-            " bundle's free strain falls, turns, and only then rises. Dashed: what a model"
-            " without resistance says.</div>",
+            " pressure. Where the second one, as it is fed, resists more at first than it did"
+            " empty, the bundle's free strain falls, turns, and only then rises; where the curve"
+            " is broken it jumps. Dashed: what a model without resistance says.</div>",
             margin=(8, 8),
         )
         self.panel = pn.Row(
             pn.Column(self._splits, self.message.pane, self._status, pn.pane.Bokeh(fig),
                       sizing_mode="stretch_width", margin=0),
-            pn.Column(about, self._table, width=360, margin=0),
+            pn.Column(about, self._notes, self._table, width=360, margin=0),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
 
@@ -71,6 +73,7 @@ class ReversalView(Tab):
         self._silent = True
         self._splits.value = ", ".join("+".join(map(str, split)) for split in view.splits)
         self._silent = False
+        self._notes.object = status(" ".join(notes(view, "reversal")))
         self._status.object = status("computing; the first time, the laws are compiled")
         self._found.ask(lambda: split_curves(view.muscle, view.splits, view.supply))
 
@@ -92,9 +95,12 @@ class ReversalView(Tab):
         scale, cycle = factor(unit, "pressure"), self.look.cycle
         colors = [cycle[i % len(cycle)] for i in range(len(found))]
         for kind in ("resisted", "free"):
+            drawn = [
+                through(one) if kind == "resisted" else (one.pressure, one.free) for one in found
+            ]
             getattr(self, f"_{kind}").data = {
-                "xs": [one.pressure / scale for one in found],
-                "ys": [getattr(one, kind) for one in found],
+                "xs": [pressure / scale for pressure, _ in drawn],
+                "ys": [strain for _, strain in drawn],
                 "color": colors,
                 "label": [
                     one.name + ("" if kind == "resisted" else ", without resistance")

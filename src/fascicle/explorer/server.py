@@ -3,25 +3,26 @@
 import asyncio
 import contextlib
 import logging
-import signal
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
 
 from .address import from_query
+from .browser import attach
+from .guard import EVERYWHERE, LOOPBACK, guard, names_of
 from .look import look_of, page_css
-from .page import build
+from .page import build, opening
 from .state import Session, View
+from .stopping import Stop
 
 
 PORT = 5006
 _TRIES = 20  # ports that are tried if the first is taken
 _MESSAGE = 16 * 2**20  # bytes of one message from a browser: an uploaded file and its coding
 _UNUSED = 15_000  # ms until a closed session is freed
-_LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
 def serve(
@@ -30,6 +31,7 @@ def serve(
     port: int | None = None,
     show: bool = True,
     say: Callable[[str], None] = print,
+    allowed: Sequence[str] = (),
 ) -> None:
     """Serve the explorer until it is interrupted.
 
@@ -40,22 +42,22 @@ def serve(
     - `port`: the port [-]; left out, 5006 or the next free one.
     - `show`: whether a browser is opened [-].
     - `say`: takes each line for the terminal [-].
+    - `allowed`: names besides its own that it answers to, a proxy's say [-].
 
     **Raises:** `OSError` where it can't listen there.
     """
-    logging.getLogger("bokeh").setLevel(logging.ERROR)
-    logging.getLogger("tornado.access").setLevel(logging.ERROR)
+    for name in ("bokeh", "tornado.access", "tornado.general"):
+        logging.getLogger(name).setLevel(logging.ERROR)
     chosen = free_port(host, port)
-    stop = _Stop()
-    warm(view)
-    pn.extension()
-    url = f"http://{_shown(host)}:{chosen}/"
-    with _loop() as loop:
-        server = pn.serve(
+    with Stop(say) as stop, _loop() as loop:
+        _beside(lambda: warm(view))
+        pn.extension()
+        server: Any = pn.serve(
             {"/": lambda: page(view)},
             port=chosen,
             address=host,
-            websocket_origin=origins(host, chosen),
+            # whose page may open a websocket is the guard's to say
+            websocket_origin=["*"],
             show=False,
             start=False,
             title="fascicle",
@@ -67,52 +69,63 @@ def serve(
             websocket_max_message_size=_MESSAGE,
             http_server_kwargs={"max_buffer_size": _MESSAGE},
         )
+        guard(server._tornado, names_of(host, allowed))
         server.start()
-        if host not in _LOOPBACK:
+        if host not in LOOPBACK:
             say(
                 f"listening on {host}: whoever reaches this machine's port {chosen} can use the"
                 " explorer, without password or encryption, and its processor with it."
             )
+        url = f"http://{_shown(host)}:{chosen}/"
         say(f"fascicle explorer at {url} (Ctrl-C stops it)")
         if show:
             loop.call_later(0.1, _open, url)
-        stop.ends(loop)
-        if not stop.asked:
-            loop.start()
+        stop.runs(loop)
+        loop.start()
         server.stop()
     say("stopped.")
 
 
-class _Stop:
-    """Ctrl-C as a wish: raised while JAX compiles, an interrupt would be swallowed there."""
+def _beside(work: Callable[[], None]) -> None:
+    """Do `work` in another thread: while this one waits, it hears a signal at once."""
+    failed: list[BaseException] = []
 
-    def __init__(self) -> None:
-        self.asked, self._loop = False, None
-        if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, self._wish)
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:  # noqa: BLE001 handed to whoever waits for it
+            failed.append(error)
 
-    def ends(self, loop: Any) -> None:
-        """End this `loop` [-] when it is wished."""
-        self._loop = loop
-
-    def _wish(self, *_: object) -> None:
-        self.asked = True
-        if self._loop is not None:
-            self._loop.add_callback_from_signal(self._loop.stop)
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.1)
+    if failed:
+        raise failed[0]
 
 
 def page(start: View) -> Any:
-    """The page of one visitor, as the address asks for it; `start` is what is shown else [-]."""
+    """The page of one visitor, as the address asks for it; `start` is what is shown else [-].
+
+    It is empty until its browser is there: what asks for it and goes again costs nothing.
+    """
     query = {
         key: values[0].decode("utf-8", "replace")
         for key, values in (pn.state.session_args or {}).items()
         if values
     }
     theme = "dark" if query.get("theme") == "dark" else "default"
-    view, refused = from_query(query, start)
-    pn.config.raw_css = [page_css(look_of(theme))]
-    return build(Session(view, pn.io.unlocked), theme, refused)
+    look = look_of(theme)
+    pn.config.raw_css = [page_css(look)]
+    shell = pn.Column(opening(look), sizing_mode="stretch_width", margin=0)
+
+    def fill() -> None:
+        view, refused = from_query(query, start)
+        shell.objects = [build(Session(view, pn.io.unlocked), theme, refused)]
+
+    attach(pn.state.curdoc)
+    pn.state.onload(fill)
+    return shell
 
 
 def warm(view: View) -> None:
@@ -144,30 +157,8 @@ def free_port(host: str, port: int | None) -> int:
     raise OSError(f"no free port on {host}.")
 
 
-def origins(host: str, port: int) -> list[str]:
-    """The names [-] a page may come from to talk to this server: a stranger's page may not."""
-    names = {"localhost", "127.0.0.1"}
-    if host not in _LOOPBACK:
-        names |= {host, socket.gethostname(), socket.getfqdn()}
-        with contextlib.suppress(OSError):
-            found = socket.getaddrinfo(socket.gethostname(), None)
-            names |= {str(entry[4][0]) for entry in found if ":" not in str(entry[4][0])}
-        names |= _own_address()
-    return sorted(f"{name}:{port}" for name in names)
-
-
-def _own_address() -> set[str]:
-    """The address [-] of this machine on its way out; nothing is sent."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))  # reserved for documentation
-            return {str(probe.getsockname()[0])}
-        except OSError:
-            return set()
-
-
 def _shown(host: str) -> str:
-    if host in ("0.0.0.0", "::"):  # noqa: S104 compared, not bound
+    if host in EVERYWHERE:
         return "127.0.0.1"
     return f"[{host}]" if ":" in host else host
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import panel as pn
 
+from .._visible import visible
 from ..units import DIMENSIONS, parse
 from .look import Look, widget_css
 
@@ -63,7 +64,7 @@ class Message:
         """Show `text` [-], or nothing where it is empty."""
         red = "color:#c1121f;background:#fff0f0;border-left:3px solid #c1121f"
         style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
-        clean = html.escape(text)
+        clean = html.escape(visible(text))
         self.pane.object = f'<div role="alert" style="{style}">{clean}</div>' if text else ""
         self.pane.visible = bool(text)
 

@@ -113,4 +113,3 @@ def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
     kinks = (at.column.free_strain, at.law.buckling.onset(at.column), at.collapse)
     found = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))
     return ca.Function(name, [P, eps], found)
-

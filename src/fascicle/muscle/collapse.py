@@ -32,7 +32,7 @@ import equinox as eqx
 import numpy as np
 
 from .._arrays import cos, minimum, sqrt
-from .._checks import positive
+from .._limits import size
 from .._methods import Module
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
@@ -40,7 +40,7 @@ from .column import Centerline, Column
 
 
 def _factor(value: Values) -> Batch:
-    return positive(value, "factor", "-")
+    return size(value, "factor")
 
 
 class AbstractCollapse(Module):

@@ -28,7 +28,8 @@ from typing import ClassVar
 import numpy as np
 
 from .._arrays import exp
-from .._checks import concrete, finite, positive
+from .._checks import concrete, positive
+from .._limits import signed, size
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .braid import Braid
@@ -62,9 +63,9 @@ class TonduLopez(AbstractTension):
 
         **Raises:** `ValueError` where $k$ isn't positive at every pressure.
         """
-        self.strain_factor = positive(strain_factor, "strain_factor", "-")
-        self.strain_factor_rise = finite(strain_factor_rise, "strain_factor_rise", "-")
-        self.decay_pressure = positive(decay_pressure, "decay_pressure", "Pa")
+        self.strain_factor = size(strain_factor, "strain_factor")
+        self.strain_factor_rise = signed(strain_factor_rise, "strain_factor_rise")
+        self.decay_pressure = size(decay_pressure, "decay_pressure")
         if concrete(self.strain_factor, self.strain_factor_rise):
             lowest = np.min(np.asarray(self.strain_factor + self.strain_factor_rise))
             if lowest <= 0:
@@ -109,8 +110,8 @@ class Meller2014(AbstractTension):
 
         **Raises:** `ValueError` where a factor isn't positive.
         """
-        self.strain_factor = positive(strain_factor, "strain_factor", "-")
-        self.force_factor = positive(force_factor, "force_factor", "-")
+        self.strain_factor = size(strain_factor, "strain_factor")
+        self.force_factor = size(force_factor, "force_factor")
 
     @classmethod
     def from_measured(

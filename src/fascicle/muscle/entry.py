@@ -10,20 +10,26 @@ from typing import Any
 import numpy as np
 
 from .._checks import concrete, one_of, within
+from .._limits import tilted
 from .._types import Batch, Values
 from .tuning import Tuning
 
 
 HIGHEST_PRESSURE = 1e6  # Pa
 LARGEST_STRAIN = 0.6
+# (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
+# 2 cosα0/sin²α0 times this: ten million times as much at any angle
+_STRAIGHT = 1e-9
 _NEUTRAL_ANGLE = np.arctan(np.sqrt(2))  # 54.7356°, where a braid neither pulls nor pushes
 
 
 def lowest_strain(braid_angle: Batch) -> float:
-    """Strain [-] that straightens the fibers, at `braid_angle` [rad]; -inf for a traced one."""
+    """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
+    traced one. Fibers that are straight within rounding have no radius left, and no finite force.
+    """
     if not concrete(braid_angle):
         return -np.inf
-    return float(np.max(1 - 1 / np.cos(np.asarray(braid_angle))))
+    return float(np.max(1 - 1 / np.cos(np.asarray(braid_angle)))) + _STRAIGHT
 
 
 def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tuning) -> bool:
@@ -41,7 +47,7 @@ def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tun
 def contracting(value: Values) -> Batch:
     """A braid angle [rad] that contracts."""
     try:
-        return within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
+        angle = within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
     except ValueError:
         if np.asarray(value).dtype.kind not in "fiu":
             raise
@@ -50,6 +56,8 @@ def contracting(value: Values) -> Batch:
         raise ValueError(
             f"`braid_angle` must lie in (0, 54.7356) deg to contract, got {bad:g} deg."
         ) from None
+    tilted(angle)
+    return angle
 
 
 def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:

@@ -22,7 +22,8 @@ from typing import NamedTuple
 
 import equinox as eqx
 
-from .._checks import positive, within
+from .._checks import within
+from .._limits import size
 from .._methods import Module
 from .._types import Batch, BatchLike, Values
 
@@ -74,10 +75,10 @@ class MooneyRivlin(AbstractMaterial):
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
         """
-        self.c10 = positive(c10, "c10", "Pa")
-        self.c01 = positive(c01, "c01", "Pa")
+        self.c10 = size(c10, "c10")
+        self.c01 = size(c01, "c01")
         modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
-        self.youngs_modulus = positive(modulus, "youngs_modulus", "Pa")
+        self.youngs_modulus = size(modulus, "youngs_modulus")
         closed = (True, True)
         self.poisson_ratio = within(poisson_ratio, 0.0, 0.5, "poisson_ratio", "-", closed=closed)
 
@@ -94,7 +95,7 @@ class MooneyRivlin(AbstractMaterial):
 
         **Returns:** the material [-] with $6 (C_{10} + C_{01}) = E$.
         """
-        E = positive(youngs_modulus, "youngs_modulus", "Pa")
+        E = size(youngs_modulus, "youngs_modulus")
         share = _LATEX_C10 / (_LATEX_C10 + _LATEX_C01)
         return cls(share * E / 6, (1 - share) * E / 6, E, poisson_ratio)
 

@@ -16,8 +16,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from .._checks import as_given, concrete, positive, within
+from .._checks import as_given, concrete, within
 from .._evaluate import evaluate
+from .._limits import size, slender
 from .._methods import Module
 from .._tiles import fields
 from .._types import Batch, Values
@@ -76,12 +77,13 @@ class Muscle(Module):
         tuning: Tuning | None = None,
     ):
         """**Arguments:** those of `from_dimensions`."""
-        self.length = positive(length, "length", "m")
-        self.outer_radius = positive(outer_radius, "outer_radius", "m")
-        self.wall_thickness = positive(wall_thickness, "wall_thickness", "m")
+        self.length = size(length, "length")
+        self.outer_radius = size(outer_radius, "outer_radius")
+        self.wall_thickness = size(wall_thickness, "wall_thickness")
         self.braid_angle = contracting(braid_angle)
         if concrete(self.outer_radius, self.wall_thickness):
             thinner(self.wall_thickness, self.outer_radius)
+        slender(self.length, self.outer_radius)
         self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
         self.tension = chosen(tension, AbstractTension, TENSION_LAWS, "tension")
         self.buckling = chosen(buckling, AbstractBuckling, BUCKLING_LAWS, "buckling")
@@ -89,7 +91,7 @@ class Muscle(Module):
         self.post_collapse = chosen(
             post_collapse, AbstractPostCollapse, POST_COLLAPSE_LAWS, "post_collapse"
         )
-        self.transition_rate = positive(transition_rate, "transition_rate", "-")
+        self.transition_rate = size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
             raise ValueError(f"`tuning` must be a Tuning or None, got {tuning!r}.")
         self.tuning = Tuning() if tuning is None else tuning

@@ -27,19 +27,20 @@ import warnings
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike, Float
+from jaxtyping import Float
 
 from .._arrays import along_table, spread, where
-from .._checks import concrete, finite, positive, within
+from .._checks import concrete, finite, within
+from .._limits import plausible, signed, size
 from .._methods import Module
-from .._types import Batch, BatchLike, Symbol, Values
+from .._types import AnyArray, Batch, BatchLike, Symbol, Values
 from .bladder import Bladder
 from .ideal import AbstractTension, Pull
 
 
 _LARGEST_PRESSURE = 1e6  # Pa, the end of the model's domain
 
-Rows = Float[ArrayLike, "*#muscles row"] | Symbol
+Rows = Float[AnyArray, "*#muscles row"] | Symbol
 
 
 class Tuning(Module):
@@ -83,16 +84,12 @@ class Tuning(Module):
         **Raises:** `ValueError` where a table or a factor can't be.
         """
         self.pressures, self.c1, self.c2 = _table(pressures, c1, c2)
-        self.youngs_modulus_factor = positive(youngs_modulus_factor, "youngs_modulus_factor", "-")
-        self.collapse_moment_factor = positive(
-            collapse_moment_factor, "collapse_moment_factor", "-"
-        )
-        self.hinge_stiffness_factor = positive(
-            hinge_stiffness_factor, "hinge_stiffness_factor", "-"
-        )
+        self.youngs_modulus_factor = size(youngs_modulus_factor, "youngs_modulus_factor")
+        self.collapse_moment_factor = size(collapse_moment_factor, "collapse_moment_factor")
+        self.hinge_stiffness_factor = size(hinge_stiffness_factor, "hinge_stiffness_factor")
         self.hinge_stiffness_slope = finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa")
         self.transition_rate = (
-            None if transition_rate is None else positive(transition_rate, "transition_rate", "-")
+            None if transition_rate is None else size(transition_rate, "transition_rate")
         )
         self.dead_band = within(
             dead_band, 0.0, _LARGEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
@@ -104,6 +101,7 @@ class Tuning(Module):
                     "`hinge_stiffness_slope` must leave the factor positive up to 1 MPa,"
                     f" got a factor of {np.min(np.asarray(highest)):g} there."
                 )
+            plausible(highest, "hinge_stiffness_factor")
 
     def effective_pressure(self, pressure: BatchLike) -> Batch:
         """$P_e$ [Pa] at gauge `pressure` [Pa], equation (D)."""
@@ -193,8 +191,8 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
     if seen and (finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
         raise ValueError(f"`pressures` must rise from 0 Pa or above, got {P.tolist()} Pa.")
     if P.size and concrete(c1, c2):
-        finite(c1, "c1", "N")
-        positive(c2, "c2", "-")
+        signed(c1, "c1")
+        size(c2, "c2")
         if seen and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
             raise ValueError(
                 "`c1` and `c2` must be 0 N and 1 at zero pressure,"

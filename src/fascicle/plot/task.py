@@ -30,7 +30,7 @@ def task(
     - `force`: demanded [N].
     - `strain`: at which it is [-].
     - `weight`: how much each point counts [-]; larger marks count more.
-    - `reached`: whether the bundle gives it [-]; those it doesn't are crosses.
+    - `reached`: whether the bundle gives it [-]; those it doesn't are crosses, of one size.
 
     **Returns:** the figure [-].
     """
@@ -38,6 +38,7 @@ def task(
     ax = axes[0, 0]
     draw_space(ax, found, overlap)
     sizes = _SMALLEST + (_LARGEST - _SMALLEST) * np.sqrt(weight / weight.max())
+    sizes = np.where(reached, sizes, _LARGEST)  # a missed peak isn't to be overlooked
     for mask, mark, color, label in (
         (reached, "o", BLACK, "demanded, reached"),
         (~reached, "x", VERMILION, "demanded, not reached"),

@@ -22,12 +22,12 @@ strain = "extension positive"         # or "contraction positive"; displacement 
 
 import difflib
 import os
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from .._toml import tables
 from ..units import parse
 from .columns import check_roles
 
@@ -109,11 +109,10 @@ def _parsed(path: Path) -> dict[str, Any]:
     if len(raw) > _LARGEST:
         raise ValueError(f"{path}: larger than {_LARGEST} bytes, not a record's TOML.")
     try:
-        return tomllib.loads(raw.decode("utf-8-sig").replace("\r\n", "\n"))
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ValueError(f"{path}: not TOML: {' '.join(str(error).split())}.") from None
+    return tables(text, str(path))
 
 
 def _checked(data: dict[str, Any], source: str) -> Sidecar:

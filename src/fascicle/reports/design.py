@@ -1,26 +1,32 @@
-"""The page of a search for a bundle: what is best for the task, and what each choice costs."""
+"""The page of a search for a bundle: does it do the task, then what each choice costs."""
 
 from html import escape
 
 import numpy as np
 
-from ..bundle.recruitment import overlap, space
+from ..bundle.recruitment import Space, overlap
 from ..describe import dumps
+from ..design.cases import Bench
 from ..design.objectives import OBJECTIVES
+from ..design.reach import SHARES, may_miss
 from ..design.robust import Spread
 from ..design.searching import Found
+from ..design.summary import Summary
 from ..plot.style import to_bytes
 from ..plot.task import task as draw_task
 from ..units import pretty
+from .engineering import HEADS, MISSED, case_rows, demand, facts, headline, shown, sizes, words
 from .interactive import SCRIPT, STYLE, Axis, parallel, scaled, scatter
 from .page import Page
+from .unreached import Unreached, answer
 
 
 _INCH = 0.0254  # m
 _SHOWN = 30  # designs of the front in the table
+_CASES = 60  # load cases in the table
 _LINKED = 8  # files beside the page
 _OTHERS = 3000  # points drawn behind the front
-_FORMATS = {"m": "length", "N": "force", "J": "energy"}
+_CURVES, _STRAINS = 7, 161  # of the plane
 
 
 def report(
@@ -29,6 +35,8 @@ def report(
     files: list[str],
     seconds: float | None = None,
     sure: Spread | None = None,
+    notes: tuple[str, ...] = (),
+    answered: Summary | Unreached | None = None,
 ) -> str:
     """The page.
 
@@ -39,36 +47,39 @@ def report(
     - `files`: written beside the page [-].
     - `seconds`: that the search took [s], if known.
     - `sure`: how the front's designs come out [-], if that was asked.
+    - `notes`: on what the search left out [-].
+    - `answered`: what `answer` says of it [-]; left out, it is asked.
 
     **Returns:** the page as HTML [-].
     """
-    task, chosen = found.task, found.recommended
-    page = Page(f"Which bundle: {task.name.replace('_', ' ')}")
+    task = found.task
+    page = Page(f"Which bundle: {words(task.name)}")
     page.html(STYLE)
+    answered = answer(found) if answered is None else answered
+    if isinstance(answered, Unreached):
+        _unreached(page, answered)
+    else:
+        _recommended(page, found, answered)
     took = "" if seconds is None else f" in {seconds:.1f} s"
-    page.paragraph(
-        f"{found.judged} designs were judged at {len(task)} points of the task{took};"
-        f" {_kept(found)}{len(found.front)} are bettered by no other.",
-        "lead",
-    )
+    kept = "."
+    if found.cheapest is not None:
+        kept = f"; {_kept(found)}{len(found.front)} are bettered by no other."
+    page.paragraph(f"{found.judged} designs were judged at {len(task)} load cases{took}{kept}")
     origin = task.source or "not said"
     page.paragraph(
         f"The task's figures: {origin}. Supply {pretty(task.supply_pressure, 'pressure')},"
         f" {task.scheme} recruitment."
     )
+    page.points(notes)
     page.files(files if len(files) <= _LINKED else files[:_LINKED])
-    if chosen is None:
-        page.heading("No design keeps the limits", "none")
-        page.points(nothing_left(found))
-    else:
-        texts = [told(found, place) for place in range(len(found.front))]
-        _recommendation(page, found, chosen)
-        _front(page, found, texts, chosen)
-        _space(page, found, chosen)
+    if found.cheapest is not None:
+        texts = [told(found, place) for place in range(len(found.listed))]
+        _compromise(page, found)
+        _front(page, found, texts)
         if sure is not None:
             _sure(page, found, sure)
         _table(page, found)
-        _files(page, found, chosen)
+        _files(page, found)
     _terms(page, found)
     page.html(SCRIPT)
     from .. import __version__
@@ -77,17 +88,45 @@ def report(
 
 
 def told(found: Found, place: int) -> str:
-    """A design of the front in a few lines; `found` [-], `place` on the front [-]."""
+    """A design in a few lines; `found` [-], its `place` among those that are told [-]."""
     designs = found.designs
     lines = [
-        f"{designs.labels[place]}{_number(int(found.index[found.front[place]]))}",
-        sizes(found, place),
+        f"{designs.labels[place]}{_number(int(found.index[found.listed[place]]))}",
+        sizes(found, designs, place),
+        *["recommended"] * (place == found.recommended),
+        *["best compromise"] * (place == found.compromise),
     ]
     lines += [
-        f"{name.replace('_', ' ')}: {shown(name, float(values[found.front[place]]))}"
-        for name, values in found.values.items()
+        f"{words(name)}: {shown(name, float(found.values[name][found.listed[place]]))}"
+        for name in found.told
     ]
     return "\n".join(lines)
+
+
+def compromise(found: Found) -> list[str]:
+    """The front's best compromise, in sentences; `found` [-] isn't empty."""
+    place = found.compromise
+    assert place is not None
+    row = found.front[place]
+    lines = [
+        f"Best compromise of the objectives: {found.designs.labels[place]},"
+        f" {sizes(found, found.designs, place)}. Of the designs that no other betters it is the one"
+        " whose worst objective is least bad, each counted from the best to the worst on the front."
+    ]
+    for name, sense in found.senses.items():
+        on_front = found.values[name][found.front]
+        best = on_front.max() if sense == "max" else on_front.min()
+        own = found.values[name][row]
+        text = f"{words(name)}: {shown(name, float(own))}"
+        if own == best:
+            lines.append(f"{text}, the best there is on the front.")
+            continue
+        where = int(np.flatnonzero(on_front == best)[0])
+        lines.append(
+            f"{text}; the best on the front is {shown(name, float(best))}, by"
+            f" {found.designs.labels[where]}."
+        )
+    return lines
 
 
 def _number(index: int) -> str:
@@ -97,120 +136,111 @@ def _number(index: int) -> str:
 def _kept(found: Found) -> str:
     """How many keep the limits, where all were kept that were judged."""
     if found.judged > len(found.index):
-        return "of those that keep the limits "
-    return f"{int(found.allowed.sum())} keep the limits, of which "
-
-
-def sizes(found: Found, place: int) -> str:
-    """A design's muscles in a line; `found` [-], `place` on the front [-]."""
-    designs = found.designs
-    there = designs.counts[place] > 0
-    radii = dict.fromkeys(f"{1e3 * r:.4g}" for r in designs.radius[place][there])
-    walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[place][there])
-    angle = np.degrees(designs.angle[place, 0])
-    text = (
-        f"L₀ {1e3 * designs.length[place]:.4g} mm, r₀ {', '.join(radii)} mm,"
-        f" t₀ {', '.join(walls)} mm, α₀ {angle:.3g}°"
+        return f"of those that {demand(found)} and keep all limits "
+    return (
+        f"{int(found.reaching.sum())} {demand(found)}, {int(found.allowed.sum())} keep all limits"
+        " too, of which "
     )
-    names = list(designs.drawings)
-    return text if len(names) == 1 else f"{text}, {names[designs.kind[place]]}"
 
 
-def shown(name: str, value: float) -> str:
-    """An objective's `value` [SI] for a reader; `name` [-]."""
-    unit = OBJECTIVES[name].unit
-    if unit in _FORMATS:
-        return pretty(value, _FORMATS[unit])
-    return f"{value:.4g}"
-
-
-def recommendation(found: Found) -> list[str]:
-    """Why the recommended design is, in sentences; `found` [-] isn't empty."""
-    place = found.recommended
-    assert place is not None
-    row = found.front[place]
-    label = found.designs.labels[place]
-    lines = [
-        f"Take {label}: {sizes(found, place)}. Of the designs that no other betters it is the one"
-        " whose worst objective is least bad, each counted from the best to the worst on the front."
-    ]
-    for name, sense in found.senses.items():
-        on_front = found.values[name][found.front]
-        best = on_front.max() if sense == "max" else on_front.min()
-        own = found.values[name][row]
-        words = f"{name.replace('_', ' ')}: {shown(name, float(own))}"
-        if own == best:
-            lines.append(f"{words}, the best there is on the front.")
-            continue
-        where = int(np.flatnonzero(on_front == best)[0])
-        lines.append(
-            f"{words}; the best on the front is {shown(name, float(best))}, by"
-            f" {found.designs.labels[where]}."
-        )
-    return lines
-
-
-def nothing_left(found: Found) -> list[str]:
-    """Which limit leaves how many designs, where none keeps all; `found` [-]."""
-    lines = []
-    for name, limit in found.limits.items():
-        values = found.values[name]
-        kept = int(np.sum((values >= limit.least) & (values <= limit.most)))
-        lines.append(
-            f"{name.replace('_', ' ')}: {kept} of {len(values)} designs keep it; they reach from"
-            f" {shown(name, float(values.min()))} to {shown(name, float(values.max()))}."
-        )
-    return lines
-
-
-def _recommendation(page: Page, found: Found, chosen: int) -> None:
-    page.heading("Recommendation", "recommendation")
-    first, *others = recommendation(found)
+def _recommended(page: Page, found: Found, summary: Summary) -> None:
+    first, why = headline(found, summary)
     page.paragraph(first, "lead")
+    page.paragraph(why)
+    page.heading("Does it do the task?", "cases")
+    _cases(page, summary)
+    page.points(f"{name}: {text}" for name, text in facts(found, summary).items())
+    page.paragraph(
+        "All of this holds for muscles as drawn; [scatter] in the task file tells how sure it is"
+        " for muscles as they come out.",
+        "note",
+    )
+    assert found.cheapest is not None
+    _plane(page, found, found.cheapest, summary)
+
+
+def _unreached(page: Page, none: Unreached) -> None:
+    page.paragraph(none.verdict(), "lead")
+    page.points(none.left())
+    page.heading("The nearest design", "nearest")
+    page.paragraph(none.nearest())
+    _cases(page, none.summary)
+    if none.ways:
+        page.heading("What would reach it, each by itself", "remedies")
+        page.points(none.remedies())
+    _plane(page, none.found, none.place, none.summary)
+
+
+def _cases(page: Page, summary: Summary) -> None:
+    rows, caption = case_rows(summary, _CASES)
+    marked = [[*map(escape, row[:-1]), _mark(row[-1])] for row in rows]
+    page.table(HEADS, marked)
+    page.paragraph(f"{caption[0].upper()}{caption[1:]}.", "note")
+
+
+def _mark(verdict: str) -> str:
+    kind, sign = ("fails", "✗") if verdict == MISSED else ("holds", "✓")
+    return f'<span class="{kind}">{sign}\u00a0{verdict}</span>'
+
+
+def _compromise(page: Page, found: Found) -> None:
+    page.heading("By the objectives", "compromise")
+    first, *others = compromise(found)
+    page.paragraph(first)
     page.points(others)
-    if "not_reached" in found.values and found.values["not_reached"][found.front[chosen]] > 0:
-        page.paragraph("It doesn't reach all of the task: see the plane below.", "note")
 
 
-def _front(page: Page, found: Found, texts: list[str], chosen: int) -> None:
+def _front(page: Page, found: Found, texts: list[str]) -> None:
     page.heading("What each choice costs", "front")
-    on_front = {name: values[found.front] for name, values in found.values.items()}
-    axes = {name: scaled(on_front, name, OBJECTIVES[name].unit) for name in on_front}
-    names = list(found.senses)
+    listed = {name: found.values[name][found.listed] for name in found.told}
+    axes = {name: scaled(listed, name, OBJECTIVES[name].unit) for name in listed}
+    names, chosen, second = list(found.senses), found.recommended, found.compromise
     first = axes[names[0]]
     rest = np.flatnonzero(found.allowed)
     rest = rest[:: max(1, len(rest) // _OTHERS)]
-    for name in names[1:] or ["valves"]:
-        if name not in axes:
+    for name in names[1:] or ["margin"]:
+        if name == names[0]:
             continue
         x, y = (
             scaled({key: found.values[key][rest]}, key, OBJECTIVES[key].unit).values
             for key in (name, names[0])
         )
-        page.html(f"<figure>{scatter(axes[name], first, texts, chosen, (x, y))}</figure>")
+        page.html(f"<figure>{scatter(axes[name], first, texts, chosen, (x, y), second)}</figure>")
     page.paragraph(
-        "Dots: designs of the front, the recommended one in orange; gray: other designs within the"
-        " limits. With the mouse on a dot or line its design is told, and marked in every picture.",
+        "Dots: designs of the front, and the recommended one, in orange; the best compromise has a"
+        " dark rim. Gray: other designs within the limits. With the mouse on a dot or line its"
+        " design is told, and marked in every picture.",
         "note",
     )
     if len(axes) > 1:
         page.heading("All objectives of the front", "parallel", 3)
         every: list[Axis] = list(axes.values())
-        page.html(f"<figure>{parallel(every, texts, chosen)}</figure>")
+        page.html(f"<figure>{parallel(every, texts, chosen, second)}</figure>")
 
 
-def _space(page: Page, found: Found, chosen: int) -> None:
-    page.heading("The recommended bundle and the task", "space")
-    task = found.task
-    bundle = found.designs.bundle(chosen, task)
-    supply = np.full(len(bundle.motor_units), task.supply_pressure)
-    largest = float(bundle.free_strain(supply, resistance=False))
-    strain = np.unique(np.concatenate([np.linspace(0.0, largest, 161), task.strain]))
-    plane = space(bundle, strain=strain)
-    at = np.searchsorted(strain, task.strain)
-    covered = (plane.low[:, at] <= task.force + 1e-9) & (task.force <= plane.high[:, at] + 1e-9)
+def _plane(page: Page, found: Found, place: int, summary: Summary) -> None:
+    """The force-strain space of a kept design, with the task in it."""
+    page.heading("The bundle's forces and the task", "space")
+    task, cases = found.task, summary.cases
+    bench = Bench.of(found.all_designs(np.array([place])), 0)
+    supply = task.supply_pressure
+    # to where none of its muscles pulls any longer
+    end = max(float(m.braid.ideal_free_strain) for m in bench.muscles)
+    for _ in range(2):
+        strain = np.linspace(0.0, end, _STRAINS)
+        pulls = np.any(bench.units(supply, strain)[-1] > 0, axis=-1)
+        end = float(strain[min(int(np.sum(pulls)), _STRAINS - 1)])
+    strain = np.linspace(0.0, end, _STRAINS)
+    force = bench.states(supply, strain, task.scheme)
+    level = np.linspace(0.0, supply, _CURVES)
+    # between two levels, where the muscle pulls, the force is linear in pressure
+    rows = np.array([np.argmin(np.abs(bench.level * supply - x)) for x in level])
+    plane = Space(
+        task.scheme, supply, strain, bench.level[rows] * supply, force[:, rows],
+        force.min(axis=1), force.max(axis=1),
+    )  # fmt: skip
     figure = draw_task(
-        plane, overlap(plane), task.force, task.strain, task.weight, covered.any(axis=0)
+        plane, overlap(plane), task.force, task.strain_of(cases.length), task.weight, cases.reached
     )
     title = "Force-strain space and the points demanded"
     page.picture(to_bytes(figure, "svg"), "svg", title, figure.get_figwidth() * _INCH)
@@ -220,8 +250,8 @@ def _sure(page: Page, found: Found, sure: Spread) -> None:
     page.heading("How sure", "sure")
     draws = sure.met.shape[1]
     page.paragraph(
-        f"Each design in {draws} draws of what no two muscles have alike. It meets the task if it"
-        " reaches every point and keeps all limits. Objectives: 5 % to 95 % of the draws."
+        f"Each design in {draws} draws of what no two muscles have alike: the share of draws that"
+        f" {demand(found)} and keep all limits. Objectives: 5 % to 95 % of the draws."
     )
     low, high = sure.quantile(0.05), sure.quantile(0.95)
     stays = sure.front(found.senses)
@@ -249,29 +279,32 @@ def _sure(page: Page, found: Found, sure: Spread) -> None:
 def _table(page: Page, found: Found) -> None:
     page.heading("The front", "table")
     designs = found.designs
-    heads = ["", "units", "muscles", *(name.replace("_", " ") for name in found.values)]
+    heads = ["", "units", "muscles", *map(words, found.told)]
+    some = [*range(min(len(found.front), _SHOWN)), found.recommended]
     rows = [
         [
             str(place + 1),
             f"<strong>{designs.labels[place]}</strong>"
             if place == found.recommended
             else designs.labels[place],
-            escape(sizes(found, place)),
-            *(escape(shown(n, float(v[found.front[place]]))) for n, v in found.values.items()),
+            escape(sizes(found, designs, place)),
+            *(escape(shown(n, float(found.values[n][found.listed[place]]))) for n in found.told),
         ]
-        for place in range(min(len(found.front), _SHOWN))
+        for place in sorted({place for place in some if place is not None})
     ]
     page.table(heads, rows)
+    beside = "" if found.cheapest in found.front else ", and isn't on the front"
+    page.paragraph(f"The recommended design is set in bold{beside}.", "note")
     if len(found.front) > _SHOWN:
         page.paragraph(f"The first {_SHOWN} of {len(found.front)}; all are in the files.", "note")
 
 
-def _files(page: Page, found: Found, chosen: int) -> None:
+def _files(page: Page, found: Found) -> None:
     page.heading("Bundles as files", "toml")
     designs = found.designs
-    for place in range(min(len(found.front), _SHOWN)):
+    for place in sorted({*range(min(len(designs), _SHOWN)), found.recommended or 0}):
         text = dumps(designs.bundle(place, found.task))
-        state = " open" if place == chosen else ""
+        state = " open" if place == found.recommended else ""
         page.html(
             f"<details{state}><summary>{place + 1}: {escape(designs.labels[place])}</summary>"
             f"<pre><code>{escape(text)}</code></pre></details>"
@@ -280,8 +313,12 @@ def _files(page: Page, found: Found, chosen: int) -> None:
 
 def _terms(page: Page, found: Found) -> None:
     page.heading("What is judged", "terms")
-    points = []
-    for name in found.values:
+    share = may_miss(found.limits)
+    points = [
+        f"Every design must {demand(found)}."
+        + ("" if share else " A share that may be missed would be said in [limits] not_reached.")
+    ]
+    for name in dict.fromkeys([*found.told, *(n for n in SHARES if share)]):
         one = OBJECTIVES[name]
         sense = {"min": ", less is better", "max": ", more is better"}
         wanted = sense[found.senses[name]] if name in found.senses else ", only recorded"

@@ -21,6 +21,8 @@ svg.plot .other { fill: #c3c8cf; } svg.plot circle.mark { fill: #0072b2; stroke:
 svg.plot path.mark { fill: none; stroke: #0072b2; stroke-opacity: .45; stroke-width: 1.5; }
 svg.plot circle.chosen { fill: #d55e00; } svg.plot path.chosen { stroke: #d55e00;
   stroke-opacity: 1; stroke-width: 2.5; }
+svg.plot circle.second { stroke: #1d2126; stroke-width: 2.5; }
+svg.plot path.second { stroke: #1d2126; stroke-opacity: 1; stroke-width: 2; }
 svg.plot .mark { cursor: pointer; } svg.plot circle.lit { stroke: #1d2126; stroke-width: 2; }
 svg.plot path.lit { stroke: #1d2126; stroke-opacity: 1; stroke-width: 3; }
 #hover { position: fixed; display: none; pointer-events: none; background: #1d2126; color: #fff;
@@ -59,6 +61,7 @@ def scatter(
     texts: Sequence[str],
     chosen: int | None,
     others: tuple[np.ndarray, np.ndarray] | None = None,
+    second: int | None = None,
 ) -> str:
     """Marks over two quantities.
 
@@ -69,6 +72,7 @@ def scatter(
     - `texts`: what each mark tells [-].
     - `chosen`: the mark that is emphasized [-]; or none.
     - `others`: points without a text, behind the marks [-]; or none.
+    - `second`: a mark that is emphasized less, by a rim [-]; or none.
 
     **Returns:** the SVG [-].
     """
@@ -95,14 +99,17 @@ def scatter(
             f'<circle class="other" cx="{x(a):.1f}" cy="{y(b):.1f}" r="1.6"/>'
             for a, b in zip(*others, strict=True)
         ]
-    order = [i for i in range(len(texts)) if i != chosen] + ([] if chosen is None else [chosen])
-    for i in order:
+    for i in _order(len(texts), chosen, second):
         at = f'cx="{x(across.values[i]):.1f}" cy="{y(up.values[i]):.1f}"'
-        parts.append(_mark("circle", f'{at} r="{6 if i == chosen else 4.5}"', i, texts[i], chosen))
+        large = i in (chosen, second)
+        shape = f'{at} r="{6 if large else 4.5}"'
+        parts.append(_mark("circle", shape, i, texts[i], chosen, second))
     return _svg(parts, f"{up.label} over {across.label}")
 
 
-def parallel(axes: Sequence[Axis], texts: Sequence[str], chosen: int | None) -> str:
+def parallel(
+    axes: Sequence[Axis], texts: Sequence[str], chosen: int | None, second: int | None = None
+) -> str:
     """A line for each mark across an axis for each quantity.
 
     **Arguments:**
@@ -110,6 +117,7 @@ def parallel(axes: Sequence[Axis], texts: Sequence[str], chosen: int | None) -> 
     - `axes`: the quantities [-].
     - `texts`: what each line tells [-].
     - `chosen`: the line that is emphasized [-]; or none.
+    - `second`: a line that is emphasized less [-]; or none.
 
     **Returns:** the SVG [-].
     """
@@ -123,13 +131,12 @@ def parallel(axes: Sequence[Axis], texts: Sequence[str], chosen: int | None) -> 
             parts.append(_text(place, scale(value) + (-6 if above else 16), text, "middle"))
         drop = 34 if i % 2 == 0 else 48
         parts.append(_text(place, _HEIGHT - _BOTTOM + drop, axis.label, "middle"))
-    order = [i for i in range(len(texts)) if i != chosen] + ([] if chosen is None else [chosen])
-    for i in order:
+    for i in _order(len(texts), chosen, second):
         points = " L".join(
             f"{place:.1f} {scale(axis.values[i]):.1f}"
             for place, axis, scale in zip(places, axes, scales, strict=True)
         )
-        parts.append(_mark("path", f'd="M{points}"', i, texts[i], chosen))
+        parts.append(_mark("path", f'd="M{points}"', i, texts[i], chosen, second))
     return _svg(parts, "Objectives of every design of the front")
 
 
@@ -161,8 +168,15 @@ class _Scale:
         return [(x, f"{x:.4g}") for x in sorted({self.least, self.most})]
 
 
-def _mark(kind: str, shape: str, place: int, text: str, chosen: int | None) -> str:
-    names = "mark chosen" if place == chosen else "mark"
+def _order(count: int, chosen: int | None, second: int | None) -> list[int]:
+    """What is emphasized last, above the others."""
+    return sorted(range(count), key=lambda i: (i == chosen, i == second))
+
+
+def _mark(
+    kind: str, shape: str, place: int, text: str, chosen: int | None, second: int | None
+) -> str:
+    names = " ".join(["mark", *["chosen"] * (place == chosen), *["second"] * (place == second)])
     told = escape(text, quote=True)
     return (
         f'<{kind} class="{names}" data-place="{place}" data-text="{told}" {shape}>'

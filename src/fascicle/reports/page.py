@@ -1,12 +1,14 @@
 """A page built from headings, paragraphs, tables and pictures, with everything inside.
 
-Nothing on a page asks for anything outside it: the style is in its head, pictures are in
-their addresses. Links lead to places on the page or to files beside it.
+Nothing on a page asks for anything outside it: the style is in its head, pictures and files
+are in their addresses. Links lead to places on the page or to files beside it.
 """
 
 import base64
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+
+from .._visible import revealed
 
 
 _STYLE = """
@@ -32,7 +34,8 @@ th, td { text-align: left; vertical-align: top; padding: .45rem .7rem .45rem 0;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 600; border-bottom-color: var(--soft); }
 td { font-variant-numeric: tabular-nums; }
-.holds, .differs, .fails { font-weight: 600; white-space: nowrap; }
+.holds, .differs, .fails, .chosen, .defined { font-weight: 600; white-space: nowrap; }
+.chosen, .defined, q { color: var(--soft); }
 .where { white-space: nowrap; }
 code { font: .92em ui-monospace, "DejaVu Sans Mono", monospace; }
 .holds { color: var(--good); } .differs { color: var(--odd); } .fails { color: var(--bad); }
@@ -47,9 +50,8 @@ footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: .8rem
 
 
 def data_uri(content: bytes, kind: str) -> str:
-    """A picture's bytes, of `kind` "svg" or "png", as an address that holds them."""
-    media = {"svg": "image/svg+xml", "png": "image/png"}[kind]
-    return f"data:{media};base64,{base64.b64encode(content).decode('ascii')}"
+    """A file's bytes, of `kind` "svg", "png", "csv" or "json", as an address that holds them."""
+    return f"data:{_MEDIA[kind]};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 class Page:
@@ -88,6 +90,15 @@ class Page:
         inside = ", ".join(f'<a href="{escape(name)}">{escape(name)}</a>' for name in names)
         self.html(f'<p class="files">{inside}</p>')
 
+    def downloads(self, files: Mapping[str, bytes]) -> None:
+        """Links that save `files`, which the page holds: they survive its being sent."""
+        inside = ", ".join(
+            f'<a download="{escape(name)}" href="{data_uri(content, name.rsplit(".", 1)[-1])}">'
+            f"{escape(name)}</a>"
+            for name, content in files.items()
+        )
+        self.html(f'<p class="files">{inside}</p>')
+
     def picture(self, content: bytes, kind: str, alternative: str, width: float) -> None:
         """A picture of `kind` "svg" or "png", at most `width` [m] wide when printed."""
         self.html(
@@ -108,9 +119,9 @@ class Page:
         self._parts.append(text)
 
     def text(self, footer: str) -> str:
-        """The whole page, `footer` last."""
+        """The whole page, `footer` last; of what it says, every sign can be seen."""
         body = "\n".join(self._parts)
-        return (
+        return revealed(
             '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
             '<link rel="icon" href="data:,">\n'  # else browsers ask for one
@@ -119,6 +130,13 @@ class Page:
         )
 
 
+_MEDIA = {
+    "svg": "image/svg+xml", "png": "image/png", "csv": "text/csv", "json": "application/json",
+}  # fmt: skip
+_VERDICTS = {
+    "holds": ("holds", "✓"), "chosen": ("chosen", "←"), "by definition": ("defined", "≡"),
+    "differs": ("differs", "≠"), "fails": ("fails", "✗"),
+}  # fmt: skip
 _ENLARGED = 1.35  # a screen is read from further away than a page
 
 
@@ -131,9 +149,14 @@ def prose(text: str) -> str:
 
 
 def verdict(word: str) -> str:
-    """A claim's verdict as HTML: "holds", "differs" or "fails"."""
-    sign = {"holds": "✓", "differs": "≠", "fails": "✗"}[word]
-    return f'<span class="{word}">{sign}\u00a0{word}</span>'
+    """A claim's verdict as HTML: "holds", "chosen", "by definition", "differs" or "fails"."""
+    style, sign = _VERDICTS[word]
+    return f'<span class="{style}">{sign}\u00a0{word}</span>'
+
+
+def quotation(text: str) -> str:
+    """Somebody else's words as HTML."""
+    return f"<q>{escape(text)}</q>"
 
 
 def _class(kind: str) -> str:

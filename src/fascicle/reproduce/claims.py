@@ -1,37 +1,196 @@
-"""A claim of a paper, held against what the model gives."""
+"""A claim of a paper, in its words and ours, and the number that decides whether it holds.
 
-from collections.abc import Sequence
+Not all that a paper says of its model is a prediction of it. What was chosen so that a
+statement comes out, a constant or the reading of a unit, can't then count that statement as
+one that holds; and what an equation says outright holds whatever the muscle does. So each
+claim has a kind, and predictions are counted apart.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+
+KINDS: Mapping[str, str] = MappingProxyType({
+    "prediction": "what the model gives without having been told",
+    "input": "what something was chosen, or fitted, to meet: a check of the choice, not of the "
+    "model",
+    "definition": "what an equation or an assumption says outright: a check of the code alone",
+})  # fmt: skip
+SIGNS = ("<", ">", "=")
+_ROUNDING = 1e-12
+_MET = {"prediction": "holds", "input": "chosen", "definition": "by definition"}
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A number of the model against a limit: it must be below, `<`, above, `>`, or within
+    `tolerance` of it, `=`. `quantity` says what it is, `ours` why this limit where the paper
+    gives none.
+    """
+
+    quantity: str
+    value: float
+    sign: str
+    limit: float
+    unit: str = ""
+    tolerance: float = 0.0
+    ours: str = ""
+
+    def __post_init__(self):
+        if self.sign not in SIGNS:
+            raise ValueError(f"`sign` must be one of {', '.join(SIGNS)}, got {self.sign!r}.")
+
+    @property
+    def met(self) -> bool:
+        """Whether the number is where it must be; what is not a number is not."""
+        if self.sign == "<":
+            return bool(self.value < self.limit)
+        if self.sign == ">":
+            return bool(self.value > self.limit)
+        return bool(abs(self.value - self.limit) <= self.tolerance)
+
+    @property
+    def text(self) -> str:
+        """As a reader checks it: the quantity, its value, and what it must be."""
+        unit = f" {self.unit}" if self.unit else ""
+        about = f" ± {self.tolerance:.2g}" if self.sign == "=" and self.tolerance else ""
+        must = f"{self.sign} {self.limit:.4g}{about}{unit}"
+        # what is rounding is shown as none
+        value = self.value if abs(self.value) > _ROUNDING else 0.0
+        return f"{self.quantity}: {value:.4g}{unit}, must be {must}"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """What a paper says, in our words, and what came out.
+    """What a paper says and what came out.
 
-    `where`: figure or section. `text`: the claim. `model`: what the model gives, with its
-    numbers. `holds`: whether the two agree. `must_hold`: whether the reproduction has failed
-    if they don't. `why`: where they differ, why.
+    `key`: its name in the file. `where`: section or figure. `kind`: one of `KINDS`. `text`: the
+    claim in our words, `quote`: in the paper's. `criteria`: what decides. `model`: what the
+    model gives. `why`: where the two are known to differ, why; a claim without it must hold.
+    `chosen`: of an input, what was chosen to meet it.
     """
 
+    key: str
     where: str
+    kind: str
     text: str
+    quote: str
+    criteria: tuple[Criterion, ...]
     model: str
-    holds: bool
-    must_hold: bool = False
     why: str = ""
+    chosen: str = ""
 
     def __post_init__(self):
-        if not self.holds and not self.must_hold and not self.why:
-            raise ValueError(f"`why` must say why the claim differs: {self.text}")
+        if self.kind not in KINDS:
+            raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, got {self.kind!r}.")
+        if not self.criteria:
+            raise ValueError(f"`criteria` must hold one or more, or {self.key} can't fail.")
+        if (self.kind == "input") != bool(self.chosen):
+            raise ValueError(f"`chosen` must say what was chosen, of an input alone: {self.key}.")
+
+    @property
+    def holds(self) -> bool:
+        """Whether all criteria are met."""
+        return all(one.met for one in self.criteria)
+
+    @property
+    def must_hold(self) -> bool:
+        """Whether the reproduction has failed if it doesn't: no difference is known."""
+        return not self.why
 
     @property
     def verdict(self) -> str:
-        """What came out: "holds" or "differs", "fails" where it had to hold."""
+        """What came out: "holds", "chosen" or "by definition", by kind; else "differs" where
+        that is known, and "fails".
+        """
         if self.holds:
-            return "holds"
+            return _MET[self.kind]
         return "fails" if self.must_hold else "differs"
+
+
+def over(part: float, whole: float) -> float:
+    """One number over another, as a criterion takes it: not a number where the other is zero."""
+    return float(part) / float(whole) if whole else math.nan
 
 
 def failed(claims: Sequence[Claim]) -> list[Claim]:
     """The claims that had to hold and don't."""
     return [claim for claim in claims if claim.must_hold and not claim.holds]
+
+
+def of_kind(claims: Sequence[Claim], kind: str) -> list[Claim]:
+    """The claims of a `kind` [-], in order."""
+    return [claim for claim in claims if claim.kind == kind]
+
+
+def summary(claims: Sequence[Claim]) -> str:
+    """One line that counts predictions apart from what was chosen and what is defined."""
+    count = {kind: Counter(one.verdict for one in of_kind(claims, kind)) for kind in KINDS}
+    predicted, chosen, defined = count.values()
+    parts = []
+    if predicted.total():
+        parts.append(
+            f"{predicted['holds']} of {predicted.total()} predictions hold{_rest(predicted)}"
+        )
+    if chosen.total():
+        parts.append(f"{_inputs(chosen['chosen'])} chosen to meet the paper's words{_rest(chosen)}")
+    if defined.total():
+        one = defined["by definition"] == 1
+        parts.append(
+            f"{defined['by definition']} {'is a definition' if one else 'are definitions'}"
+            f"{_rest(defined)}"
+        )
+    return "; ".join(parts) + "."
+
+
+def as_data(claims: Sequence[Claim]) -> dict[str, Any]:
+    """The `claims` [-] as JSON takes them, with their summary; what is no number is null."""
+    return {
+        "summary": summary(claims),
+        "kinds": dict(KINDS),
+        "claims": [_claim_data(claim) for claim in claims],
+    }
+
+
+def _inputs(number: int) -> str:
+    return f"{number} input was" if number == 1 else f"{number} inputs were"
+
+
+def _rest(count: Counter[str]) -> str:
+    """What differs or fails of a kind, so that no sum hides it."""
+    said = {"differs": f"{count['differs']} differ" + ("s" if count["differs"] == 1 else ""),
+            "fails": f"{count['fails']} fail" + ("s" if count["fails"] == 1 else "")}  # fmt: skip
+    return "".join(f", {text}" for verdict, text in said.items() if count[verdict])
+
+
+def _claim_data(claim: Claim) -> dict[str, Any]:
+    return {
+        "key": claim.key,
+        "where": claim.where,
+        "kind": claim.kind,
+        "verdict": claim.verdict,
+        "claim": claim.text,
+        "paper": claim.quote,
+        "criteria": [_criterion_data(one) for one in claim.criteria],
+        "model": claim.model,
+        "chosen": claim.chosen,
+        "why": claim.why,
+    }
+
+
+def _criterion_data(one: Criterion) -> dict[str, Any]:
+    return {
+        "quantity": one.quantity,
+        "value": float(one.value) if math.isfinite(one.value) else None,
+        "sign": one.sign,
+        "limit": float(one.limit),
+        "unit": one.unit,
+        "tolerance": float(one.tolerance),
+        "ours": one.ours,
+        "met": one.met,
+        "text": one.text + (" (our limit)" if one.ours else ""),
+    }

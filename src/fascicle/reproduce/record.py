@@ -38,7 +38,19 @@ class Record:
         return number.group() if number else self.title
 
 
-def write_record(record: Record, folder: Path) -> tuple[bytes, float, list[str]]:
+@dataclass(frozen=True)
+class Written:
+    """A record that has been written: its picture as `svg` and as it is wide [inch], and its
+    `tables` as CSV by file name.
+    """
+
+    record: Record
+    svg: bytes
+    width: float
+    tables: Mapping[str, bytes]
+
+
+def write_record(record: Record, folder: Path) -> Written:
     """Write a record's pictures and data into `folder`, each file whole or not at all.
 
     **Arguments:**
@@ -46,22 +58,20 @@ def write_record(record: Record, folder: Path) -> tuple[bytes, float, list[str]]
     - `record`: what is written [-].
     - `folder`: where to [-]; it exists.
 
-    **Returns:** the picture as SVG, its width in inches, the names of the files [-].
+    **Returns:** what a page of it takes [-].
 
     **Raises:** `OSError` where it can't be written.
     """
     figure = record.draw()
     pictures = {kind: to_bytes(figure, kind) for kind in ("png", "svg")}
-    names = []
     for kind, content in pictures.items():
-        names.append(f"{record.key}.{kind}")
-        _write_bytes(folder / names[-1], content)
-    names.append(f"{record.key}.nc")
-    results.write(record.data, folder / names[-1], title=record.title, source=SOURCE)
+        _write_bytes(folder / f"{record.key}.{kind}", content)
+    results.write(record.data, folder / f"{record.key}.nc", title=record.title, source=SOURCE)
+    written = {}
     for name, table in tables(record).items():
-        names.append(name)
         results.write(table, folder / name)
-    return pictures["svg"], float(figure.get_figwidth()), names
+        written[name] = (folder / name).read_bytes()
+    return Written(record, pictures["svg"], float(figure.get_figwidth()), written)
 
 
 def tables(record: Record) -> dict[str, dict[str, Variable]]:

@@ -45,6 +45,30 @@ def test_limits_have_units_and_valves_bound_the_space():
     assert len(file.space) == 4
 
 
+def test_a_stroke_instead_of_a_strain():
+    text = PLAIN.replace('strain = [0.16, "5 %"]', 'stroke = "25 mm"')
+    file = loads_task(text + "muscles = 2\n")
+    assert file.task.strain is None and file.task.stroke.tolist() == [0.025, 0.025]
+    assert_allclose(file.task.strain_of(0.127), 0.025 / 0.127)
+    assert_allclose(file.task.stroke_of(0.5), 0.025)
+
+
+def test_an_example_keeps_its_times_and_takes_a_scheme_and_a_fluid():
+    text = 'format = 1\n[task]\nexample = "walking_ankle"\nsupply_pressure = "4 bar"\n'
+    text += (
+        'scheme = "batch"\nfluid = "liquid"\n[design]\nmuscle = "kim2021_figure_6"\nmuscles = 2\n'
+    )
+    task = loads_task(text).task
+    assert (task.scheme, task.fluid, len(task.time)) == ("batch", "liquid", 23)
+
+
+def test_prices_in_one_currency():
+    more = '[prices]\nvalve = "90 EUR"\nmuscle = "20 EUR"\nair = "0.02 EUR/m^3"\n'
+    catalog = loads_task(PLAIN + 'muscles = 2\ndensity = "1.1 g/cm^3"\n' + more).catalog
+    assert (catalog.valve, catalog.muscle, catalog.air) == (90.0, 20.0, 0.02)
+    assert (catalog.energy, catalog.currency, catalog.density) == (None, "EUR", 1100.0)
+
+
 def test_splits_written_out_and_another_law():
     file = loads_task(PLAIN + 'splits = ["1+4", "2+3"]\nbuckling = "elastica"\n')
     assert file.space.at(np.arange(2)).labels == ["1+4", "2+3"]
@@ -75,6 +99,16 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2\n[limits]\nvalves = {}\n", "empty: write { at_most"),
         ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
+        ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),
+        (
+            'muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n',
+            "Something must be reached",
+        ),
+        ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "nothing can be both"),
+        ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
+        ('muscles = 2\ndensity = "1 g/m^3"\n', "must lie in [1, 30000] kg/m^3"),
+        ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "another price is in EUR"),
+        ('muscles = 2\n[prices]\nwater = "90 EUR"\n', "unknown key, choose one of air, energy"),
     ],
 )
 def test_what_a_task_file_can_not_say(more, message):
@@ -82,6 +116,39 @@ def test_what_a_task_file_can_not_say(more, message):
         loads_task(PLAIN + more, "t.toml")
     line = str(refused.value)
     assert line.startswith("t.toml: ") and message in line and "\n" not in line
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("strain =", 'stroke = "25 mm"\nstrain =', 'task.stroke = "25 mm": `strain` is there too'),
+        ('strain = [0.16, "5 %"]\n', "", "task.strain: missing, write strain = […] (or stroke"),
+        ('strain = [0.16, "5 %"]', 'stroke = "25"', "write it with its unit"),
+        ('strain = [0.16, "5 %"]', 'stroke = "-2 mm"', "`stroke` must lie in [0, 10] m"),
+        ('strain = [0.16, "5 %"]', 'stroke = "0 mm"', "this task does no work"),
+        (
+            'strain = [0.16, "5 %"]',
+            'stroke = ["2 mm", "3 mm", "4 mm"]',
+            "`stroke` and `weight` must",
+        ),
+        ('scheme = "batch"', 'fluid = "aire"', "did you mean 'air'?"),
+    ],
+)
+def test_what_can_not_be_demanded(old, new, message):
+    assert old in PLAIN
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
+        loads_task(PLAIN.replace(old, new, 1) + "muscles = 2\n", "t.toml")
+    line = str(refused.value)
+    assert line.startswith("t.toml: ") and message in line and "\n" not in line
+
+
+def test_what_a_calibration_is_off_by_is_noted(tmp_path):
+    muscle = fs.example("kim2021_slenderness_10")
+    fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
+    text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"
+    (tmp_path / "task.toml").write_text(text)
+    (note,) = load_task(tmp_path / "task.toml").notes
+    assert note.startswith("fitted.toml was fitted with an error of 12.5 N (rmse)")
 
 
 def test_constants_are_drawn_from_the_calibration(tmp_path):

@@ -75,6 +75,7 @@ def build(wall, factor, collapse, material, tuning, tension, **rest):
     )
 
 
+@pytest.mark.filterwarnings("ignore:.* is unusual")
 @settings(max_examples=60, deadline=None)
 @given(muscles)
 def test_a_muscle_reads_back_bitwise(parameters):
@@ -82,6 +83,7 @@ def test_a_muscle_reads_back_bitwise(parameters):
     assert bits(loads(dumps(muscle))) == bits(muscle)
 
 
+@pytest.mark.filterwarnings("ignore:.* is unusual")
 @settings(max_examples=20, deadline=None)
 @given(
     st.lists(muscles, min_size=1, max_size=3),

@@ -1,9 +1,14 @@
 """NSGA-II against the exhaustive front, its seed, and its checkpoint."""
 
+import contextlib
+import io
+import pickle
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from fascicle.design import Limit, Space, hypervolume, search
+from fascicle.design import Limit, Space, Task, hypervolume, search
 
 
 pytest.importorskip("pymoo", reason="needs the extra `design`")
@@ -48,7 +53,7 @@ def test_it_finds_the_exhaustive_front(muscle, task):
 
 
 def test_the_same_seed_is_the_same_front_and_a_checkpoint_goes_on(space, task, tmp_path, evolved):
-    kept = tmp_path / "search.pickle"
+    kept = tmp_path / "search"
     options = {"population": 32, "seed": 1, "continuous": False, "checkpoint": kept}
     evolve(space, task, SENSES, LIMITS, generations=9, **options)
     again = evolve(space, task, SENSES, LIMITS, generations=25, **options)
@@ -57,6 +62,104 @@ def test_the_same_seed_is_the_same_front_and_a_checkpoint_goes_on(space, task, t
         assert np.array_equal(one, again.values[name])
     with pytest.raises(ValueError, match="is another search's"):
         evolve(space, task, SENSES, LIMITS, generations=9, **(options | {"seed": 2}))
+    # numbers for another task are another search's too
+    other = Task.of(task.force, task.strain, 0.9 * task.supply_pressure, task.weight)
+    with pytest.raises(ValueError, match="is another search's"):
+        evolve(space, other, SENSES, LIMITS, generations=9, **options)
+
+
+@pytest.fixture(scope="module")
+def checkpoint(space, task, tmp_path_factory):
+    path = tmp_path_factory.mktemp("search") / "kept"
+    evolve(space, task, SENSES, LIMITS, 8, 2, continuous=False, checkpoint=path)
+    return path
+
+
+def gone_on(space, task, path):
+    return evolve(space, task, SENSES, LIMITS, 8, 2, continuous=False, checkpoint=path)
+
+
+def test_a_checkpoint_that_is_none_is_refused_and_nothing_in_it_is_run(space, task, tmp_path):
+    class Run:
+        def __reduce__(self):
+            return Path.touch, (tmp_path / "run",)
+
+    kept = tmp_path / "kept"
+    with_object = io.BytesIO()
+    np.savez(with_object, about=np.array([Run()], dtype=object))
+    for raw in (pickle.dumps(Run()), with_object.getvalue(), b"", b"PK", b"\x93NUMPY", b"mine"):
+        kept.write_bytes(raw)
+        with pytest.raises(ValueError, match=r"kept: is no checkpoint .*: name a new file"):
+            gone_on(space, task, kept)
+        assert kept.read_bytes() == raw
+    assert not (tmp_path / "run").exists()
+    with pytest.raises(ValueError, match="Is a directory"):
+        gone_on(space, task, tmp_path)
+
+
+def test_a_torn_or_changed_checkpoint_is_refused(space, task, tmp_path, checkpoint):
+    raw, kept, rng = checkpoint.read_bytes(), tmp_path / "kept", np.random.default_rng(0)
+    gone_on(space, task, checkpoint)
+    for i in range(60):
+        torn = bytearray(raw)
+        for at in rng.integers(len(raw), size=1 + i % 3):
+            torn[at] = rng.integers(256)
+        kept.write_bytes(bytes(torn) if i % 2 else raw[: rng.integers(len(raw))])
+        with contextlib.suppress(ValueError):  # a byte of no account, or its old value
+            gone_on(space, task, kept)
+
+
+@pytest.mark.parametrize(
+    ("name", "made_up"),
+    [
+        ("population", lambda x: x[:, 1:]),
+        ("population", lambda x: x + 1),
+        ("population", lambda x: x[:0]),
+        ("population", lambda x: x.astype(complex)),
+        ("objectives", lambda x: np.nan * x),
+        ("rank", lambda x: x[1:]),
+        ("genomes", lambda x: x[0]),
+        ("values", lambda x: x[1:]),
+        ("about", lambda _: np.array("{}")),
+        ("about", lambda _: np.array("[" * 100_000)),
+        ("about", lambda x: np.array(str(x).replace('"judged": ', '"judged": -'))),
+        ("about", lambda x: np.array(str(x).replace('"inc": ', '"inc": 1e400, "x": '))),
+        ("about", lambda x: np.array(str(x).replace('{"state": ', '{"state": -'))),
+        ("about", lambda x: np.array(str(x).replace("PCG64", "MT19937"))),
+    ],
+)  # fmt: skip
+def test_a_made_up_checkpoint_is_refused(space, task, tmp_path, checkpoint, name, made_up):
+    with np.load(checkpoint) as file:
+        arrays = dict(file)
+    with (tmp_path / "kept").open("wb") as file:
+        np.savez(file, **(arrays | {name: made_up(arrays[name])}))
+    with pytest.raises(ValueError, match=r"kept: .*: name a new file"):
+        gone_on(space, task, tmp_path / "kept")
+
+
+def test_all_is_reached_unless_it_is_said(space, task, evolved):
+    """The task's last point is beyond all of them: the nearest is told, and nothing else."""
+    found = evolve(space, task, SENSES, None, 32, 6, seed=1, continuous=False)
+    assert found.recommended is None and not found.front.size and found.nearest == 0
+    assert found.judged == 6 * 32 and len(found.index) == 1
+    miss = found.values["relative_shortfall"][0]
+    exhaustive = search(space, task, SENSES)
+    least = exhaustive.values["relative_shortfall"].min()
+    # a design at random is 0.05 to 0.4 worse than the nearest of all
+    assert least - 1e-9 <= miss <= least + 0.02
+    # half of the task may be missed: all designs of its front reach as much
+    assert np.all(evolved.values["points_not_reached"] <= 0.5)
+
+
+def test_the_search_leads_to_what_reaches(muscle):
+    """A peak that one in forty of the space's designs reaches, and that counts a millionth."""
+    space = Space({"m": muscle}, (2, 3, 4, 5), radius=(4e-3, 9e-3), length=(0.11, 0.15))
+    peak = Task.of([60.0, 1450.0], [0.1, 0.03], 413.7e3, [1.0, 1e-6])
+    found = evolve(space, peak, SENSES, None, 32, 12, seed=3)
+    assert found.recommended is not None
+    assert np.all(found.values["margin"][found.allowed] >= -1e-9)
+    # the cheapest is kept though fewer muscles are no objective
+    assert found.designs.units[found.recommended] == 1
 
 
 def test_every_genome_is_a_design_of_the_space(space):

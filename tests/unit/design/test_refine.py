@@ -28,6 +28,36 @@ def test_sizes_get_better_within_their_bounds(muscle):
     assert np.all(np.isclose(found.wall / found.radius, designs.wall[0, 0] / designs.radius[0, 0]))
 
 
+def test_a_peak_of_no_weight_is_reached_all_the_same(muscle):
+    """By its mean energy alone it would give the peak up, which counts a millionth."""
+    task = Task.of([60.0, 180.0, 330.0], [0.16, 0.1, 0.05], 413.7e3, [1.0, 1.0, 1e-6])
+    designs = Designs.of(muscle, [(1, 2)])
+    assert evaluate(designs, task, ["margin"])["margin"][0] > 0
+    found, cost = refined(
+        designs, 0, task, "mean_energy", {"radius": (4e-3, 8e-3)}, steps=25, starts=2, seed=1
+    )
+    after = evaluate(found, task, ["margin", "mean_energy"])
+    assert np.all((after["margin"] >= -1e-9) == np.isfinite(cost))
+    assert np.isfinite(cost[0]) and cost[0] <= 1.0
+
+
+def test_what_can_not_be_reached_is_no_result(muscle):
+    designs = Designs.of(muscle, [(1, 2)])
+    task = Task.of([60.0, 5000.0], [0.16, 0.05], 413.7e3, [1.0, 1e-6])
+    bounds = {"radius": (4e-3, 8e-3)}
+    found, cost = refined(designs, 0, task, "mean_energy", bounds, steps=8, starts=2)
+    assert np.all(np.isinf(cost)) and len(found) == 2
+    # nearer than what it began with
+    before, after = (
+        evaluate(which, task, ["relative_shortfall"])["relative_shortfall"]
+        for which in (designs, found)
+    )
+    assert after[0] < before[0]
+    # half of the points may be missed, and half of the weight
+    _, cost = refined(designs, 0, task, "mean_energy", bounds, steps=2, starts=2, may_miss=0.5)
+    assert np.isfinite(cost[0])
+
+
 def test_bounds_hold_the_design(muscle):
     task = Task.of([60.0], [0.1], 413.7e3)
     designs = Designs.of(muscle, [(1, 2)])

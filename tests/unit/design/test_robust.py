@@ -40,6 +40,13 @@ def test_without_chance_nothing_is_spread(designs, reachable):
     assert set(found.probability) <= {0.0, 1.0}
 
 
+def test_all_must_be_reached_in_a_draw_unless_it_is_said(designs):
+    peak = Task.of([40.0, 5000.0], [0.1, 0.02], 413.7e3, [1.0, 1e-9])
+    assert not spread(designs, peak, NAMES, draws=64).met.any()
+    half = {"not_reached": Limit(most=0.5)}
+    assert spread(designs, peak, NAMES, half, draws=64).met.all()
+
+
 def test_probability_quantiles_and_front(scattered):
     forces = scattered.values["largest_force"]
     reached = scattered.values["not_reached"] == 0

@@ -1,10 +1,16 @@
 """A sweep that is stopped, killed or torn ends with the bits of one that wasn't."""
 
+import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
+import urllib.request
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,6 +87,118 @@ def test_a_torn_line_and_a_torn_chunk_are_computed_again(study, undisturbed, tmp
     assert store.finished() == set(range(6))
 
 
+def emptied(root):
+    (root / "valves" / "c" / "2").write_bytes(b"")
+
+
+def cut(root):
+    chunk = root / "valves" / "c" / "2"
+    chunk.write_bytes(chunk.read_bytes()[:-3])
+
+
+def folder_instead(root):
+    (root / "valves" / "c" / "2").unlink()
+    (root / "valves" / "c" / "2").mkdir()
+    (root / "valves" / "c" / "2").rmdir()
+
+
+def no_array(root):
+    shutil.rmtree(root / "valves")
+
+
+def no_description(root):
+    (root / "valves" / "zarr.json").unlink()
+
+
+def broken_description(root):
+    (root / "valves" / "zarr.json").write_text('{"zarr_format": 3, "node_type"')
+
+
+def another_description(root):
+    path = root / "valves" / "zarr.json"
+    path.write_text(path.read_text().replace("float64", "int16"))
+
+
+def nested_description(root):
+    (root / "zarr.json").write_text("[" * 100_000)
+
+
+def odd_journal(root):
+    journal = root.parent / JOURNAL
+    lines = journal.read_text().splitlines()
+    odd = ['{"block": Infinity, "bits": "x"}', '{"block": 1e999, "bits": "x"}', "[" * 100_000,
+           '{"block": -1, "bits": "x"}', '{"block": 99, "bits": "x"}', '{"block": null}', "null",
+           '{"block": true, "bits": "x"}', '{"block": 3, "bits": NaN}', "\udc80"]  # fmt: skip
+    raw = "\n".join([*odd, *lines]).encode("utf-8", "surrogateescape")
+    journal.write_bytes(raw)
+
+
+def no_manifest(root):
+    (root.parent / MANIFEST).unlink()
+
+
+def broken_manifest(root):
+    (root.parent / MANIFEST).write_bytes(b"\xff{")
+
+
+@pytest.mark.parametrize(
+    ("damage", "again"),
+    [(emptied, 1), (cut, 1), (folder_instead, 1), (no_array, 6), (no_description, 0),
+     (broken_description, 0), (another_description, 0), (nested_description, 0), (odd_journal, 0),
+     (no_manifest, 0), (broken_manifest, 0)],
+    ids=lambda one: getattr(one, "__name__", ""),
+)  # fmt: skip
+def test_what_a_crash_leaves_is_resumed(study, undisturbed, tmp_path, damage, again):
+    """What can't be read counts as not done, and no more than that is done again."""
+    folder = tmp_path / "crashed"
+    shutil.copytree(undisturbed.folder, folder)
+    damage(folder / DATA)
+    told = []
+    sweep(study, folder, resume=True, watch=told.append)
+    assert told[0].done == 6 - again
+    assert chunks(folder) == chunks(undisturbed.folder)
+    assert json.loads((folder / MANIFEST).read_text())["study"] == study.digest
+
+
+def test_whose_results_these_are_must_be_told_by_something(study, undisturbed, tmp_path):
+    folder = tmp_path / "crashed"
+    shutil.copytree(undisturbed.folder, folder)
+    no_manifest(folder / DATA)
+    nested_description(folder / DATA)
+    with pytest.raises(ValueError, match="nothing tells whose results these are; nothing was"):
+        sweep(study, folder, resume=True)
+
+
+def test_an_older_versions_sweep_is_told_to_end_with_it(study, undisturbed, tmp_path):
+    folder = tmp_path / "older"
+    shutil.copytree(undisturbed.folder, folder)
+    manifest = json.loads((folder / MANIFEST).read_text())
+    told = manifest | {"fascicle": "0.0.9", "study": "0" * 64}
+    (folder / MANIFEST).write_text(json.dumps(told))
+    with pytest.raises(ValueError, match=r"go on with fascicle 0\.0\.9, which began it"):
+        sweep(study, folder, resume=True)
+
+
+def test_chunks_are_on_the_disk_before_the_journal_tells_of_them(study, tmp_path, monkeypatch):
+    seen, fsync = [], os.fsync
+    names = {}
+
+    def watched(handle):
+        seen.append(Path(f"/proc/self/fd/{handle}").resolve())
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", watched)
+    if not Path("/proc/self/fd").exists():
+        pytest.skip("needs /proc")
+    store = Store.created(tmp_path / "one", study)
+    done = run_block(study, str(store.folder), 1)
+    store.finish(1, done.digest)
+    for name in study.names:
+        names[name] = seen.index(store.folder / DATA / name / "c" / "1")
+        assert names[name] < seen.index(store.folder / JOURNAL)
+        assert store.folder / DATA / name / "c" in seen
+
+
 def test_another_studys_results_are_left_alone(muscle, task, study, undisturbed):
     before = chunks(undisturbed.folder)
     for other in (study_of(muscle, task, lengths=(0.1, 0.12, 0.15)), study_of(muscle, task, 8)):
@@ -110,8 +228,6 @@ def test_the_digest_tells_what_makes_the_numbers(muscle, task, study):
 
 
 def test_a_manifest_and_units(undisturbed):
-    import json
-
     manifest = json.loads((undisturbed.folder / MANIFEST).read_text())
     assert manifest["designs"] == 96 and manifest["block"] == 16
     group = zarr.open_group(str(undisturbed.folder / DATA), mode="r")
@@ -164,11 +280,93 @@ def test_killed_workers(muscle, task, tmp_path):
 
 
 def test_a_block_tells_what_it_took(study, tmp_path):
-    import pickle
-
     Store.created(tmp_path / "one", study)
-    done = run_block(pickle.dumps(study), str(tmp_path / "one"), 3)
+    done = run_block(study, str(tmp_path / "one"), 3)
     assert done.block == 3 and done.process == os.getpid() and done.memory > 2**20
+
+
+def workers():
+    """The workers of this process, however often they were started again."""
+    psutil = pytest.importorskip("psutil")
+    for one in psutil.Process().children(recursive=True):
+        try:
+            if "spawn_main" in " ".join(one.cmdline()):
+                yield one
+        except psutil.Error:
+            continue
+
+
+class Storm(threading.Thread):
+    """Kills all workers twice a second for so many `seconds`."""
+
+    def __init__(self, seconds):
+        super().__init__(daemon=True)
+        self.until, self.killed = time.monotonic() + seconds, 0
+
+    def run(self):
+        while time.monotonic() < self.until:
+            for one in list(workers()):
+                one.kill()
+                self.killed += 1
+            time.sleep(0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_all_workers_killed_again_and_again(muscle, task, tmp_path):
+    study = study_of(muscle, task, block=4)
+    whole = sweep(study, tmp_path / "alone")
+    with local(2) as client:
+        storm = Storm(15)
+        storm.start()
+        store = sweep(study, tmp_path / "killed", client)
+    assert storm.killed > 4
+    assert chunks(store.folder) == chunks(whole.folder)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_workers_that_never_come_up_are_given_up(muscle, task, tmp_path):
+    study, storm = study_of(muscle, task, block=4), Storm(120)
+    with local(2) as client:
+        storm.start()
+        with pytest.raises(ConnectionError, match="no worker has been there for 6 s"):
+            sweep(study, tmp_path / "killed", client, alone=6.0)
+        storm.until = 0
+    assert not list(workers())
+    # and none from the start
+    storm = Storm(60)
+    storm.start()
+    with pytest.raises(ConnectionError, match="no worker can be started"), local(2):
+        pass
+    storm.until = 0
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_local_scheduler_lets_in_its_own_workers_alone(study, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="needs the extra `sweep`")
+    psutil = pytest.importorskip("psutil")
+    with local(1) as client:
+        address = client.scheduler.address
+        assert address.startswith("tls://127.0.0.1:")
+        for stranger in (address, address.replace("tls", "tcp")):
+            with pytest.raises((OSError, TypeError)):
+                distributed.Client(stranger, timeout=3)
+        me = psutil.Process()
+        ports = [
+            one.laddr
+            for process in (me, *me.children(recursive=True))
+            for one in process.net_connections()
+            if one.status == "LISTEN"
+        ]
+        assert ports and all(one.ip == "127.0.0.1" and one.port != 8787 for one in ports)
+        for one in ports:
+            with pytest.raises(OSError):  # noqa: PT011 no page, or no HTTP at all
+                urllib.request.urlopen(f"http://127.0.0.1:{one.port}/status", timeout=3)
+        sweep(study, tmp_path / "swept", client)
+    # what reads and writes files afterwards doesn't ask a cluster that is gone
+    with pytest.raises(ValueError):  # noqa: PT011 distributed's own
+        distributed.get_client()
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
+from fascicle._visible import visible
 from fascicle.describe import dumps
 from fascicle.explorer.address import LONGEST, from_query, pack, parse_splits, to_query, unpack
 from fascicle.explorer.laws import replaced
@@ -15,6 +16,9 @@ from fascicle.explorer.state import Session, Unit, view_of
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
+
+
+MANY = dumps(fs.example("kim2021_bundle_1_1")) + 100 * "[[bundle.motor_unit]]\ncount = 1\n"
 
 
 def full(view):
@@ -70,22 +74,63 @@ def test_unlike_muscles_go_into_the_address_too():
         ({"splits": "4"}, "two motor units or more"),
         ({"show": "furlong,mm,N"}, "must be units"),
         ({"tab": "x"}, "must be one of"),
+        ({"units": "9" * 5000}, "must be like 1,4@0.5"),
+        ({"units": "9" * 4000}, "60 in all"),
+        ({"units": "1@nan"}, "must lie in"),
+        ({"units": "1@1e999"}, "must lie in"),
+        ({"units": ","}, "must be like"),
+        ({"units": "-1,2"}, "1 or more"),
+        ({"units": "1," * 9 + "1"}, "1 to 8 motor units"),
+        ({"pressures": "9" * 5000, "units": "1"}, "pressure"),
+        ({"pressure": "nan kPa"}, "pressure"),
+        ({"pressure": "inf Pa"}, "must lie in|pressure"),
+        ({"strain": "9e9999"}, "strain"),
+        ({"strain": "-0.1"}, "must lie in"),
+        ({"supply": "1e-400 Pa"}, "must be positive"),
+        ({"splits": "1+1," * 3000 + "1+1"}, "four at most"),
+        ({"splits": "1+" + "9" * 5000}, "must be like"),
+        ({"file": pack("a." * 15_000 + "a = 1")}, "nested too deep"),
+        ({"file": pack("format = 1\nx = " + "9" * 5000)}, ""),
+        ({"file": pack("x")[:-4]}, "no file that this explorer has packed"),
+        ({"file": "ä"}, "no file that this explorer has packed"),
+        ({"file": pack("#" * 40_000)}, "too large for a link"),
+        ({"file": pack(MANY)}, "1 to 8 motor units"),
     ],
 )  # fmt: skip
 def test_a_bad_address_is_refused_in_words_and_the_rest_is_shown(query, word):
     found, refused = from_query(query | {"path": "isotonic"}, SIX)
     assert len(refused) == 1
     assert "\n" not in refused[0]
+    assert len(visible(refused[0])) < 410
     assert re.search(word, refused[0])
     assert found.path == "isotonic"
     assert dumps(found.muscle) == dumps(SIX.muscle)
 
 
-def test_a_bomb_is_not_inflated():
-    bomb = base64.urlsafe_b64encode(zlib.compress(b"#" * 10_000_000, 9)).decode().rstrip("=")
+@pytest.mark.parametrize("size", [32_001, 100_000, 10_000_000])
+def test_a_bomb_is_not_inflated(size):
+    bomb = base64.urlsafe_b64encode(zlib.compress(b"#" * size, 9)).decode().rstrip("=")
     assert len(bomb) < LONGEST
-    with pytest.raises(ValueError, match="must hold at most"):
+    with pytest.raises(ValueError, match="must hold at most 32000 bytes"):
         unpack(bomb)
+
+
+def test_a_file_that_is_too_large_for_a_link_is_not_silently_another_one():
+    """The link says so when it is opened, rather than show what it doesn't hold."""
+    view = replace(SIX, muscle=replaced(SIX.muscle, length=0.2), name="mine")
+    query = to_query(view) | {"file": pack(dumps(view.muscle) + "#" * 40_000)}
+    _, refused = from_query(query, SIX)
+    assert refused == ["link: `file` was too large for a link: open the file itself."]
+
+
+def test_whatever_breaks_in_a_link_the_page_opens(monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("fascicle.explorer.address.loads", broken)
+    found, refused = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
+    assert refused == ["link: `file` can't be read."]
+    assert found.path == "isotonic"
 
 
 def test_splits_are_read_both_ways():

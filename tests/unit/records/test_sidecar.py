@@ -85,6 +85,7 @@ def test_synthetic(files):
         ('[signs]\nforce = "pushing"', 'signs.force = .*did you mean "pushing positive"'),
         ("notes = [1]", "source and notes must be texts"),
         ("a = ", "not TOML: "),
+        ("a." * 60_000 + "a = 1", "nested too deep on line 1"),
         ("\0", "not TOML: "),
     ],
 )

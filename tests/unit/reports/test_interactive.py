@@ -28,6 +28,17 @@ def test_marks_lie_in_order_and_tell_their_text():
     )
 
 
+def test_two_marks_are_emphasized_the_chosen_one_on_top():
+    values = np.array([1.0, 3.0, 2.0])
+    axes = Axis("a", values), Axis("b", values)
+    for svg in (scatter(*axes, ["x", "y", "z"], 1, None, 0), parallel(axes, ["x", "y", "z"], 1, 0)):
+        assert svg.count("mark chosen") == 1 and svg.count("mark second") == 1
+        order = [int(place) for place in re.findall(r'data-place="(\d)"', svg)]
+        assert order == [2, 0, 1]
+    both = scatter(*axes, ["x", "y", "z"], 1, None, 1)
+    assert both.count('class="mark chosen second"') == 1
+
+
 @pytest.mark.parametrize("value", [0.0, 2.5, -1.0])
 def test_one_value_is_no_range(value):
     one = np.array([value, value])

@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from fascicle.reports import Page, data_uri, prose, verdict
+from fascicle.reports import Page, data_uri, prose, quotation, verdict
 
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
@@ -27,6 +27,24 @@ def test_text_is_escaped():
     assert 'alt="a &quot;picture&quot;"' in text
 
 
+def test_no_sign_hides_wherever_it_stands():
+    made = Page("a\u202e")
+    made.paragraph("b\x1b\u2066")
+    made.table(("c\u200b",), [("d\u202e",)])
+    made.files(["gpj\u202e.exe"])
+    text = made.text("e\u2069")
+    for shown in (
+        "a\\u202e",
+        "b\\x1b\\u2066",
+        "c\\u200b",
+        "d\\u202e",
+        "gpj\\u202e.exe",
+        "e\\u2069",
+    ):
+        assert shown in text
+    assert text.encode()
+
+
 def test_nothing_is_asked_for_from_outside():
     addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page())
     assert addresses
@@ -39,9 +57,22 @@ def test_a_picture_is_in_its_address():
     assert data_uri(SVG, "svg") in page()
 
 
-@pytest.mark.parametrize("word", ["holds", "differs", "fails"])
+def test_a_file_is_in_its_address_and_is_saved_under_its_name():
+    made = Page("t")
+    made.downloads({"a.csv": b"x,y", 'b".json': b"{}"})
+    text = made.text("")
+    assert '<a download="a.csv" href="data:text/csv;base64,eCx5">a.csv</a>' in text
+    assert 'download="b&quot;.json" href="data:application/json;base64,e30="' in text
+
+
+@pytest.mark.parametrize("word", ["holds", "differs", "fails", "chosen", "by definition"])
 def test_a_verdict_has_a_sign_beside_its_color(word):
-    assert re.fullmatch(rf'<span class="{word}">\S\xa0{word}</span>', verdict(word))
+    style = word.split()[-1].replace("definition", "defined")
+    assert re.fullmatch(rf'<span class="{style}">\S\xa0{word}</span>', verdict(word))
+
+
+def test_a_quotation_is_escaped():
+    assert quotation("a < b") == "<q>a &lt; b</q>"
 
 
 def test_a_lone_backtick_stays():

@@ -1,23 +1,23 @@
+import base64
 import dataclasses
+import json
 import re
+from pathlib import Path
 
 import pytest
 
 from fascicle.cli import main
 from fascicle.reproduce import kim2021
-from fascicle.reproduce.claims import Claim, failed
-from fascicle.reproduce.kim2021 import (
-    figure_06,
-    figure_08,
-    reproduction,
+from fascicle.reproduce.claims import Claim, Criterion, failed, summary
+from fascicle.reproduce.kim2021 import figure_06, figure_08, reproduction
+
+
+REPORTED = json.loads(
+    (Path(__file__).parents[3] / "docs" / "_static" / "claims.json").read_text(encoding="utf-8")
 )
-
-
 DIFFERENCES = {
-    "In one cross-section, one inactive unit of two resists more than four inactive ones of five.",
-    "The two muscles have unequal blocked forces, though equal sections.",
-    "The corrected Klute–Hannaford model gives another curve than the uncorrected one.",
-}
+    "one_of_two_against_four_of_five", "unequal_blocked_forces", "corrected_curve_differs",
+}  # fmt: skip
 
 
 def only(monkeypatch, compute) -> None:
@@ -25,37 +25,70 @@ def only(monkeypatch, compute) -> None:
     monkeypatch.setattr(reproduction, "FIGURES", (compute,))
     monkeypatch.setattr(reproduction, "ALTERNATIVES", ())
     monkeypatch.setattr(reproduction, "CHAINS", ((compute,),))
-    monkeypatch.setattr(reproduction, "alternatives_report", lambda _: "")
 
 
 def addresses(html: str) -> list[str]:
     return re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', html)
 
 
+def check_mailable(html: str) -> None:
+    """Nothing is asked for from elsewhere, and every link leads somewhere in the page itself."""
+    for address in addresses(html):
+        assert address.startswith(("data:", "#")), address[:80]
+        if address.startswith("#"):
+            assert f'id="{address[1:]}"' in html, address
+    assert not re.search(r"@import|url\(|<script", html)
+
+
+def held(html: str) -> dict[str, bytes]:
+    """The files that a page holds, by name."""
+    found = re.findall(r'<a download="([^"]+)" href="data:[^;]+;base64,([^"]*)"', html)
+    return {name: base64.b64decode(content) for name, content in found}
+
+
+def check_said_alike(claims, html: str, data: dict) -> None:
+    """The page and the file have each claim's words, number and verdict."""
+    plain = html.replace("&#x27;", "'").replace("&gt;", ">").replace("&lt;", "<")
+    assert summary(claims) in plain
+    assert summary(claims) == data["summary"]
+    for claim, filed in zip(claims, data["claims"], strict=True):
+        assert (filed["key"], filed["kind"]) == (claim.key, claim.kind)
+        assert (filed["verdict"], filed["paper"]) == (claim.verdict, claim.quote)
+        assert f"<q>{claim.quote}</q>" in plain
+        for one in claim.criteria:
+            assert one.text[1:] in plain
+            assert one.text in [
+                criterion["text"][: len(one.text)] for criterion in filed["criteria"]
+            ]
+
+
 def test_a_report_of_one_figure(tmp_path, monkeypatch):
     only(monkeypatch, figure_08.compute)
     told = []
     claims = kim2021.run(tmp_path, lambda *step: told.append(step))
-    assert [claim.verdict for claim in claims] == ["holds"]
+    assert [claim.verdict for claim in claims] == ["by definition"]
     assert told[0][:2] == (0, 1)
     assert told[-1] == (1, 1, "done")
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
-    # what is beside it is there; nothing is asked for from elsewhere
-    for address in addresses(html):
-        if not address.startswith(("data:", "#")) and address != "alternatives.html":
-            assert (tmp_path / address).is_file(), address
-    assert not re.search(r"@import|url\(|<script", html)
+    check_mailable(html)
+    check_said_alike(claims, html, json.loads((tmp_path / "claims.json").read_text("utf-8")))
+    for name, content in held(html).items():
+        assert content == (tmp_path / name).read_bytes()
+    assert {"claims.json", "figure_08.csv"} < set(held(html))
 
 
 def test_a_claim_that_had_to_hold_gives_exit_code_1(tmp_path, monkeypatch, capsys):
     good = figure_08.compute()
-    bad = Claim("Fig. 8", "the moon is made of cheese", "rock", holds=False, must_hold=True)
+    never = Criterion("cheese in the moon", 0.0, ">", 0.0, "kg")
+    bad = Claim("moon", "Fig. 8", "prediction", "it is made of cheese", "cheese", (never,), "rock")
     only(monkeypatch, lambda: dataclasses.replace(good, claims=(*good.claims, bad)))
     with pytest.raises(SystemExit) as end:
         main(["reproduce", "kim2021", "--out", str(tmp_path)])
     assert end.value.code == 1
-    assert "fails" in capsys.readouterr().out
-    assert "had to hold and fail" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    told = "0 of 1 predictions hold, 1 fails"
+    assert told in capsys.readouterr().out
+    assert told in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert told in (tmp_path / "claims.json").read_text(encoding="utf-8")
 
 
 def test_a_figure_that_breaks_stops_the_run(tmp_path, monkeypatch):
@@ -70,19 +103,48 @@ def test_a_figure_that_breaks_stops_the_run(tmp_path, monkeypatch):
 
 def test_claims_about_figure_6_hold():
     claims = figure_06.compute().claims
-    assert sum(claim.must_hold for claim in claims) == 4
+    assert [claim.verdict for claim in claims].count("holds") == 5
     assert not failed(claims)
+
+
+def test_what_the_constants_were_chosen_to_meet_is_no_prediction():
+    """C10 and C01 [R3], the unit of P [R14], and what is fitted in Table 1."""
+    kinds = {claim["key"]: claim["kind"] for claim in REPORTED["claims"]}
+    chosen = [key for key, kind in kinds.items() if kind == "input"]
+    assert chosen == [
+        "no_collapse_at_137_9_kpa",
+        "free_strain_at_275_8_kpa",
+        "stouter_resists_more_with_table_1",
+        "less_after_collapse_with_table_1",
+        "corrected_curve_differs",
+    ]
+    for key in (
+        "distinct_without_resistance",
+        "no_reversal_without_resistance",
+        "first_mode_shape",
+    ):
+        assert kinds[key] == "definition"
 
 
 @pytest.mark.slow
 def test_the_whole_reproduction(tmp_path):
     claims = kim2021.run(tmp_path)
     assert not failed(claims)
-    assert {claim.text for claim in claims if not claim.holds} == DIFFERENCES
+    assert {claim.key for claim in claims if not claim.holds} == DIFFERENCES
     for number in (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 13, 14):
         for kind in ("png", "svg", "nc", "csv"):
             assert (tmp_path / f"figure_{number:02}.{kind}").stat().st_size > 100
-    for name in ("report.html", "alternatives.html"):
-        html = (tmp_path / name).read_text(encoding="utf-8")
-        assert not any(re.match(r"\w+://|//", address) for address in addresses(html))
-        assert "nan" not in re.sub(r'"data:[^"]*"', "", html).lower().split()
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    check_mailable(html)
+    made = json.loads((tmp_path / "claims.json").read_text(encoding="utf-8"))
+    check_said_alike(claims, html, made)
+    assert "nan" not in re.sub(r'"data:[^"]*"', "", html).lower().split()
+    # README and docs say what the repository's file says: it must be what comes out
+    for reported, new in zip(REPORTED["claims"], made["claims"], strict=True):
+        for name in ("key", "where", "kind", "verdict", "claim", "paper", "chosen", "why"):
+            assert reported[name] == new[name]
+        for old, now in zip(reported["criteria"], new["criteria"], strict=True):
+            assert (old["quantity"], old["sign"]) == (now["quantity"], now["sign"])
+            # rounding, where it is the rounding that is looked at
+            assert old["value"] == pytest.approx(now["value"], rel=1e-3, abs=1e-6)
+    assert REPORTED["summary"] == made["summary"]

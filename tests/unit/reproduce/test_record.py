@@ -34,10 +34,12 @@ def test_variables_of_like_dimensions_share_a_table():
 
 
 def test_every_file_is_written_and_read_back(tmp_path):
-    svg, width, names = write_record(RECORD, tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
-    assert (tmp_path / "figure_99.svg").read_bytes() == svg
-    assert width == pytest.approx(88 / 25.4)
+    written = write_record(RECORD, tmp_path)
+    others = [f"figure_99.{kind}" for kind in ("nc", "png", "svg")]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*written.tables, *others])
+    assert (tmp_path / "figure_99.svg").read_bytes() == written.svg
+    assert written.tables["figure_99.csv"] == (tmp_path / "figure_99.csv").read_bytes()
+    assert written.width == pytest.approx(88 / 25.4)
     data = results.read(tmp_path / "figure_99.nc")
     np.testing.assert_array_equal(data["y"], [0, 1, 4])
     assert data["y"].attrs["units"] == "N"

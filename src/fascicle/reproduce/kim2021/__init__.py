@@ -8,7 +8,7 @@ from ..claims import Claim
 
 
 def run(out: Path, progress: Callable[[int, int, str], object] | None = None) -> list[Claim]:
-    """Make every figure, its data, and the two pages of the report.
+    """Make every figure, its data, the claims as `claims.json`, and the report of it all.
 
     **Arguments:**
 

@@ -1,4 +1,4 @@
-"""The second page: what changes with other laws and readings, in figures and numbers."""
+"""The report's last part: what changes with other laws and readings, in figures and numbers."""
 
 from collections.abc import Callable, Sequence
 from html import escape
@@ -6,28 +6,32 @@ from html import escape
 import numpy as np
 
 from ...reports.page import Page
+from ..record import Written
 from . import setting
-from .report import PAPER as CITATION
-from .report import Written, figure
 from .variants import VARIANTS, Variant, all_variants
 
 
 _FIGURE_6 = [f"{P / 1e3:g}" for P in setting.PRESSURES[setting.FIGURE_6]]
 
 
-def alternatives_report(figures: Sequence[Written]) -> str:
-    """The page, from the written figures."""
-    page = Page("Other laws and readings")
+def add_alternatives(
+    page: Page, figures: Sequence[Written], add: Callable[[Page, Written], None]
+) -> None:
+    """Put the part on a page.
+
+    **Arguments:**
+
+    - `page`: where it goes [-].
+    - `figures`: what was written [-].
+    - `add`: puts one of them on the page [-].
+    """
+    page.heading("Other laws and readings", "alternatives")
     page.paragraph(
         "Where the paper can be read in several ways, or a law of another kind exists, fascicle "
-        "offers them by name. This page holds them against the laws that every reproduced figure "
-        "uses.",
-        "lead",
+        "offers them by name. Here they stand against the laws that every figure above uses."
     )
-    page.links({"The report": "report.html", "Numbers": "#numbers"} | {
-        one.record.title: f"#{one.record.key}" for one in figures
-    })  # fmt: skip
-    page.heading("Numbers", "numbers")
+    page.links({one.record.title: f"#{one.record.key}" for one in figures})
+    page.heading("Numbers", "numbers", 3)
     page.paragraph(
         f"Fig. 6's muscle, untuned: {setting.sizes(setting.muscle('figure_6'))}. Pressures in kPa; "
         "resistances within the tested range, which ends at the free strain at 413.7 kPa."
@@ -38,11 +42,10 @@ def alternatives_report(figures: Sequence[Written]) -> str:
         for title, tell in _ROWS.items()
     ]
     page.table(("", *VARIANTS), rows)
-    page.heading("What that means")
+    page.heading("What that means", level=3)
     page.points(_reading(shown))
     for one in figures:
-        figure(page, one)
-    return page.text(CITATION + " Pictures and data computed by fascicle.")
+        add(page, one)
 
 
 def _collapses(one: Variant) -> str:

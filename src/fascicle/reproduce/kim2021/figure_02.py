@@ -5,10 +5,10 @@ import numpy as np
 from ...describe.results import Variable
 from ...plot.shapes import draw_states
 from ...plot.style import in_kilopascals
-from ..claims import Claim
+from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting
-from .progression import PRESSURE, Progression, progression
+from .progression import JUST, PRESSURE, Progression, progression
 
 
 STATES = ("free length", "free strain", "post-buckling", "post-collapse")
@@ -34,7 +34,7 @@ def compute() -> Record:
         ),
         data=_data(p),
         draw=lambda: draw_states(float(p.muscle.length), p.outlines, titles),
-        claims=_claims(p),
+        claims=claims(p),
         missing="The paper shows photographs.",
     )
 
@@ -57,25 +57,47 @@ def _data(p: Progression) -> dict[str, Variable]:
     }
 
 
-def _claims(p: Progression) -> tuple[Claim, ...]:
-    bent, hinged = p.outlines[2].y.min(), p.outlines[3].y.min()
+def claims(p: Progression) -> tuple[Claim, ...]:
+    """What the paper says of these states, of a progression [-]."""
+    free, bent, hinged = (abs(float(one.y.min())) for one in p.outlines[1:])
+    soon = p.first_deflection * 1e3
     off = abs(p.moment_at_collapse / p.collapse_moment - 1)
     return (
         Claim(
-            "section 3.1",
-            "Past its free strain a muscle bows out at once, without a straight compression "
+            key="bows_out_at_once",
+            where="section 3.1",
+            kind="definition",
+            text="Past its free strain a muscle bows out at once, without a straight compression "
             "before.",
-            f"The deflection is {abs(p.outlines[1].y.min()) * 1e3:.2f} mm at the free strain, "
-            f"{-bent * 1e3:.1f} mm at ε = {p.strain[2]:.3f} and {-hinged * 1e3:.1f} mm at "
-            f"ε = {p.strain[3]:.3f}.",
-            holds=bool(p.outlines[1].y.min() == 0 > bent > hinged),
+            quote="we assume that the FAM bladder enters post-buckling immediately beyond the "
+            "free-strain condition",
+            criteria=(
+                Criterion("deflection at the free strain", free * 1e3, "=", 0.0, "mm"),
+                Criterion(f"deflection {JUST:g} of strain past it", soon, ">", 0.0, "mm"),
+            ),
+            model=f"The deflection is {free * 1e3:.2f} mm at the free strain, {soon:.2f} mm "
+            f"{JUST:g} past it, {bent * 1e3:.1f} mm at ε = {p.strain[2]:.3f} and "
+            f"{hinged * 1e3:.1f} mm at ε = {p.strain[3]:.3f}.",
         ),
         Claim(
-            "section 3.1",
-            "It collapses where the moment inside it reaches the collapse moment, and only there.",
-            f"At ε = {p.collapse_strain:.4f} the moment is {p.moment_at_collapse:.5f} N·m, the "
-            f"collapse moment {p.collapse_moment:.5f} N·m; before it is {p.moment[2]:.5f} N·m.",
-            # both come out of one root, found to the last bits
-            holds=bool(off < 1e-9 and p.moment[2] < p.collapse_moment),
+            key="collapse_at_the_collapse_moment",
+            where="section 3.1",
+            kind="definition",
+            text="It collapses where the moment inside it reaches the collapse moment, and only "
+            "there.",
+            quote="When this moment exceeds the collapse moment, the bladder folds upon itself",
+            criteria=(
+                Criterion(
+                    "moment at the collapse strain over the collapse moment, off 1 by",
+                    off, "<", 1e-9, ours="one root gives both, found to the last bits",
+                ),
+                Criterion(
+                    "moment before it over the collapse moment",
+                    float(p.moment[2]) / p.collapse_moment, "<", 1.0,
+                ),
+            ),
+            model=f"At ε = {p.collapse_strain:.4f} the moment is {p.moment_at_collapse:.5f} N·m, "
+            f"the collapse moment {p.collapse_moment:.5f} N·m; before it is "
+            f"{p.moment[2]:.5f} N·m.",
         ),
-    )
+    )  # fmt: skip

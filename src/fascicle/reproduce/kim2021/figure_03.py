@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from ...describe.results import Variable
 from ...plot.shapes import dimension
 from ...plot.style import in_kilopascals, styled
-from ..claims import Claim
+from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting
 from .pair import draw_pair
@@ -26,7 +26,7 @@ def compute() -> Record:
         ),
         data=_data(p),
         draw=lambda: draw(p),
-        claims=_claims(p),
+        claims=claims(p),
     )
 
 
@@ -69,19 +69,26 @@ def _data(p: Progression) -> dict[str, Variable]:
     }
 
 
-def _claims(p: Progression) -> tuple[Claim, ...]:
+def claims(p: Progression) -> tuple[Claim, ...]:
+    """What the paper says of the shape, of a progression [-]."""
     bent = p.outlines[BENT]
     mode = bent.y.min() / 2 * (1 - np.cos(2 * np.pi * bent.z / bent.z[-1]))
-    off = float(np.abs(bent.y - mode).max())
+    off = float(np.abs(bent.y - mode).max() / -bent.y.min())
     return (
         Claim(
-            "section 3.2",
-            "The buckled axis has the first mode shape of a column with clamped ends: level at "
-            "both "
-            "ends, largest deflection in the middle.",
-            f"The drawn centerline is within {off:.0e} m of that cosine, its deflection "
-            f"{-bent.y.min() * 1e3:.2f} mm at the middle.",
-            # rounding of coordinates of a tenth of a meter
-            holds=bool(off < 1e-12 and np.argmin(bent.y) == bent.y.size // 2),
+            key="first_mode_shape",
+            where="section 3.2",
+            kind="definition",
+            text="The buckled axis has the first mode shape of a column with clamped ends: level "
+            "at both ends, largest deflection in the middle.",
+            quote="the first mode shape of a clamped-clamped column",
+            criteria=(
+                Criterion(
+                    "distance from that cosine over the deflection", off, "<", 1e-9,
+                    ours="rounding",
+                ),
+            ),
+            model=f"The drawn centerline is within {off:.0e} of its deflection from that cosine; "
+            f"the deflection is {-bent.y.min() * 1e3:.2f} mm.",
         ),
-    )
+    )  # fmt: skip

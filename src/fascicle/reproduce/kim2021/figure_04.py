@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ...describe.results import Variable
 from ...plot.shapes import dimension, guide, label
 from ...plot.style import BLACK, BLUE, DOUBLE, GRAY, VERMILION, in_kilopascals, new_figure, styled
-from ..claims import Claim
+from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting
 from .progression import BENT, PRESSURE, Progression, progression
@@ -54,7 +54,7 @@ def compute() -> Record:
         ),
         data=_data(s),
         draw=lambda: draw(p, s),
-        claims=_claims(s),
+        claims=claims(s),
     )
 
 
@@ -154,21 +154,31 @@ def _data(s: Springs) -> dict[str, Variable]:
     return {name: Variable((), getattr(s, name), *row) for name, row in rows.items()}
 
 
-def _claims(s: Springs) -> tuple[Claim, ...]:
+def claims(s: Springs) -> tuple[Claim, ...]:
+    """What the paper says of the springs, of one state of them [-]."""
     return (
         Claim(
-            "section 3.2",
-            "Axial springs let the axis shorten, so the bladder bows out less and its bending "
-            "force "
-            "is smaller than that of an axis that keeps its length.",
-            f"The axis shortens by 2l = {2 * s.shortening * 1e3:.2f} of "
-            f"{s.compression * 1e3:.2f} mm; "
-            f"deflection {s.deflection * 1e3:.2f} instead of {s.inextensible_deflection * 1e3:.2f} "
-            f"mm, force {s.force:.2f} instead of {s.inextensible_force:.2f} N.",
-            holds=bool(
-                s.shortening > 0
-                and s.deflection < s.inextensible_deflection
-                and s.force < s.inextensible_force
+            key="axis_shortens",
+            where="section 3.2",
+            kind="definition",
+            text="Axial springs let the axis shorten, so the bladder bows out less and its bending "
+            "force is smaller than that of an axis that keeps its length.",
+            quote="some amount of deformation and shortening of the arc length",
+            criteria=(
+                Criterion(
+                    "shortening over compression", 2 * s.shortening / s.compression, ">", 0.0
+                ),
+                Criterion(
+                    "deflection with over without",
+                    s.deflection / s.inextensible_deflection,
+                    "<",
+                    1.0,
+                ),
+                Criterion("force with over without", s.force / s.inextensible_force, "<", 1.0),
             ),
+            model=f"The axis shortens by 2l = {2 * s.shortening * 1e3:.2f} of "
+            f"{s.compression * 1e3:.2f} mm; deflection {s.deflection * 1e3:.2f} instead of "
+            f"{s.inextensible_deflection * 1e3:.2f} mm, force {s.force:.2f} instead of "
+            f"{s.inextensible_force:.2f} N.",
         ),
     )

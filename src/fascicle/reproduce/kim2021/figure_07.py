@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from ...describe.results import Variable
 from ...muscle import Muscle
 from ...plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
-from ..claims import Claim
+from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting
 
@@ -34,7 +34,7 @@ def compute() -> Record:
             "collapse_strain": Variable((), collapse, "-", "collapse"),
         },
         draw=lambda: draw(strain, force),
-        claims=_claims(strain, force, collapse),
+        claims=claims(strain, force, collapse),
     )
 
 
@@ -58,23 +58,32 @@ def draw(strain: np.ndarray, force: np.ndarray) -> Figure:
     return figure
 
 
-def _claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Claim, ...]:
+def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Claim, ...]:
+    """What the paper says of β: `force` [N] by rate over `strain` [-], with its `collapse` [-]."""
     before = strain <= collapse
     same = float(np.ptp(force[:, before], axis=0).max())
     place = collapse + 0.02
     soon = [float(np.interp(place, strain, row)) for row in force]
     return (
         Claim(
-            "section 3.4",
-            "A lower β makes the transition to the post-collapse state more gradual; nothing "
-            "before "
-            "the collapse depends on it.",
-            f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
+            key="lower_rate_is_more_gradual",
+            where="section 3.4",
+            kind="definition",
+            text="A lower β makes the transition to the post-collapse state more gradual; nothing "
+            "before the collapse depends on it.",
+            quote="characterize a gradual transition to the post-collapse state",
+            criteria=(
+                Criterion(
+                    "least gain of force from one β to the next higher, 0.02 past the collapse",
+                    float(np.diff(soon).min()), ">", 0.0, "N",
+                ),
+                Criterion("difference before the collapse", same, "=", 0.0, "N"),
+            ),
+            model=f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
             + ", ".join(f"{f:.2f}" for f in soon)
             + " N for β = "
             + ", ".join(f"{rate:g}" for rate in RATES)
             + "; before it the curves "
             + ("coincide." if same == 0 else f"differ by up to {same:.0e} N."),
-            holds=bool(np.all(np.diff(soon) > 0) and same == 0),
         ),
-    )
+    )  # fmt: skip

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ...bundle.recruitment import pressures_of
 from ...describe.results import Variable
 from ...plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
-from ..claims import Claim
+from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting
 
@@ -41,7 +41,7 @@ def compute() -> Record:
             },
         },
         draw=lambda: draw(axis, found),
-        claims=_claims(found["orderly"]),
+        claims=claims(found["orderly"]),
     )
 
 
@@ -78,22 +78,33 @@ def _panel(ax: Axes, axis: np.ndarray, P: np.ndarray) -> None:
     ax.set_xticks([0, 0.5, 1, 1.5, 2], ["0", "½", "1 | 0", "½", "1"])
 
 
-def _claims(P: np.ndarray) -> tuple[Claim, ...]:
+def claims(P: np.ndarray) -> tuple[Claim, ...]:
+    """What the paper says of orderly recruitment, of pressures [Pa] by step and unit."""
     first, second = P[: LEVEL.size], P[LEVEL.size :]
     full = setting.HIGHEST
     return (
         Claim(
-            "section 4",
-            "In recruitment state 1 only unit 1 is pressurized; in state 2 it stays at full "
-            "pressure "
-            "while unit 2 goes from zero to full.",
-            f"State 1: unit 1 from {first[0, 0] / 1e3:g} to {first[-1, 0] / 1e3:g} kPa, unit 2 at "
-            f"{first[:, 1].max() / 1e3:g}. State 2: unit 1 at {second[:, 0].min() / 1e3:g}, unit 2 "
-            f"from {second[0, 1] / 1e3:g} to {second[-1, 1] / 1e3:g} kPa.",
-            holds=bool(
-                np.all(first[:, 1] == 0)
-                and np.all(second[:, 0] == full)
-                and first[-1, 0] == full == second[-1, 1]
+            key="orderly_recruitment",
+            where="section 4.1",
+            kind="definition",
+            text="In recruitment state 1 only unit 1 is pressurized; in state 2 it stays at full "
+            "pressure while unit 2 goes from zero to full.",
+            quote="the first MU stays at its maximum pressure and a second MU is either partially "
+            "or fully activated",
+            criteria=(
+                Criterion("unit 2 in state 1", float(first[:, 1].max()) / 1e3, "=", 0.0, "kPa"),
+                Criterion(
+                    "unit 1 in state 2, at least",
+                    float(second[:, 0].min()) / 1e3, "=", full / 1e3, "kPa",
+                ),
+                Criterion(
+                    "unit 2 at the end of state 2",
+                    float(second[-1, 1]) / 1e3, "=", full / 1e3, "kPa",
+                ),
             ),
+            model=f"State 1: unit 1 from {first[0, 0] / 1e3:g} to {first[-1, 0] / 1e3:g} kPa, "
+            f"unit 2 at {first[:, 1].max() / 1e3:g}. State 2: unit 1 at "
+            f"{second[:, 0].min() / 1e3:g}, unit 2 from {second[0, 1] / 1e3:g} to "
+            f"{second[-1, 1] / 1e3:g} kPa.",
         ),
-    )
+    )  # fmt: skip

@@ -12,13 +12,15 @@ from . import setting
 
 PRESSURE = float(setting.PRESSURES[1])  # the lower of Fig. 6's two pressures with all three regions
 FREE, BENT, HINGED = 1, 2, 3  # places of the states; rest is 0
+JUST = 0.001  # of strain past the free strain
 _SHARE = 0.9  # of the way from free strain to collapse
 
 
 @dataclass(frozen=True)
 class Progression:
     """States in order: rest, free strain, post-buckling, post-collapse. Pressure [Pa],
-    strain [-] and largest moment [N·m] of each, with the strains and moment of collapse.
+    strain [-] and largest moment [N·m] of each, with the strains and moment of collapse; and
+    the deflection [m] just past the free strain.
     """
 
     muscle: Muscle
@@ -30,6 +32,7 @@ class Progression:
     collapse_strain: float
     collapse_moment: float
     moment_at_collapse: float
+    first_deflection: float
 
     @property
     def free_length(self) -> float:
@@ -50,9 +53,11 @@ def progression() -> Progression:
     free = float(muscle.free_strain(PRESSURE))
     bent = free + _SHARE * (collapse[1] - free)
     eps = np.array([0.0, free, bent, setting.tested(muscle)])
-    # a fifth state, exactly at collapse, compiles with the other four
-    moments = setting.array(muscle.moment(np.r_[P, PRESSURE], np.r_[eps, collapse[1]]))
+    # a fifth state compiles with the other four: exactly at collapse, and just past free strain
+    five = np.r_[P, PRESSURE]
+    moments = setting.array(muscle.moment(five, np.r_[eps, collapse[1]]))
+    drawn = outlines(muscle, five, np.r_[eps, free + JUST], np.r_[collapse, collapse[1]])
     return Progression(
-        muscle, P, eps, moments[:4], outlines(muscle, P, eps, collapse), free, float(collapse[1]),
-        float(muscle.collapse_moment(PRESSURE)), float(moments[4]),
+        muscle, P, eps, moments[:4], drawn[:4], free, float(collapse[1]),
+        float(muscle.collapse_moment(PRESSURE)), float(moments[4]), float(-drawn[4].y.min()),
     )  # fmt: skip

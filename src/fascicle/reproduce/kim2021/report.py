@@ -1,14 +1,17 @@
-"""The report: each figure with its conditions, the claims about it, and what came out."""
+"""The report: each figure with its conditions, the claims about it, and what came out.
 
-from collections import Counter
+It is one file that holds its pictures and its data: it can be sent as it is.
+"""
+
+import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 
 from ...plot.style import DOUBLE
-from ...reports.page import Page, prose, verdict
-from ..claims import Claim
-from ..record import Record
+from ...reports.page import Page, prose, quotation, verdict
+from ..claims import KINDS, Claim, as_data, of_kind, summary
+from ..record import Written
+from .alternatives_report import add_alternatives
 
 
 PAPER = (
@@ -17,64 +20,39 @@ PAPER = (
     "doi 10.3390/act10030042, CC BY."
 )
 _INCH = 0.0254  # m
+_HEADINGS = {"prediction": "Predictions", "input": "Inputs", "definition": "Definitions"}
 
 
-@dataclass(frozen=True)
-class Written:
-    """A record that has been written: its picture as SVG and as it is wide [inch], its files."""
-
-    record: Record
-    svg: bytes
-    width: float
-    files: tuple[str, ...]
-
-
-def report(figures: Sequence[Written]) -> str:
-    """The first page: every figure and every claim."""
+def report(figures: Sequence[Written], alternatives: Sequence[Written] = ()) -> str:
+    """The page: every figure and every claim, then the `alternatives` [-]."""
     claims = [claim for one in figures for claim in one.record.claims]
     page = Page("Kim, Mazzoleni and Bryant 2021, made anew")
     page.paragraph(
         "Every figure of the paper that a model can make, computed from the muscles' sizes, and "
-        "every claim beside it, in our words, held against what came out.",
+        "every claim beside it, in our words and the paper's, held against what came out.",
         "lead",
     )
     page.paragraph(summary(claims))
-    page.links(
-        {one.record.name: f"#{one.record.key}" for one in figures}
-        | {"Other laws and readings": "alternatives.html"}
-    )
+    others = {"Other laws and readings": "#alternatives"} if alternatives else {}
+    page.links({one.record.name: f"#{one.record.key}" for one in figures} | others)
     _differing(page, claims)
     _general(page)
-    page.heading("All claims", "claims")
-    page.table(
-        ("Where", "The paper's claim", "Verdict"),
-        [
-            (f'<a class="where" href="#{one.record.key}">{escape(claim.where)}</a>', _marked(claim),
-             verdict(claim.verdict))
-            for one in figures
-            for claim in one.record.claims
-        ],
-    )  # fmt: skip
-    page.paragraph("Claims with a dot must hold for the reproduction to have succeeded.", "note")
+    _all_claims(page, figures)
     for one in figures:
         figure(page, one)
+    if alternatives:
+        add_alternatives(page, alternatives, figure)
     return page.text(PAPER + " Pictures, data and claims computed by fascicle.")
 
 
-def summary(claims: Sequence[Claim]) -> str:
-    """A line that counts verdicts."""
-    count = Counter(claim.verdict for claim in claims)
-    must = sum(claim.must_hold for claim in claims)
-    parts = [f"{len(claims)} claims: {count['holds']} hold, {count['differs']} differ"]
-    if count["fails"]:
-        parts.append(f"{count['fails']} had to hold and fail")
-    else:
-        parts.append(f"all {must} that must hold do")
-    return ", ".join(parts) + "."
+def claims_file(claims: Sequence[Claim]) -> str:
+    """The `claims` [-] with their numbers, as JSON."""
+    data = {"paper": PAPER, **as_data(claims)}
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def figure(page: Page, one: Written) -> None:
-    """A section of `page`: picture, conditions, claims, what is missing, files."""
+    """A section of `page`: picture, conditions, claims, what is missing, data."""
     record = one.record
     page.heading(record.title, record.key)
     page.picture(one.svg, "svg", record.title, min(one.width, DOUBLE) * _INCH)
@@ -84,50 +62,92 @@ def figure(page: Page, one: Written) -> None:
     if record.claims:
         page.table(
             ("The paper's claim", "What the model gives", "Verdict"),
-            [
-                (
-                    f"{_marked(claim)} {_place(claim)}",
-                    prose(claim.model)
-                    + (f" <em>Why:</em> {prose(claim.why)}" if claim.why else ""),
-                    verdict(claim.verdict),
-                )
-                for claim in record.claims
-            ],
+            [(_said(claim), _given(claim), verdict(claim.verdict)) for claim in record.claims],
         )
-    page.files(one.files)
+    page.downloads(one.tables)
+
+
+def _all_claims(page: Page, figures: Sequence[Written]) -> None:
+    page.heading("All claims", "claims")
+    page.paragraph(
+        "The predictions are of what the paper says of its model, and in part of what it measured. "
+        "How well its measurements are met can't be checked: they exist only in its pictures."
+    )
+    placed = {claim.key: one.record.key for one in figures for claim in one.record.claims}
+    claims = [claim for one in figures for claim in one.record.claims]
+    for kind, about in KINDS.items():
+        some = of_kind(claims, kind)
+        if not some:
+            continue
+        page.heading(_HEADINGS[kind], f"claims_{kind}", 3)
+        page.paragraph(f"{about[0].upper()}{about[1:]}.", "note")
+        rows = [
+            (
+                f'<a class="where" href="#{placed[claim.key]}">{escape(claim.where)}</a>',
+                _words(claim),
+                _criteria(claim) + _chosen(claim),
+                verdict(claim.verdict),
+            )
+            for claim in some
+        ]
+        page.table(("Where", "Claim, and the paper's words", "Criterion", "Verdict"), rows)
+    page.downloads({"claims.json": claims_file(claims).encode()})
 
 
 def _differing(page: Page, claims: Sequence[Claim]) -> None:
-    page.heading("What differs, and why", "differs")
     rows = [
-        (f"{prose(claim.text)} {_place(claim)}", prose(claim.model), prose(claim.why),
-         verdict(claim.verdict))
-        for claim in claims
-        if not claim.holds
-    ]  # fmt: skip
-    page.table(("The paper's claim", "What the model gives", "Why", "Verdict"), rows)
+        (_said(claim), _given(claim), verdict(claim.verdict)) for claim in claims if not claim.holds
+    ]
+    if rows:
+        page.heading("What differs, and why", "differs")
+        page.table(("The paper's claim", "What the model gives, and why", "Verdict"), rows)
 
 
-def _place(claim: Claim) -> str:
-    return f'<span class="note">({escape(claim.where)})</span>'
+def _said(claim: Claim) -> str:
+    """A claim with its words, place and kind, as HTML."""
+    about = f"{claim.where}; {claim.kind}"
+    return f'{_words(claim)} <span class="note">({escape(about)})</span>'
+
+
+def _words(claim: Claim) -> str:
+    return f"{prose(claim.text)} {quotation(claim.quote)}"
+
+
+def _given(claim: Claim) -> str:
+    """What the model gives, the criterion, and what is to be known of both, as HTML."""
+    why = f" <em>Why:</em> {prose(claim.why)}" if claim.why and not claim.holds else ""
+    return f"{prose(claim.model)}<br>{_criteria(claim)}{_chosen(claim)}{why}"
+
+
+def _criteria(claim: Claim) -> str:
+    lines = [
+        prose(
+            f"{one.text[0].upper()}{one.text[1:]}" + (f" (our limit: {one.ours})" * bool(one.ours))
+        )
+        for one in claim.criteria
+    ]
+    return '<span class="note">' + ".<br>".join(lines) + ".</span>"
+
+
+def _chosen(claim: Claim) -> str:
+    return f" <em>Chosen:</em> {prose(claim.chosen)}" if claim.chosen and claim.holds else ""
 
 
 def _general(page: Page) -> None:
     page.heading("What holds for all figures", "conditions")
     page.points((
         "Sizes, pressures and laws are the paper's; where it is misprinted, silent or "
-        "inconsistent, the readings of fascicle's documentation hold (the paper and its "
-        "misprints).",
-        "The bladder is `silicone_kim2021`: the paper gives its Young's modulus alone, and its two "
-        "other constants are those that meet what the paper says about free strain and collapse.",
+        "inconsistent, the readings [R1] to [R18] of fascicle's documentation hold (the paper and "
+        "its misprints).",
+        "The bladder is `silicone_kim2021`: the paper gives its Young's modulus alone. Its two "
+        "other constants were chosen so that two statements of the paper come out, which are "
+        "therefore listed as inputs.",
         "The paper's measured points exist only in its pictures. None are copied, none are "
         "invented.",
         "The tables C₁(P) and C₂(P) of section 5.1 stand nowhere in the paper. Figs 12 to 14 use "
         "the identity for them.",
         "Figs 1 and 11 are a sketch of a bundle and a photograph of the test bench: there is "
         "nothing to compute.",
+        "This page holds its pictures and, as CSV, its data: a link below a figure saves them. The "
+        "folder that the command wrote has them as netCDF too, and the pictures as SVG and PNG.",
     ))  # fmt: skip
-
-
-def _marked(claim: Claim) -> str:
-    return ("• " if claim.must_hold else "") + prose(claim.text)

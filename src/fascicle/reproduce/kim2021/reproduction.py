@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ...describe.atomic import write_text
 from ..claims import Claim
-from ..record import Record, write_record
+from ..record import Record, Written, write_record
 from . import (
     alternatives,
     figure_02,
@@ -27,8 +27,7 @@ from . import (
     figure_13,
     figure_14,
 )
-from .alternatives_report import alternatives_report
-from .report import Written, report
+from .report import claims_file, report
 
 
 Progress = Callable[[int, int, str], object]
@@ -72,18 +71,18 @@ def run(out: Path, progress: Progress | None = None) -> list[Claim]:
         for future in as_completed(order):
             record = future.result()
             told(len(written), len(futures), record.name)
-            svg, width, names = write_record(record, folder)
-            written[order[future]] = Written(record, svg, width, tuple(names))
+            written[order[future]] = write_record(record, folder)
     finally:
         for future in futures.values():
             future.cancel()  # the chains end with the figure that they are at
         pool.shutdown(wait=False, cancel_futures=True)
     figures = [written[compute] for compute in FIGURES]
     second = [written[compute] for compute in ALTERNATIVES]
-    write_text(folder / "report.html", report(figures))
-    write_text(folder / "alternatives.html", alternatives_report(second))
+    claims = [claim for one in figures for claim in one.record.claims]
+    write_text(folder / "claims.json", claims_file(claims))
+    write_text(folder / "report.html", report(figures, second))
     told(len(futures), len(futures), "done")
-    return [claim for one in figures for claim in one.record.claims]
+    return claims
 
 
 def _work_through(chain: Sequence[Compute], futures: dict[Compute, "Future[Record]"]) -> None:

@@ -1,0 +1,51 @@
+"""Ctrl-C: ends a command at any time, without a word from Python."""
+
+import _thread
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+
+CODE = 130  # as shells have it: 128 and the signal's number
+
+
+@contextlib.contextmanager
+def at_once() -> Iterator[None]:
+    """Inside, Ctrl-C ends the process then and there.
+
+    For the imports, where nothing has been begun that would have to be undone, and where an
+    exception can come up anywhere: out of a half-made module, or inside a callback that drops it.
+    """
+    try:
+        before = signal.getsignal(signal.SIGINT)
+        if before is not signal.default_int_handler:  # ignored, or somebody else's
+            raise ValueError
+        signal.signal(signal.SIGINT, lambda *_: os._exit(CODE))
+    except ValueError:  # or not in the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def not_dropped() -> Iterator[None]:
+    """Inside, Ctrl-C that falls into a callback, which can't be ended by it, comes again."""
+    before = sys.unraisablehook
+
+    def hook(dropped: Any) -> None:
+        if dropped.exc_type is KeyboardInterrupt:
+            _thread.interrupt_main()
+        else:
+            before(dropped)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before

@@ -1,0 +1,267 @@
+r"""What one design does at each load case, for whoever builds it.
+
+Forces are those of its muscles at a table of throttled pressures, added up over the states. The
+*margin* is the least force to spare; the fluid is what flows in from the supply:
+
+$$V_N = \sum_i n_i \frac{(p_i + p_a) V_i(\varepsilon) - p_a V_i(0)}{p_a} \tag{G3}$$
+
+for air, in normal volume, over the units that are fed, each filled at its own pressure $p_i$ and
+vented to the atmosphere $p_a$ at rest; for a liquid $\sum_i n_i (V_i(\varepsilon) - V_i(0))$, since
+it stays full. A unit that isn't fed breathes with the atmosphere. Where a load case is one of
+a cloud, a *cycle* goes from rest to it and back, and the mean over the task counts by weight; where
+the task is given in time, it goes once through all of them and to the first again, and each unit
+takes in what its content rises by.
+
+**Reference:** normal volumes at 20 °C and 100 kPa (ISO 8778, "ANR"), the air in the muscle at
+20 °C too, the atmosphere at 100 kPa. **Assumes** no dead volume in tubes and valves, and no leaks.
+"""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..bundle.recruitment import add_up
+from ..muscle import Muscle
+from .designs import Designs
+from .outcome import MET
+from .table import SHARED, UNLIKE
+from .task import LARGEST_STRAIN, Task
+
+
+ATMOSPHERE = 100e3  # Pa, of ISO 8778
+_BLOCK = 256  # strains of one call, whatever the task: one shape to compile
+
+Points = Float[np.ndarray, " point"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Load cases of a `task` for a bundle of `length` [m]: the `largest` force that it gives at
+    each [N]; the `state` that meets it, counted from 0, and its throttled `pressure` [Pa]; the
+    `content` [m³] of each unit there: of air in normal volume, of liquid what flows in.
+    """
+
+    task: Task
+    length: float
+    largest: Points
+    state: Int[np.ndarray, " point"]
+    pressure: Points
+    content: Float[np.ndarray, "point unit"]
+
+    @property
+    def spare(self) -> Points:
+        """Force to spare at each load case [N], negative where it isn't reached."""
+        return self.largest - self.task.force
+
+    @property
+    def reached(self) -> Bool[np.ndarray, " point"]:
+        """Which load cases are reached."""
+        return self.spare >= -MET
+
+    @property
+    def tightest(self) -> int:
+        """The load case with the least force to spare [-], counted from 0."""
+        return int(np.argmin(self.spare))
+
+    @property
+    def worst(self) -> int:
+        """The load case of which the largest share is missed [-], counted from 0."""
+        return int(np.argmin(self.spare / self._reference))
+
+    @property
+    def relative(self) -> Points:
+        """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
+        return self.spare / self._reference
+
+    @cached_property
+    def fluid(self) -> Points:
+        """What a cycle to each load case takes from the supply [m³]."""
+        return np.maximum(self.content, 0.0).sum(axis=1)
+
+    @property
+    def fluid_of_a_cycle(self) -> float:
+        """What a cycle takes [m³]: the mean of `fluid`, or all that a task in time takes once."""
+        if self.task.time is None:
+            return float(np.average(self.fluid, weights=self.task.weight))
+        rise = np.diff(self.content, axis=0, append=self.content[:1])
+        return float(np.maximum(rise, 0.0).sum())
+
+    @property
+    def _reference(self) -> Points:
+        F = self.task.force
+        return np.where(F > 0, F, F.max())
+
+
+def cases(designs: Designs, place: int, task: Task) -> Cases:
+    """What a design does at each load case.
+
+    **Arguments:**
+
+    - `designs`: among which it is [-].
+    - `place`: which of them [-].
+    - `task`: what is demanded [-].
+
+    **Returns:** the load cases [-].
+    """
+    bench = Bench.of(designs, place)
+    for muscle in bench.muscles:
+        muscle.tuning.warn_beyond(task.supply_pressure)
+    strain = task.strain_of(bench.length)
+    parts = [
+        bench.states(task.supply_pressure, np.minimum(strain[rows], LARGEST_STRAIN), task.scheme)
+        for rows in _blocks(len(task))
+    ]
+    force = np.concatenate(parts, axis=-1)
+    largest = _bounded(force.max(axis=(0, 1)), strain)
+    covers = (force.min(axis=1) - MET <= task.force) & (task.force <= force.max(axis=1) + MET)
+    met = np.any(covers, axis=0) & (largest - task.force >= -MET)
+    state = np.where(met, np.argmax(covers, axis=0), len(force) - 1)
+    every = np.arange(len(task))
+    share = np.where(met, _first_level(force[state, :, every], task.force, bench.level), 1.0)
+    pressure = share * task.supply_pressure
+    unit = np.arange(len(bench.counts))
+    throttled = state[:, None] == unit if task.scheme == "orderly" else unit <= state[:, None]
+    fed = unit <= state[:, None]
+    own = np.where(throttled, pressure[:, None], np.where(fed, task.supply_pressure, 0.0))
+    content = np.where(fed, bench.counts * bench.content(own, strain, task.fluid), 0.0)
+    return Cases(task, bench.length, largest, state, pressure, content)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """A design whose forces are looked at: its unlike `muscles`, which of them is each unit's
+    (`which`), the units' `counts`, and the throttled pressures over the supply's, `level` [-].
+    Pressures beyond what a muscle's tuning was measured at are tried without a word.
+    """
+
+    muscles: tuple[Muscle, ...]
+    which: Int[np.ndarray, " unit"]
+    counts: Int[np.ndarray, " unit"]
+    level: Float[np.ndarray, " level"]
+
+    @classmethod
+    def of(cls, designs: Designs, place: int) -> "Bench":
+        """The bench of a design; `designs` [-], `place` among them [-]."""
+        counts = designs.counts[place][designs.counts[place] > 0]
+        if designs.alike[place]:
+            same = np.zeros(len(counts), int)
+            return cls((designs.muscle(place),), same, counts, SHARED.level)
+        muscles = tuple(designs.muscle(place, unit) for unit in range(len(counts)))
+        return cls(muscles, np.arange(len(counts)), counts, UNLIKE.level)
+
+    @property
+    def length(self) -> float:
+        """Length at rest [m]."""
+        return float(self.muscles[0].length)
+
+    def units(self, supply: float, strain: Points) -> Float[np.ndarray, "level point unit"]:
+        """Force of a muscle of every unit [N] at each level.
+
+        **Arguments:**
+
+        - `supply`: its pressure [Pa].
+        - `strain`: contractions [-], at most 256 and none above 0.6.
+
+        **Returns:** forces [N].
+        """
+        # filled up: as many points in every call
+        padded = np.append(strain, np.full(_BLOCK - len(strain), strain[-1]))
+        pressure = np.minimum(self.level * supply, supply)[:, None]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            each = [np.asarray(m.force(pressure, padded))[:, : len(strain)] for m in self.muscles]
+        return np.stack(each, axis=-1)[..., self.which]
+
+    def contracts(self, supply: float) -> float:
+        """The largest free strain of its muscles [-] at the `supply` [Pa]."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            return max(float(m.free_strain(supply)) for m in self.muscles)
+
+    @property
+    def measured(self) -> float:
+        """The pressure that all its muscles' tuning was measured up to [Pa]; infinite without."""
+        rows = [np.asarray(m.tuning.pressures) for m in self.muscles if m.tuning.pressures.size > 1]
+        return min((float(row.max()) for row in rows), default=np.inf)
+
+    def states(
+        self, supply: float, strain: Points, scheme: str
+    ) -> Float[np.ndarray, "state level point"]:
+        """Force of the bundle [N] in every state at each level.
+
+        **Arguments:**
+
+        - `supply`: its pressure [Pa].
+        - `strain`: contractions [-], at most 256 and none above 0.6.
+        - `scheme`: of recruitment [-].
+
+        **Returns:** forces [N].
+        """
+        each = self.counts * self.units(supply, strain)
+        return add_up(each, each[0], each[-1], scheme)
+
+    def largest(self, supply: float, strain: Points, scheme: str) -> Points:
+        """Largest force that any state gives [N].
+
+        **Arguments:**
+
+        - `supply`: its pressure [Pa].
+        - `strain`: contractions [-], any number, and of any size.
+        - `scheme`: of recruitment [-].
+
+        **Returns:** forces [N]; none that pulls, where the laws don't reach so far.
+        """
+        parts = [
+            self.states(supply, np.minimum(strain[rows], LARGEST_STRAIN), scheme).max(axis=(0, 1))
+            for rows in _blocks(len(strain))
+        ]
+        return _bounded(np.concatenate(parts), strain)
+
+    def content(
+        self, pressure: Float[np.ndarray, "point unit"], strain: Points, fluid: str
+    ) -> Float[np.ndarray, "point unit"]:
+        """What a muscle of each unit holds beyond what it does at rest, vented [m³], (G3).
+
+        **Arguments:**
+
+        - `pressure`: in each unit [Pa].
+        - `strain`: contractions [-].
+        - `fluid`: "air" or "liquid" [-].
+
+        **Returns:** of air the normal volume [m³], of liquid the volume [m³].
+        """
+        asked = np.append(np.minimum(strain, LARGEST_STRAIN), 0.0)
+        volumes = np.stack([np.asarray(m.volume(asked)) for m in self.muscles], axis=-1)
+        now, rest = volumes[:-1, self.which], volumes[-1, self.which]
+        if fluid == "liquid":
+            return now - rest
+        return ((pressure + ATMOSPHERE) * now - ATMOSPHERE * rest) / ATMOSPHERE
+
+
+def _bounded(largest: Points, strain: Points) -> Points:
+    """Beyond what the laws know nothing pulls."""
+    return np.where(strain > LARGEST_STRAIN, np.minimum(largest, -2 * MET), largest)
+
+
+def _first_level(
+    force: Float[np.ndarray, "point level"], demanded: Points, level: Float[np.ndarray, " level"]
+) -> Points:
+    """The lowest level [-] at which a force is the demanded one, linear between two."""
+    over = force - demanded[:, None]
+    # from below or from above: a state that resists may fall before it rises
+    crosses = (over[:, :-1] * over[:, 1:] <= 0) & (over[:, 1:] != over[:, :-1])
+    first = np.argmax(crosses, axis=1)
+    every = np.arange(len(force))
+    before, after = over[every, first], over[every, first + 1]
+    drop = np.where(after == before, 1.0, after - before)
+    share = np.clip(-before / drop, 0.0, 1.0)
+    found = level[first] + share * (level[first + 1] - level[first])
+    # within the tolerance of a state's end, and so at it
+    return np.where(np.any(crosses, axis=1), found, 1.0)
+
+
+def _blocks(count: int) -> list[slice]:
+    return [slice(start, start + _BLOCK) for start in range(0, count, _BLOCK)]

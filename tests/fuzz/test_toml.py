@@ -1,0 +1,174 @@
+"""Mutated muscle, bundle and task files: each is read, or refused in one line that names it."""
+
+import warnings
+
+import numpy as np
+import pytest
+from mutations import mutated
+
+from fascicle.cli.task_template import TASK_TEMPLATE
+from fascicle.describe import dumps, example_text, loads
+from fascicle.describe.task import loads_task
+
+
+MUSCLES = [
+    *(example_text(name) for name in ("kim2021_slenderness_8", "kim2021_bundle_1_4")),
+    """format = 1
+[muscle.a]
+length = "127 mm"
+outer_radius = "6.35 mm"
+wall_thickness = "1.6 mm"
+braid_angle = "33 deg"
+material = { c10 = "90 kPa", c01 = "80 kPa", youngs_modulus = "1.8 MPa", poisson_ratio = 0.49 }
+tension = { law = "tondu_lopez", strain_factor = 1.2, decay_pressure = "1 bar" }
+buckling = "elastica"
+[muscle.a.collapse]
+law = "wood1958"
+factor = 0.8
+[muscle.a.tuning]
+pressure = ["100 kPa", "200 kPa"]
+c1 = ["1.5 N", "2 N"]
+c2 = [0.95, 0.97]
+hinge_stiffness_factor = { constant = 1.25, slope = "0.87 1/bar" }
+dead_band = "10 kPa"
+[muscle.b]
+length = "120 mm"
+outer_radius = "5 mm"
+wall_thickness = "1 mm"
+braid_angle = "30 deg"
+[bundle]
+length = "125 mm"
+supply_pressure = "60 psi"
+scheme = "batch"
+[[bundle.motor_unit]]
+muscle = "a"
+count = 2
+[[bundle.motor_unit]]
+muscle = "b"
+""",
+]  # fmt: skip
+TASKS = [
+    TASK_TEMPLATE,
+    """format = 1
+[task]
+name = "gripper"
+force = ["60 N", "150 N"]
+strain = [0.06, 0.10]
+time = ["0 s", "1 s"]
+supply_pressure = "413.7 kPa"
+[design]
+muscle = ["kim2021_slenderness_10", "kim2021_slenderness_8"]
+splits = ["1+4", "2+3"]
+radius = "10 mm:14 mm:1 mm"
+radius_rule = "packing"
+unit_factors = [1, 1.5]
+buckling = "elastica"
+[objectives]
+mean_efficiency = "max"
+[limits]
+valves = { at_most = 3 }
+[scatter]
+length = "1 %"
+braid_angle = "1 deg"
+draws = 20
+[sweep]
+block = 64
+""",
+]
+HIDDEN = {*map(chr, range(32)), "\x7f", *"\u202a\u202b\u202d\u202e\u2066\u2067\u2068\u2069"}
+
+
+def refused_kindly(error):
+    text = str(error)
+    assert text.startswith("x.toml: "), text
+    assert "\n" not in text, text
+    return text
+
+
+def read(function, text):
+    """What `function` makes of a text, or `None` if it refuses it as it should."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return function(text, "x.toml")
+    except (ValueError, OSError) as error:
+        refused_kindly(error)
+        return None
+
+
+def muscles_of(found):
+    return [unit.muscle for unit in getattr(found, "motor_units", [])] or [found]
+
+
+def check_muscles(seed, count):
+    rng = np.random.default_rng(seed)
+    taken = 0
+    for i in range(count):
+        found = read(loads, mutated(MUSCLES[i % len(MUSCLES)], rng))
+        if found is None:
+            continue
+        taken += 1
+        text = dumps(found)
+        assert dumps(read(loads, text)) == text
+        if i % 50 == 0:
+            for muscle in muscles_of(found):
+                assert np.isfinite(muscle.force(1e5, 0.1)), text
+    # were all refused, or none, then this would test nothing
+    assert 0.01 * count < taken < 0.9 * count
+
+
+def check_tasks(seed, count):
+    rng = np.random.default_rng(seed)
+    taken = sum(
+        read(loads_task, mutated(TASKS[i % len(TASKS)], rng)) is not None for i in range(count)
+    )
+    assert 0.01 * count < taken < 0.9 * count
+
+
+def test_muscle_files():
+    check_muscles(0, 400)
+
+
+def test_task_files():
+    check_tasks(0, 200)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 9))
+def test_many_muscle_files(seed):
+    check_muscles(seed, 3000)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_many_task_files(seed):
+    check_tasks(seed, 1000)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('"" = 1', 'x.toml: "": unknown key'),
+        ('format = 1\n"" = 1', 'x.toml: "": unknown key'),
+        (f"format = {'1' * 5000}", "x.toml: not TOML: a number of thousands of digits on line 1."),
+        (f"a = 1\nformat = 0x{'f' * 9000}", "x.toml: format: a whole number beyond 64 bits"),
+        (f"format = {'1' * 4300}", "x.toml: format: a whole number beyond 64 bits"),
+        ("format = 9223372036854775808", "x.toml: format: a whole number beyond 64 bits"),
+        ("a." * 20000 + "a = 1", "x.toml: not TOML: nested too deep on line 1"),
+        ("format = 1\nx = 1987-13-99", "x.toml: not TOML: "),
+        ('"(plain)" = 1', 'x.toml: "(plain)": unknown key'),
+        ('[muscle.material]\n"(plain)" = 1', "x.toml: "),
+    ],
+)
+def test_what_a_hostile_trial_found(text, told):
+    for function in (loads, loads_task):
+        with pytest.raises(ValueError, match=r"^x\.toml: ") as refused:
+            function(text, "x.toml")
+        assert told in refused_kindly(refused.value)
+
+
+@pytest.mark.parametrize("count", [2**63 - 1, 2**63, 2**64, 10**4000, -1, 0])
+def test_counts_that_nobody_builds(count):
+    text = example_text("kim2021_bundle_1_4").replace("count = 4", f"count = {count}")
+    with pytest.raises(ValueError, match=r"^x\.toml: bundle.motor_unit"):
+        loads(text, "x.toml")

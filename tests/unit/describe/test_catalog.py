@@ -1,0 +1,124 @@
+"""Catalogs: from what a data sheet says to muscles and products."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.describe.catalog import catalogs
+from fascicle.describe.task import load_task, loads_task
+
+
+PLAIN = """format = 1
+[task]
+force = "60 N"
+stroke = "10 mm"
+supply_pressure = "5 bar"
+[design]
+muscle = "kim2021_figure_6"
+muscles = 2
+"""
+THIN = """[[design.catalog]]
+name = "thin"
+outer_radius = "6 mm"
+length = ["100 mm", "200 mm"]
+price = "12 EUR"
+price_per_length = "10 EUR/m"
+mass = "30 g"
+mass_per_length = "50 g/m"
+largest_pressure = "6 bar"
+largest_strain = "25 %"
+source = "made up"
+"""
+
+
+def test_a_product_of_two_lengths_is_two_drawings():
+    file = loads_task(PLAIN + THIN)
+    assert list(file.space.drawings) == ["thin, 100 mm", "thin, 200 mm"]
+    own = fs.example("kim2021_figure_6")
+    first = file.space.drawings["thin, 100 mm"]
+    assert float(first.length) == 0.1 and float(first.outer_radius) == 6e-3
+    # what it doesn't say is the drawing's, the wall in proportion
+    assert float(first.braid_angle) == float(own.braid_angle)
+    ratio = float(own.wall_thickness / own.outer_radius)
+    assert_allclose(float(first.wall_thickness), 6e-3 * ratio, rtol=1e-12)
+    assert first.material == own.material
+    product = file.catalog.products["thin, 200 mm"]
+    assert_allclose([product.price, product.mass], [12 + 10 * 0.2, 0.030 + 0.050 * 0.2])
+    assert (product.largest_pressure, product.largest_strain) == (6e5, 0.25)
+    assert (product.name, product.source, file.catalog.currency) == ("thin", "made up", "EUR")
+    assert len(file.space) == 2 * 2
+    assert any("wall, braid angle, rubber and laws are taken" in note for note in file.notes)
+
+
+def test_a_catalog_of_one_table_and_of_diameters():
+    table = '[design.catalog]\nname = "a"\ninner_diameter = "20 mm"\nwall_thickness = "2 mm"\n'
+    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
+    assert_allclose(float(muscle.outer_radius), 12e-3)
+    table = '[design.catalog]\nname = "a"\ninner_diameter = "20 mm"\n'
+    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
+    assert_allclose(float(muscle.outer_radius - muscle.wall_thickness), 10e-3)
+    table = '[design.catalog]\nname = "a"\nouter_diameter = "20 mm"\nbraid_angle = "25 deg"\n'
+    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
+    assert_allclose([float(muscle.outer_radius), float(muscle.braid_angle)], [0.01, np.radians(25)])
+
+
+def test_what_is_cut_to_order_has_the_lengths_that_are_asked_for():
+    lengths = 'length = ["20 mm", "100 mm", "2 m"]\n'
+    table = '[[design.catalog]]\nname = "a"\nouter_radius = "6 mm"\nleast_length = "40 mm"\n'
+    file = loads_task(PLAIN + lengths + table)
+    assert list(file.space.drawings) == ["a, 100 mm", "a, 2000 mm"]
+    assert "a isn't made 20 mm long, but 40 mm." in file.notes
+
+
+def test_the_shipped_catalog_says_where_it_is_from():
+    assert "festo_dmsp" in catalogs()
+    file = loads_task(PLAIN + 'length = ["100 mm", "300 mm"]\ncatalog = "festo_dmsp"\n')
+    names = {product.name for product in file.catalog.products.values()}
+    assert names == {"DMSP-10", "DMSP-20", "DMSP-40"} and len(file.space.drawings) == 6
+    for name, product in file.catalog.products.items():
+        assert product.source and product.price is None
+        muscle = file.space.drawings[name]
+        inner = 2e3 * float(muscle.outer_radius - muscle.wall_thickness)
+        assert_allclose(inner, float(product.name.removeprefix("DMSP-")), rtol=1e-12)
+
+
+def test_a_catalog_in_a_file_of_its_own_with_its_own_muscles(tmp_path):
+    fs.save(fs.example("kim2021_slenderness_8"), tmp_path / "fitted.toml")
+    (tmp_path / "makers.toml").write_text(
+        'format = 1\n[[product]]\nname = "a"\nouter_radius = "6 mm"\nmuscle = "fitted.toml"\n'
+        '[[product]]\nname = "b"\nouter_radius = "7 mm"\n'
+    )
+    (tmp_path / "task.toml").write_text(PLAIN + 'catalog = "makers.toml"\n')
+    a, b = load_task(tmp_path / "task.toml").space.drawings.values()
+    assert float(a.tuning.youngs_modulus_factor) == 1.25
+    assert float(b.tuning.youngs_modulus_factor) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ('catalog = "festo_dmps"\n', "`catalog` 'festo_dmps' is unknown: did you mean"),
+        ("catalog = []\n", "design.catalog: holds no product"),
+        ("catalog = 3\n", "design.catalog = 3: must be a name in quotes"),
+        ('catalog = "festo_dmsp"\nradius = "5 mm"\n', 'radius = "5 mm": products have their'),
+        (THIN.replace("name", "nmae"), 'unknown key, did you mean "name"?'),
+        (THIN.replace('outer_radius = "6 mm"', ""), "give one of them, got none"),
+        (THIN + 'outer_diameter = "3 mm"\n', "got outer_radius and outer_diameter"),
+        (THIN + THIN, "is there twice with this length"),
+        (THIN + 'wall_thickness = "6 mm"\n', "`wall_thickness` must be less than"),
+        (THIN + 'braid_angle = "60 deg"\n', "`braid_angle` must lie in"),
+        (THIN + 'least_length = "1 m"\n', "products can be had: thin isn't made 100, 200"),
+        (THIN + 'least_length = "1 m"\nmost_length = "0.5 m"\n', "be more than most_length"),
+        (THIN.replace('"25 %"', '"125 %"'), "`largest_strain` must lie in (0, 1]"),
+        (THIN + '[prices]\nvalve = "90 USD"\n', "another price is in EUR: give all in one"),
+        (THIN + THIN.replace("thin", "b").replace("12 EUR", "12 USD").replace("10 EUR", "1 USD"),
+         "prices in EUR and USD"),
+        (THIN + '[scatter]\nlength = "1 %"\n', "needs a space of one muscle"),
+    ],
+)  # fmt: skip
+def test_what_a_catalog_can_not_say(more, message):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
+        loads_task(PLAIN + more, "t.toml")
+    line = str(refused.value)
+    assert line.startswith("t.toml: ") and message in line and "\n" not in line

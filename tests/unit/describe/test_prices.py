@@ -1,0 +1,50 @@
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.describe.prices import parse_price
+
+
+@pytest.mark.parametrize(
+    ("text", "per", "amount", "currency"),
+    [
+        ("95 EUR", None, 95.0, "EUR"),
+        ("€95.50", None, 95.5, "€"),
+        ("95$", None, 95.0, "$"),
+        ("0 USD", None, 0.0, "USD"),
+        ("0.025 EUR/m^3", "volume", 0.025, "EUR"),
+        ("0.025 EUR/Nm³", "volume", 0.025, "EUR"),
+        ("0.025 EUR per m3", "volume", 0.025, "EUR"),
+        ("2 EUR/L", "volume", 2000.0, "EUR"),
+        ("0.36 EUR/kWh", "energy", 1e-7, "EUR"),
+        ("40 EUR/m", "length", 40.0, "EUR"),
+    ],
+)
+def test_prices_are_read(text, per, amount, currency):
+    found = parse_price(text, "valve", per)
+    assert_allclose(found.amount, amount, rtol=1e-12)
+    assert found.currency == currency
+
+
+@pytest.mark.parametrize(
+    ("text", "per", "message"),
+    [
+        ("95", None, "write one currency"),
+        (95, None, "got 95"),
+        (True, None, "got True"),
+        ("-5 EUR", None, 'such as "95 EUR"'),
+        ("€95 EUR", None, "write one currency"),
+        ("95 EUR/m^3", None, "drop the unit"),
+        ("95 EUR", "volume", "by which unit?"),
+        ("95 EUR/s", "volume", "'s' is no unit of volume"),
+        ("95 EUR/m^3", "energy", "'m^3' is no unit of energy"),
+        ("1" + "0" * 12 + " EUR", None, "must lie in"),
+        ("9" * 400 + " EUR", None, "must be a price"),
+        ("nan EUR", None, "must be a price"),
+        ("95\nEUR\n/m\n", "volume", "is no unit"),
+    ],
+)
+def test_what_is_no_price_is_one_line(text, per, message):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
+        parse_price(text, "valve", per)
+    line = str(refused.value)
+    assert line.startswith("`valve` must be a price") and message in line and "\n" not in line

@@ -1,0 +1,48 @@
+"""What must be reached is a limit like any other, and counted by points as well as by weight."""
+
+import numpy as np
+import pytest
+
+from fascicle.design import Limit
+from fascicle.design.limits import within_limits
+from fascicle.design.reach import demanding, enough, may_miss, others
+
+
+def test_all_is_demanded_if_nothing_is_said():
+    limits = demanding({"valves": Limit(most=3)})
+    assert limits["not_reached"].most == 0 and limits["points_not_reached"].most == 0
+    assert may_miss(limits) == 0 and list(others(limits)) == ["valves"]
+
+
+def test_a_share_that_may_be_missed_is_one_of_points_too():
+    limits = demanding({"not_reached": Limit(most=0.1)})
+    assert limits["points_not_reached"].most == 0.1 and may_miss(limits) == 0.1
+    # once more changes nothing, and a tighter limit on points is kept
+    assert demanding(limits) == limits
+    tight = demanding({"not_reached": Limit(most=0.5), "points_not_reached": Limit(most=0.1)})
+    assert tight["points_not_reached"].most == 0.1
+
+
+@pytest.mark.parametrize(
+    ("missed", "weight", "share", "is_enough"),
+    [
+        ([0, 0, 0], [1, 1, 1], 0.0, True),
+        ([0, 0, 1], [1, 1, 1e-12], 0.0, False),
+        ([0, 0, 1], [1, 1, 0.0], 0.0, False),
+        ([0, 0, 1], [1, 1, 1e-12], 0.34, True),
+        ([0, 0, 1], [1, 1, 1e-12], 0.33, False),
+        ([0, 0, 1], [1, 1, 8], 0.34, False),
+        ([1, 0, 0, 0, 0, 0, 0, 0, 0, 0], [0.1] * 10, 0.1, True),
+    ],
+)
+def test_both_shares_must_be_small(missed, weight, share, is_enough):
+    spare = np.where(missed, -1.0, 1.0)
+    assert bool(enough(spare, np.array(weight, float), share)) is is_enough
+
+
+def test_rounding_breaks_no_limit():
+    third = np.array([0.1 + 0.2])
+    assert within_limits({"not_reached": third}, {"not_reached": Limit(most=0.3)})[0]
+    assert not within_limits({"not_reached": third + 1e-9}, {"not_reached": Limit(most=0.3)})[0]
+    assert not within_limits({"margin": np.array([np.nan])}, {"margin": Limit(least=0.0)})[0]
+    assert Limit(1.0, 2.0).excess(np.array([0.5, 1.5, 3.0])) == pytest.approx([0.5, -0.5, 1.0])

@@ -1,0 +1,132 @@
+"""What no picture tells by itself is said beside it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.bundle.reversal import Reversal
+from fascicle.explorer.address import from_query
+from fascicle.explorer.muscle_curves import picture, strips, widest
+from fascicle.explorer.notes import branches, equilibria, notes
+from fascicle.explorer.reversal_curves import POINTS, Split, through
+from fascicle.explorer.state import TABS, Unit, view_of
+
+
+SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
+TUNED = view_of(fs.example("kim2021_slenderness_10"), "kim2021_slenderness_10")
+OTHER = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28))
+
+
+@pytest.mark.parametrize("tab", TABS)
+def test_where_the_picture_is_all_there_is_nothing_is_said(tab):
+    assert notes(SIX, tab) == []
+
+
+def test_another_muscle_than_the_bundles_is_named():
+    unlike = replace(SIX, units=(Unit(1), Unit(2, own=OTHER)))
+    assert "muscle of unit 1" in notes(unlike, "muscle")[0]
+    assert "unit 1's muscle" in notes(unlike, "reversal")[0]
+    assert "unit 1's muscle" in notes(unlike, "efficiency")[0]
+    assert notes(unlike, "bundle") == []
+    thinner = replace(SIX, units=(Unit(1), Unit(2, 0.5)))
+    assert notes(thinner, "muscle") == []
+    assert "unit 1's muscle" in notes(thinner, "reversal")[0]
+
+
+def test_a_tuning_for_another_size_is_named():
+    assert notes(TUNED, "muscle") == notes(TUNED, "bundle") == []
+    assert "measured on a muscle of another size" in notes(TUNED, "efficiency")[0]
+    thinner = replace(TUNED, units=(Unit(1), Unit(2, 0.5)))
+    assert "another size" in notes(thinner, "bundle")[0]
+    changed = replace(TUNED, name="kim2021_slenderness_10, changed")
+    assert "another size" in notes(changed, "muscle")[0]
+
+
+def test_all_equilibria_are_told():
+    strain, stable = np.array([0.186, 0.195, 0.230]), np.array([True, False, True])
+    told = equilibria(strain, stable)
+    assert told == "0.1860; it also rests at 0.1950 (not stable), 0.2300"
+    assert equilibria(strain[:1], stable[:1]) == "0.1860"
+    assert "none" in equilibria(strain[:0], stable[:0])
+
+
+@pytest.mark.parametrize("pressure", [0.0, 34.5e3])
+def test_the_strips_are_the_regions_of_the_law(pressure):
+    """A stubby muscle shortens straight past its free strain: it isn't called buckled."""
+    muscle = fs.Muscle.from_dimensions(
+        0.03, 6.35e-3, 1.6e-3, math.radians(22), buckling="elastica",
+        material=fs.materials.SILICONE_KIM2021,
+    )  # fmt: skip
+    top = widest(muscle, 413.7e3)
+    found = picture(muscle, pressure, 0.2, 413.7e3, top)
+    ran = strips(found.strain[-1], found.regions)
+    assert ran[0][0] == 0
+    assert ran[-1][1] == top
+    for left, right, region in ran:
+        assert int(muscle.response(pressure, (left + right) / 2).region) == region
+    assert 3 in [region for _, _, region in ran]
+
+
+def test_strips_of_the_papers_law_begin_at_its_kinks():
+    top = widest(SIX.muscle, SIX.supply)
+    found = picture(SIX.muscle, 137.9e3, 0.1, SIX.supply, top)
+    ran = strips(found.strain[-1], found.regions)
+    assert [region for _, _, region in ran] == [0, 1, 2]
+    assert ran[1][0] == pytest.approx(float(SIX.muscle.free_strain(137.9e3)), abs=1e-9)
+    assert ran[2][0] == pytest.approx(float(SIX.muscle.collapse_strain(137.9e3)), abs=1e-9)
+
+
+def test_other_branches_are_told_with_their_strains():
+    strain = np.linspace(0, 0.4, 5)
+    assert branches(strain, np.zeros(5, bool)) == ""
+    several = np.array([False, False, True, True, False])
+    assert branches(strain, several).startswith("ε 0.200 to 0.300; drawn is the one")
+
+
+@pytest.mark.parametrize("jump", [False, True])
+@pytest.mark.parametrize("at", [0.0, 1.0, 41.7, 95.9])
+def test_a_curve_goes_through_its_turning_point_and_breaks_where_it_jumps(jump, at):
+    pressure = np.linspace(0.0, 96.0, POINTS)
+    strain = np.where(pressure < at, 0.25, 0.2)
+    one = Split((1, 4), pressure, strain, strain, Reversal(at, 0.19, 0.06, 0.25, jump))
+    P, drawn = through(one)
+    assert P.size == drawn.size == POINTS + 1 + jump
+    assert np.all(np.diff(P) >= 0)
+    assert np.nanmin(drawn) == 0.19
+    assert np.isnan(drawn).sum() == jump
+    flat = replace(one, turn=replace(one.turn, depth=0.0))
+    assert through(flat)[1] is flat.resisted
+
+
+def test_a_link_cannot_ask_for_more_than_the_supply():
+    query = {"supply": "100 kPa", "pressure": "300 kPa", "pressures": "90 kPa,200 kPa"}
+    view, refused = from_query(query, SIX)
+    assert refused == ["link: `pressure` must be at most the supply's, 100kPa."]
+    assert (view.pressure, view.pressures) == (1e5, (9e4, 1e5))
+    view, refused = from_query({"supply": "100 kPa"}, SIX)
+    assert not refused
+    assert view.pressure == 1e5
+
+
+def test_laws_are_compiled_beside_the_loop_and_the_page_says_so(monkeypatch):
+    """Opening a link to other laws stopped every visitor until they were compiled."""
+    from fascicle.explorer import muscle_curves, muscle_view
+    from fascicle.explorer.look import LIGHT
+    from fascicle.explorer.state import Session
+
+    asked = []
+    monkeypatch.setattr(muscle_curves, "_COMPILED", set())
+    monkeypatch.setattr(muscle_view.Latest, "ask", lambda _self, compute: asked.append(compute))
+    view = muscle_view.MuscleView(Session(SIX), LIGHT)
+    view.refresh()
+    assert "compiling" in view._notes.object
+    assert len(view.chosen.data["force"]) == 0
+    (compute,) = asked
+    compute()
+    assert muscle_curves.compiled(SIX.muscle)
+    view._all(SIX)
+    assert view._notes.object == ""
+    assert len(view.chosen.data["force"]) > 0

@@ -1,0 +1,59 @@
+import time
+
+import pytest
+
+from fascicle._nesting import DEEPEST, check_depth
+from fascicle.describe import dumps, example, examples, loads
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a." * 30_000 + "a = 1", '"a".' * 15_000 + "a = 1", "'a' . " * 10_000 + "a = 1",
+     "[" + "a." * 30_000 + "a]", "b = 1\n[[" + "a." * 30_000 + "a]]",
+     "x = {" + "a." * 30_000 + "a = 1}", "a = " + "{a = " * 10_000, "a = " + "[" * 30_000,
+     'a = """\n""" # "\n' + "b." * 30_000 + "b = 1"],
+)  # fmt: skip
+def test_what_lies_too_deep_is_refused_before_it_costs_anything(text):
+    began = time.perf_counter()
+    with pytest.raises(
+        ValueError, match=rf"m.toml: not TOML: nested too deep on line \d, .* {DEEPEST}"
+    ) as refused:
+        loads(text, source="m.toml")
+    # parsing the shortest of them took 4 s, the longest 40
+    assert time.perf_counter() - began < 1
+    assert "\n" not in str(refused.value)
+
+
+def test_the_line_is_named():
+    with pytest.raises(ValueError, match="line 3"):
+        check_depth("a = 1\n\n" + "a." * 20 + "a = 2", "f")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["# " + "x." * 50, 'a = "' + "x." * 50 + '"', "a = '" + "x." * 50 + "'",
+     'a = """' + "x." * 50 + '\n "" ' + "x." * 50 + '"""', "a = '''" + "[" * 50 + "'''",
+     'a = "\\"' + "[" * 50 + '"', "a = [" + "1.5, " * 500 + "]", "a.b.c = 1979-05-27T07:32:00.999",
+     "a = 1\n" * 500, "[a.b]\n" * 50, 'a = """b"""" # ' + "x." * 50],
+)  # fmt: skip
+def test_what_is_in_strings_comments_and_numbers_is_no_key(text):
+    check_depth(text, "f")
+
+
+@pytest.mark.parametrize("name", examples())
+def test_no_example_is_near(name):
+    text = dumps(example(name))
+    check_depth(text.replace("[muscle", "[a.b.c.d.e.f.g.h"), "f")
+
+
+@pytest.mark.parametrize(
+    "sign", ['"', "'", '"""', "'''", "\\", "#", "a.", ".", "[", "]", "\n", '"a']
+)
+def test_long_texts_take_no_time(sign):
+    began = time.perf_counter()
+    for text in (sign * 200_000, f'a = "{sign * 200_000}', f"a = '''{sign * 200_000}"):
+        try:
+            check_depth(text, "f")
+        except ValueError:
+            continue
+    assert time.perf_counter() - began < 5

@@ -1,0 +1,29 @@
+import pytest
+
+from fascicle._visible import revealed, visible
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [("a muscle, α₀ 33°", "a muscle, α₀ 33°"), ("gpj.\u202eexe", "gpj.\\u202eexe"),
+     ("a\x1b[31mb", "a\\x1b[31mb"), ("a\nb\tc", "a b c"), ("\x00", "\\x00"), ("\u200b", "\\u200b"),
+     ("\ud800", "\\ud800"), ("\u2066x", "\\u2066x")],
+)  # fmt: skip
+def test_no_sign_hides(text, shown):
+    assert visible(text) == shown
+    assert visible(text).isprintable()
+
+
+def test_what_is_long_is_cut_in_the_middle():
+    text = "begins " + 5000 * "x" + " ends"
+    assert len(visible(text)) < 410
+    assert visible(text).startswith("begins x")
+    assert visible(text).endswith("x ends")
+    assert "x … x" in visible(text)
+    assert len(visible(text, 60)) < 65
+
+
+def test_what_belongs_to_words_stays():
+    text = "Muskel\xa0№\u202f7, 筋肉, עברית, é, e\u0301 €\n\tnext"
+    assert revealed(text) == text
+    assert visible(text) == "Muskel № 7, 筋肉, עברית, é, e\u0301 € next"
