@@ -15,7 +15,7 @@ from cases import LARGEST_PRESSURE, unlike_bundle
 from timing import Measured, Row, interleaved, run
 
 import fascicle as fs
-from fascicle.bundle.levels import CELLS
+from fascicle.bundle.recruitment import LOOKS
 
 
 UNITS = 4
@@ -53,7 +53,7 @@ def rows(small: bool = False) -> list[Row]:
             recruit(*point)
             spent.append(time.perf_counter() - start)
         slow.append(1e3 * float(np.percentile(spent, 99)))
-    per_demand = f"{(CELLS + 1) * units} forces a demand before any search"
+    per_demand = f"some {LOOKS * units} forces a demand"
     alone = f"{batch} at once take {times.median('batch') * 1e3:.2g} ms: steps, not numbers"
     name = f"inverse, bundle of {units} unlike units"
     return [

@@ -37,7 +37,7 @@ class Kinds(NamedTuple):
 
     muscles: Muscle
     ratios: Numbers | None
-    count: int
+    size: int
     which: Any = None
 
     def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
@@ -58,12 +58,12 @@ class Kinds(NamedTuple):
 
     def picked(self, place: Any) -> "Kinds":
         """Those at `place` [-], as many as it has."""
-        return self._replace(which=minimum(maximum(place, 0), self.count - 1))
+        return self._replace(which=minimum(maximum(place, 0), self.size - 1))
 
     def _evaluated(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         muscles, which = self.muscles, self.which
         if muscles.is_numpy and given(pressure, strain):
-            kinds = np.arange(self.count) if which is None else which
+            kinds = np.arange(self.size) if which is None else which
             shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
             if math.prod(shape) > COMPILE_ABOVE:
                 laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
@@ -167,9 +167,9 @@ class Bank(NamedTuple):
                 place = kind - first
                 here = row.picked(place[:, None])
                 found, _ = self._kept(here.force(u * self.supply, strain[:, None]))
-                inside = (place >= 0) & (place < row.count)
+                inside = (place >= 0) & (place < row.size)
                 total = total + where(inside[:, None], found, 0.0)
-                first += row.count
+                first += row.size
             return (self.throttled[state, kind][:, None] * total)[..., None]
 
         step = where(level < 0.5, _STEP, -_STEP)
@@ -239,7 +239,7 @@ def _kinks(row: Kinds, supply: Numbers) -> Kinks:
     between which that happens.
     """
     at_work = library(supply, *jax.tree.leaves(row.muscles))
-    levels = at_work.asarray(_TABLE)[:, None] * at_work.ones(row.count)
+    levels = at_work.asarray(_TABLE)[:, None] * at_work.ones(row.size)
     strain = row.kinks(levels * supply)
     there = at_work.isfinite(strain)
     last = at_work.argmin(there, axis=1) - 1  # of those before the first that is not
@@ -263,5 +263,5 @@ def _given(row: Kinds, supply: Numbers) -> Numbers:
     band = at_work.asarray(tuning.dead_band)[..., None]
     # the first row of a table is at zero, where the dead band ends
     return at_work.broadcast_to(
-        (tuning.pressures + band) / supply, (row.count, tuning.pressures.shape[-1])
+        (tuning.pressures + band) / supply, (row.size, tuning.pressures.shape[-1])
     )

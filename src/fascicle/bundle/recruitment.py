@@ -15,6 +15,7 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -36,7 +37,7 @@ from .inverse import Recruited, Solutions, recruited
 PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
 _PART = 4096  # demands at once
-_LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
+LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
 Forces = Float[np.ndarray, "state strain"]
 
 
@@ -224,13 +225,13 @@ def recruit(
                 f" of the {len(bundle.motor_units)} motor units."
             )
         now = bundle._pressures(present)
-    points = int(np.size(F) * np.size(eps)) * _LOOKS * len(bundle.motor_units)
+    points = int(np.size(F) * np.size(eps)) * LOOKS * len(bundle.motor_units)
     arrays = (F, eps, P) if now is None else (F, eps, P, now)
     static = (scheme, bool(resistance))
     return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
 
 
-def _in_parts(bundle: Bundle, *arguments: Numbers | str | bool) -> Recruited:
+def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     """Many demands of NumPy's, part by part, so that they fit into memory."""
     *arrays, scheme, resistance = arguments
     force, strain, supply, *present = arrays
@@ -267,7 +268,7 @@ def _joined(parts: list[Recruited]) -> Recruited:
 def _bank(bundle: Bundle, supply: Numbers, scheme: str, resistance: bool) -> Bank:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
     key = (scheme, resistance)
-    kept = bundle.__dict__.setdefault("_banks", {})
+    kept = vars(bundle).setdefault("_banks", {})
     if bundle.is_numpy and given(supply) and (known := kept.get(key)) and known[0] == supply:
         return known[1]
     muscles = [unit.muscle for unit in bundle.motor_units]

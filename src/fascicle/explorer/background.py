@@ -1,4 +1,4 @@
-"""Slow work beside the server's loop, so that one visitor's compilation stops nobody's slider."""
+"""Slow work beside the server's loop, so that one visitor's fit stops nobody's slider."""
 
 import traceback
 from collections.abc import Callable

@@ -76,7 +76,7 @@ class BundleView(Tab):
         self._supply.show(view.supply, view.shown["pressure"])
         self._rows.show(view)
         self._notes.object = status(" ".join(notes(view, "bundle")))
-        self._status.object = status("computing the space; the first time, the laws are compiled")
+        self._status.object = status("computing the space")
         self._space.ask(lambda: shown_space(view.bundle, view.resistance))
 
     def moved(self, before: View, after: View) -> None:
@@ -234,9 +234,7 @@ class BundleView(Tab):
             return
         with pn.io.unlocked():
             self._asked.data = {"x": [event.x], "y": [event.y]}
-        self._ways.objects = [
-            pn.pane.HTML(status("looking for pressures; the first time, the laws are compiled"))
-        ]
+        self._ways.objects = [pn.pane.HTML(status("looking for pressures"))]
         strain, force = float(event.x), float(event.y) * scale
         unit = view.shown["force"]
         self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance, unit)))

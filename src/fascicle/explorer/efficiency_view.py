@@ -58,7 +58,7 @@ class EfficiencyView(Tab):
         self._path.value = view.path
         self._silent = False
         self._notes.object = status(" ".join(notes(view, "efficiency")))
-        self._status.object = status("computing the map; the first time, the laws are compiled")
+        self._status.object = status("computing the map")
         self._maps.ask(lambda: maps(view.bundle, view.path))
 
     def _along(self, event: Any) -> None:

@@ -1,25 +1,21 @@
-"""All that the muscle's tab shows at one pressure and strain, from one compiled function.
+"""All that the muscle's tab shows at one pressure and strain.
 
-The muscle is an argument and every shape is fixed, so that no slider ever compiles: pressures
-are a family of even ones and, last, the chosen one; strains are even ones with the kinks among
-them, so that curves turn sharply where the law does.
+Pressures are a family of even ones and, last, the chosen one; strains are even ones with the
+kinks among them, so that curves turn sharply where the law does.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
-from ..muscle.piecewise import LARGEST_STRAIN
+from ..muscle.entry import LARGEST_STRAIN
 from ..plot.shapes import ARC_POINTS
 
 
 POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
 PARTS = ("force", "mesh", "bladder", "bending")
-_COMPILED: set[Any] = set()  # the laws' kinds, whatever their sizes
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 
 
@@ -73,17 +69,11 @@ def picture(muscle: Muscle, pressure: float, strain: float, supply: float, top: 
     """
     pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
     found = _picture(muscle, pressures, np.float64(strain), np.float64(top))
-    _COMPILED.add(jax.tree.structure(muscle))
     values: dict[str, Any] = {name: np.asarray(value) for name, value in found.items()}
     for name, value in values.items():
         if value.ndim == 0:
             values[name] = value.item()
     return Picture(pressure=pressures, **values)
-
-
-def compiled(muscle: Muscle) -> bool:
-    """Whether the laws of a `muscle` [-] have been compiled: else a picture takes long."""
-    return jax.tree.structure(muscle) in _COMPILED
 
 
 def strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, float, int]]:
@@ -109,20 +99,19 @@ def widest(muscle: Muscle, supply: float) -> float:
     return float(min(LARGEST_STRAIN, max(0.1, np.ceil(1.5 * free * 20) / 20)))
 
 
-@jax.jit
 def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str, Any]:
-    # one trace of the law for all that is shown: the public methods would solve it eight times
+    # one solution of the law for all that is shown: the public methods would solve it eight times
     at = muscle._law().at(pressures[:, None])
     free, collapse = at.column.free_strain, at.collapse
-    kinks = jnp.clip(jnp.concatenate([free, collapse], axis=1), 0.0, top)
-    even = jnp.broadcast_to(top * jnp.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
-    grid = jnp.sort(jnp.concatenate([even, kinks], axis=1), axis=1)
-    here = jnp.broadcast_to(strain, (FAMILY + 1, 1))
-    response = at.response(jnp.concatenate([grid, jnp.zeros_like(here), here], axis=1))
+    kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
+    even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
+    grid = np.sort(np.concatenate([even, kinks], axis=1), axis=1)
+    here = np.broadcast_to(strain, (FAMILY + 1, 1))
+    response = at.response(np.concatenate([grid, np.zeros_like(here), here], axis=1))
     # the second is the last state whose arc the law knows
-    line = at.shape(jnp.concatenate([here, jnp.minimum(here, collapse)], axis=1), ARC_POINTS)
+    line = at.shape(np.concatenate([here, np.minimum(here, collapse)], axis=1), ARC_POINTS)
     z, y = line.z[-1], line.y[-1]
-    arc = jnp.sum(jnp.hypot(jnp.diff(z[1]), jnp.diff(y[1])))
+    arc = np.sum(np.hypot(np.diff(z[1]), np.diff(y[1])))
     arc_strain = 1 - arc / muscle.length
     return {
         "strain": grid,

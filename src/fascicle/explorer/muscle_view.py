@@ -11,7 +11,7 @@ from ..units import pretty
 from .background import Latest
 from .laws import alternative, alternatives
 from .look import Look, legend_style, plain_figure, set_range, source_of, widget_css
-from .muscle_curves import REGIONS, Picture, compiled, picture, strips, widest
+from .muscle_curves import REGIONS, Picture, picture, strips, widest
 from .muscle_inputs import MuscleInputs
 from .notes import branches, notes
 from .solid_view import Scene
@@ -59,7 +59,6 @@ class MuscleView:
         self._compare.param.watch(self._compared, "value")
         self._silent = False
         self._others = Latest(self._show_others, self._inputs.message.say)
-        self._laws = Latest(lambda _: self._all(session.view), self._inputs.message.say)
         session.watch(self._changed)
         turn = pn.widgets.IntSlider(
             label="Turn the picture, in degrees", start=-180, end=180, value=35,
@@ -92,17 +91,12 @@ class MuscleView:
         if self._stale or changed(before, after, "muscle", "units", "supply", "shown", "tab"):
             self._stale = False
             self._all(after)
-        elif changed(before, after, "pressure", "strain") and compiled(after.muscle):
+        elif changed(before, after, "pressure", "strain"):
             self._picture(after, pressed=changed(before, after, "pressure"))
         if changed(before, after, "compared"):
             self._ask_others(after)
 
     def _all(self, view: View) -> None:
-        if not compiled(view.muscle):
-            # beside the loop, that nobody's page waits for it
-            self._notes.object = status("compiling these laws, once; it takes some seconds")
-            self._laws.ask(lambda: widest(view.muscle, view.supply))
-            return
         self._top, asked = widest(view.muscle, view.supply), view.strain
         if asked > self._top:
             self._session.view = view = replace(view, strain=self._top)

@@ -74,7 +74,7 @@ class ReversalView(Tab):
         self._splits.value = ", ".join("+".join(map(str, split)) for split in view.splits)
         self._silent = False
         self._notes.object = status(" ".join(notes(view, "reversal")))
-        self._status.object = status("computing; the first time, the laws are compiled")
+        self._status.object = status("computing")
         self._found.ask(lambda: split_curves(view.muscle, view.splits, view.supply))
 
     def _typed(self, event: Any) -> None:

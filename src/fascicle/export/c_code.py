@@ -16,7 +16,7 @@ from ..bundle import Bundle
 from ..bundle.alike import unlike
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE, LARGEST_STRAIN, lowest_strain
-from . import template
+from .template import header, source
 
 
 def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
@@ -56,14 +56,17 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "kinds": kinds,
         "counts": [int(unit.count) for unit in units] if bundle else [1],
         "ratios": ratios,
-        "lowest": max(1 - (1 - lowest_strain(m.braid_angle)) / r for m, r in zip(muscles, ratios, strict=True)),
+        "lowest": max(
+            1 - (1 - lowest_strain(muscle.braid_angle)) / ratio
+            for muscle, ratio in zip(muscles, ratios, strict=True)
+        ),
         "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),
         "highest": HIGHEST_PRESSURE,
         "room": room,
         "laws": written,
         "bundle": bundle,
     }  # fmt: skip
-    return template.header(numbers), template.source(numbers)
+    return header(numbers), source(numbers)
 
 
 def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tuple[Path, Path]:

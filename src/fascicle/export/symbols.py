@@ -13,20 +13,19 @@ import numpy as np
 from .._arrays import register
 
 
+_FUNCTIONS = {
+    "sqrt": ca.sqrt, "exp": ca.exp, "expm1": ca.expm1, "log": ca.log, "log1p": ca.log1p,
+    "sin": ca.sin, "cos": ca.cos, "tan": ca.tan, "arcsin": ca.asin, "arccos": ca.acos,
+    "absolute": ca.fabs, "minimum": ca.fmin, "maximum": ca.fmax, "where": ca.if_else,
+    "logical_and": ca.logic_and, "logical_or": ca.logic_or, "logical_not": ca.logic_not,
+}  # fmt: skip
+
+
 class Symbols:
     """NumPy's functions by their names, of CasADi's scalar symbols."""
 
-    sqrt, exp, expm1 = map(staticmethod, (ca.sqrt, ca.exp, ca.expm1))
-    log, log1p = map(staticmethod, (ca.log, ca.log1p))
-    sin, cos, tan = map(staticmethod, (ca.sin, ca.cos, ca.tan))
-    arcsin, arccos = map(staticmethod, (ca.asin, ca.acos))
-    absolute, minimum, maximum = map(staticmethod, (ca.fabs, ca.fmin, ca.fmax))
-    where = staticmethod(ca.if_else)
-    logical_and, logical_or, logical_not = map(
-        staticmethod, (ca.logic_and, ca.logic_or, ca.logic_not)
-    )
-
     def __init__(self):
+        self.__dict__ |= _FUNCTIONS
         self.held: list[Any] = []
         self.meant: list[Any] = []
 
@@ -40,8 +39,8 @@ class Symbols:
 
     def resolved(self, *expressions: Any) -> list[Any]:
         """The `expressions` [any unit] with everything put in that was held still."""
-        _, expressions = ca.substitute_inplace(self.held, self.meant, list(expressions), False)
-        return expressions
+        given: Any = list(expressions)
+        return list(ca.substitute_inplace(self.held, self.meant, given, False)[1])
 
     @staticmethod
     def asarray(values: Any) -> Any:

@@ -273,7 +273,7 @@ def header(numbers: Mapping[str, Any]) -> str:
     """The header's text [-]."""
     declarations = (_OF_A_BUNDLE if numbers["bundle"] else _OF_A_MUSCLE).format(**numbers)
     return _HEADER.format(
-        title="A bundle of fluidic artificial muscles" if numbers["bundle"] else "A fluidic artificial muscle",
+        title="A bundle of muscles" if numbers["bundle"] else "A muscle",
         version=__version__,
         stack=(numbers["room"] + 64 + 4 * numbers["units"]) * 8 / 1024,
         declarations=declarations,

@@ -133,7 +133,7 @@ class Tuning(Module):
     def _at(self, pressure: BatchLike, rows: Rows) -> Batch:
         """`rows` [any unit], joined by straight lines, at effective `pressure` [Pa]."""
         if rows.shape[-1] == 1:
-            return rows[..., 0]  # nothing was measured
+            return rows[..., 0] + 0.0 * pressure  # nothing was measured
         P, start = spread(pressure), self.pressures[..., :-1]
         steps, rises = (x[..., 1:] - x[..., :-1] for x in (self.pressures, rows))
         # a sum of ramps is one pass over the points, a search for the row many; slopes at a

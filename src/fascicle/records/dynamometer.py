@@ -24,14 +24,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._checks import within
 from .._types import Batch, BatchLike, Values
 from ..muscle import Muscle
-from ..muscle.materials import AbstractMaterial
+from ..muscle.materials import AbstractMaterial, Slopes
 from .fabrication import Scatter
 from .record import Record
 
@@ -49,7 +48,7 @@ class Stiffer(AbstractMaterial):
 
     def __init__(self, material: AbstractMaterial, factor: Values):
         """**Arguments:** `material` [-]; `factor`: on its energy and modulus [-]."""
-        self.material, self.factor = material, jnp.asarray(factor)
+        self.material, self.factor = material, factor
 
     @property
     def youngs_modulus(self) -> Batch:
@@ -64,6 +63,11 @@ class Stiffer(AbstractMaterial):
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
         """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
         return self.factor * self.material.energy(axial_squared, hoop_squared)
+
+    def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
+        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+        slopes = self.material.slopes(axial_squared, hoop_squared)
+        return Slopes(*(self.factor * one for one in slopes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +187,7 @@ class VirtualDynamometer:
 
         **Raises:** `ValueError` for a muscle that is a batch of several.
         """
-        if any(jnp.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
+        if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
             raise ValueError("`muscle` must be a single muscle: a batch can't be on one machine.")
         P = np.asarray(self.pressures, dtype=float)
         # cycled until it is soft, so the stroke is the softened muscle's

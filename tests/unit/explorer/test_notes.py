@@ -111,22 +111,12 @@ def test_a_link_cannot_ask_for_more_than_the_supply():
     assert view.pressure == 1e5
 
 
-def test_laws_are_compiled_beside_the_loop_and_the_page_says_so(monkeypatch):
-    """Opening a link to other laws stopped every visitor until they were compiled."""
-    from fascicle.explorer import muscle_curves, muscle_view
+def test_other_laws_are_drawn_at_once():
     from fascicle.explorer.look import LIGHT
+    from fascicle.explorer.muscle_view import MuscleView
     from fascicle.explorer.state import Session
 
-    asked = []
-    monkeypatch.setattr(muscle_curves, "_COMPILED", set())
-    monkeypatch.setattr(muscle_view.Latest, "ask", lambda _self, compute: asked.append(compute))
-    view = muscle_view.MuscleView(Session(SIX), LIGHT)
+    law = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28), buckling="elastica")
+    view = MuscleView(Session(replace(SIX, muscle=law)), LIGHT)
     view.refresh()
-    assert "compiling" in view._notes.object
-    assert len(view.chosen.data["force"]) == 0
-    (compute,) = asked
-    compute()
-    assert muscle_curves.compiled(SIX.muscle)
-    view._all(SIX)
-    assert view._notes.object == ""
     assert len(view.chosen.data["force"]) > 0
