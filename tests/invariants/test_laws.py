@@ -280,3 +280,32 @@ def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
     assert bent.sum() > N / 2
     # m is known to 1e-16/1e-6 there, a push of 1e3 N and its parts to 1e-12 N
     assert_allclose(thrust[bent], load[bent], rtol=1e-8)
+
+
+@every
+def test_numpy_and_jax_give_the_same(laws, random_muscles, random_points):
+    """One source, at random points and on both sides of every kink."""
+    muscles = random_muscles(31, N, **laws)
+    plain = jax.tree.map(np.asarray, muscles)
+    P, eps = random_points(32, muscles)
+    kinks = np.asarray(at(muscles, P, eps)[1])
+    places = [eps]
+    for kink in kinks.T:
+        there = np.isfinite(kink) & (kink < 0.6 - 1e-9)
+        places += [np.where(there, kink + side, eps) for side in (-1e-9, 1e-9)]
+    for strain in places:
+        response, kinks, moment, limit = at(muscles, P, strain)
+        with np.errstate(all="ignore"):  # of branches that aren't taken
+            law = plain._law()
+            mine = law.at(P)
+            got, arm, bound = mine.response(strain), mine.moment(strain), law.collapse_moment(P)
+            bends = mine.kinks
+        assert isinstance(got.force, np.ndarray)
+        # rounding of parts that cancel: 1e-16 of the largest, grown by roots' and cells' own
+        size = np.abs(response.mesh) + np.abs(response.bladder) + np.abs(response.bending) + 1
+        same = np.asarray(got.region == response.region)
+        assert same.mean() > 0.999
+        assert np.all(np.abs(got.force - np.asarray(response.force))[same] <= 1e-9 * size[same])
+        assert_allclose(bends.T[same], np.asarray(kinks)[same], rtol=1e-10, atol=1e-13)
+        assert_allclose(arm[same], np.asarray(moment)[same], rtol=1e-8, atol=1e-13)
+        assert_allclose(bound, limit, rtol=1e-12)

@@ -21,6 +21,7 @@ from .calibrate import run as calibrate
 from .design import run as design
 from .efficiency import run as efficiency
 from .explore import run as explore
+from .export import run as export
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
@@ -54,6 +55,7 @@ app.command("efficiency")(efficiency)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
 app.command("explore")(explore)
+app.command("export")(export)
 app.command("design")(design)
 app.command("sweep")(sweep)
 app.command("reproduce")(reproduce)

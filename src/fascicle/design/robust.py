@@ -18,6 +18,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Float
 
+from .._types import Values
 from ..muscle import Muscle
 from ..records.fabrication import Scatter
 from .designs import Designs
@@ -264,7 +265,7 @@ def _repeated(drawing: Muscle, draws: int) -> Muscle:
 def _picked(muscles: Muscle, drawing: Muscle, draw: np.ndarray) -> Muscle:
     """Some of the draws; what a draw doesn't change has no axis for it yet."""
 
-    def one(many: Array, single: Array) -> Array:
+    def one(many: Values, single: Values) -> Array:
         if jnp.ndim(many) > jnp.ndim(single):
             return many[draw]
         return jnp.broadcast_to(many, (len(draw), *jnp.shape(many)))

@@ -68,7 +68,8 @@ def picture(muscle: Muscle, pressure: float, strain: float, supply: float, top: 
     **Returns:** the picture: forces [N] over strains [-], and what is drawn.
     """
     pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
-    found = _picture(muscle, pressures, np.float64(strain), np.float64(top))
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        found = _picture(muscle, pressures, np.float64(strain), np.float64(top))
     values: dict[str, Any] = {name: np.asarray(value) for name, value in found.items()}
     for name, value in values.items():
         if value.ndim == 0:

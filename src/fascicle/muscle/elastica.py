@@ -83,7 +83,7 @@ class Elastica(AbstractBuckling):
     name: ClassVar[str] = "elastica"
 
     def branch(self, column: Column) -> "_Branch":
-        """The onset, and the curve (E3) from there down to the free strain."""
+        """The onset [-], and the curve (E3) from there down to the free strain."""
         onset = _onset(column)
         here = still(column)
         return _Branch(onset, _curve(here, _top(still(onset)), here.free_strain))

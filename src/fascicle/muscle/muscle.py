@@ -307,18 +307,16 @@ class Muscle(Module):
         return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
 
     def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        eps = self._strain(strain)
-        return self._gauge(pressure), eps
+        return self._gauge(pressure), self._strain(strain)
 
     def _strain(self, strain: Values) -> Batch:
-        low = lowest_strain(self.braid_angle)
-        why = "(fibers straight at the lower end)"
+        low, why = lowest_strain(self.braid_angle), "(fibers straight at the lower end)"
         checked = within(strain, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
         return as_given(strain, checked)
 
     def _gauge(self, pressure: Values) -> Batch:
-        closed = (True, True)
-        checked = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+        high, closed = HIGHEST_PRESSURE, (True, True)
+        checked = within(pressure, 0.0, high, "pressure", "Pa", "(gauge)", closed)
         self.tuning.warn_beyond(checked)
         return as_given(pressure, checked)
 
@@ -331,17 +329,16 @@ class Muscle(Module):
     @cached_property
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
-        tuning = self.tuning
-        tables = {id(table) for table in (tuning.pressures, tuning.c1, tuning.c2)}
+        t = self.tuning
+        tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
         leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
-        return tuning.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
+        return t.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
 
     @cached_property
     def _law_of_it(self) -> Piecewise:
-        tension = TunedTension(self.tension, self.bladder, self.tuning)
-        return Piecewise(
-            tension, self.buckling, self.collapse, self.post_collapse, self.transition_rate
-        )
+        pull = TunedTension(self.tension, self.bladder, self.tuning)
+        laws = (self.buckling, self.collapse, self.post_collapse)
+        return Piecewise(pull, *laws, self.transition_rate)
 
     def _law(self) -> Piecewise:
         return self._law_of_it
@@ -399,6 +396,5 @@ def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Cente
 
 
 def _point(muscle: Muscle, pressure: Values, strain: Values) -> tuple[Any, Any]:
-    if good_point(pressure, strain, muscle.braid_angle, muscle.tuning):
-        return np.float64(pressure), np.float64(strain)
-    return muscle._checked(pressure, strain)
+    good = good_point(pressure, strain, muscle.braid_angle, muscle.tuning)
+    return (np.float64(pressure), np.float64(strain)) if good else muscle._checked(pressure, strain)
