@@ -25,30 +25,28 @@ def remarks(made: "Calibration") -> list[str]:
 
 def _search(made: "Calibration") -> list[str]:
     status = np.asarray(made.solutions.status)
-    if status[int(made.solutions.best)] != CONVERGED:
+    if status[made.solutions.best] != CONVERGED:
         return [f"The search {made.status}: take the result with caution, or give more starts."]
     return []
 
 
 def _reach(made: "Calibration") -> list[str]:
     """What part of the law the data cover."""
-    data, lines = made.problem.data, []
-    used = np.asarray(data.uncensored)
-    strain = np.asarray(made.conclusion.strain)
-    free, collapse = made.conclusion.free_strain, made.conclusion.collapse_strain
-    past = used & (strain > np.asarray(free)[:, None] + 1e-9)
+    lines, used = [], np.asarray(made.problem.data.uncensored)
+    strain = made.conclusion.linear.strain[: len(made.free_strain)]
+    past = used[: len(strain)] & (strain > made.free_strain[:, None] + 1e-9)
     if made.censored:
         lines.append(
             f"{made.censored} readings are clipped at zero: they only say that the force was not"
             " above it, so nothing past the free strain was measured there."
         )
     names = _named(made, _AFTER)
-    if not np.any(past):
+    if made.taken.pulls or not np.any(past):
         lines.append(
             "Nothing past the free strain was measured: the data say nothing of bending, collapse"
             " and the hinge."
         )
-    elif names and not np.any(past & (strain > np.asarray(collapse)[:, None])):
+    elif names and not np.any(_moved(made, names)):
         lines.append(
             f"No reading lies past a collapse: {_list(names)} can't be determined and"
             f" {'stay' if len(names) > 1 else 'stays'} at the prior."
@@ -59,6 +57,13 @@ def _reach(made: "Calibration") -> list[str]:
             f"C1 and C2 are read up to {highest / 1e3:.4g} kPa and held constant above it."
         )
     return lines
+
+
+def _moved(made: "Calibration", names: list[str]) -> np.ndarray:
+    """Which of the fitted readings these parameters move at all."""
+    places = [made.problem.chosen[made.names.index(name)] for name in names]
+    rows = made.conclusion.linear.slopes[: np.size(made.problem.data.count)]
+    return np.any(rows[:, places] != 0, axis=1)
 
 
 def _parameters(made: "Calibration") -> list[str]:
@@ -87,7 +92,7 @@ def _dense(made: "Calibration") -> list[str]:
     if rate is None or not rate.identifiable:
         return []
     used = np.asarray(made.problem.data.uncensored)
-    strain = np.where(used, np.asarray(made.conclusion.strain), np.nan)[np.any(used, axis=1)]
+    strain = np.where(used, made.conclusion.linear.strain, np.nan)[np.any(used, axis=1)]
     spacing = (np.nanmax(strain, axis=1) - np.nanmin(strain, axis=1)) / np.sum(
         np.isfinite(strain), axis=1
     )

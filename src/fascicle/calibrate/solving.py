@@ -1,24 +1,24 @@
-"""Levenberg-Marquardt from several starts, and in words how each of them ended.
+"""Least squares from several starts, and in words how each of them ended.
 
-Jacobians are exact, by forward differentiation of the laws. All starts run as one batch.
+SciPy's trust-region method walks, each step at once with the exact Jacobian (`linear`). The
+loop runs outside of what is compiled, which is then one evaluation of the law and no more.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-import optimistix as optx
-from jaxtyping import Array, Float, Int
+from scipy.optimize import least_squares
 
-from .problem import Problem, Vector
+from .linear import Linear, Linearized
+from .problem import Problem
 
 
 STEPS = 200
 _SAME = 0.02  # of the cost, a fifth of a standard deviation
 _FAR = 1.0  # coordinates that the data don't determine are not sent further
-_TOLERANCE = 1e-8  # of coordinates and cost: far below any parameter's uncertainty
+_TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
+_LITTLE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
+ROUGH = 1e-6  # of the cost, where it is for an error's first digits
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
@@ -29,64 +29,89 @@ _WORDS = {
 }
 
 
-class Solutions(eqx.Module):
-    """Where each start ended: coordinates, half the sum of squares, status, steps [-]."""
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """Where each start ended: coordinates of all the problem's parameters, half the sum of
+    squares, status, steps [-].
+    """
 
-    coordinates: Float[Array, "start parameter"]
-    cost: Float[Array, "start"]
-    status: Int[Array, "start"]
-    steps: Int[Array, "start"]
+    coordinates: np.ndarray
+    cost: np.ndarray
+    status: np.ndarray
+    steps: np.ndarray
 
     @property
-    def best(self) -> Int[Array, ""]:
+    def best(self) -> int:
         """Which start ended lowest [-]."""
-        return jnp.argmin(jnp.where(jnp.isfinite(self.cost), self.cost, jnp.inf))
+        return int(np.argmin(np.where(np.isfinite(self.cost), self.cost, np.inf)))
 
 
-def solve(problem: Problem, starts: Float[Array, "start parameter"]) -> Solutions:
-    """Minimize `problem` [-] from each of `starts` [-]."""
-    solver = optx.LevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
-
-    # residuals and Jacobian in one pass: the solver would trace and compile the law thrice
-    @jax.custom_jvp
-    def residuals(z: Vector) -> Array:
-        return problem.residuals(z)
-
-    @residuals.defjvp
-    def _(primals: tuple[Vector], tangents: tuple[Vector]) -> tuple[Array, Array]:
-        def twice(z: Vector) -> tuple[Array, Array]:
-            r = problem.residuals(z)
-            return r, r
-
-        jacobian, r = jax.jacfwd(twice, has_aux=True)(primals[0])
-        return r, jacobian @ tangents[0]
-
-    def one(start: Float[Array, "parameter"]) -> tuple[Any, ...]:
-        found = optx.least_squares(
-            lambda z, _: residuals(z), solver, start, max_steps=STEPS, throw=False
-        )
-        z = found.value
-        cost = 0.5 * jnp.sum(problem.residuals(z) ** 2)
-        good = found.result == optx.RESULTS.successful
-        full = found.result == optx.RESULTS.nonlinear_max_steps_reached
-        last = found.state.f_info
-        settled = full & (_to_win(last.residual, last.jac.as_matrix()) < _SETTLED)
-        status = jnp.where(good | settled, CONVERGED, jnp.where(full, STOPPED, BROKE))
-        status = jnp.where(jnp.isfinite(cost), status, BROKE)
-        return z, cost, status, found.stats["num_steps"]
-
-    return Solutions(*jax.vmap(one)(starts))
+def solve(
+    problem: Problem,
+    starts: np.ndarray,
+    moving: np.ndarray | None = None,
+    little: float = _LITTLE,
+) -> Solutions:
+    """Minimize `problem` [-] from each of `starts` [-], coordinates of all its parameters, over
+    those that are free, or of these only the places that are `moving` [-]; it is settled where a
+    step wins no more than `little` of the cost [-].
+    """
+    places, linear = problem.chosen if moving is None else moving, Linearized(problem)
+    ends = [_solve(linear, start, places, little) for start in np.asarray(starts, float)]
+    z, cost, status, steps = zip(*ends, strict=True)
+    return Solutions(np.array(z), np.array(cost), np.array(status), np.array(steps))
 
 
-def _to_win(r: Float[Array, "residual"], jacobian: Float[Array, "residual parameter"]) -> Array:
+class _NoNumber(ArithmeticError):
+    """The law has no number where the search has gone."""
+
+
+def _solve(
+    linear: Linearized, start: np.ndarray, free: np.ndarray, little: float
+) -> tuple[np.ndarray, float, int, int]:
+    last: dict[bytes, Linear] = {}
+
+    def at(z: np.ndarray) -> Linear:
+        # the solver asks for residuals and Jacobian one after the other
+        key = z.tobytes()
+        if key not in last:
+            last.clear()
+            whole = start.copy()
+            whole[free] = z
+            last[key] = linear(whole)
+        return last[key]
+
+    def slopes(z: np.ndarray) -> np.ndarray:
+        found = at(z).slopes[:, free]
+        if not np.all(np.isfinite(found)):
+            raise _NoNumber
+        return found
+
+    z, begun = start[free], at(start[free])
+    if not np.all(np.isfinite(begun.residuals)):
+        return start, np.nan, BROKE, 0
+    try:
+        found = least_squares(
+            lambda z: at(z).residuals, z, slopes, x_scale="jac", ftol=little, xtol=_TOLERANCE,
+            gtol=None, max_nfev=STEPS,
+        )  # fmt: skip
+    except (_NoNumber, np.linalg.LinAlgError):
+        return start, np.nan, BROKE, 0
+    whole = start.copy()
+    whole[free] = found.x
+    settled = found.status > 0 or _to_win(found.fun, found.jac) < _SETTLED
+    return whole, float(found.cost), CONVERGED if settled else STOPPED, int(found.njev)
+
+
+def _to_win(r: np.ndarray, jacobian: np.ndarray) -> float:
     """What a whole Gauss-Newton step would take off the cost [-].
 
     Along a direction that the data hardly determine, coordinates creep long after the fit has
     settled.
     """
-    basis, size, _ = jnp.linalg.svd(jacobian, full_matrices=False)
-    part = jnp.where(size > 1e-12 * size[0], basis.T @ r, 0)
-    return 0.5 * part @ part
+    basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
+    part = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
+    return 0.5 * float(part @ part)
 
 
 def scattered(center: np.ndarray, count: int, seed: int = 0) -> np.ndarray:
@@ -106,12 +131,15 @@ def around(best: np.ndarray, covariance: np.ndarray, count: int, seed: int = 0) 
 
 def joined(first: Solutions, second: Solutions) -> Solutions:
     """The ends [-] of two searches, one after the other."""
-    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), first, second)
+    return Solutions(*(
+        np.concatenate([getattr(one, name) for one in (first, second)])
+        for name in ("coordinates", "cost", "status", "steps")
+    ))  # fmt: skip
 
 
 def least(solutions: Solutions) -> float:
     """The lowest cost [-]; infinite where all broke."""
-    return float(jnp.min(jnp.where(jnp.isfinite(solutions.cost), solutions.cost, jnp.inf)))
+    return float(np.min(np.where(np.isfinite(solutions.cost), solutions.cost, np.inf)))
 
 
 def in_words(solutions: Solutions) -> list[str]:
