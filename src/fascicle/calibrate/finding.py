@@ -70,7 +70,7 @@ def find(
     **Raises:** `ValueError` as `fit`.
     """
     of, given = taken(record), dict(priors or {})
-    search = Search(loss, weights, starts, seed)
+    search = Search(loss, weights, starts, seed, whole=False)
     one_of(loss, LOSSES, "loss")
     one_of(weights, WEIGHTS, "weights")
     if given:
@@ -78,7 +78,7 @@ def find(
     tell("trying what the record can tell")
     rows = _tension(pulling_of(of), muscle, given, search)
     if not rows:  # nothing pulls: the fit says what is missing
-        return Choice(fitted(of, muscle, None, None, search))
+        return Choice(fitted(of, muscle, None, None, replace(search, whole=True)))
     if of.pulls:
         best = chosen(rows)
         tell("fitting")
@@ -87,6 +87,7 @@ def find(
         made = fitted(of, muscle, names, told, search)
         return Choice(made, marked(rows, best), reasons(rows, best))
     tell("fitting what resists")
+    search = replace(search, whole=True)
     best = chosen([one for one in rows if one.method == "constants"])
     last, fits = resisting(of, muscle, given, search, best.names)
     taken_ = chosen(last)

@@ -115,8 +115,8 @@ def trimmed(data: Grid) -> Grid:
     rows = int(np.max(np.flatnonzero(used.any(axis=1)))) + 1
     width = int(np.max(np.flatnonzero(used.any(axis=0)))) + 1
     names = ("strain", "force", "count", "censored")
-    tables = {name: np.asarray(getattr(data, name))[:rows, :width] for name in names}
-    return Grid(np.asarray(data.pressure)[:rows], **tables)  # pyright: ignore[reportArgumentType] NumPy's, to look at
+    tables = {name: jnp.asarray(np.asarray(getattr(data, name))[:rows, :width]) for name in names}
+    return Grid(jnp.asarray(np.asarray(data.pressure)[:rows]), **tables)
 
 
 def weighed(data: Grid, weights: str) -> np.ndarray:

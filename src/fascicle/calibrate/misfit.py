@@ -19,7 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import log_ndtr
+from scipy.special import erfcx, log_ndtr
 
 
 LOSSES = ("linear", "soft_l1", "cauchy")
@@ -51,7 +51,7 @@ class Misfit:
         likely = log_ndtr(sure)
         not_above = np.sqrt(-2 * likely)
         # what chance of a clipped reading is lost with each newton, over the residual
-        mills = np.exp(-0.5 * sure**2 - likely) / np.sqrt(2 * np.pi)
+        mills = np.sqrt(2 / np.pi) / erfcx(-sure / np.sqrt(2))
         rises = np.where(sure < _SURE, scaled * mills / not_above, 0.0)
         return (
             self.weight * np.where(self.censored, not_above, missed),

@@ -91,9 +91,11 @@ def polynomial(
     """A polynomial of this `order` [-] through `y` [any] with `deviation` [the same] at `x` [-],
     filled up with zeros to `size` coefficients [-].
     """
+    if not x.size:
+        return Polynomial(np.zeros(size), np.zeros((size, size)), 0.0, 1.0)
     weight = 1 / deviation**2
     basis = x[:, None] ** np.arange(order + 1)
-    scale = max(float(np.max(weight, initial=0.0)), 1e-300)
+    scale = max(float(np.max(weight)), 1e-300)
     gram = np.einsum("l,li,lj->ij", weight / scale, basis, basis) + 1e-14 * np.eye(order + 1)
     if x.size < 2 and order > 0:
         gram[0, 0] += 1e9  # a single reading carries a line through the origin

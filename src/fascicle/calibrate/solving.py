@@ -90,6 +90,8 @@ def _solve(
     z, begun = start[free], at(start[free])
     if not np.all(np.isfinite(begun.residuals)):
         return start, np.nan, BROKE, 0
+    if not free.size:
+        return start, 0.5 * float(begun.residuals @ begun.residuals), CONVERGED, 0
     try:
         found = least_squares(
             lambda z: at(z).residuals, z, slopes, x_scale="jac", ftol=little, xtol=_TOLERANCE,

@@ -9,6 +9,9 @@ from ..records.record import UNKNOWN, Record
 from .grid import Gathered, Grid, gathered, trimmed
 
 
+_SMALL = 0.1  # of a level's largest force: what noise may be where a gauge reads none
+
+
 @dataclass(frozen=True, eq=False)
 class Taken:
     """A record as it is fitted.
@@ -17,12 +20,14 @@ class Taken:
     - `gathered`: where each of them went [-].
     - `read`: how many readings were read [-].
     - `left_out`: how many of these are not fitted, by the reason why [-].
+    - `slack`: how many small forces among clipped ones were taken for clipped as well [-].
     """
 
     record: Record
     gathered: Gathered
     read: int
     left_out: Mapping[str, int] = field(default_factory=dict)
+    slack: int = 0
 
     @property
     def data(self) -> Grid:
@@ -46,6 +51,7 @@ class Taken:
             "read": self.read,
             **{f"left out: {why}": count for why, count in self.left_out.items()},
             "clipped": self.clipped,
+            "clipped as noise": self.slack,
             "averaged": self.gathered.averaged,
             "means": self.gathered.means,
             "pressures": int(self.gathered.level.max()) + 1,
@@ -59,6 +65,11 @@ class Taken:
             lines[0] += ", none left out"
         if self.clipped:
             lines.append(f"{self.clipped} clipped: they only say that the force was not above zero")
+        if self.slack:
+            lines.append(
+                f"{self.slack} of these are small forces past the strain from which the others of"
+                " their pressure are clipped: taken for noise"
+            )
         made = self.gathered
         if made.averaged:
             lines.append(
@@ -97,14 +108,38 @@ def taken(record: Record) -> Taken:
 
 
 def pulling_of(of: Taken) -> Taken:
-    """The same as a gauge would have `taken` it that only pulls: pushes are clipped at zero."""
-    record, below = of.record, of.record.force <= 0
-    if not np.any(below & ~record.censored):
+    """The same as a gauge would have `taken` it that only pulls, for the tension law alone: pushes
+    are clipped at zero, and so is the noise that such a gauge reads past a free strain.
+    """
+    record = of.record
+    below = (record.force <= 0) & ~record.censored
+    slack = _slack(of, record.censored | below)
+    if not np.any(below | slack):
         return of
-    clipped = replace(
-        record, force=np.where(below, 0.0, record.force), censored=record.censored | below
-    )
-    return Taken(clipped, gathered(clipped), of.read, of.left_out)
+    gone = record.censored | below | slack
+    clipped = replace(record, force=np.where(gone, 0.0, record.force), censored=gone)
+    return replace(of, record=clipped, gathered=gathered(clipped), slack=int(np.sum(slack)))
+
+
+def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
+    """Readings that aren't `clipped` [-], but lie where all others of their level are, and are small:
+    a law that falls with strain pulls no more once it has ended to.
+    """
+    force, strain = of.record.force, of.record.strain
+    out = np.zeros(force.size, dtype=bool)
+    order = np.lexsort((strain, of.gathered.level))
+    for points in np.split(order, np.flatnonzero(np.diff(of.gathered.level[order])) + 1):
+        gone = clipped[points]
+        if not np.any(gone) or np.all(gone):
+            continue
+        # where the level ends to pull: most before it do, and most beyond it don't
+        right = np.concatenate([[0], np.cumsum(~gone)]) + np.concatenate(
+            [np.cumsum(gone[::-1])[::-1], [0]]
+        )
+        beyond = np.arange(points.size) >= int(np.argmax(right))
+        small = force[points] < _SMALL * np.max(force[points])
+        out[points] = beyond & ~gone & small
+    return out
 
 
 def shown(table: np.ndarray, data: Grid) -> np.ndarray:
