@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
+from ..records.loops import Loop, loop_of
 from ..records.record import Record
 from .causes import Cause
 from .grid import Grid, trimmed
@@ -60,6 +61,7 @@ class Calibration:
     - `solutions`: where each start ended [-].
     - `inflation`: of the covariance that noise causes, for residuals that follow one another [-].
     - `seen`: trends and runs in the residuals [-]; `causes` that would explain them.
+    - `untold`: constants that weren't fitted, and that the data could not tell [-].
     - `discrepancy`: the model's own error that these tell of: columns [N] at the places of the
       problem's tables, each to be taken a standard normal deviate times [-].
     - `weights`: how levels count [-].
@@ -83,6 +85,7 @@ class Calibration:
     inflation: float
     seen: Looked = field(default_factory=Looked)
     causes: tuple[Cause, ...] = field(default=())
+    untold: tuple[str, ...] = field(default=())
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     weights: str = "uniform"
     warnings: tuple[str, ...] = field(default=())
@@ -136,6 +139,13 @@ class Calibration:
     def errors(self) -> np.ndarray:
         """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
         return self.taken.errors(self.force, np.asarray(trimmed(self.taken.data).strain))
+
+    @cached_property
+    def loop(self) -> Loop | None:
+        """How wide the record's hysteresis loops are [-], `None` where it doesn't hold both ways;
+        half of that is in the errors of such a record's readings.
+        """
+        return loop_of(self.record)
 
     @property
     def points(self) -> int:

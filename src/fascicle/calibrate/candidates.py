@@ -1,8 +1,9 @@
 """Which constants may be free where nobody chose: what a record of a muscle's pull could tell.
 
-Begun from nothing, the muscle as it is given; then sizes, the rubber's constants one by one, the
-dead band, and the length that works. What is known only as a product stays as given: the wall
-beside the rubber's constants.
+Begun from nothing, the muscle as it is given; then its sizes, its rubber, both, each with a dead
+band; and for the best of them another length that works. The rubber's two constants are free
+together: one held at a value that nobody measured would make the others look surer than they are.
+What is known only as a product stays as given: the wall beside them.
 """
 
 from collections.abc import Collection, Iterator
@@ -12,7 +13,7 @@ from ..muscle.materials import MooneyRivlin
 
 
 _SIZES = ("braid_angle", "outer_radius")
-_RUBBER = ((), ("c10",), ("c01",), ("c10", "c01"))
+_RUBBER = ("c10", "c01")
 # free constants of the laws that have no such bladder: two for each correction of the ideal law
 _OTHERS = {
     "ideal": _SIZES,
@@ -34,7 +35,7 @@ def sets(muscle: Muscle, always: Collection[str] = ()) -> list[Names]:
         own = tuple(muscle.tension.parameters)
         bases = [_OTHERS.get(law, (*own, *_SIZES))]
     else:
-        bases = [(*rubber, *_SIZES) for rubber in _RUBBER]
+        bases = [_SIZES, _RUBBER, (*_RUBBER, *_SIZES)]
     found = [(), *bases, *((*base, BAND) for base in bases)]
     return list(dict.fromkeys(_with(names, always) for names in found))
 

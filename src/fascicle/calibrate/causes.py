@@ -16,6 +16,7 @@ from .linear import linear
 from .problem import Problem
 from .remainder import Remainder, beside, span
 from .trends import ALPHA, Looked
+from .uncertainty import KNOWN
 
 
 _WORTH = 0.2  # of the residuals' squares, below which a cause isn't named
@@ -38,7 +39,10 @@ class Cause:
 # a cause's name, and what to do; first of the constants that a fit may free
 _CONSTANTS = {
     "dead_band": ("a dead band, or the transducer's zero", "free dead_band"),
-    "active_length": ("an end effect: a part of the length that doesn't work", "free active_length"),
+    "active_length": (
+        "an end effect: a part of the length that doesn't work",
+        "free active_length",
+    ),
     "wall_thickness": ("another wall", "free wall_thickness"),
     "c10": ("the rubber's modulus", "free c10"),
     "c01": ("the rubber's modulus", "free c01"),
@@ -46,7 +50,10 @@ _CONSTANTS = {
     "outer_radius": ("another radius", "free outer_radius"),
 }
 _COMPLIANCE = ("fibers or fittings that stretch", "no law here has it yet")
-_ENDS = ("an end effect: ends that don't swell", "compare tension laws: tondu_lopez scales the strain")
+_ENDS = (
+    "an end effect: ends that don't swell",
+    "compare tension laws: tondu_lopez scales the strain",
+)
 _LENGTH = ("the zero of the length", "check the rest length")
 _ZERO = ("the load cell's zero", "take it off")
 _RUBBER = (
@@ -88,6 +95,37 @@ def causes(
     return tuple(one for one in likely if one.share >= _NEXT * likely[0].share)
 
 
+def untold(problem: Problem, coordinates: np.ndarray, left: Remainder) -> tuple[str, ...]:
+    """Constants that weren't fitted and that the data could not tell beside those that were.
+
+    **Arguments:** as `causes` [-].
+
+    **Returns:** their names [-].
+    """
+    out = []
+    for name, columns in _held(problem, coordinates, left):
+        known = float(np.sum(beside(left.taken, left.rows(columns)) ** 2))
+        if name != "dead_band" and known * KNOWN**2 < float(problem.noise) ** 2:
+            out.append(name)
+    return tuple(out)
+
+
+def _held(
+    problem: Problem, coordinates: np.ndarray, left: Remainder
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Constants that weren't free, and how each changes the force [N] by its coordinate."""
+    held = sorted(set(range(len(problem.parameters))) - set(problem.chosen.tolist()))
+    if not held:
+        return
+    # all of them free: the same function, another argument
+    freed = replace(problem, free=jnp.ones(len(problem.parameters), dtype=bool))
+    slopes = linear(freed, coordinates).force_slopes[problem.data.uncensored]
+    priors = left.weight.size - len(slopes)
+    for i in held:
+        if problem.parameters[i].name in _CONSTANTS:
+            yield problem.parameters[i].name, np.pad(slopes[:, i], (0, priors))
+
+
 def _directions(
     problem: Problem, coordinates: np.ndarray, left: Remainder
 ) -> Iterator[tuple[tuple[str, str], np.ndarray]]:
@@ -95,21 +133,12 @@ def _directions(
     used = np.asarray(problem.data.uncensored)
     priors = left.weight.size - int(np.sum(used))
 
-    def rows(table: np.ndarray) -> np.ndarray:
-        return np.pad(table[used], [(0, priors)] + [(0, 0)] * (table.ndim - 2))
-
-    held = sorted(set(range(len(problem.parameters))) - set(problem.chosen.tolist()))
-    if held:
-        # all of them free: the same function, another argument
-        freed = replace(problem, free=jnp.ones(len(problem.parameters), dtype=bool))
-        slopes = linear(freed, coordinates).force_slopes
-        for i in held:
-            if problem.parameters[i].name in _CONSTANTS:
-                yield _CONSTANTS[problem.parameters[i].name], rows(slopes[..., i])
+    for name, columns in _held(problem, coordinates, left):
+        yield _CONSTANTS[name], columns
     away = jnp.asarray(np.asarray(problem.data.strain) + _STEP)
     stretched = replace(problem.data, strain=away)
     moved = linear(replace(problem, data=stretched), coordinates).force
-    slope = (rows(moved) - left.force) / _STEP
+    slope = (np.pad(moved[used], (0, priors)) - left.force) / _STEP
     yield _COMPLIANCE, slope * left.force
     yield _ENDS, slope * left.strain
     yield _LENGTH, slope

@@ -8,7 +8,9 @@ import numpy as np
 from .candidates import BAND, LENGTH
 
 
-ALIKE = 0.02  # of the least left-out error: candidates that near it are as good
+ALIKE = 0.02  # of the least left-out error beyond noise: candidates that near it are as good
+_DEVIATIONS = 2.0  # of a difference: so far it may be chance
+_OUTLIER = 3.0  # of the usual error: what a robust fit leaves counts no more
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
 
@@ -38,38 +40,81 @@ class Candidate:
     chosen: bool = False
 
 
-def chosen(rows: Sequence[Candidate]) -> Candidate:
-    """Of those within 2 % of the least left-out error the one with fewest constants.
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A `candidate` and its errors where it was left out, reading by reading [N]; NaN for those
+    that are clipped.
+    """
 
-    **Arguments:** `rows`: compared on the same readings; those in which nothing is fitted are
-    only there to compare [-].
+    candidate: Candidate
+    unseen: np.ndarray
+
+    @property
+    def judged(self) -> bool:
+        """Whether it can be chosen [-]: something is fitted, and could be left out."""
+        return self.candidate.constants > 0 and np.isfinite(self.candidate.left_out_rmse)
+
+
+def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
+    """Of those that are no worse than the best, the one with fewest constants.
+
+    No worse is one whose squared errors exceed the best one's by no more than chance lets them,
+    twice the deviation of their sum; or by 2 % of what the best one errs beyond the noise.
+
+    **Arguments:**
+
+    - `trials`: compared on the same readings; those in which nothing is fitted are only there
+      to compare [-].
+    - `noise`: of a reading [N], as far as it is known.
+    - `loss`: of the fits [-].
 
     **Returns:** one of them [-].
 
     **Raises:** `ValueError` where none could be judged.
     """
-    tried = [one for one in rows if one.constants and np.isfinite(one.left_out_rmse)]
+    tried = [one for one in trials if one.judged]
     if not tried:
         raise ValueError(
             "`record` is too short to leave readings out: name what to fit, such as c10, c01."
         )
-    least = min(one.left_out_rmse for one in tried)
-    good = [one for one in tried if one.left_out_rmse <= (1 + ALIKE) * least]
-    return min(good, key=lambda one: (one.constants, one.left_out_rmse))
+    best = min(tried, key=lambda one: one.candidate.left_out_rmse)
+    far = _OUTLIER * best.candidate.left_out_rmse if loss != "linear" else np.inf
+    squares = [np.minimum(one.unseen[np.isfinite(one.unseen)] ** 2, far**2) for one in tried]
+    least = squares[tried.index(best)]
+    own = max(float(np.mean(least)) - noise**2, 0.0)
+    good = []
+    for one, square in zip(tried, squares, strict=True):
+        worse = square - least
+        chance = _DEVIATIONS * float(np.std(worse)) / np.sqrt(worse.size)
+        if float(np.mean(worse)) <= max(chance, ((1 + ALIKE) ** 2 - 1) * own):
+            good.append(one)
+    return min(good, key=lambda one: (one.candidate.constants, one.candidate.left_out_rmse))
 
 
-def marked(rows: Sequence[Candidate], best: Candidate) -> tuple[Candidate, ...]:
-    """`rows` [-] with the `best` [-] marked as chosen."""
-    return tuple(replace(one, chosen=one is best) for one in rows)
+def judged(errors: np.ndarray, loss: str) -> float:
+    """The size of `errors` [N], NaN for clipped readings: their root mean square, or with a robust
+    `loss` [-] what that is of most of them, so that outliers don't decide.
+    """
+    seen = errors[np.isfinite(errors)]
+    if not seen.size:
+        return float("nan")
+    if loss != "linear":
+        return 1.4826 * float(np.median(np.abs(seen)))
+    return float(np.sqrt(np.mean(seen**2)))
 
 
-def reasons(rows: Sequence[Candidate], best: Candidate) -> tuple[str, ...]:
-    """Why the `best` [-] of `rows` [-] was taken, a line each."""
-    return tuple(_reasons(rows, best))
+def marked(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
+    """The candidates of `trials` [-], the `best` one's [-] marked as chosen."""
+    return tuple(replace(one.candidate, chosen=one is best) for one in trials)
 
 
-def _reasons(rows: Sequence[Candidate], best: Candidate) -> Iterator[str]:
-    tried = [one for one in rows if one.constants and np.isfinite(one.left_out_rmse)]
+def reasons(trials: Sequence[Trial], best: Trial) -> tuple[str, ...]:
+    """Why the `best` [-] of `trials` [-] was taken, a line each."""
+    tried = [one.candidate for one in trials if one.judged]
+    return tuple(_reasons(tried, best.candidate))
+
+
+def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     least = min(tried, key=lambda one: one.left_out_rmse)
     yield (
         f"Taken: {best.label} ({_numbers(best)}), wrong by {_share(best)} of the largest force where"
@@ -79,8 +124,8 @@ def _reasons(rows: Sequence[Candidate], best: Candidate) -> Iterator[str]:
         yield f"None of the {len(tried)} that were fitted is better there."
     else:
         yield (
-            f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): within"
-            f" {ALIKE:.0%} of it the fewest numbers are taken."
+            f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than chance"
+            f" or {ALIKE:.0%} make it, so the fewest numbers are taken."
         )
     by_names = {one.names: one for one in tried if one.method == "constants"}
     for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):
@@ -102,7 +147,7 @@ def _difference(
         return
     more = [one for names, one in by_names.items() if set(names) == {*best.names, name}]
     if more:
-        yield f"{what} beside them doesn't pay: {_share(more[0])}."
+        yield f"{what} beside them would make it {_share(more[0])}, which doesn't pay."
 
 
 def _share(one: Candidate) -> str:

@@ -83,7 +83,9 @@ def compare(
         other = _with(
             muscle,
             buckling=names[0],
-            collapse=collapse_named(names[1], getattr(muscle.collapse, "factor", 1.0) if own else 1.0),
+            collapse=collapse_named(
+                names[1], getattr(muscle.collapse, "factor", 1.0) if own else 1.0
+            ),
             post_collapse=post_collapse_named(names[2]),
         )
         rows.append(row(", ".join(names), fitted(of, other, parameters, priors, **search)))

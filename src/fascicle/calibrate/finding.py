@@ -5,8 +5,9 @@ first, on the record as a gauge that only pulls would have seen it. Tried are th
 sets of its constants, and the paper's tuning. Where the record shows what resists, the best set
 and the paper's tuning are then fitted with the factors on all that resists, to all readings.
 
-A candidate is judged by its error at pressures that it did not see. Of those within 2 % of the
-least the one with the fewest constants is taken: what the data don't ask for isn't fitted.
+A candidate is judged by its error at pressures that it did not see. Of those that are no worse
+than the best the one with the fewest constants is taken: what the data don't ask for isn't
+fitted.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,9 +19,9 @@ import numpy as np
 from .._checks import one_of
 from ..muscle import Muscle
 from ..records.record import Record
-from .calibration import Calibration, largest_force, root_mean_square
+from .calibration import Calibration, largest_force
 from .candidates import longer, sets
-from .choosing import AS_GIVEN, TUNING, Candidate, chosen, marked, reasons
+from .choosing import AS_GIVEN, TUNING, Candidate, Trial, chosen, judged, marked, reasons
 from .fitting import STARTS, Prior, Search, begun, fitted, on_length, places_of, settled
 from .grid import WEIGHTS, Grid
 from .leaving_out import folds, without
@@ -31,6 +32,10 @@ from .pulling import force_of, untuned
 from .readings import read, tables_of
 from .resisting import FACTOR_NAMES, resisting
 from .taking import Taken, pulling_of, taken
+
+
+_LONGEST = 64  # readings at a pressure while candidates are tried
+_STARTS = 2  # places each begins from, beside where the one before it ended
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,48 +81,52 @@ def find(
     if given:
         named(list(given), muscle)  # refuses what no muscle has
     tell("trying what the record can tell")
-    rows = _tension(pulling_of(of), muscle, given, search)
-    if not rows:  # nothing pulls: the fit says what is missing
+    trials, noise = _tension(pulling_of(of, _LONGEST), muscle, given, search)
+    if not trials:  # nothing pulls: the fit says what is missing
         return Choice(fitted(of, muscle, None, None, replace(search, whole=True)))
     if of.pulls:
-        best = chosen(rows)
+        best = chosen(trials, noise, loss)
         tell("fitting")
-        names = None if best.method == "tuning" else best.names
+        names = None if best.candidate.method == "tuning" else best.candidate.names
         told = {name: prior for name, prior in given.items() if name in (names or ())}
         made = fitted(of, muscle, names, told, search)
-        return Choice(made, marked(rows, best), reasons(rows, best))
+        return Choice(made, marked(trials, best), reasons(trials, best))
     tell("fitting what resists")
     search = replace(search, whole=True)
-    best = chosen([one for one in rows if one.method == "constants"])
-    last, fits = resisting(of, muscle, given, search, best.names)
-    taken_ = chosen(last)
-    told = (f"Where the muscle pulls {best.label} is best.", *reasons(last, taken_))
-    every = (*marked(rows, best), *marked(last, taken_))
-    return Choice(fits[last.index(taken_)], every, told)
+    best = chosen([one for one in trials if one.candidate.method == "constants"], noise, loss)
+    last, fits = resisting(of, muscle, given, search, best.candidate.names)
+    end = chosen(last, noise, loss)
+    told = (f"Where the muscle pulls {best.candidate.label} is best.", *reasons(last, end))
+    every = (*marked(trials, best), *marked(last, end))
+    return Choice(fits[last.index(end)], every, told)
 
 
 def _tension(
     of: Taken, muscle: Muscle, given: Mapping[str, Prior], search: Search
-) -> list[Candidate]:
-    """What can be free where the muscle pulls, each with its left-out error."""
+) -> tuple[list[Trial], float]:
+    """What can be free where the muscle pulls, each with its left-out error; and the noise of a
+    reading [N], 0 where it can't be seen.
+    """
     measured = int(np.sum(of.data.uncensored))
     if not measured:
-        return []
+        return [], 0.0
     always = [name for name in given if name not in FACTOR_NAMES]
-    rows, near = [], {}
+    trials, near = [], {}
 
     def tried(names: tuple[str, ...]) -> None:
         if len(names) < measured:
             told = {name: prior for name, prior in given.items() if name in names}
-            rows.append(_constants(of, muscle, names, told, replace(search, near=dict(near)), near))
+            begin = replace(search, near=dict(near), starts=min(search.starts, _STARTS))
+            trials.append(_constants(of, muscle, names, told, begin, near))
 
     for names in sets(muscle, always):
         tried(names)
-    for names in longer(chosen(rows).names):
+    noise = read(muscle, on_length(of.data, of.record, muscle)).noise
+    for names in longer(chosen(trials, noise, search.loss).candidate.names):
         tried(names)
     # a tuning has no place for what is known of constants
-    tuning = [] if always else _tuning(of, muscle)
-    return [*rows[:1], *tuning, *rows[1:]]
+    tuning = [] if always else _tuning(of, muscle, search.loss)
+    return [*trials[:1], *tuning, *trials[1:]], noise
 
 
 def _constants(
@@ -127,7 +136,7 @@ def _constants(
     priors: Mapping[str, Prior],
     search: Search,
     near: dict[str, float],
-) -> Candidate:
+) -> Trial:
     """A set of constants; where it ended is noted in `near`, for the next to begin from."""
     problem, _ = begun(of, muscle, names or ("braid_angle",), priors, search)
     every, noise = np.asarray(problem.center), float(problem.noise)
@@ -136,59 +145,48 @@ def _constants(
         near.update({one.name: every[i] for one, i in zip(problem.fitted, problem.chosen)})
     else:
         problem = replace(problem, free=jnp.zeros(len(problem.parameters), dtype=bool))
-    used, count = problem.data.uncensored, np.asarray(problem.data.count)
-    force = np.asarray(problem.data.force)
-    errors = np.where(used, force - linear(problem, every).force, np.nan)
-    unseen = np.full(errors.shape, np.nan)
+    force = linear(problem, every).force
+    unseen = np.full(force.shape, np.nan) if names else force
     for fold in folds(problem.data) if names else ():
         unseen[fold] = without(problem, every, fold)[fold]
-    unseen = np.where(used, unseen if names else errors, np.nan)
-    return _candidate(of, names, "constants", len(names), errors, unseen, count, search.loss)
+    return _trial(of, names, "constants", len(names), force, unseen, search.loss)
 
 
-def _tuning(of: Taken, muscle: Muscle) -> list[Candidate]:
+def _tuning(of: Taken, muscle: Muscle, loss: str) -> list[Trial]:
     """The paper's tuning where the muscle pulls, if blocked force and free strain can be read."""
     data, count = on_length(of.data, of.record, muscle), np.asarray(of.data.count)
-    law, used = untuned(muscle), of.data.uncensored
-    P, strain = np.asarray(data.pressure), np.asarray(data.strain)
+    law, P, strain = untuned(muscle), np.asarray(data.pressure), np.asarray(data.strain)
 
-    def missed(seen: Grid) -> tuple[np.ndarray, int] | None:
+    def forces(seen: Grid) -> tuple[np.ndarray, int] | None:
         readings = read(muscle, seen)
         if not np.any(readings.valid):
             return None
         c1, c2 = (x[:, None] for x in tables_of(muscle, readings, P[:, 0]))
-        force = c2 * (force_of(law, P, strain)[0] - c1)
-        return np.asarray(data.force) - force, readings.order + 3
+        return c2 * (force_of(law, P, strain)[0] - c1), readings.order + 3
 
-    first = missed(data)
+    first = forces(data)
     if first is None:
         return []
-    errors, constants = first
-    unseen = np.full(errors.shape, np.nan)
+    unseen = np.full(count.shape, np.nan)
     for fold in folds(data):
-        found = missed(replace(data, count=jnp.asarray(np.where(fold, 0.0, count))))
-        unseen[fold] = np.nan if found is None else found[0][fold]
-    errors, unseen = (np.where(used, x, np.nan) for x in (errors, unseen))
-    return [_candidate(of, (), "tuning", constants, errors, unseen, count, "linear")]
+        found = forces(replace(data, count=jnp.asarray(np.where(fold, 0.0, count))))
+        if found is not None:
+            unseen[fold] = found[0][fold]
+    return [_trial(of, (), "tuning", first[1], first[0], unseen, loss)]
 
 
-def _candidate(
+def _trial(
     of: Taken,
     names: tuple[str, ...],
     method: str,
     constants: int,
-    errors: np.ndarray,
+    force: np.ndarray,
     unseen: np.ndarray,
-    count: np.ndarray,
     loss: str,
-) -> Candidate:
+) -> Trial:
     label = ", ".join(names) or (AS_GIVEN if method == "constants" else TUNING)
-    used = np.isfinite(errors)
-    rmse = root_mean_square(errors, count)
-    left = float("nan")
-    if np.all(np.isfinite(unseen[used])):
-        left = root_mean_square(unseen, count)
-        if loss != "linear":  # what a robust fit plays down must not decide
-            left = 1.4826 * float(np.median(np.abs(unseen[used])))
-    top = largest_force(of.record)
-    return Candidate(label, names, method, constants, rmse, left, rmse / top, left / top)
+    strain, top = np.asarray(of.data.strain), largest_force(of.record)
+    errors = of.errors(unseen, strain)
+    rmse, left = judged(of.errors(force, strain), loss), judged(errors, loss)
+    found = Candidate(label, names, method, constants, rmse, left, rmse / top, left / top)
+    return Trial(found, errors)

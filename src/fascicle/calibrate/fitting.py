@@ -20,7 +20,7 @@ from ..muscle import Muscle
 from ..muscle.tuning import Tuning
 from ..records.record import Record
 from .calibration import Calibration
-from .causes import causes
+from .causes import causes, untold
 from .discrepancy import from_trends, table, widening
 from .grid import WEIGHTS, Grid, trimmed, weighed
 from .judging import remarks
@@ -151,23 +151,26 @@ def begun(
         among = named([*names, *search.among], muscle)
     elif pulls and not tuning:
         among = constants_of(start, free)
-    mask = None if among == free else jnp.asarray([one in free for one in among])
-    if mask is not None:
+    shared = bool(search.among) or among != free
+    mask = jnp.asarray([one in free for one in among]) if shared else None
+    if shared:
         start = explicit(start, among)
     center = np.asarray(_coordinates(among, start))
     deviation = np.array([_deviation(one, start, given.get(one.name)) for one in among])
     more: dict[str, Any] = {"free": mask, "pulls": pulls}
     if search.among:
         more["corrects"] = jnp.asarray(tuning)
+    # a strain without the length it refers to is the muscle's own
+    rest = None if of.record.rest_length is None else jnp.asarray(of.record.rest_length)
     if tuning:
         data = on_length(data, of.record, start)
+        if rest is not None and search.among:
+            more["rest_length"] = start.length  # the others have one
         readings, problem = problem_of(
             start, data, weighed(data, search.weights), center, deviation, among, search.loss,
             **more,
         )  # fmt: skip
         return problem, readings
-    # a strain without the length it refers to is the muscle's own
-    rest = None if of.record.rest_length is None else jnp.asarray(of.record.rest_length)
     noise = jnp.asarray(_FIRST_NOISE * float(np.max(np.abs(np.asarray(data.force)))))
     return Problem(
         start, data, jnp.asarray(weighed(data, search.weights)), noise, jnp.asarray(center),
@@ -199,6 +202,10 @@ def concluded(
     **Returns:** the calibration [-].
     """
     data, start, chosen = problem.data, problem.muscle, problem.chosen
+    if not np.all(np.isfinite(end.linear.residuals)):
+        raise ValueError(
+            "`muscle`: its laws have no number where the search begins: check sizes and constants."
+        )
     left = remainder(problem, end, best, of.gathered.branch, of.gathered.time)
     seen = looked(left)
     trends, inflation = from_trends(problem, end, left, seen), widening(left, seen)
@@ -225,6 +232,7 @@ def concluded(
         inflation=inflation,
         seen=seen,
         causes=causes(problem, best, left, seen),
+        untold=untold(problem, best, left),
         discrepancy=table(problem, left, seen),
         weights=search.weights,
     )

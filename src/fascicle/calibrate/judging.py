@@ -12,14 +12,15 @@ if TYPE_CHECKING:
 
 _TIED = 0.95  # correlation from which two parameters are told apart no longer
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
+_TOLD = 3  # strains at which residuals' signs are told
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 
 def remarks(made: "Calibration") -> list[str]:
     """Lines [-] to read before the fitted muscle of `made` [-] is used."""
     return [
-        *_search(made), *_reach(made), *_parameters(made), *_dense(made), *_curves(made),
-        *_scatter(made),
+        *_search(made), *_noise(made), *_reach(made), *_parameters(made), *_dense(made),
+        *_curves(made), *_use(made),
     ]  # fmt: skip
 
 
@@ -74,6 +75,11 @@ def _parameters(made: "Calibration") -> list[str]:
         lines.append(
             f"The data alone do not determine {_list(lost)}: what stands there is mostly its prior."
         )
+    if made.untold:
+        lines.append(
+            f"Not fitted, and not to be told from these data beside what was: {_list([*made.untold])}"
+            f" {'stay' if len(made.untold) > 1 else 'stays'} as given."
+        )
     known = [one.identifiable for one in found]
     for i in range(len(found)):
         for j in range(i):
@@ -127,13 +133,97 @@ def _curves(made: "Calibration") -> list[str]:
     return lines
 
 
-def _scatter(made: "Calibration") -> list[str]:
-    if made.inflation <= 1:
-        return []
-    return [
-        "Residuals follow one another along a sweep: what is left is the model's or the gauge's"
-        f" own error, not noise. Intervals are widened by {np.sqrt(made.inflation):.3g}."
-    ]
+def _noise(made: "Calibration") -> list[str]:
+    """Whether residuals are noise, and what else they are."""
+    seen, lines = made.seen, []
+    for trend in seen.found:
+        lines.append(
+            f"Residuals follow {trend.along}: a smooth curve along it explains"
+            f" {100 * trend.share:.3g} % of their squares (chance of that in noise:"
+            f" {trend.chance:.1g}). That is the model's own error, or the gauge's, not noise."
+        )
+    for one in seen.wandering:
+        lines.append(
+            f"Neighboring residuals along {one.along} change sign {one.changes} times in"
+            f" {one.pairs}, where noise would in half of them: they follow something."
+        )
+    if seen.signs and not seen.noisy:
+        told = [
+            f"{max(one.below, one.count - one.below)} of {one.count} lie"
+            f" {'below' if 2 * one.below > one.count else 'above'} the fit near strain"
+            f" {one.strain:.3g}"
+            for one in seen.signs[:_TOLD]
+        ]
+        lines.append(f"Of the readings {_list(told)}.")
+    if not seen.noisy:
+        lines += _causes(made)
+    if seen.found:
+        wide = made.wider
+        lines.append(
+            "Intervals count a discrepancy for it, an error of the model that goes smoothly along"
+            f" {_list([one.along for one in seen.found])} and is as large where the fit took it up"
+            f" as where it shows: they are {_range(wide)} times as wide as noise alone makes them."
+        )
+    if made.inflation > 1:
+        lines.append(
+            "Residuals follow one another along a sweep, more than noise does: intervals are"
+            f" widened by {np.sqrt(made.inflation):.3g} for it."
+        )
+    if not np.isfinite(seen.noise):
+        lines.append(
+            "Too few readings are left beside the constants to tell whether residuals are noise."
+        )
+    return lines
+
+
+def _causes(made: "Calibration") -> list[str]:
+    if not made.causes:
+        return ["None of the causes that are looked for here would explain much of it."]
+    told = [f"{one.name} (would explain {100 * one.share:.2g} %)" for one in made.causes]
+    return [f"Most like it: {'; or '.join(told)}. What to do: {made.causes[0].remedy}."]
+
+
+def _use(made: "Calibration") -> list[str]:
+    """What its figures don't hold, or hold besides the model."""
+    lines = []
+    if made.loop is None:
+        lines.append(
+            "Measured one way, or the way isn't told: friction's hysteresis loop is not in these"
+            " errors, and a muscle in use has one."
+        )
+    if "active_length" in made.names:
+        length = float(made.muscle.length)
+        lines.append(
+            f"The fitted muscle is {1e3 * length:.4g} mm long: its contractions refer to that, the"
+            f" record's to {_rest(made)}."
+        )
+    return lines
+
+
+def hysteresis(made: "Calibration") -> str:
+    """How wide the record's loops are, and what that is of the muscle's error in use; nothing where
+    the record doesn't hold both ways [-].
+    """
+    loop = made.loop
+    if loop is None:
+        return ""
+    where = f"at {loop.pressure.size} pressures" if loop.pressure.size > 1 else "there"
+    return (
+        f"Hysteresis loop {_range(100 * loop.share)} % of the pull at a pressure wide,"
+        f" {_range(loop.width)} N {where}: half of it is in the error of a muscle in use,"
+        f" {made.rmse:.4g} N; from the half-way curve it errs by"
+        f" {np.sqrt(max(made.rmse**2 - loop.half**2, 0.0)):.4g} N."
+    )
+
+
+def _rest(made: "Calibration") -> str:
+    rest = made.record.rest_length
+    return "the length it began with" if rest is None else f"{1e3 * rest:.4g} mm"
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = f"{float(np.min(values)):.2g}", f"{float(np.max(values)):.2g}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _named(made: "Calibration", names: tuple[str, ...]) -> list[str]:

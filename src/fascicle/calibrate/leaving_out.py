@@ -24,29 +24,33 @@ _STRETCHES = 6
 
 def left_out_errors(made: Calibration) -> np.ndarray:
     """Errors [N] at each place of a calibration's `data` of fits that did not see it; NaN where
-    it is clipped.
+    it is clipped, or couldn't be left out.
     """
-    problem = made.problem
-    every = problem.whole(made.coordinates)
-    errors = np.full(problem.data.uncensored.shape, np.nan)
+    force = left_out_force(made)
+    return np.where(made.data.uncensored, np.asarray(made.data.force) - force, np.nan)
+
+
+def left_out_force(made: Calibration) -> np.ndarray:
+    """Forces [N] at each place of a calibration's `data` of fits that did not see it."""
+    problem, every = made.problem, made.problem.whole(made.coordinates)
+    force = np.full(problem.data.uncensored.shape, np.nan)
     for fold in folds(problem.data):
         if made.method == "tuning":
-            found = left_out(problem, every, fold, made.weights)
+            force[fold] = left_out(problem, every, fold, made.weights)[fold]
         else:
-            found = without(problem, every, fold)
-        errors[fold] = found[fold]
+            force[fold] = without(problem, every, fold)[fold]
     rows, columns = made.force.shape
-    return np.where(problem.data.uncensored, errors, np.nan)[:rows, :columns]
+    return force[:rows, :columns]
 
 
 def without(problem: Problem, coordinates: np.ndarray, fold: np.ndarray) -> np.ndarray:
-    """Errors [N] everywhere of a fit that did not see the places in a `fold` [-], begun from the
+    """Forces [N] everywhere of a fit that did not see the places in a `fold` [-], begun from the
     `coordinates` [-] of all parameters of the one that did.
     """
     weight = np.where(fold, 0.0, np.asarray(problem.weight))
     seen = replace(problem, weight=jnp.asarray(weight))
     again = solve(seen, coordinates[None], little=ROUGH).coordinates[0]
-    return np.asarray(problem.data.force) - linear(problem, again).force
+    return linear(problem, again).force
 
 
 def folds(data: Grid) -> list[np.ndarray]:

@@ -253,7 +253,14 @@ def put(
 def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
     """All that the force of a `muscle` that pulls may depend on [-], and `also` others [-]."""
     rubber = ("c10", "c01") if isinstance(muscle.material, MooneyRivlin) else ()
-    pulling = (*rubber, "braid_angle", "outer_radius", "wall_thickness", "active_length", "dead_band")
+    pulling = (
+        *rubber,
+        "braid_angle",
+        "outer_radius",
+        "wall_thickness",
+        "active_length",
+        "dead_band",
+    )
     own = [one.name for one in _of_law(muscle)]
     return named([*pulling, *own, *(one.name for one in also)], muscle)
 

@@ -116,7 +116,9 @@ def read(muscle: Muscle, data: Grid) -> Readings:
     )  # fmt: skip
 
 
-def _quotient(share: np.ndarray, value: np.ndarray, deviation: np.ndarray) -> tuple[int, Polynomial]:
+def _quotient(
+    share: np.ndarray, value: np.ndarray, deviation: np.ndarray
+) -> tuple[int, Polynomial]:
     """The order of the free strain's quotient, and its polynomial in pressure."""
     n = share.size
     fits = [

@@ -22,8 +22,8 @@ class Remainder:
     - `residual`: measured less fitted force [N], times the root of how many readings it averages.
     - `slopes`: its Jacobian [N] by the free coordinates, then by the curves of the readings.
     - `weight`: root of how many readings are averaged [-]; 0 for a prior.
-    - `strain`, `pressure`, `branch`, `time`, `force`: of each reading [-], [Pa], [-], [s], [N];
-      of priors they mean nothing.
+    - `strain`, `pressure`, `branch`, `time`, `force`: of each reading, the record's [-], [Pa],
+      [-], [s], and the model's [N]; of priors they mean nothing.
     - `level`: of pressure [-].
     """
 
@@ -99,7 +99,7 @@ def remainder(
         np.concatenate([weight, none]),
         *(
             np.concatenate([values[used], none])
-            for values in (np.asarray(found.strain), mine[0], branch, time, found.force, mine[1])
+            for values in (np.asarray(data.strain), mine[0], branch, time, found.force, mine[1])
         ),
     )
 

@@ -1,13 +1,13 @@
-"""Least squares from several starts, and in words how each of them ended.
+"""Levenberg-Marquardt from several starts, and in words how each of them ended.
 
-SciPy's trust-region method walks, each step at once with the exact Jacobian (`linear`). The
-loop runs outside of what is compiled, which is then one evaluation of the law and no more.
+MINPACK's walks, by way of SciPy, with exact Jacobians (`linear`). The loop runs outside of what is
+compiled, which is then one evaluation of the law and no more.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import leastsq
 
 from .linear import Linear, Linearized
 from .problem import Problem
@@ -20,6 +20,9 @@ _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
 _LITTLE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
 ROUGH = 1e-6  # of the cost, where it is for an error's first digits
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
+
+_NO_NUMBER = 1e9  # deviations
+_FULL = 5  # MINPACK's word for all steps taken
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
 _WORDS = {
@@ -62,10 +65,6 @@ def solve(
     return Solutions(np.array(z), np.array(cost), np.array(status), np.array(steps))
 
 
-class _NoNumber(ArithmeticError):
-    """The law has no number where the search has gone."""
-
-
 def _solve(
     linear: Linearized, start: np.ndarray, free: np.ndarray, little: float
 ) -> tuple[np.ndarray, float, int, int]:
@@ -81,28 +80,29 @@ def _solve(
             last[key] = linear(whole)
         return last[key]
 
-    def slopes(z: np.ndarray) -> np.ndarray:
-        found = at(z).slopes[:, free]
-        if not np.all(np.isfinite(found)):
-            raise _NoNumber
-        return found
+    def residuals(z: np.ndarray) -> np.ndarray:
+        r = at(z).residuals
+        # where the law has no number a step is too far
+        return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
 
     z, begun = start[free], at(start[free])
-    if not np.all(np.isfinite(begun.residuals)):
+    if not (np.all(np.isfinite(begun.residuals)) and np.all(np.isfinite(begun.slopes[:, free]))):
         return start, np.nan, BROKE, 0
     if not free.size:
         return start, 0.5 * float(begun.residuals @ begun.residuals), CONVERGED, 0
-    try:
-        found = least_squares(
-            lambda z: at(z).residuals, z, slopes, x_scale="jac", ftol=little, xtol=_TOLERANCE,
-            gtol=None, max_nfev=STEPS,
-        )  # fmt: skip
-    except (_NoNumber, np.linalg.LinAlgError):
-        return start, np.nan, BROKE, 0
+    found, _, told, _, end = leastsq(
+        residuals, z, Dfun=lambda z: at(z).slopes[:, free], full_output=True, ftol=little,
+        xtol=_TOLERANCE, gtol=0.0, maxfev=STEPS,
+    )  # fmt: skip
     whole = start.copy()
-    whole[free] = found.x
-    settled = found.status > 0 or _to_win(found.fun, found.jac) < _SETTLED
-    return whole, float(found.cost), CONVERGED if settled else STOPPED, int(found.njev)
+    whole[free] = found
+    ended = at(found)
+    if not (np.all(np.isfinite(ended.residuals)) and np.all(np.isfinite(ended.slopes))):
+        return start, np.nan, BROKE, 0
+    # 1 to 4: nothing moves any more, or no step within rounding is left
+    settled = end != _FULL or _to_win(ended.residuals, ended.slopes[:, free]) < _SETTLED
+    cost = 0.5 * float(ended.residuals @ ended.residuals)
+    return whole, cost, CONVERGED if settled else STOPPED, int(told["njev"])
 
 
 def _to_win(r: np.ndarray, jacobian: np.ndarray) -> float:

@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..records.record import UNKNOWN, Record
-from .grid import Gathered, Grid, gathered, trimmed
+from .grid import LONGEST, Gathered, Grid, gathered, trimmed
 
 
 _SMALL = 0.1  # of a level's largest force: what noise may be where a gauge reads none
+_NOISE = 0.02  # of the largest force, the same
+_IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +88,11 @@ class Taken:
         `force` [N] at the tables' places, which lie at this `strain` of the record [-].
         """
         record, made = self.record, self.gathered
-        at = force[made.level, made.place]
+        place = made.level, made.place
+        at = force[place]
         if made.averaged:
-            away = record.strain - strain[made.level, made.place]
-            at = at + away * _slopes(force, strain, np.asarray(self.data.count))[made.level, made.place]
+            slopes = _slopes(force, strain, np.asarray(self.data.count))
+            at = at + (record.strain - strain[place]) * slopes[place]
         return np.where(record.censored, np.nan, record.force - at)
 
 
@@ -107,18 +110,21 @@ def taken(record: Record) -> Taken:
     return Taken(record, gathered(record), read, left_out)
 
 
-def pulling_of(of: Taken) -> Taken:
+def pulling_of(of: Taken, longest: int = LONGEST) -> Taken:
     """The same as a gauge would have `taken` it that only pulls, for the tension law alone: pushes
-    are clipped at zero, and so is the noise that such a gauge reads past a free strain.
+    are clipped at zero, and so is the noise that such a gauge reads past a free strain; at most
+    `longest` readings [-] at a pressure.
     """
     record = of.record
     below = (record.force <= 0) & ~record.censored
     slack = _slack(of, record.censored | below)
-    if not np.any(below | slack):
+    if not np.any(below | slack) and longest == LONGEST:
         return of
     gone = record.censored | below | slack
     clipped = replace(record, force=np.where(gone, 0.0, record.force), censored=gone)
-    return replace(of, record=clipped, gathered=gathered(clipped), slack=int(np.sum(slack)))
+    return replace(
+        of, record=clipped, gathered=gathered(clipped, longest), slack=int(np.sum(slack))
+    )
 
 
 def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
@@ -126,19 +132,20 @@ def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
     a law that falls with strain pulls no more once it has ended to.
     """
     force, strain = of.record.force, of.record.strain
-    out = np.zeros(force.size, dtype=bool)
+    out, top = np.zeros(force.size, dtype=bool), float(np.max(force))
+    idle = of.record.pressure < _IDLE * float(np.max(of.record.pressure))
     order = np.lexsort((strain, of.gathered.level))
     for points in np.split(order, np.flatnonzero(np.diff(of.gathered.level[order])) + 1):
         gone = clipped[points]
-        if not np.any(gone) or np.all(gone):
+        if np.all(gone) or not (np.any(gone) or idle[points[0]]):
             continue
         # where the level ends to pull: most before it do, and most beyond it don't
         right = np.concatenate([[0], np.cumsum(~gone)]) + np.concatenate(
             [np.cumsum(gone[::-1])[::-1], [0]]
         )
-        beyond = np.arange(points.size) >= int(np.argmax(right))
-        small = force[points] < _SMALL * np.max(force[points])
-        out[points] = beyond & ~gone & small
+        ends = 0 if idle[points[0]] else int(np.argmax(right))
+        small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
+        out[points] = (np.arange(points.size) >= ends) & ~gone & small
     return out
 
 
@@ -167,8 +174,11 @@ def _slopes(force: np.ndarray, strain: np.ndarray, count: np.ndarray) -> np.ndar
     for row in range(len(force)):
         places = np.flatnonzero(count[row] > 0)
         places = places[np.argsort(strain[row, places], kind="stable")]
-        x, first = np.unique(strain[row, places], return_index=True)
-        if x.size > 1:
-            slope = np.gradient(force[row, places][first], x)
-            out[row, places] = np.interp(strain[row, places], x, slope)
+        x = strain[row, places]
+        # the means of both branches may lie a rounding apart
+        apart = np.concatenate([[True], np.diff(x) > 1e-6 * np.ptp(x)]) if x.size else []
+        kept = places[apart]
+        if kept.size > 1:
+            slope = np.gradient(force[row, kept], strain[row, kept])
+            out[row, places] = np.interp(x, strain[row, kept], slope)
     return out

@@ -35,6 +35,7 @@ def problem_of(
     deviation: np.ndarray,
     parameters: tuple[Parameter, ...],
     loss: str,
+    rest_length: Any = None,
     **more: Any,
 ) -> tuple[Readings, Problem]:
     """The readings of `data` [-] and the problem that remains past the free strain.
@@ -47,7 +48,8 @@ def problem_of(
     - `center`, `deviation`: of the prior on each coordinate [-].
     - `parameters`: those that are free [-].
     - `loss`: one of `LOSSES` [-].
-    - `more`: fields of the problem [-].
+    - `rest_length`: that of the muscle [m], where another fit of the record needs one.
+    - `more`: further fields of the problem [-].
 
     **Returns:** both [-].
     """
@@ -62,7 +64,8 @@ def problem_of(
     resists = weight * (np.asarray(data.strain) > free[:, None]) * (not pulls_only)
     problem = Problem(
         muscle, data, jnp.asarray(resists), jnp.asarray(readings.noise), jnp.asarray(center),
-        jnp.asarray(deviation), None, jnp.asarray(readings.coefficients), parameters, loss, **more,
+        jnp.asarray(deviation), rest_length, jnp.asarray(readings.coefficients), parameters, loss,
+        **more,
     )  # fmt: skip
     return readings, problem
 
@@ -70,15 +73,15 @@ def problem_of(
 def left_out(
     problem: Problem, coordinates: np.ndarray, fold: np.ndarray, weights: str
 ) -> np.ndarray:
-    """Errors [N] everywhere of a tuning that did not see the places in a `fold` [-], begun from
+    """Forces [N] everywhere of a tuning that did not see the places in a `fold` [-], begun from
     the `coordinates` [-] of the one that did; `problem` and `weights` are that one's [-].
     """
     data = problem.data
     seen = replace(data, count=jnp.asarray(np.where(fold, 0.0, np.asarray(data.count))))
     _, without = problem_of(
         problem.muscle, seen, weighed(seen, weights), problem.center, problem.deviation,
-        problem.parameters, problem.loss, free=problem.free, pulls=problem.pulls,
-        corrects=problem.corrects,
+        problem.parameters, problem.loss, problem.rest_length, free=problem.free,
+        pulls=problem.pulls, corrects=problem.corrects,
     )  # fmt: skip
     again = solve(without, coordinates[None], little=ROUGH).coordinates[0]
-    return np.asarray(data.force) - linear(without, again).force
+    return linear(without, again).force

@@ -12,6 +12,7 @@ from .problems import UserError, refusing
 
 if TYPE_CHECKING:
     from ..calibrate.calibration import Calibration
+    from ..calibrate.finding import Choice
 
 _FILES = ("muscle.toml", "report.html")
 _FIGURES = ("fit", "residuals", "readings", "profiles")
@@ -24,6 +25,7 @@ class Found:
 
     made: "Calibration"
     remarks: tuple[str, ...]
+    choice: "Choice | None" = None
     profiles: tuple[Any, ...] = ()
     posterior: Any = None
     comparison: list[Any] = field(default_factory=list)
@@ -51,7 +53,22 @@ class Found:
             "warnings": list(made.warnings),
             "notes": [*self.remarks, *made.record.notes],
             "starts": made.starts,
+            "readings": made.taken.counts(),
+            "trends": [
+                {"along": one.along, "share": one.share, "chance": one.chance, "found": one.found}
+                for one in made.seen.trends
+            ],
+            "runs": [vars(one) for one in made.seen.runs],
+            "wider": dict(zip(made.names, made.wider.tolist(), strict=True)),
+            "causes": [vars(one) for one in made.causes],
+            "untold": list(made.untold),
+            "loop": _loop(made.loop),
         }  # fmt: skip
+        if self.choice is not None:
+            found["candidates"] = [
+                {**vars(one), "names": list(one.names)} for one in self.choice.candidates
+            ]
+            found["reasons"] = list(self.choice.reasons)
         if self.profiles:
             found["profiles"] = {
                 one.name: {"low": one.low, "high": one.high} for one in self.profiles
@@ -72,6 +89,9 @@ class Found:
         # what was guessed is always shown; what a file remarks about itself is in the report
         for note in (*self.remarks, *(n for n in made.record.notes if ": note: " not in n)):
             print(note)
+        print("; ".join(made.taken.words()))
+        if self.choice is not None:
+            self._show_choice()
         rows = [
             [
                 one.name,
@@ -100,8 +120,30 @@ class Found:
             f"{made.points} readings, {made.censored} of them clipped: rmse {made.rmse:.4g} N,"
             f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
         )
+        from ..calibrate.judging import hysteresis
+
+        if made.loop is not None:
+            print(hysteresis(made))
         for warning in made.warnings:
             print(f"warning: {warning}")
+
+    def _show_choice(self) -> None:
+        """What was tried, and why one of it was taken."""
+        from .tables import show
+
+        assert self.choice is not None
+        heads = ["", "numbers", "rmse", "left out", ""]
+        for readings, title in _COMPARED.items():
+            rows = [
+                [one.label, str(one.constants), _percent(one.relative_rmse),
+                 _percent(one.relative_left_out_rmse), "taken" if one.chosen else ""]
+                for one in self.choice.candidates
+                if one.readings == readings
+            ]  # fmt: skip
+            if rows:
+                show(f"Tried on {title}: error over the largest force", heads, rows)
+        for line in self.choice.reasons:
+            print(line)
 
     def write(self, folder: Path, date: str) -> list[str]:
         """Write muscle, report and figures into a new `folder` [-], whole or not at all."""
@@ -112,17 +154,17 @@ class Found:
         from ..reports.calibration import report
 
         made = self.made
+        drawn = {name: to_bytes(figure, "svg") for name, figure in self.figures.items()}
         page = report(
             made, date, self.figures, self.profiles, self.posterior, self.comparison,
-            remarks=self.remarks,
+            remarks=self.remarks, drawn=drawn, choice=self.choice,
         )  # fmt: skip
         content = {
-            "muscle.toml": dumps(made.muscle, provenance_of(made, date)).encode(),
+            "muscle.toml": dumps(made.muscle, provenance_of(made, date, self.choice)).encode(),
             "report.html": page.encode(),
         }
         for name, figure in self.figures.items():
-            for kind in ("png", "svg"):
-                content[f"{name}.{kind}"] = to_bytes(figure, kind)
+            content[f"{name}.png"], content[f"{name}.svg"] = to_bytes(figure, "png"), drawn[name]
 
         def fill(draft: Path) -> None:
             draft.mkdir()
@@ -131,6 +173,20 @@ class Found:
 
         write(folder, fill, folder=True)
         return [str(folder / name) for name in content]
+
+
+_COMPARED = {"pulling": "readings that pull", "all": "all readings"}
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
+
+
+def _loop(loop: Any) -> dict[str, Any] | None:
+    if loop is None:
+        return None
+    return {"pressure": loop.pressure.tolist(), "width": loop.width.tolist(),
+            "share": loop.share.tolist(), "half": loop.half}  # fmt: skip
 
 
 def folder_for(out: str | None, paths: list[str], as_json: bool) -> Path | None:

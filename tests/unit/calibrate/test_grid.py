@@ -119,7 +119,9 @@ def test_branches_are_never_averaged_with_each_other():
 
 def test_records_of_nearly_the_same_size_make_tables_of_one_shape():
     shapes = {
-        np.shape(grid(Record.of(1e5 * np.arange(levels)[:, None], np.linspace(0, 0.2, n), 1.0)).count)
+        np.shape(
+            grid(Record.of(1e5 * np.arange(levels)[:, None], np.linspace(0, 0.2, n), 1.0)).count
+        )
         for levels, n in ((5, 6), (8, 8), (7, 3))
     }
     assert shapes == {(8, 8)}
