@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
+    from .beginning import Prior as Prior
     from .calibration import Calibration as Calibration
     from .calibration import Estimate as Estimate
     from .choosing import Candidate as Candidate
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from .comparing import compare_tension as compare_tension
     from .finding import Choice as Choice
     from .finding import find as find
-    from .fitting import Prior as Prior
     from .fitting import fit as fit
     from .posterior import sample as sample
     from .profiling import profiles as profiles
@@ -25,7 +25,7 @@ _HOMES = {
     "Candidate": "choosing",
     "Choice": "finding",
     "Estimate": "calibration",
-    "Prior": "fitting",
+    "Prior": "beginning",
     "compare": "comparing",
     "compare_tension": "comparing",
     "find": "finding",

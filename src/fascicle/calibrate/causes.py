@@ -14,7 +14,7 @@ from scipy.special import fdtrc
 
 from .linear import linear
 from .problem import Problem
-from .remainder import Remainder, beside, span
+from .remainder import Remainder, beside
 from .trends import ALPHA, Looked
 from .uncertainty import KNOWN
 
@@ -83,7 +83,7 @@ def causes(
     free = float(np.sum(left.read)) - left.slopes.shape[1]
     out: dict[str, Cause] = {}
     for (name, remedy), columns in _directions(problem, coordinates, left):
-        Q = span(beside(left.taken, left.rows(columns)))
+        Q = left.beyond(left.taken, left.rows(columns))
         if not Q.shape[1]:
             continue
         explained = float(np.sum((Q.T @ left.residual) ** 2))

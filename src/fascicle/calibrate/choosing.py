@@ -117,15 +117,15 @@ def reasons(trials: Sequence[Trial], best: Trial) -> tuple[str, ...]:
 def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     least = min(tried, key=lambda one: one.left_out_rmse)
     yield (
-        f"Taken: {best.label} ({_numbers(best)}), wrong by {_share(best)} of the largest force where"
-        " it was left out."
+        f"Taken: {best.label} ({_numbers(best)}), wrong by {_share(best)} of the largest force"
+        " where it was left out."
     )
     if least is best:
         yield f"None of the {len(tried)} that were fitted is better there."
     else:
         yield (
-            f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than chance"
-            f" or {ALIKE:.0%} make it, so the fewest numbers are taken."
+            f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than"
+            f" chance or {ALIKE:.0%} make it, so the fewest numbers are taken."
         )
     by_names = {one.names: one for one in tried if one.method == "constants"}
     for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):

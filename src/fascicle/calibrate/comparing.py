@@ -25,8 +25,9 @@ from ..muscle.buckling import BUCKLING_LAWS
 from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
 from ..records.record import Record
 from .alternatives import collapse_named, post_collapse_named
+from .beginning import Prior, Search
 from .calibration import Calibration, largest_force, root_mean_square
-from .fitting import Prior, fitted
+from .fitting import fitted
 from .leaving_out import left_out_errors
 from .reference import SAROSI_DMSP_20_200N, refitted, sarosi
 from .taking import taken
@@ -88,7 +89,7 @@ def compare(
             ),
             post_collapse=post_collapse_named(names[2]),
         )
-        rows.append(row(", ".join(names), fitted(of, other, parameters, priors, **search)))
+        rows.append(row(", ".join(names), fitted(of, other, parameters, priors, Search(**search))))
     return ranked(rows)
 
 
@@ -121,7 +122,7 @@ def compare_tension(
         names += [one for one in _ANY_LAW if one in (parameters or ()) and one not in names]
         with_law = muscle if law == own else _with(muscle, tension=law)
         told = {name: prior for name, prior in (priors or {}).items() if name in names}
-        fits[f"{label}: {', '.join(names)}"] = fitted(of, with_law, names, told, **search)
+        fits[f"{label}: {', '.join(names)}"] = fitted(of, with_law, names, told, Search(**search))
     rows = [row(label, made) for label, made in fits.items()]
     return ranked([*rows, *_sarosi(next(iter(fits.values())))])
 

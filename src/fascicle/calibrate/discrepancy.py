@@ -72,8 +72,7 @@ def sizes(left: Remainder, seen: Looked) -> list[tuple[float, int]]:
     """
     taken, out = left.taken, []
     for trend in seen.found:
-        away = beside(taken, trend.columns)
-        Q = span(away)
+        away, Q = beside(taken, trend.columns), left.beyond(taken, trend.columns)
         explained = float(np.sum((Q.T @ left.residual) ** 2))
         more = explained - seen.noise**2 * Q.shape[1]
         out.append((max(more / float(np.sum(away**2)), 0.0), Q.shape[1]))

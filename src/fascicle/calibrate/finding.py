@@ -19,18 +19,20 @@ import numpy as np
 from .._checks import one_of
 from ..muscle import Muscle
 from ..records.record import Record
+from .beginning import STARTS, Prior, Search, begun, on_length
 from .calibration import Calibration, largest_force
 from .candidates import longer, sets
 from .choosing import AS_GIVEN, TUNING, Candidate, Trial, chosen, judged, marked, reasons
-from .fitting import STARTS, Prior, Search, begun, fitted, on_length, places_of, settled
+from .fitting import fitted
 from .grid import WEIGHTS, Grid
 from .leaving_out import folds, without
 from .linear import linear
-from .parameters import named
 from .misfit import LOSSES
+from .parameters import named
 from .pulling import force_of, untuned
 from .readings import read, tables_of
 from .resisting import FACTOR_NAMES, resisting
+from .searching import places_of, settled
 from .taking import Taken, pulling_of, taken
 
 
@@ -139,10 +141,11 @@ def _constants(
 ) -> Trial:
     """A set of constants; where it ended is noted in `near`, for the next to begin from."""
     problem, _ = begun(of, muscle, names or ("braid_angle",), priors, search)
-    every, noise = np.asarray(problem.center), float(problem.noise)
+    every = np.asarray(problem.center)
     if names:
         problem, _, every, _ = settled(problem, problem.whole(places_of(problem, search)), None)
-        near.update({one.name: every[i] for one, i in zip(problem.fitted, problem.chosen)})
+        names_there = [one.name for one in problem.fitted]
+        near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
     else:
         problem = replace(problem, free=jnp.zeros(len(problem.parameters), dtype=bool))
     force = linear(problem, every).force

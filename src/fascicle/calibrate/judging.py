@@ -77,8 +77,8 @@ def _parameters(made: "Calibration") -> list[str]:
         )
     if made.untold:
         lines.append(
-            f"Not fitted, and not to be told from these data beside what was: {_list([*made.untold])}"
-            f" {'stay' if len(made.untold) > 1 else 'stays'} as given."
+            "Not fitted, and not to be told from these data beside what was:"
+            f" {_list([*made.untold])} {'stay' if len(made.untold) > 1 else 'stays'} as given."
         )
     known = [one.identifiable for one in found]
     for i in range(len(found)):
@@ -135,18 +135,18 @@ def _curves(made: "Calibration") -> list[str]:
 
 def _noise(made: "Calibration") -> list[str]:
     """Whether residuals are noise, and what else they are."""
-    seen, lines = made.seen, []
-    for trend in seen.found:
-        lines.append(
-            f"Residuals follow {trend.along}: a smooth curve along it explains"
-            f" {100 * trend.share:.3g} % of their squares (chance of that in noise:"
-            f" {trend.chance:.1g}). That is the model's own error, or the gauge's, not noise."
-        )
-    for one in seen.wandering:
-        lines.append(
-            f"Neighboring residuals along {one.along} change sign {one.changes} times in"
-            f" {one.pairs}, where noise would in half of them: they follow something."
-        )
+    seen = made.seen
+    lines = [
+        f"Residuals follow {trend.along}: a smooth curve along it explains"
+        f" {100 * trend.share:.3g} % of their squares (chance of that in noise:"
+        f" {trend.chance:.1g}). That is the model's own error, or the gauge's, not noise."
+        for trend in seen.found
+    ]
+    lines += [
+        f"Neighboring residuals along {one.along} change sign {one.changes} times in"
+        f" {one.pairs}, where noise would in half of them: they follow something."
+        for one in seen.wandering
+    ]
     if seen.signs and not seen.noisy:
         told = [
             f"{max(one.below, one.count - one.below)} of {one.count} lie"

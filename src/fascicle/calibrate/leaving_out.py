@@ -54,7 +54,7 @@ def without(problem: Problem, coordinates: np.ndarray, fold: np.ndarray) -> np.n
 
 
 def folds(data: Grid) -> list[np.ndarray]:
-    """Parts of `data` [-] to leave out, as masks of its places; only where something was measured."""
+    """Parts of `data` [-] to leave out, as masks of its places; each has something measured."""
     measured = data.uncensored
     levels = np.flatnonzero(measured.any(axis=1))
     if levels.size >= _FEW:

@@ -243,11 +243,12 @@ def put(
     """
     for i, (parameter, z) in enumerate(zip(parameters, coordinates, strict=True)):
         moved = parameter.put(muscle, z)
-        if free is None:
-            muscle = moved
-        else:
-            muscle = jax.tree.map(partial(jnp.where, free[i]), moved, muscle)
+        muscle = moved if free is None else _where(free[i], moved, muscle)
     return muscle
+
+
+def _where(condition: Any, moved: Muscle, muscle: Muscle) -> Muscle:
+    return jax.tree.map(partial(jnp.where, condition), moved, muscle)
 
 
 def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
@@ -266,8 +267,8 @@ def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, 
 
 
 def explicit(muscle: Muscle, parameters: Sequence[Parameter]) -> Muscle:
-    """The same `muscle` [-], where `parameters` [-] hold the rate of transition that rate where they
-    put it, so that it can be left as it is.
+    """The same `muscle` [-]; if `parameters` [-] hold the rate of transition, with that rate where
+    they put it, so that it can be left as it is.
     """
     if not any(one.name == "transition_rate" for one in parameters):
         return muscle

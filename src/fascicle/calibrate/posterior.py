@@ -2,9 +2,10 @@ r"""The posterior of a calibration, drawn by Hamiltonian Monte Carlo.
 
 The likelihood is the one that least squares maximizes: normal scatter about the law for
 measured forces, its integral up to zero for clipped ones; with it the coordinates' priors,
-the readings' curves as uncertain as they were read, the model's own error where residuals show
-one (`discrepancy`), and the noise with a flat prior on its logarithm. Drawn are standardized deviations from the fit, $z = \hat z + \mathrm{chol}(C) u$:
-without that chains stick.
+the readings' curves as uncertain as they were read, the model's own error where residuals
+show one (`discrepancy`), and the noise with a flat prior on its logarithm. Drawn are
+standardized deviations from the fit, $z = \hat z + \mathrm{chol}(C) u$: without that chains
+stick.
 
 **Source:** Hoffman and Gelman (2014) for the sampler; numpyro.
 """

@@ -99,9 +99,8 @@ class Problem(eqx.Module):
     @property
     def misfit(self) -> Misfit:
         """What the readings and priors say of forces and coordinates [-]."""
-        names = ("weight", "noise", "center", "deviation")
-        return Misfit(
-            *(np.asarray(getattr(self.data, name)) for name in ("force", "count", "censored")),
-            *(np.asarray(getattr(self, name)) for name in names),
-            self.loss,
-        )
+        data = self.data
+        arrays = (data.force, data.count, data.censored, self.weight, self.noise, self.center,
+                  self.deviation)  # fmt: skip
+        F, n, clipped, weight, noise, center, deviation = (np.asarray(one) for one in arrays)
+        return Misfit(F, n, clipped, weight, noise, center, deviation, self.loss)

@@ -82,7 +82,7 @@ def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.nda
         strain = new
         if done:
             break
-    return np.where(P > float(muscle.tuning.dead_band), strain, 0.0)
+    return np.where(float(muscle.tuning.dead_band) < P, strain, 0.0)
 
 
 @eqx.filter_jit

@@ -14,6 +14,10 @@ from .problem import Problem
 from .uncertainty import Conclusion
 
 
+_TOGETHER = 1e-8  # of their size: columns that are one but for rounding
+_READ = 0.5  # of a direction's square that lies in readings, for it to be one of them
+
+
 @dataclass(frozen=True, eq=False)
 class Remainder:
     """Residuals of readings that were measured, and where these lie; the k last rows of
@@ -51,6 +55,13 @@ class Remainder:
     def taken(self) -> np.ndarray:
         """An orthonormal basis of what the fit could take up [-]."""
         return span(self.slopes)
+
+    def beyond(self, basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """An orthonormal basis [-] of what of `columns` [any] lies beside an orthonormal `basis`
+        [-]. What a constant takes up but for its prior is none of it: that lies in the priors' rows.
+        """
+        Q = span(beside(basis, columns))
+        return Q[:, np.sum(Q[self.read] ** 2, axis=0) > _READ]
 
     def rows(self, values: np.ndarray) -> np.ndarray:
         """`values` [any] at the readings as columns to regress on: weighed, and zero for priors."""
@@ -117,7 +128,6 @@ def span(columns: np.ndarray) -> np.ndarray:
 def beside(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """What of `columns` [any] lies beside the span of an orthonormal `basis` [-]."""
     left = columns - basis @ (basis.T @ columns)
-    return left - basis @ (basis.T @ left)  # once more for what rounding left
-
-
-_TOGETHER = 1e-9  # of the largest: directions that are one but for rounding
+    left = left - basis @ (basis.T @ left)  # once more for what rounding left
+    nothing = np.linalg.norm(left, axis=0) < _TOGETHER * np.linalg.norm(columns, axis=0)
+    return np.where(nothing, 0.0, left)

@@ -1,4 +1,6 @@
-"""The last step of finding a fit, where a record shows what resists: all readings, all of the model."""
+"""The last step of finding a fit, where a record shows what resists: all of it, by all of the
+model.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -6,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..muscle import Muscle
+from .beginning import Prior, Search
 from .calibration import Calibration, largest_force
 from .choosing import AS_GIVEN, TUNING, Candidate, Trial, judged
-from .fitting import Prior, Search, fitted
+from .fitting import fitted
 from .grid import trimmed
 from .leaving_out import left_out_force
 from .parameters import FACTORS

@@ -5,6 +5,7 @@ compiled, which is then one evaluation of the law and no more.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import leastsq
@@ -90,7 +91,8 @@ def _solve(
         return start, np.nan, BROKE, 0
     if not free.size:
         return start, 0.5 * float(begun.residuals @ begun.residuals), CONVERGED, 0
-    found, _, told, _, end = leastsq(
+    minpack: Any = leastsq  # its stubs know only the short answer
+    found, _, told, _, end = minpack(
         residuals, z, Dfun=lambda z: at(z).slopes[:, free], full_output=True, ftol=little,
         xtol=_TOLERANCE, gtol=0.0, maxfev=STEPS,
     )  # fmt: skip

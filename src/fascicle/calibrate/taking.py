@@ -43,7 +43,7 @@ class Taken:
 
     @property
     def pulls(self) -> bool:
-        """Whether all that was measured pulls, so that the tension law is all that is needed [-]."""
+        """Whether all that was measured pulls: the tension law is all that is needed [-]."""
         force = self.record.force[~self.record.censored]
         return bool(force.size and np.min(force) > 0)
 
@@ -128,8 +128,8 @@ def pulling_of(of: Taken, longest: int = LONGEST) -> Taken:
 
 
 def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
-    """Readings that aren't `clipped` [-], but lie where all others of their level are, and are small:
-    a law that falls with strain pulls no more once it has ended to.
+    """Readings that aren't `clipped` [-], but lie where most others of their level are, and are
+    small: a force that falls with strain is gone once it has gone.
     """
     force, strain = of.record.force, of.record.strain
     out, top = np.zeros(force.size, dtype=bool), float(np.max(force))
@@ -156,7 +156,7 @@ def shown(table: np.ndarray, data: Grid) -> np.ndarray:
 
 
 def _branches(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Branches as the record tells them, or as its sweeps turn [-]; and which readings are ramps."""
+    """Branches as the record tells them, or as its sweeps turn [-]; and which are on ramps."""
     from ..records.splitting import runs
 
     branches, ramps = record.branch.copy(), np.zeros(len(record), dtype=bool)

@@ -19,13 +19,12 @@ All tests together call noise a trend in 1 % of records (Bonferroni).
 **Source:** Fisher (1922); Wald and Wolfowitz (1940) for runs, here about zero.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import bdtr, fdtrc
 
-from .remainder import Remainder, beside, span
+from .remainder import Remainder, span
 
 
 ALPHA = 0.01  # chance of calling noise a trend, all tests of a record together
@@ -107,7 +106,7 @@ def looked(left: Remainder) -> Looked:
     """Look for trends and runs in what a fit left [-]."""
     columns = _columns(left)
     taken = left.taken
-    every = span(np.hstack([beside(taken, B) for B in columns.values()]))
+    every = left.beyond(taken, np.hstack(list(columns.values())))
     count = int(np.sum(left.read))
     fitted = float(np.sum(taken[left.read] ** 2))  # a constant that its prior holds isn't one
     free = count - fitted - every.shape[1]
@@ -132,7 +131,7 @@ def looked(left: Remainder) -> Looked:
 def _trial(
     left: Remainder, name: str, basis: np.ndarray, B: np.ndarray, noise: float, free: float
 ) -> Trend:
-    Q = span(beside(basis, B))
+    Q = left.beyond(basis, B)
     explained = float(np.sum((Q.T @ left.residual) ** 2))
     chance = 1.0
     if Q.shape[1] and noise > 0:
@@ -144,7 +143,7 @@ def _settled(trend: Trend, found: bool) -> Trend:
     return Trend(trend.along, trend.share, trend.chance, found, trend.columns)
 
 
-def _columns(left: Remainder) -> Mapping[str, np.ndarray]:
+def _columns(left: Remainder) -> dict[str, np.ndarray]:
     """Weighed polynomials in what residuals may follow, by its name."""
     strain, pressure = (_polynomials(left, v, _ORDERS) for v in (left.strain, left.pressure))
     both = [
@@ -152,7 +151,9 @@ def _columns(left: Remainder) -> Mapping[str, np.ndarray]:
         for i, j in ((0, 0), (1, 0), (0, 1))
         if i < strain.shape[1] and j < pressure.shape[1]
     ]
-    made = {"strain": strain, "pressure": pressure}
+    # an error that is the same everywhere is one along strain
+    offset = np.ones((strain.shape[0], 1))
+    made = {"strain": np.hstack([offset, strain]), "pressure": pressure}
     if both:
         made["strain and pressure"] = np.stack(both, axis=-1)
     ways = set(np.unique(left.branch[left.read]))

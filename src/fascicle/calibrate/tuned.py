@@ -79,7 +79,8 @@ def left_out(
     data = problem.data
     seen = replace(data, count=jnp.asarray(np.where(fold, 0.0, np.asarray(data.count))))
     _, without = problem_of(
-        problem.muscle, seen, weighed(seen, weights), problem.center, problem.deviation,
+        problem.muscle, seen, weighed(seen, weights), np.asarray(problem.center),
+        np.asarray(problem.deviation),
         problem.parameters, problem.loss, problem.rest_length, free=problem.free,
         pulls=problem.pulls, corrects=problem.corrects,
     )  # fmt: skip

@@ -86,8 +86,8 @@ Fit = Annotated[
         "What is free: any of c10, c01, youngs_modulus, braid_angle, outer_radius, wall_thickness,"
         " active_length, dead_band, the tension law's own constants, and of what resists"
         " youngs_modulus_factor, collapse_moment_factor, hinge_stiffness_factor,"
-        " hinge_stiffness_slope, transition_rate; or tuning, the paper's. Left out, what the data can"
-        " tell is tried, and chosen by pressures left out.",
+        " hinge_stiffness_slope, transition_rate; or tuning, the paper's. Left out, what the data"
+        " can tell is tried, and chosen by pressures left out.",
         "--fit",
         metavar="LIST",
     ),

@@ -1,6 +1,7 @@
 """What `fascicle calibrate` does between its options and its results: read, then fit."""
 
 import contextlib
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -14,8 +15,8 @@ from .startup import prepare
 
 
 if TYPE_CHECKING:
+    from ..calibrate.beginning import Prior
     from ..calibrate.calibration import Calibration
-    from ..calibrate.fitting import Prior
     from ..muscle import Muscle
     from ..records.record import Record
 
@@ -171,7 +172,11 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         return record
 
     with refusing():
-        record = join([one(path) for path in reading.paths])
+        try:
+            record = join([one(path) for path in reading.paths])
+        except ValueError as error:
+            raise ValueError(_as_options(str(error))) from None
+        record = replace(record, notes=tuple(_as_options(note) for note in record.notes))
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     if not assumed:
@@ -179,6 +184,14 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     return record, (
         f"rest length not given: strains are taken over the muscle's, {pretty(length, 'length')}",
     )
+
+
+def _as_options(text: str) -> str:
+    """What is to be given, said as this command's options."""
+    text = re.sub(r'columns \{"(\w+)": "([^"]*)"\}', r"--column \1='\2'", text)
+    text = re.sub(r'units \{"(\w+)": "([^"]*)"\}', r"--unit \1='\2'", text)
+    text = text.replace("give clipped_at_zero = true", "give --clipped-at-zero")
+    return text.replace("give rest_length", "give --rest-length")
 
 
 def _check(search: Search) -> None:
@@ -198,7 +211,7 @@ def _check(search: Search) -> None:
 
 
 def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
-    from ..calibrate.fitting import Prior
+    from ..calibrate.beginning import Prior
     from ..calibrate.parameters import named
 
     out = {}

@@ -36,8 +36,8 @@ _TITLES = {
 _CAPTIONS = {
     "fit": "Points are readings, lines the fitted muscle. 90 % of readings lie in the band if "
     "the law holds. Where there are many points, some of them are drawn.",
-    "residuals": "What the fit leaves. Residuals that follow strain or pressure are the law's error "
-    "or the gauge's, not noise; bars are means near a strain, and at a pressure.",
+    "residuals": "What the fit leaves. Residuals that follow strain or pressure are the law's "
+    "error or the gauge's, not noise; bars are means near a strain, and at a pressure.",
     "readings": "The tuning corrects the tension law to what was read at each pressure; between "
     "the pressures it follows the smooth curves.",
     "profiles": "How much the sum of squares rises, over the noise, while a parameter is held "

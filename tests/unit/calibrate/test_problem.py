@@ -7,8 +7,8 @@ from scipy.stats import norm
 
 import fascicle as fs
 from fascicle.calibrate.grid import Grid
-from fascicle.calibrate.parameters import named
 from fascicle.calibrate.misfit import LOSSES
+from fascicle.calibrate.parameters import named
 from fascicle.calibrate.problem import Problem
 
 
