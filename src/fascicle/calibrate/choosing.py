@@ -52,7 +52,7 @@ class Trial:
     @property
     def judged(self) -> bool:
         """Whether it can be chosen [-]: something is fitted, and could be left out."""
-        return self.candidate.constants > 0 and np.isfinite(self.candidate.left_out_rmse)
+        return self.candidate.constants > 0 and bool(np.isfinite(self.candidate.left_out_rmse))
 
 
 def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
@@ -125,7 +125,7 @@ def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     else:
         yield (
             f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than"
-            f" chance or {ALIKE:.0%} make it, so the fewest numbers are taken."
+            f" chance or {100 * ALIKE:g} % make it, so the fewest numbers are taken."
         )
     by_names = {one.names: one for one in tried if one.method == "constants"}
     for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):

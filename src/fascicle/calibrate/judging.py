@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 _TIED = 0.95  # correlation from which two parameters are told apart no longer
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
+_WIDER = 1.05  # from here on an interval is called wider
 _TOLD = 3  # strains at which residuals' signs are told
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
@@ -159,10 +160,13 @@ def _noise(made: "Calibration") -> list[str]:
         lines += _causes(made)
     if seen.found:
         wide = made.wider
+        so = "hardly wider than"
+        if np.max(wide) >= _WIDER:
+            so = f"{_range(wide)} times as wide as"
         lines.append(
             "Intervals count a discrepancy for it, an error of the model that goes smoothly along"
             f" {_list([one.along for one in seen.found])} and is as large where the fit took it up"
-            f" as where it shows: they are {_range(wide)} times as wide as noise alone makes them."
+            f" as where it shows: they are {so} noise alone makes them."
         )
     if made.inflation > 1:
         lines.append(
@@ -179,7 +183,7 @@ def _noise(made: "Calibration") -> list[str]:
 def _causes(made: "Calibration") -> list[str]:
     if not made.causes:
         return ["None of the causes that are looked for here would explain much of it."]
-    told = [f"{one.name} (would explain {100 * one.share:.2g} %)" for one in made.causes]
+    told = [f"{one.name} (would explain {100 * one.share:.3g} %)" for one in made.causes]
     return [f"Most like it: {'; or '.join(told)}. What to do: {made.causes[0].remedy}."]
 
 

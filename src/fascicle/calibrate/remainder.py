@@ -58,7 +58,8 @@ class Remainder:
 
     def beyond(self, basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """An orthonormal basis [-] of what of `columns` [any] lies beside an orthonormal `basis`
-        [-]. What a constant takes up but for its prior is none of it: that lies in the priors' rows.
+        [-]. What a constant takes up but for its prior is none of it: that lies in the priors'
+        rows.
         """
         Q = span(beside(basis, columns))
         return Q[:, np.sum(Q[self.read] ** 2, axis=0) > _READ]

@@ -101,7 +101,8 @@ class Found:
             ]
             for one in made.parameters
         ]
-        caption = "not known: the data alone do not determine it"
+        lost = any(not one.identifiable for one in made.parameters)
+        caption = "not known: the data alone do not determine it" if lost else ""
         show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
         if self.comparison:
             rows = [
@@ -129,13 +130,15 @@ class Found:
 
     def _show_choice(self) -> None:
         """What was tried, and why one of it was taken."""
+        from textwrap import fill
+
         from .tables import show
 
         assert self.choice is not None
-        heads = ["", "numbers", "rmse", "left out", ""]
+        heads = ["", "free", "rmse", "left out", ""]
         for readings, title in _COMPARED.items():
             rows = [
-                [one.label, str(one.constants), _percent(one.relative_rmse),
+                [fill(one.label, _WIDEST), str(one.constants), _percent(one.relative_rmse),
                  _percent(one.relative_left_out_rmse), "taken" if one.chosen else ""]
                 for one in self.choice.candidates
                 if one.readings == readings
@@ -175,6 +178,7 @@ class Found:
         return [str(folder / name) for name in content]
 
 
+_WIDEST = 35  # characters of a label in a line, so that a table fits beside it
 _COMPARED = {"pulling": "readings that pull", "all": "all readings"}
 
 

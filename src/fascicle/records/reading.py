@@ -192,7 +192,17 @@ def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str
         if back.size:
             noted += (f"time goes back in line {cells.lines[back[0] + 1]}",)
     said = tuple(f"{key}: {text}" for key, text in remarks if key in {"source", "note"})
-    every = (*notes, *_passed(table), *guessed, *told, *stretched, *clipped, *noted, *given.notes, *said)
+    every = (
+        *notes,
+        *_passed(table),
+        *guessed,
+        *told,
+        *stretched,
+        *clipped,
+        *noted,
+        *given.notes,
+        *said,
+    )
     return Record(
         pressure=pressure, strain=strain, force=force, censored=censored, branch=branch, time=time,
         rest_length=rest, synthetic=given.synthetic or _synthetic(above),

@@ -162,7 +162,7 @@ class Table:
 
     def _uneven(self, cells: int) -> str:
         """What to do about a row of so many `cells` [-]."""
-        if self.delimiter == "," and cells == 2 * len(self.header):
+        if self.delimiter == "," and len(self.header) < cells <= 2 * len(self.header):
             return "if its decimals stand after commas, part the columns by semicolons"
         return "quote or drop the odd ones"
 
@@ -269,6 +269,10 @@ def _titles(lines: Sequence[str]) -> int:
         numbers = sum(bool(_NUMBER.fullmatch(cell.strip())) for cell in rows[0])
         words = not any(_NUMBER.fullmatch(name.strip()) for name in names)
         if len(names) == len(rows[0]) > 1 and numbers > 1 and words:
+            return place
+        # decimals after commas, and commas between columns: told so where the rows are read
+        split = delimiter == "," and 2 < len(names) < numbers == len(rows[0]) <= 2 * len(names)
+        if split and words:
             return place
     return 0
 

@@ -332,7 +332,7 @@ def test_a_wide_prior_is_still_a_prior():
 
 
 def test_a_slope_may_fall_beforehand():
-    from fascicle.calibrate.fitting import _centered
+    from fascicle.calibrate.beginning import _centered
     from fascicle.calibrate.parameters import named
 
     falling = {"hinge_stiffness_slope": Prior(-1e-7, 1e-6)}

@@ -167,8 +167,8 @@ def test_runs_are_counted_along_strain_and_along_pressure():
     assert_allclose(runs["pressure"].chance, 0.5**count, rtol=1e-9)
     # along strain each changes where it comes to the second strain and where it leaves it
     changes = sum(
-        np.sum(np.diff(np.sign(errors[P == p][np.argsort(strain[P == p])])) != 0)
-        for p in np.unique(P)
+        np.sum(np.diff(np.sign(errors[there][np.argsort(strain[there])])) != 0)
+        for there in (p == P for p in np.unique(P))
     )
     assert runs["strain"].changes == changes and not runs["strain"].found
     first = seen.signs[0]
