@@ -111,7 +111,19 @@ def marked(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
 def reasons(trials: Sequence[Trial], best: Trial) -> tuple[str, ...]:
     """Why the `best` [-] of `trials` [-] was taken, a line each."""
     tried = [one.candidate for one in trials if one.judged]
-    return tuple(_reasons(tried, best.candidate))
+    first, second, *more = _reasons(tried, best.candidate)
+    return (first, second, *differences(trials, best), *more)
+
+
+def differences(trials: Sequence[Trial], best: Trial) -> Iterator[str]:
+    """What a dead band and another length are worth beside the `best` [-] of `trials` [-]."""
+    by_names = {
+        one.candidate.names: one.candidate
+        for one in trials
+        if one.judged and one.candidate.method == "constants"
+    }
+    for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):
+        yield from _difference(by_names, best.candidate, name, what)
 
 
 def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
@@ -127,9 +139,6 @@ def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
             f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than"
             f" chance or {100 * ALIKE:g} % make it, so the fewest numbers are taken."
         )
-    by_names = {one.names: one for one in tried if one.method == "constants"}
-    for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):
-        yield from _difference(by_names, best, name, what)
     other = next((one for one in tried if one.label == TUNING and one is not best), None)
     if other is not None:
         yield f"The paper's tuning ({_numbers(other)}) is wrong by {_share(other)} there."

@@ -22,7 +22,17 @@ from ..records.record import Record
 from .beginning import STARTS, Prior, Search, begun, on_length
 from .calibration import Calibration, largest_force
 from .candidates import longer, sets
-from .choosing import AS_GIVEN, TUNING, Candidate, Trial, chosen, judged, marked, reasons
+from .choosing import (
+    AS_GIVEN,
+    TUNING,
+    Candidate,
+    Trial,
+    chosen,
+    differences,
+    judged,
+    marked,
+    reasons,
+)
 from .fitting import fitted
 from .grid import WEIGHTS, Grid
 from .leaving_out import folds, without
@@ -98,7 +108,11 @@ def find(
     best = chosen([one for one in trials if one.candidate.method == "constants"], noise, loss)
     last, fits = resisting(of, muscle, given, search, best.candidate.names)
     end = chosen(last, noise, loss)
-    told = (f"Where the muscle pulls {best.candidate.label} is best.", *reasons(last, end))
+    told = (
+        f"Where the muscle pulls {best.candidate.label} is best.",
+        *differences(trials, best),
+        *reasons(last, end),
+    )
     every = (*marked(trials, best), *marked(last, end))
     return Choice(fits[last.index(end)], every, told)
 
