@@ -177,9 +177,10 @@ def _sarosi(made: Calibration) -> list[Row]:
     """Sárosi's law as published and refitted to the record of `made` [-]."""
     data = made.data
     P, used = np.asarray(data.pressure), data.uncensored
+    every = jnp.broadcast_to(data.pressure, data.strain.shape)
 
     def errors(constants: np.ndarray) -> np.ndarray:
-        force = np.asarray(sarosi(jnp.asarray(constants), data.pressure, data.strain))
+        force = np.asarray(sarosi(jnp.asarray(constants), every, data.strain))
         return np.where(used, np.asarray(data.force) - force, np.nan)
 
     count = np.asarray(data.count)

@@ -227,7 +227,8 @@ def _looked(page: Page, made: Calibration) -> None:
     page.table(["Residuals against", "Found", "Chance of it in noise", ""], rows)
     page.paragraph(
         f"All tests of a record together call noise a trend in {100 * ALPHA:g} % of records."
-        " Trends are those that are left beside what the constants took up, and beside the ones above them.",
+        " Trends are those that are left beside what the constants took up, and beside the ones"
+        " above them.",
         "note",
     )
     if made.seen.found:

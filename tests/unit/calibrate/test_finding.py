@@ -64,7 +64,7 @@ def test_a_dead_band_is_found_where_there_is_one():
 def test_a_trend_is_told_with_its_cause():
     bow = 12 * np.sin(2 * np.pi * STRAIN / 0.08)
     made = find(record(error=bow), NOMINAL).made
-    assert [one.along for one in made.seen.found][0] == "strain"
+    assert made.seen.found[0].along == "strain"
     assert made.causes and np.max(made.wider) > 1.3
     told = "\n".join(made.warnings)
     assert "Residuals follow strain" in told and "Most like it: " in told

@@ -363,5 +363,5 @@ def test_a_unit_row_below_titles_is_read():
 
 
 def test_decimal_commas_between_commas_are_told_apart_from_titles():
-    with pytest.raises(ValueError, match="line 4: 6 cells, where.*part the columns by semicolons"):
+    with pytest.raises(ValueError, match=r"line 4: 6 cells, where.*part the columns by semicolons"):
         loads(_TITLED.replace(";", ","))
