@@ -92,7 +92,7 @@ def _made(folder: Path, overwrite: bool) -> "list[Claim]":
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        claims: "list[Claim]" = []
+        claims: list[Claim] = []
         write_folder(
             folder,
             "reproduce",
