@@ -36,7 +36,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def ran(folder):
-    """The command as a new user types it, and again as a program does: what each printed."""
+    """The paper's tuning as a user types it, and again as a program does: what each printed."""
 
     def run(*arguments):
         out, err = io.StringIO(), io.StringIO()
@@ -52,9 +52,9 @@ def ran(folder):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FASCICLE_NO_CACHE", "1")
         patch.setenv("COLUMNS", "100")
-        told = run("d.csv", "--muscle", TEN)
+        told = run("d.csv", "--muscle", TEN, "--fit", "tuning")
         # one start alone would be another shape, and compile anew
-        program = run("d.csv", "--muscle", TEN, "--json")
+        program = run("d.csv", "--muscle", TEN, "--fit", "tuning", "--json")
     return told, program
 
 
@@ -117,6 +117,34 @@ def test_json_alone_writes_nothing(ran, folder):
     assert sorted(path.name for path in folder.iterdir()) == ["calibrated-d", "d.csv"]
 
 
+def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    P, eps = np.linspace(2.5e5, 6e5, 6), np.linspace(0, 0.08, 8)
+    force = np.asarray(muscle.force(P[:, None], eps))
+    bow = 6 * np.sin(2 * np.pi * eps / 0.08)  # what no constant follows
+    noise = np.random.default_rng(0).normal(size=force.shape)
+    record = records.Record.of(P[:, None], eps, force + bow + noise, synthetic=True)
+    records.write(record, tmp_path / "d.csv")
+    sizes = ("--length", "200mm", "--outer-radius", "10mm", "--wall-thickness", "2mm",
+             "--braid-angle", "29deg", "--material", "latex", "--no-profile")  # fmt: skip
+    code, out, _ = fascicle("calibrate", "d.csv", *sizes)
+    assert code == 0
+    assert "48 readings read, none left out" in out
+    # one table, not a block for each column
+    assert out.count("Tried on readings that pull") == 1 and " taken" in out
+    assert "Taken: " in out and "The paper's tuning (" in out
+    assert "Residuals follow strain" in out and "Intervals count a discrepancy" in out
+    page = (tmp_path / "calibrated-d/report.html").read_text(encoding="utf-8")
+    for told in ("What was tried", "Are residuals noise?", "48 readings read", "Residuals follow"):
+        assert told in page
+    kept = provenance(tmp_path / "calibrated-d/muscle.toml")
+    assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Taken: ")
+    assert sum(one["taken"] for one in kept["candidate"]) == 1
+    assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
+
+
 @pytest.fixture
 def refused(fascicle, folder, tmp_path):
     """Run a command that must be refused; its one line."""
@@ -151,7 +179,10 @@ def test_without_a_muscle_one_line_names_the_missing_sizes(refused, folder):
         (["--muscle", TEN, "--prior", "c10=1kPa"], "a value and its standard deviation"),
         (["--muscle", TEN, "--fit", "c10", "--prior", "c10=1mm,2kPa"], "'mm' is no unit of"),
         (["--muscle", TEN, "--fit", "c10", "--prior", "c10=-1kPa,2kPa"], "must be positive"),
-        (["--muscle", TEN, "--prior", "c10=1kPa,2kPa"], "`priors` 'c10' is unknown"),
+        (
+            ["--muscle", TEN, "--fit", "c01", "--prior", "c10=1kPa,2kPa"],
+            "`priors` 'c10' is unknown",
+        ),
         (["--muscle", TEN, "--loss", "huber"], "`loss` 'huber' is unknown"),
         (["--muscle", TEN, "--weights", "heavy"], "`weights` 'heavy' is unknown"),
         (["--muscle", TEN, "--loss", "cauchy", "--posterior"], "--posterior: needs --loss linear"),

@@ -91,11 +91,11 @@ def test_factors_are_fitted_as_scipy_fits_them():
     assert [one.name for one in free] == list(oracle.FACTORS)
     center = jnp.asarray(oracle.factors_of(start))
     problem = Problem(
-        muscle, data, jnp.ones(data.force.shape), jnp.asarray(sigma), center,
+        muscle, data, jnp.asarray((data.count > 0).astype(float)), jnp.asarray(sigma), center,
         jnp.asarray([one.deviation for one in free]), None, None, free,
     )  # fmt: skip
     begin = oracle.factors_of(truth)
-    found = solve(problem, jnp.asarray(begin)[None])
+    found = solve(problem, np.asarray(begin)[None])
     readings = (record.pressure, record.strain, record.force)
     z, cost = oracle.fit_factors(start, readings, sigma, begin)
     # one kink of the collapse between readings is enough for two minima side by side: the same

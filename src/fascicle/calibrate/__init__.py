@@ -8,21 +8,27 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
+    from .beginning import Prior as Prior
     from .calibration import Calibration as Calibration
     from .calibration import Estimate as Estimate
+    from .choosing import Candidate as Candidate
     from .comparing import compare as compare
     from .comparing import compare_tension as compare_tension
-    from .fitting import Prior as Prior
+    from .finding import Choice as Choice
+    from .finding import find as find
     from .fitting import fit as fit
     from .posterior import sample as sample
     from .profiling import profiles as profiles
 
 _HOMES = {
     "Calibration": "calibration",
+    "Candidate": "choosing",
+    "Choice": "finding",
     "Estimate": "calibration",
-    "Prior": "fitting",
+    "Prior": "beginning",
     "compare": "comparing",
     "compare_tension": "comparing",
+    "find": "finding",
     "fit": "fitting",
     "profiles": "profiling",
     "sample": "posterior",
@@ -30,10 +36,13 @@ _HOMES = {
 
 __all__ = [
     "Calibration",
+    "Candidate",
+    "Choice",
     "Estimate",
     "Prior",
     "compare",
     "compare_tension",
+    "find",
     "fit",
     "profiles",
     "sample",

@@ -49,9 +49,9 @@ class AnyPostCollapse(AbstractPostCollapse):
         return _weighed(self.weight, forces)
 
 
-def collapse_named(name: str) -> AnyCollapse:
-    """The collapse law of this `name` [-]."""
-    return AnyCollapse(_row(name, list(COLLAPSE_LAWS)), jnp.asarray(1.0))
+def collapse_named(name: str, factor: Any = 1.0) -> AnyCollapse:
+    """The collapse law of this `name` [-], with a `factor` on its moment [-]."""
+    return AnyCollapse(_row(name, list(COLLAPSE_LAWS)), jnp.asarray(factor, dtype=float))
 
 
 def post_collapse_named(name: str) -> AnyPostCollapse:

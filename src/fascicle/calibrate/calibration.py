@@ -1,6 +1,7 @@
 """What a calibration found, with how sure it is and what the data could not tell."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import equinox as eqx
 import jax
@@ -8,11 +9,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
+from ..records.loops import Loop, loop_of
 from ..records.record import Record
+from .causes import Cause
+from .grid import Grid, trimmed
 from .parameters import WEAK, Parameter, put, values
 from .problem import Problem
 from .readings import Readings
 from .solving import Solutions
+from .taking import Taken
+from .trends import Looked
 from .uncertainty import KNOWN, NORMAL, Conclusion
 
 
@@ -41,41 +47,65 @@ class Calibration:
 
     - `muscle`: the fitted one [-].
     - `start`: the muscle that the fit began with [-].
-    - `record`: what was measured [-].
+    - `taken`: what of the record was fitted, and what became of the rest [-].
     - `method`: "tuning", the paper's, or "constants" [-].
     - `problem`: the least-squares problem [-], its noise that of the residuals.
-    - `coordinates`: of the parameters at the minimum [-].
+    - `coordinates`: of the fitted parameters at the minimum [-].
     - `covariance`: theirs [-].
     - `from_curves`: the part of it that blocked forces and free strains cause [-].
-    - `readings`: those, or `None` [-].
-    - `conclusion`: what holds at the minimum [-].
-    - `force`: the fitted muscle's at each place of the problem's grid [N].
+    - `from_trends`: the part that the model's own error causes [-].
+    - `readings`: blocked forces and free strains, or `None` [-].
+    - `conclusion`: what holds at the minimum, as far as noise goes [-].
+    - `force`: the fitted muscle's at each place of `data` [N].
+    - `free_strain`: the fitted muscle's at each level of `data` [-].
     - `solutions`: where each start ended [-].
-    - `inflation`: of the covariance, for residuals that follow one another [-].
+    - `inflation`: of the covariance that noise causes, for residuals that follow one another [-].
+    - `seen`: trends and runs in the residuals [-]; `causes` that would explain them.
+    - `untold`: constants that weren't fitted, and that the data could not tell [-].
+    - `discrepancy`: the model's own error that these tell of: columns [N] at the places of the
+      problem's tables, each to be taken a standard normal deviate times [-].
+    - `weights`: how levels count [-].
     - `warnings`: what to know before using it, a line each [-].
     """
 
     muscle: Muscle
     start: Muscle
-    record: Record
+    taken: Taken
     method: str
     problem: Problem
     coordinates: np.ndarray
     covariance: np.ndarray
     from_curves: np.ndarray
+    from_trends: np.ndarray
     readings: Readings | None
     conclusion: Conclusion
     force: np.ndarray
+    free_strain: np.ndarray
     solutions: Solutions
     inflation: float
+    seen: Looked = field(default_factory=Looked)
+    causes: tuple[Cause, ...] = field(default=())
+    untold: tuple[str, ...] = field(default=())
+    discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
+    weights: str = "uniform"
     warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def record(self) -> Record:
+        """The readings that were fitted [-]."""
+        return self.taken.record
+
+    @cached_property
+    def data(self) -> Grid:
+        """What was fitted by level of pressure [-], without the rows that hold nothing."""
+        return trimmed(self.problem.data)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The fitted parameters' names [-]."""
-        return tuple(parameter.name for parameter in self.problem.parameters)
+        return tuple(parameter.name for parameter in self.problem.fitted)
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Estimate, ...]:
         """The fitted parameters, in the order of the covariance [-]."""
         return estimates(self.problem, self.coordinates, self.covariance)
@@ -87,31 +117,55 @@ class Calibration:
         return self.covariance / np.outer(scale, scale)
 
     @property
+    def from_noise(self) -> np.ndarray:
+        """The part of the covariance that noise causes, as if residuals were that [-]."""
+        return (self.covariance - self.from_curves - self.from_trends) / self.inflation
+
+    @property
+    def wider(self) -> np.ndarray:
+        """How much wider each interval is than noise alone makes it [-], for what residuals
+        show beside it.
+        """
+        noise = np.diag(self.from_noise) + np.diag(self.from_curves)
+        return np.sqrt(np.diag(self.covariance) / noise)
+
+    @property
     def residual(self) -> np.ndarray:
         """Measured less fitted force [N] where it was measured, NaN elsewhere."""
-        data = self.problem.data
+        data = self.data
         return np.where(np.asarray(data.uncensored), np.asarray(data.force) - self.force, np.nan)
+
+    @cached_property
+    def errors(self) -> np.ndarray:
+        """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
+        return self.taken.errors(self.force, np.asarray(trimmed(self.taken.data).strain))
+
+    @cached_property
+    def loop(self) -> Loop | None:
+        """How wide the record's hysteresis loops are [-], `None` where it doesn't hold both ways;
+        half of that is in the errors of such a record's readings.
+        """
+        return loop_of(self.record)
 
     @property
     def points(self) -> int:
-        """Readings that were compared [-], an average counted as one."""
-        return int(np.sum(np.asarray(self.problem.data.count) > 0))
+        """Readings that were fitted [-], each of an average counted."""
+        return len(self.record)
 
     @property
     def censored(self) -> int:
         """Readings of these that only say "not above" [-]."""
-        data = self.problem.data
-        return int(np.sum((np.asarray(data.count) > 0) & np.asarray(data.censored)))
+        return self.taken.clipped
 
     @property
     def rmse(self) -> float:
-        """Root mean square of the residuals [N], censored readings left out."""
-        return root_mean_square(self.residual, np.asarray(self.problem.data.count))
+        """Root mean square error of all readings [N], censored ones left out."""
+        return float(np.sqrt(np.nanmean(self.errors**2)))
 
     @property
     def relative_rmse(self) -> float:
         """That over the largest force that was measured [-]."""
-        return self.rmse / largest_force(self.problem)
+        return self.rmse / largest_force(self.record)
 
     @property
     def status(self) -> str:
@@ -155,20 +209,21 @@ def estimates(
     """
     z, C = np.asarray(coordinates), np.asarray(covariance)
     deviations = np.sqrt(np.diag(C))
-    away = NORMAL * np.diag(deviations)
-    rows = np.concatenate([[z, np.asarray(problem.center)], z - away, z + away])
-    at, jacobian = (np.asarray(x) for x in _values(problem, jnp.asarray(rows)))
-    (found, start), k = at[:2], z.size
-    low, high = np.diag(at[2 : 2 + k]), np.diag(at[2 + k :])
-    even = NORMAL * np.sqrt(np.einsum("ij,jk,ik->i", jacobian[0], C, jacobian[0]))
+    center, prior = (np.asarray(x)[problem.chosen] for x in (problem.center, problem.deviation))
+    found, start = value_of(problem, z), value_of(problem, center)
     out = []
-    for i, parameter in enumerate(problem.parameters):
-        ends = (found[i] - even[i], found[i] + even[i]) if parameter.linear else (low[i], high[i])
-        known = identifiable(parameter, deviations[i], float(problem.deviation[i]))
+    for i, (parameter, deviation) in enumerate(zip(problem.fitted, deviations, strict=True)):
+        away = NORMAL * deviation * (np.arange(z.size) == i)
+        ends = [value_of(problem, z + side * away)[i] for side in (-1, 1)]
+        if parameter.linear:
+            slope = slope_of(problem, z)[i]
+            even = NORMAL * np.sqrt(slope @ C @ slope)
+            ends = [found[i] - even, found[i] + even]
+        known = identifiable(parameter, deviation, float(prior[i]))
         out.append(
             Estimate(
                 parameter.name, parameter.dimension, parameter.about, float(found[i]),
-                float(ends[0]), float(ends[1]), float(start[i]), float(deviations[i]), known,
+                float(ends[0]), float(ends[1]), float(start[i]), float(deviation), known,
             )
         )  # fmt: skip
     return tuple(out)
@@ -183,10 +238,9 @@ def identifiable(parameter: Parameter, deviation: float, prior: float) -> bool:
     return bool(information > 1 / known**2)
 
 
-def largest_force(problem: Problem) -> float:
+def largest_force(record: Record) -> float:
     """The largest force that was measured [N]."""
-    data = problem.data
-    return float(np.max(np.where(np.asarray(data.uncensored), np.asarray(data.force), -np.inf)))
+    return float(np.max(np.where(record.censored, -np.inf, record.force)))
 
 
 def root_mean_square(residual: np.ndarray, count: np.ndarray) -> float:
@@ -195,23 +249,21 @@ def root_mean_square(residual: np.ndarray, count: np.ndarray) -> float:
     return float(np.sqrt(np.average(residual[used] ** 2, weights=count[used])))
 
 
-def follows(residual: np.ndarray) -> float:
-    """How much wider residuals [-] that follow one another make a variance [-].
+def value_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
+    """Values of the fitted parameters, each in its SI unit [SI], at their `coordinates` [-]."""
+    return np.asarray(_values(problem.fitted, problem.muscle, jnp.asarray(coordinates)))
 
-    1 unless the correlation from one to the next is more than chance allows.
-    """
-    pairs, total = 0.0, float(np.nansum(residual**2))
-    count = int(np.sum(np.isfinite(residual)))
-    for row in residual:
-        used = row[np.isfinite(row)]
-        pairs += float(np.sum(used[1:] * used[:-1]))
-    rho = min(max(pairs / total if total > 0 else 0.0, 0.0), 0.99)
-    return (1 + rho) / (1 - rho) if rho > 3 / np.sqrt(max(count, 1)) else 1.0
+
+def slope_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
+    """Slopes of these values by the coordinates [SI], a row for each parameter."""
+    return np.asarray(_slopes(problem.fitted, problem.muscle, jnp.asarray(coordinates)))
 
 
 @eqx.filter_jit
-def _values(problem: Problem, rows: jax.Array) -> tuple[jax.Array, jax.Array]:
-    def of(z: jax.Array) -> jax.Array:
-        return values(problem.parameters, put(problem.parameters, problem.muscle, z))
+def _values(parameters: tuple[Parameter, ...], muscle: Muscle, z: jax.Array) -> jax.Array:
+    return values(parameters, put(parameters, muscle, z))
 
-    return jax.vmap(of)(rows), jax.vmap(jax.jacfwd(of))(rows)
+
+@eqx.filter_jit
+def _slopes(parameters: tuple[Parameter, ...], muscle: Muscle, z: jax.Array) -> jax.Array:
+    return jax.jacfwd(lambda z: values(parameters, put(parameters, muscle, z)))(z)

@@ -17,23 +17,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
 from ..records.record import Record
 from .alternatives import collapse_named, post_collapse_named
+from .beginning import Prior, Search
 from .calibration import Calibration, largest_force, root_mean_square
-from .fitting import Prior, fit
-from .problem import Problem, Vector
+from .fitting import fitted
+from .leaving_out import left_out_errors
 from .reference import SAROSI_DMSP_20_200N, refitted, sarosi
-from .solving import solve
-from .tuned import left_out
+from .taking import taken
 
 
 @dataclass(frozen=True)
@@ -67,63 +64,76 @@ def compare(
     buckling: Sequence[str] = tuple(BUCKLING_LAWS),
     collapse: Sequence[str] = tuple(COLLAPSE_LAWS),
     post_collapse: Sequence[str] = tuple(POST_COLLAPSE_LAWS),
+    **search: Any,
 ) -> list[Row]:
     """Every choice of buckling, collapse and post-collapse law, fitted to a record.
+
+    A factor on the muscle's own collapse law goes with that law.
 
     **Arguments:**
 
     - `record`, `muscle`, `parameters`, `priors`: as `fit` [-].
     - `buckling`, `collapse`, `post_collapse`: names of the laws to choose from [-].
+    - `search`: loss, weights, starts and seed, as `fit` [-].
 
     **Returns:** a row for each, the least AIC first [-].
     """
-    rows = []
+    of, rows = taken(record), []
     for names in itertools.product(buckling, collapse, post_collapse):
+        own = names[1] == muscle.collapse.name
         other = _with(
             muscle,
             buckling=names[0],
-            collapse=collapse_named(names[1]),
+            collapse=collapse_named(
+                names[1], getattr(muscle.collapse, "factor", 1.0) if own else 1.0
+            ),
             post_collapse=post_collapse_named(names[2]),
         )
-        made = fit(record, other, parameters, priors)
-        rows.append(row(", ".join(names), made))
+        rows.append(row(", ".join(names), fitted(of, other, parameters, priors, Search(**search))))
     return ranked(rows)
 
 
-def compare_tension(record: Record, muscle: Muscle) -> list[Row]:
+def compare_tension(
+    record: Record,
+    muscle: Muscle,
+    parameters: Sequence[str] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    **search: Any,
+) -> list[Row]:
     """Tension laws and the published empirical one, each with its own constants.
 
     **Arguments:**
 
     - `record`: what was measured [-].
     - `muscle`: nominal sizes [-].
+    - `parameters`: what is free of the muscle's own law [-]; of these dead band and active length
+      are free with every other law too. Left out, each law's usual ones.
+    - `priors`: as `fit` [-], for those laws that have the parameter.
+    - `search`: loss, weights, starts and seed, as `fit` [-].
 
     **Returns:** a row for each, the least AIC first [-].
     """
-    fits = {
-        f"{label}: {', '.join(free)}": fit(record, _with(muscle, tension=law), free)
-        for label, law, free in _TENSION
-    }
+    of, fits = taken(record), {}
+    known = {law: (label, free) for label, law, free in _TENSION}
+    own = muscle.tension.name
+    for law in {own: None, **known}:
+        label, free = known.get(law, (law, ()))
+        names = list(parameters or free) if law == own else list(free)
+        names += [one for one in _ANY_LAW if one in (parameters or ()) and one not in names]
+        with_law = muscle if law == own else _with(muscle, tension=law)
+        told = {name: prior for name, prior in (priors or {}).items() if name in names}
+        fits[f"{label}: {', '.join(names)}"] = fitted(of, with_law, names, told, Search(**search))
     rows = [row(label, made) for label, made in fits.items()]
     return ranked([*rows, *_sarosi(next(iter(fits.values())))])
 
 
-def left_out_errors(made: Calibration) -> np.ndarray:
-    """Errors [N] at each level of pressure of a fit to all the others; NaN where clipped."""
-    levels = jnp.arange(made.problem.data.count.shape[0])
-    if made.method == "tuning":
-        errors = _tuned_without(made.problem, jnp.asarray(made.coordinates), levels)
-    else:
-        errors = _fitted_without(made.problem, jnp.asarray(made.coordinates), levels)
-    return np.where(np.asarray(made.problem.data.uncensored), np.asarray(errors), np.nan)
+_ANY_LAW = ("dead_band", "active_length")
 
 
 def row(label: str, made: Calibration) -> Row:
     """A calibration's row [-], under this `label` [-]."""
-    data = made.problem.data
-    count = np.asarray(data.count)
-    unseen = root_mean_square(left_out_errors(made), count)
-    return _row(label, len(made.names), made.residual, unseen, made.problem, made.status)
+    unseen = root_mean_square(left_out_errors(made), np.asarray(made.data.count))
+    return _row(label, len(made.names), made.residual, unseen, made, made.status)
 
 
 def ranked(rows: Sequence[Row]) -> list[Row]:
@@ -152,10 +162,10 @@ def _with(muscle: Muscle, **laws: Any) -> Muscle:
 
 
 def _row(
-    label: str, free: int, residual: np.ndarray, unseen: float, problem: Problem, status: str
+    label: str, free: int, residual: np.ndarray, unseen: float, made: Calibration, status: str
 ) -> Row:
-    rmse = root_mean_square(residual, np.asarray(problem.data.count))
-    n, top = int(np.sum(np.isfinite(residual))), largest_force(problem)
+    rmse = root_mean_square(residual, np.asarray(made.data.count))
+    n, top = int(np.sum(np.isfinite(residual))), largest_force(made.record)
     spread = n * np.log(rmse**2)
     return Row(
         label, free, rmse, unseen, rmse / top, unseen / top, float(spread + 2 * free),
@@ -165,11 +175,12 @@ def _row(
 
 def _sarosi(made: Calibration) -> list[Row]:
     """Sárosi's law as published and refitted to the record of `made` [-]."""
-    data = made.problem.data
-    P, used = np.asarray(data.pressure), np.asarray(data.uncensored)
+    data = made.data
+    P, used = np.asarray(data.pressure), data.uncensored
+    every = jnp.broadcast_to(data.pressure, data.strain.shape)
 
     def errors(constants: np.ndarray) -> np.ndarray:
-        force = np.asarray(sarosi(jnp.asarray(constants), data.pressure, data.strain))
+        force = np.asarray(sarosi(jnp.asarray(constants), every, data.strain))
         return np.where(used, np.asarray(data.force) - force, np.nan)
 
     count = np.asarray(data.count)
@@ -181,23 +192,7 @@ def _sarosi(made: Calibration) -> list[Row]:
         unseen[level] = errors(np.asarray(refitted(data, weight)))[level]
     return [
         _row("Sárosi, as published for a DMSP-20-200N", 0, published,
-             root_mean_square(published, count), made.problem, "not fitted"),
-        _row("Sárosi, refitted", 6, again, root_mean_square(unseen, count), made.problem,
+             root_mean_square(published, count), made, "not fitted"),
+        _row("Sárosi, refitted", 6, again, root_mean_square(unseen, count), made,
              "converged"),
     ]  # fmt: skip
-
-
-@eqx.filter_jit
-def _tuned_without(problem: Problem, z: Vector, levels: Array) -> Array:
-    return jax.lax.map(lambda level: left_out(problem, z, level), levels)
-
-
-@eqx.filter_jit
-def _fitted_without(problem: Problem, z: Vector, levels: Array) -> Array:
-    def one(level: Array) -> Float[Array, "reading"]:
-        unseen = (jnp.arange(levels.size) == level)[:, None]
-        seen = eqx.tree_at(lambda p: p.weight, problem, jnp.where(unseen, 0.0, problem.weight))
-        again = solve(seen, z[None]).coordinates[0]
-        return (problem.data.force - problem.force(again))[level]
-
-    return jax.lax.map(one, levels)

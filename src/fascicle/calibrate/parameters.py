@@ -15,17 +15,19 @@ notice it.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._checks import one_of
 from .._types import Batch
 from ..muscle import Muscle
+from ..muscle.materials import MooneyRivlin
 
 
 WEAK = 3.0  # standard deviation of a prior that nobody gave, on a logarithmic scale
@@ -233,11 +235,46 @@ def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
     return tuple(parameter for name, parameter in known.items() if name in names)
 
 
-def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> Muscle:
-    """`muscle` [-] with the `coordinates` [-] of `parameters` [-], one after the other."""
-    for parameter, z in zip(parameters, coordinates, strict=True):
-        muscle = parameter.put(muscle, z)
+def put(
+    parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch, free: Any = None
+) -> Muscle:
+    """`muscle` [-] with the `coordinates` [-] of `parameters` [-], one after the other; only of
+    those that are `free` [-], if that is said: the others are left as they are, to the bit.
+    """
+    for i, (parameter, z) in enumerate(zip(parameters, coordinates, strict=True)):
+        moved = parameter.put(muscle, z)
+        muscle = moved if free is None else _where(free[i], moved, muscle)
     return muscle
+
+
+def _where(condition: Any, moved: Muscle, muscle: Muscle) -> Muscle:
+    return jax.tree.map(partial(jnp.where, condition), moved, muscle)
+
+
+def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
+    """All that the force of a `muscle` that pulls may depend on [-], and `also` others [-]."""
+    rubber = ("c10", "c01") if isinstance(muscle.material, MooneyRivlin) else ()
+    pulling = (
+        *rubber,
+        "braid_angle",
+        "outer_radius",
+        "wall_thickness",
+        "active_length",
+        "dead_band",
+    )
+    own = [one.name for one in _of_law(muscle)]
+    return named([*pulling, *own, *(one.name for one in also)], muscle)
+
+
+def explicit(muscle: Muscle, parameters: Sequence[Parameter]) -> Muscle:
+    """The same `muscle` [-]; if `parameters` [-] hold the rate of transition, with that rate where
+    they put it, so that it can be left as it is.
+    """
+    if not any(one.name == "transition_rate" for one in parameters):
+        return muscle
+    return eqx.tree_at(
+        lambda m: m.tuning.transition_rate, muscle, jnp.asarray(_rate(muscle)), is_leaf=_missing
+    )
 
 
 def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:

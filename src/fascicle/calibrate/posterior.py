@@ -2,9 +2,10 @@ r"""The posterior of a calibration, drawn by Hamiltonian Monte Carlo.
 
 The likelihood is the one that least squares maximizes: normal scatter about the law for
 measured forces, its integral up to zero for clipped ones; with it the coordinates' priors,
-the readings' curves as uncertain as they were read, and the noise with a flat prior on its
-logarithm. Drawn are standardized deviations from the fit, $z = \hat z + \mathrm{chol}(C) u$:
-without that chains stick.
+the readings' curves as uncertain as they were read, the model's own error where residuals
+show one (`discrepancy`), and the noise with a flat prior on its logarithm. Drawn are
+standardized deviations from the fit, $z = \hat z + \mathrm{chol}(C) u$: without that chains
+stick.
 
 **Source:** Hoffman and Gelman (2014) for the sampler; numpyro.
 """
@@ -19,8 +20,9 @@ import numpy as np
 from jax.scipy.special import log_ndtr
 
 from .calibration import Calibration
+from .misfit import LOSSES
 from .parameters import put, values
-from .problem import LOSSES, Problem
+from .problem import Problem
 
 
 INSTALL = "`--posterior` needs the package numpyro: pip install 'fascicle[posterior]'."
@@ -120,10 +122,11 @@ def sample(
 
 
 class _Target:
-    """The log posterior density over standardized coordinates, curves and noise."""
+    """The log posterior density over standardized coordinates, curves, discrepancy and noise."""
 
     def __init__(self, made: Calibration):
         self.problem: Problem = made.problem
+        self.chosen = made.problem.chosen
         self.center = jnp.asarray(made.coordinates)
         self.scale = jnp.linalg.cholesky(jnp.asarray(made.covariance))
         self.curves = jnp.zeros((0, 0))
@@ -131,33 +134,40 @@ class _Target:
             spread, basis = jnp.linalg.eigh(made.readings.covariance)
             own = np.asarray(spread) > 1e-12 * float(jnp.max(spread))
             self.curves = (basis * jnp.sqrt(jnp.maximum(spread, 0)))[:, own]
-        used = (made.problem.weight > 0) & made.problem.data.uncensored
-        self.count = float(jnp.sum(used))
-        self.size = self.center.size + self.curves.shape[1] + 1
+        self.discrepancy = jnp.asarray(made.discrepancy)
+        # what the discrepancy explains is no noise
+        self.noise = made.seen.noise if made.seen.found else float(made.problem.noise)
+        used = (np.asarray(made.problem.weight) > 0) & made.problem.data.uncensored
+        self.count = float(np.sum(used))
+        self.ends = np.cumsum([
+            self.center.size, self.curves.shape[1], self.discrepancy.shape[-1], 1
+        ])  # fmt: skip
+        self.size = int(self.ends[-1])
 
     def unpacked(self, u: Any) -> tuple[Any, Any, Any]:
         """Coordinates [-], the problem, and the noise [N] at `u` [-]."""
-        k, n = self.center.size, self.curves.shape[1]
-        noise = self.problem.noise * jnp.exp(u[-1] / jnp.sqrt(2 * self.count))
+        z, curves, _, away = jnp.split(u, self.ends[:-1])
+        noise = self.noise * jnp.exp(away[0] / jnp.sqrt(2 * self.count))
         problem = eqx.tree_at(lambda p: p.noise, self.problem, noise)
-        if n:
-            curves = problem.curves + self.curves @ u[k : k + n]
-            problem = eqx.tree_at(lambda p: p.curves, problem, curves)
-        return self.center + self.scale @ u[:k], problem, noise
+        if curves.size:
+            moved = problem.curves + self.curves @ curves
+            problem = eqx.tree_at(lambda p: p.curves, problem, moved)
+        return self.center + self.scale @ z, problem, noise
 
     def log_density(self, u: Any) -> Any:
         """Of likelihood and priors [-], to a constant."""
         z, problem, noise = self.unpacked(u)
-        k, n, data = self.center.size, self.curves.shape[1], problem.data
-        mu = problem.force(z)
+        _, curves, errs, _ = jnp.split(u, self.ends[:-1])
+        data, every = problem.data, problem.center.at[self.chosen].set(z)
+        mu = problem.force(every) + self.discrepancy @ errs
         square = problem.weight**2 * data.count * ((data.force - mu) / noise) ** 2
         clipped = problem.weight**2 * log_ndtr(-mu * jnp.sqrt(data.count) / noise)
         likelihood = jnp.where(data.censored, clipped, -0.5 * square)
-        prior = jnp.sum(((z - problem.center) / problem.deviation) ** 2)
-        read = jnp.sum(u[k : k + n] ** 2)
-        return jnp.sum(likelihood) - self.count * jnp.log(noise) - 0.5 * (prior + read)
+        prior = jnp.sum(((every - problem.center) / problem.deviation) ** 2)
+        known = jnp.sum(curves**2) + jnp.sum(errs**2)
+        return jnp.sum(likelihood) - self.count * jnp.log(noise) - 0.5 * (prior + known)
 
     def values(self, z: Any) -> Any:
-        """The parameters [SI units] at coordinates `z` [-]."""
-        problem = self.problem
-        return values(problem.parameters, put(problem.parameters, problem.muscle, z))
+        """The fitted parameters [SI units] at coordinates `z` [-]."""
+        fitted = self.problem.fitted
+        return values(fitted, put(fitted, self.problem.muscle, z))

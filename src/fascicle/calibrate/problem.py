@@ -1,37 +1,20 @@
-r"""The least-squares problem: what the data and what is known beforehand say of a muscle.
+"""The least-squares problem: what the data and what is known beforehand say of a muscle.
 
-Coordinates $z$ give a muscle and its forces $\mu$. A measured force $F$, the mean of $n$
-readings that scatter by $\sigma$, leaves the residual
-
-$$r = \sqrt{n}\, \frac{F - \mu}{\sigma}, \tag{C1}$$
-
-a censored one, which only says that the force was not above zero,
-
-$$r = \sqrt{-2 \ln \Phi(-\mu/\sigma)}, \tag{C2}$$
-
-so that half the sum of squares is the negative logarithm of the likelihood: nothing where
-the model pushes, and as much as any other deviation where it pulls. Each coordinate's
-prior adds $(z - z_0)/\tau$.
-
-**Source:** Tobin (1958) for censored regression.
+Coordinates give a muscle and its forces; `misfit` says what readings and priors make of these.
 """
-
-from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
-from jax.scipy.special import log_ndtr
-from jaxtyping import Array, Float
+import numpy as np
+from jaxtyping import Array, Bool, Float
 
-from .._math import guarded
 from ..muscle import Muscle
 from .grid import Grid, Table
+from .misfit import Misfit
 from .parameters import Parameter, put
+from .pulling import tension_of
 from .readings import tables
 
-
-LOSSES = ("linear", "soft_l1", "cauchy")
-_SURE = 30.0  # deviations below zero, where a censored reading says nothing in float64
 
 Vector = Float[Array, "parameter"]
 
@@ -45,6 +28,11 @@ class Problem(eqx.Module):
     - `rest_length`: that the data's strains refer to [m]; `None`: the muscle's own.
     - `curves`: coefficients of the readings' smooth curves [-], [N], that give $C_1$, $C_2$;
       `None` where the muscle's own tuning holds.
+    - `parameters`: constants that may be free [-]: what is compiled knows all of them.
+    - `free`: which of them are [-]; the muscle's own value holds for the others. `None`: all.
+    - `pulls`: whether the tension law is all that is needed [-], since nothing pushed.
+    - `corrects`: whether `curves` hold [-], so that fits with and without them are one
+      function; `None`: where there are any.
     """
 
     muscle: Muscle
@@ -57,15 +45,39 @@ class Problem(eqx.Module):
     curves: Float[Array, "coefficient"] | None
     parameters: tuple[Parameter, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True, default="linear")
+    free: Bool[Array, "parameter"] | None = None
+    pulls: bool = eqx.field(static=True, default=False)
+    corrects: Bool[Array, ""] | None = None
+
+    @property
+    def chosen(self) -> np.ndarray:
+        """Places of the parameters that are free [-]."""
+        every = np.arange(len(self.parameters))
+        return every if self.free is None else every[np.asarray(self.free)]
+
+    @property
+    def fitted(self) -> tuple[Parameter, ...]:
+        """The parameters that are free [-]."""
+        return tuple(self.parameters[i] for i in self.chosen)
+
+    def whole(self, coordinates: np.ndarray) -> np.ndarray:
+        """Coordinates [-] of all parameters, from those of the free ones [-], on the last axis."""
+        z = np.asarray(coordinates)
+        every = np.broadcast_to(np.asarray(self.center), (*z.shape[:-1], self.center.size)).copy()
+        every[..., self.chosen] = z
+        return every
 
     def muscle_at(self, coordinates: Vector) -> Muscle:
         """The muscle [-] at these `coordinates` [-]."""
-        muscle = put(self.parameters, self.muscle, coordinates)
+        muscle = put(self.parameters, self.muscle, coordinates, self.free)
         if self.curves is None:
             return muscle
         P = self.data.pressure[:, 0]
         c1, c2 = tables(muscle, self.curves, P)
-        seen = muscle.tuning.effective_pressure(P)
+        own, seen = muscle.tuning, muscle.tuning.effective_pressure(P)
+        if self.corrects is not None:
+            c1 = jnp.where(self.corrects, c1, own.c1_at(seen))
+            c2 = jnp.where(self.corrects, c2, own.c2_at(seen))
         return eqx.tree_at(
             lambda m: (m.tuning.pressures, m.tuning.c1, m.tuning.c2), muscle, (seen, c1, c2)
         )
@@ -81,35 +93,14 @@ class Problem(eqx.Module):
     def force(self, coordinates: Vector) -> Table:
         """The model's forces [N] at the readings' places."""
         muscle = self.muscle_at(coordinates)
-        return muscle.force(self.data.pressure, self.strain(muscle))
+        law = tension_of(muscle) if self.pulls else muscle
+        return law.force(self.data.pressure, self.strain(muscle))
 
-    def misfits_of(self, force: Table) -> Table:
-        """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N]; no loss."""
-        data, scaled = self.data, jnp.sqrt(self.data.count) / self.noise
-        not_above = jnp.sqrt(-2 * log_ndtr(jnp.minimum(-force * scaled, _SURE)))
-        missed = (data.force - force) * scaled
-        return self.weight * jnp.where(data.censored, not_above, missed)
-
-    def residuals_of(self, force: Table, coordinates: Vector) -> Float[Array, "residual"]:
-        """All residuals [-]: the readings' under the loss, then the priors'."""
-        r = _LOSS[self.loss](self.misfits_of(force))
-        prior = (coordinates - self.center) / self.deviation
-        return jnp.concatenate([r.reshape(-1), prior])
-
-    def residuals(self, coordinates: Vector) -> Float[Array, "residual"]:
-        """All residuals [-] at these `coordinates` [-]."""
-        return self.residuals_of(self.force(coordinates), coordinates)
-
-
-def _soft(r: Table) -> Table:
-    # of two forms of 2 (sqrt(1 + r²) - 1), the one without cancellation
-    return r * jnp.sqrt(2 / (jnp.sqrt(1 + r**2) + 1))
-
-
-def _cauchy(r: Table) -> Table:
-    some = r**2 > 1e-12
-    square = guarded(some, r**2)
-    return jnp.where(some, r * jnp.sqrt(jnp.log1p(square) / square), r)
-
-
-_LOSS: dict[str, Any] = {"linear": lambda r: r, "soft_l1": _soft, "cauchy": _cauchy}
+    @property
+    def misfit(self) -> Misfit:
+        """What the readings and priors say of forces and coordinates [-]."""
+        data = self.data
+        arrays = (data.force, data.count, data.censored, self.weight, self.noise, self.center,
+                  self.deviation)  # fmt: skip
+        F, n, clipped, weight, noise, center, deviation = (np.asarray(one) for one in arrays)
+        return Misfit(F, n, clipped, weight, noise, center, deviation, self.loss)

@@ -16,20 +16,13 @@ import itertools
 from dataclasses import dataclass
 from functools import partial
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
-from .calibration import Calibration
-from .parameters import put, values
-from .problem import Problem, Vector
+from .calibration import Calibration, value_of
 from .solving import solve
 
 
 CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
-_HELD = 1e-6  # deviation of the prior that holds a coordinate
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,43 +53,31 @@ def profiles(made: Calibration, points: int = 11, reach: float = 3.0) -> tuple[P
 
     **Returns:** the profiles in the order of the parameters [-].
     """
-    z, C = jnp.asarray(made.coordinates), jnp.asarray(made.covariance)
-    steps = jnp.linspace(-reach, reach, points)
-    held, rise = (np.asarray(x) for x in _walk(made.problem, z, C, steps))
-    total, curves = np.diag(made.covariance), np.diag(made.from_curves)
-    rise = rise * ((total - curves) / total / made.inflation)[:, None]
+    steps = np.linspace(-reach, reach, points)
+    found = [_walk(made, i, steps) for i in range(len(made.names))]
+    # readings are held, and residuals taken for noise: as much more unsure as the fit is of it
+    share = np.diag(made.from_noise) / np.diag(made.covariance)
     return tuple(
-        Profile(name, held[i], rise[i], *_ends(held[i], rise[i]))
-        for i, name in enumerate(made.names)
+        Profile(name, held, rise * share[i], *_ends(held, rise * share[i]))
+        for i, (name, (held, rise)) in enumerate(zip(made.names, found, strict=True))
     )
 
 
-@eqx.filter_jit
-def _walk(
-    problem: Problem, z: Vector, covariance: Array, steps: Array
-) -> tuple[Float[Array, "parameter step"], Float[Array, "parameter step"]]:
-    """Where each parameter was held, and by how much the sum of squares rises [-]."""
-    least = jnp.sum(problem.residuals(z) ** 2)
-
-    def at(place: tuple[Array, Array]) -> tuple[Array, Array]:
-        i, step = place
-        # along the fit's own correlations: the others begin where a linear problem has them
-        away = step * covariance[i] / jnp.sqrt(covariance[i, i])
-        held = eqx.tree_at(
-            lambda p: (p.center, p.deviation),
-            problem,
-            (problem.center.at[i].set(z[i] + away[i]), problem.deviation.at[i].set(_HELD)),
-        )
-        found = solve(held, (z + away)[None]).coordinates[0].at[i].set(z[i] + away[i])
-        value = values(problem.parameters, put(problem.parameters, problem.muscle, found))[i]
-        # the likelihood's rise: what the parameter's own prior adds is none of the data's
-        own = (jnp.stack([found[i], z[i]]) - problem.center[i]) / problem.deviation[i]
-        rise = jnp.sum(problem.residuals(found) ** 2) - least - own[0] ** 2 + own[1] ** 2
-        return value, rise
-
-    places = jnp.meshgrid(jnp.arange(z.size), steps, indexing="ij")
-    value, rise = jax.lax.map(at, tuple(x.reshape(-1) for x in places))
-    return value.reshape(z.size, -1), rise.reshape(z.size, -1)
+def _walk(made: Calibration, which: int, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a parameter was held [SI unit], and by how much the sum of squares rises [-]."""
+    problem, C, z = made.problem, made.covariance, made.coordinates
+    place = problem.chosen[which]
+    others = np.delete(problem.chosen, which)
+    center, deviation = float(problem.center[place]), float(problem.deviation[place])
+    # along the fit's own correlations: the others begin where a linear problem has them
+    away = steps[:, None] * C[which] / np.sqrt(C[which, which])
+    found = solve(problem, problem.whole(z + away), others)
+    least = solve(problem, problem.whole(z)[None], np.zeros(0, dtype=int)).cost[0]
+    # the likelihood's rise: what the parameter's own prior adds is none of the data's
+    own = (np.append(found.coordinates[:, place], z[which]) - center) / deviation
+    rise = 2 * (found.cost - least) - own[:-1] ** 2 + own[-1] ** 2
+    rows = found.coordinates[:, problem.chosen]
+    return np.array([value_of(problem, row)[which] for row in rows]), rise
 
 
 def _ends(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:

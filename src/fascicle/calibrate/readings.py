@@ -23,17 +23,18 @@ $$C_1(P) = T(\hat\varepsilon_f, P), \qquad
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35); Meller, Bryant and Garcia (2014).
 """
 
+from dataclasses import dataclass
 from typing import Any
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+import numpy as np
+from jaxtyping import Array, Float
 
 from .._math import guarded
 from ..muscle import Muscle
-from ..muscle.tuning import TunedTension, Tuning
-from .grid import Grid, Table
+from .grid import Grid
+from .pulling import force_of, free_strain_at, strain_of, tension_of, untuned
+from .regression import Polynomial, line, polynomial, safe, scatter
 
 
 _NEAR = 0.3  # of the free strain: how far a reading looks, as a Gaussian's deviation
@@ -44,7 +45,8 @@ _ORDERS = 4  # of the free strain's quotient: constant to cubic
 Level = Float[Array, "level"]
 
 
-class Readings(eqx.Module):
+@dataclass(frozen=True, eq=False)
+class Readings:
     """What was read at each level of pressure, and the smooth curves through it.
 
     - `pressure`: of each level [Pa].
@@ -58,56 +60,75 @@ class Readings(eqx.Module):
       curves are as good as the readings.
     """
 
-    pressure: Level
-    free_strain: Level
-    free_strain_deviation: Level
-    blocked_force: Level
-    blocked_force_deviation: Level
-    valid: Bool[Array, "level"]
-    noise: Float[Array, ""]
-    coefficients: Float[Array, "coefficient"]
-    covariance: Float[Array, "coefficient coefficient"]
-    order: Int[Array, ""]
-    misfit: Float[Array, "2"]
+    pressure: np.ndarray
+    free_strain: np.ndarray
+    free_strain_deviation: np.ndarray
+    blocked_force: np.ndarray
+    blocked_force_deviation: np.ndarray
+    valid: np.ndarray
+    noise: float
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    order: int
+    misfit: np.ndarray
 
 
 def read(muscle: Muscle, data: Grid) -> Readings:
     """Readings [-] of `data` [-] against the `muscle`'s untuned tension law [-]."""
-    law = _untuned(muscle)
-    P = data.pressure[:, 0]
-    T = law.force(data.pressure, data.strain)
-    at_rest = law.force(P, jnp.zeros_like(P))
-    top = _top(P)
-    pressed = _NO_PRESSURE * top < P
-    free_th = law.free_strain(P)
+    law = untuned(muscle)
+    P, strain = np.asarray(data.pressure)[:, 0], np.asarray(data.strain)
+    count, F = np.asarray(data.count), np.asarray(data.force)
+    top, zero = _top(P), np.zeros(P.shape)
+    pressed = (_NO_PRESSURE * top < P) & np.any(count > 0, axis=1)
+    T, at_rest = force_of(law, P[:, None], strain)[0], force_of(law, P, zero)[0]
+    free_th = strain_of(law, P, zero)
 
     # which readings pull: a first line through those that surely do tells where force ends
-    F, w = data.force, jnp.where(data.uncensored, data.count, 0.0)
-    surely = w * (_PULLING * jnp.max(jnp.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
-    pilot = _line(T, F, surely, data.count)
-    ends = _strain_at(law, P, pilot.offset, free_th)
-    pulling = w * (data.strain <= ends[:, None])
+    w = np.where(np.asarray(data.uncensored), count, 0.0)
+    surely = w * (_PULLING * np.max(np.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
+    ends = strain_of(law, P, line(T, F, surely, count).offset)
+    pulling = w * (strain <= ends[:, None])
 
-    scale = _NEAR * ends[:, None]
-    near_rest = pulling * jnp.exp(-0.5 * (data.strain / scale) ** 2)
-    near_end = pulling * jnp.exp(-0.5 * ((data.strain - ends[:, None]) / scale) ** 2)
-    start, end = _line(T, F, near_rest, data.count), _line(T, F, near_end, data.count)
-    noise = _scatter(T, F, pulling * pressed[:, None])
+    scale = safe(_NEAR * ends[:, None])
+    near_rest = pulling * np.exp(-0.5 * (strain / scale) ** 2)
+    near_end = pulling * np.exp(-0.5 * ((strain - ends[:, None]) / scale) ** 2)
+    start, end = line(T, F, near_rest, count), line(T, F, near_end, count)
+    noise = scatter(T, F, pulling * pressed[:, None])
 
     blocked = start.value + start.slope * (at_rest - start.center)
-    blocked_sd = noise * jnp.sqrt(start.at(at_rest))
+    blocked_sd = noise * np.sqrt(start.at(at_rest))
     c1 = end.offset
-    c1_sd = noise * jnp.sqrt(end.at(c1)) / jnp.abs(guarded(end.slope != 0, end.slope))
-    free = _strain_at(law, P, c1, free_th)
-    fall = _slope(law, P, free)
-    free_sd = c1_sd / jnp.abs(guarded(fall != 0, fall))
-    enough = (jnp.sum(pulling > 0, axis=1) >= 2) & (end.slope > 0) & (start.slope > 0) & pressed
-    valid = enough & jnp.isfinite(blocked_sd + free_sd + free) & (free > 0)
-    smooth = _smooth(P / top, free / guarded(pressed, free_th), free_sd / guarded(pressed, free_th),
-                     blocked, blocked_sd, valid)  # fmt: skip
-    coefficients, covariance, order, misfit = smooth
-    return Readings(P, free, free_sd, blocked, blocked_sd, valid, noise, coefficients, covariance,
-                    order, misfit)  # fmt: skip
+    c1_sd = noise * np.sqrt(end.at(c1)) / safe(np.abs(end.slope))
+    free = strain_of(law, P, c1)
+    fall = force_of(law, P, free)[1]
+    free_sd = c1_sd / safe(np.abs(fall))
+    enough = (np.sum(pulling > 0, axis=1) >= 2) & (end.slope > 0) & (start.slope > 0) & pressed
+    valid = enough & np.isfinite(blocked_sd + free_sd + free) & (free > 0) & (free_th > 0)
+    over, share = safe(free_th), P / top
+    quotient = _quotient(share[valid], (free / over)[valid], (free_sd / over)[valid])
+    straight = polynomial(share[valid], blocked[valid], blocked_sd[valid], 1, 2)
+    none = np.zeros((_ORDERS, 2))
+    return Readings(
+        P, free, free_sd, blocked, blocked_sd, valid, noise,
+        np.concatenate([quotient[1].coefficients, straight.coefficients]),
+        np.block([[quotient[1].covariance, none], [none.T, straight.covariance]]),
+        quotient[0], np.array([quotient[1].misfit, straight.misfit]),
+    )  # fmt: skip
+
+
+def _quotient(
+    share: np.ndarray, value: np.ndarray, deviation: np.ndarray
+) -> tuple[int, Polynomial]:
+    """The order of the free strain's quotient, and its polynomial in pressure."""
+    n = share.size
+    fits = [
+        polynomial(share, value, deviation, order, _ORDERS)
+        for order in range(min(_ORDERS, max(n, 1)))  # never more terms than readings
+    ]
+    # by Schwarz's criterion
+    scores = [one.squares + (order + 1) * np.log(n + 1.0) for order, one in enumerate(fits)]
+    order = int(np.argmin(scores))
+    return order, fits[order]
 
 
 def free_strain_of(
@@ -116,20 +137,34 @@ def free_strain_of(
     """Free strain [-] of the smooth curves with `coefficients` at each `pressure` [Pa], which
     they take over `top` [Pa], the largest one if left out; 0 without pressure [R13].
     """
-    share = pressure / (_top(pressure) if top is None else top)
+    share = pressure / (_highest(pressure) if top is None else top)
     quotient = jnp.polyval(coefficients[:_ORDERS][::-1], share)
-    free = _untuned(muscle).free_strain(pressure) * quotient
+    free = free_strain_at(untuned(muscle), pressure, jnp.zeros_like(pressure)) * quotient
     return jnp.where(share > _NO_PRESSURE, free, 0.0)
 
 
-def free_strain_deviation(muscle: Muscle, readings: Readings) -> Level:
-    """Standard deviation [-] of the smooth curve's free strain at each level."""
-    share = readings.pressure / _top(readings.pressure)
-    basis = share[:, None] ** jnp.arange(_ORDERS)
-    covariance = readings.covariance[:_ORDERS, :_ORDERS]
-    variance = jnp.einsum("li,ij,lj->l", basis, covariance, basis)
-    free = _untuned(muscle).free_strain(readings.pressure)
-    return jnp.where(share > _NO_PRESSURE, free * jnp.sqrt(jnp.maximum(variance, 0.0)), 0.0)
+def smooth_free_strain(muscle: Muscle, readings: Readings) -> tuple[np.ndarray, np.ndarray]:
+    """The smooth curve's free strain [-] at each level, and its standard deviation [-]."""
+    P = readings.pressure
+    share = P / _top(P)
+    basis = share[:, None] ** np.arange(_ORDERS)
+    mean, covariance = readings.coefficients[:_ORDERS], readings.covariance[:_ORDERS, :_ORDERS]
+    variance = np.einsum("li,ij,lj->l", basis, covariance, basis)
+    free = np.where(share > _NO_PRESSURE, strain_of(untuned(muscle), P, np.zeros(P.shape)), 0.0)
+    return free * (basis @ mean), free * np.sqrt(np.maximum(variance, 0.0))
+
+
+def tables_of(
+    muscle: Muscle, readings: Readings, pressure: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """`tables` of `readings` [-] at any `pressure` [Pa]."""
+    law, share = untuned(muscle), pressure / _top(readings.pressure)
+    some = (share > _NO_PRESSURE) & (pressure > float(muscle.tuning.dead_band))
+    quotient = np.polyval(readings.coefficients[:_ORDERS][::-1], share)
+    free = strain_of(law, pressure, np.zeros(pressure.shape)) * quotient
+    blocked = readings.coefficients[_ORDERS] + readings.coefficients[_ORDERS + 1] * share
+    c1, at_rest = (force_of(law, pressure, strain)[0] for strain in (free, 0 * free))
+    return np.where(some, c1, 0.0), np.where(some, blocked / safe(at_rest - c1), 1.0)
 
 
 def tables(
@@ -138,139 +173,25 @@ def tables(
     """$C_1$ [N] and $C_2$ [-] of the smooth curves, (34) and (35); arguments and the case
     without pressure, where they are 0 and 1, as `free_strain_of`.
     """
-    law, share = _untuned(muscle), pressure / (_top(pressure) if top is None else top)
-    some = share > _NO_PRESSURE
+    law = tension_of(untuned(muscle))
+    share = pressure / (_highest(pressure) if top is None else top)
+    some = (share > _NO_PRESSURE) & (law.tuning.effective_pressure(pressure) > 0)
     blocked = coefficients[_ORDERS] + coefficients[_ORDERS + 1] * share
     c1 = law.force(pressure, free_strain_of(muscle, coefficients, pressure, top))
-    pull = law.force(pressure, jnp.zeros_like(pressure)) - c1
-    c2 = blocked / guarded(some, pull)
+    above = law.force(pressure, jnp.zeros_like(pressure)) - c1
+    c2 = blocked / guarded(some, above)
     return jnp.where(some, c1, 0.0), jnp.where(some, c2, 1.0)
 
 
-class _Line(eqx.Module):
-    """A weighted straight line through forces over the law's own, level by level."""
-
-    center: Level
-    value: Level
-    slope: Level
-    spread: tuple[Level, Level, Level]
-
-    @property
-    def offset(self) -> Level:
-        """Where the line crosses zero [N]."""
-        return self.center - self.value / guarded(self.slope != 0, self.slope)
-
-    def at(self, T: Level) -> Level:
-        """Variance of the line at `T` [N], over that of a single reading [-]."""
-        away = T - self.center
-        a, b, c = self.spread
-        return a + 2 * away * b + away**2 * c
+def no_curves() -> Array:
+    """Coefficients in the place of the curves' where these don't hold [-], [N]."""
+    return jnp.zeros(_ORDERS + 2)
 
 
-def _line(T: Table, F: Table, weight: Table, count: Table) -> _Line:
-    """The line of `F` over `T` [N] with `weight` [-], of readings that average `count` [-]."""
-
-    def mean(values: Table) -> Level:
-        return jnp.sum(weight * values, axis=1) / guarded(total > 0, total)
-
-    total = jnp.sum(weight, axis=1)
-    center, value = mean(T), mean(F)
-    away = T - center[:, None]
-    moment = jnp.sum(weight * away**2, axis=1)
-    moment = guarded(moment > 0, moment, jnp.inf)
-    slope = jnp.sum(weight * away * F, axis=1) / moment
-    # readings differ in how many they average: variances add up by the weights' squares
-    square = jnp.where(count > 0, weight**2 / guarded(count > 0, count), 0.0)
-    sums = [jnp.sum(square * away**power, axis=1) for power in range(3)]
-    safe = guarded(total > 0, total)
-    return _Line(
-        center, value, slope, (sums[0] / safe**2, sums[1] / (safe * moment), sums[2] / moment**2)
-    )
-
-
-def _scatter(T: Table, F: Table, weight: Table) -> Float[Array, ""]:
-    """Standard deviation of a reading [N], about a parabola in `T` at each level."""
-    height = jnp.max(jnp.abs(T), axis=1, keepdims=True)
-    t = T / guarded(height > 0, height)
-    basis = jnp.stack([jnp.ones_like(t), t, t**2], axis=-1) * jnp.sqrt(weight)[..., None]
-    target = F * jnp.sqrt(weight)
-    gram = jnp.einsum("lri,lrj->lij", basis, basis) + 1e-12 * jnp.eye(3)
-    best = jnp.linalg.solve(gram, jnp.einsum("lri,lr->li", basis, target)[..., None])[..., 0]
-    squares = jnp.sum((target - jnp.einsum("lri,li->lr", basis, best)) ** 2, axis=1)
-    free = jnp.sum(weight > 0, axis=1) - 3
-    left = jnp.sum(jnp.where(free > 0, free, 0))
-    total = jnp.sum(jnp.where(free > 0, squares, 0.0))
-    # too few readings to see any scatter: a hundredth of the largest force is a load cell's
-    blind = 0.01 * jnp.maximum(jnp.max(jnp.abs(F)), 1e-9)
-    return jnp.where(left > 0, jnp.sqrt(total / guarded(left > 0, left)), blind)
-
-
-def _smooth(
-    share: Level, quotient: Level, quotient_sd: Level, force: Level, force_sd: Level, valid: Any
-) -> tuple[Any, ...]:
-    """The smooth curves' coefficients, their covariance, the polynomial's order, misfits."""
-    n = jnp.sum(valid)
-    fits = [
-        _polynomial(share, quotient, quotient_sd, valid, order, _ORDERS) for order in range(_ORDERS)
-    ]
-    # the order by Schwarz's criterion; never more terms than readings
-    scores = jnp.stack(
-        [
-            jnp.where(order + 1 <= jnp.maximum(n, 1), chi + (order + 1) * jnp.log(n + 1.0), jnp.inf)
-            for order, (_, _, chi, _) in enumerate(fits)
-        ]
-    )
-    order = jnp.argmin(scores)
-    coefficients, covariance, _, misfit = (jnp.stack(x)[order] for x in zip(*fits, strict=True))
-    line, line_covariance, _, line_misfit = _polynomial(share, force, force_sd, valid, 1, 2)
-    zeros = jnp.zeros((_ORDERS, 2))
-    return (
-        jnp.concatenate([coefficients, line]),
-        jnp.block([[covariance, zeros], [zeros.T, line_covariance]]),
-        order,
-        jnp.stack([misfit, line_misfit]),
-    )
-
-
-def _polynomial(
-    x: Level, y: Level, deviation: Level, valid: Any, order: int, size: int
-) -> tuple[Any, Any, Any, Any]:
-    """Coefficients, covariance, squared deviation and its ratio to the expected one."""
-    weight = jnp.where(valid, 1 / guarded(valid, deviation) ** 2, 0.0)
-    basis = jnp.stack([x**power for power in range(order + 1)], axis=-1)
-    scale = jnp.maximum(jnp.max(weight), 1e-300)
-    gram = jnp.einsum("l,li,lj->ij", weight / scale, basis, basis) + 1e-14 * jnp.eye(order + 1)
-    # a single reading carries a line through the origin
-    gram = gram.at[0, 0].add(jnp.where((jnp.sum(valid) < 2) & (order > 0), 1e9, 0.0))
-    inverse = jnp.linalg.inv(gram)
-    best = inverse @ jnp.einsum("l,li,l->i", weight / scale, basis, jnp.where(valid, y, 0.0))
-    squares = jnp.sum(weight * (jnp.where(valid, y, 0.0) - basis @ best) ** 2)
-    free = jnp.maximum(jnp.sum(valid) - (order + 1), 0)
-    ratio = squares / guarded(free > 0, free)
-    # where the curve misses by more than chance lets the readings, it is that uncertain
-    chance = 1 + 3 * jnp.sqrt(2 / guarded(free > 0, free))
-    misfit = jnp.where((free > 0) & (ratio > chance), ratio, 1.0)
-    pad = size - (order + 1)
-    covariance = jnp.pad(misfit * inverse / scale, ((0, pad), (0, pad)))
-    return jnp.pad(best, (0, pad)), covariance, squares, misfit
-
-
-def _strain_at(law: TunedTension, pressure: Level, force: Level, otherwise: Level) -> Level:
-    """Strain [-] at which the untuned law has `force` [N]; `otherwise` without pressure."""
-    some = pressure > 0
-    found = law.law.free_strain(law.bladder, guarded(some, pressure), lambda _: force)
-    return jnp.where(some, found, otherwise)
-
-
-def _slope(law: TunedTension, pressure: Level, strain: Level) -> Level:
-    """Slope of the untuned law with strain [N]."""
-    return jax.jvp(lambda eps: law.force(pressure, eps), (strain,), (jnp.ones_like(strain),))[1]
-
-
-def _top(pressure: Level) -> Float[Array, ""]:
+def _top(pressure: np.ndarray) -> float:
     # a passive muscle's record has no pressure to refer to
+    return max(float(np.max(pressure)), 1.0)
+
+
+def _highest(pressure: Level) -> Float[Array, ""]:
     return jnp.maximum(jnp.max(pressure), 1.0)
-
-
-def _untuned(muscle: Muscle) -> TunedTension:
-    return TunedTension(muscle.tension, muscle.bladder, Tuning())

@@ -1,25 +1,29 @@
 """Levenberg-Marquardt from several starts, and in words how each of them ended.
 
-Jacobians are exact, by forward differentiation of the laws. All starts run as one batch.
+MINPACK's walks, by way of SciPy, with exact Jacobians (`linear`). The loop runs outside of what is
+compiled, which is then one evaluation of the law and no more.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-import optimistix as optx
-from jaxtyping import Array, Float, Int
+from scipy.optimize import leastsq
 
-from .problem import Problem, Vector
+from .linear import Linear, Linearized
+from .problem import Problem
 
 
 STEPS = 200
 _SAME = 0.02  # of the cost, a fifth of a standard deviation
 _FAR = 1.0  # coordinates that the data don't determine are not sent further
-_TOLERANCE = 1e-8  # of coordinates and cost: far below any parameter's uncertainty
+_TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
+_LITTLE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
+ROUGH = 1e-6  # of the cost, where it is for an error's first digits
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
+
+_NO_NUMBER = 1e9  # deviations
+_FULL = 5  # MINPACK's word for all steps taken
 
 CONVERGED, STOPPED, BROKE = 0, 1, 2
 _WORDS = {
@@ -29,64 +33,89 @@ _WORDS = {
 }
 
 
-class Solutions(eqx.Module):
-    """Where each start ended: coordinates, half the sum of squares, status, steps [-]."""
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """Where each start ended: coordinates of all the problem's parameters, half the sum of
+    squares, status, steps [-].
+    """
 
-    coordinates: Float[Array, "start parameter"]
-    cost: Float[Array, "start"]
-    status: Int[Array, "start"]
-    steps: Int[Array, "start"]
+    coordinates: np.ndarray
+    cost: np.ndarray
+    status: np.ndarray
+    steps: np.ndarray
 
     @property
-    def best(self) -> Int[Array, ""]:
+    def best(self) -> int:
         """Which start ended lowest [-]."""
-        return jnp.argmin(jnp.where(jnp.isfinite(self.cost), self.cost, jnp.inf))
+        return int(np.argmin(np.where(np.isfinite(self.cost), self.cost, np.inf)))
 
 
-def solve(problem: Problem, starts: Float[Array, "start parameter"]) -> Solutions:
-    """Minimize `problem` [-] from each of `starts` [-]."""
-    solver = optx.LevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
-
-    # residuals and Jacobian in one pass: the solver would trace and compile the law thrice
-    @jax.custom_jvp
-    def residuals(z: Vector) -> Array:
-        return problem.residuals(z)
-
-    @residuals.defjvp
-    def _(primals: tuple[Vector], tangents: tuple[Vector]) -> tuple[Array, Array]:
-        def twice(z: Vector) -> tuple[Array, Array]:
-            r = problem.residuals(z)
-            return r, r
-
-        jacobian, r = jax.jacfwd(twice, has_aux=True)(primals[0])
-        return r, jacobian @ tangents[0]
-
-    def one(start: Float[Array, "parameter"]) -> tuple[Any, ...]:
-        found = optx.least_squares(
-            lambda z, _: residuals(z), solver, start, max_steps=STEPS, throw=False
-        )
-        z = found.value
-        cost = 0.5 * jnp.sum(problem.residuals(z) ** 2)
-        good = found.result == optx.RESULTS.successful
-        full = found.result == optx.RESULTS.nonlinear_max_steps_reached
-        last = found.state.f_info
-        settled = full & (_to_win(last.residual, last.jac.as_matrix()) < _SETTLED)
-        status = jnp.where(good | settled, CONVERGED, jnp.where(full, STOPPED, BROKE))
-        status = jnp.where(jnp.isfinite(cost), status, BROKE)
-        return z, cost, status, found.stats["num_steps"]
-
-    return Solutions(*jax.vmap(one)(starts))
+def solve(
+    problem: Problem,
+    starts: np.ndarray,
+    moving: np.ndarray | None = None,
+    little: float = _LITTLE,
+) -> Solutions:
+    """Minimize `problem` [-] from each of `starts` [-], coordinates of all its parameters, over
+    those that are free, or of these only the places that are `moving` [-]; it is settled where a
+    step wins no more than `little` of the cost [-].
+    """
+    places, linear = problem.chosen if moving is None else moving, Linearized(problem)
+    ends = [_solve(linear, start, places, little) for start in np.asarray(starts, float)]
+    z, cost, status, steps = zip(*ends, strict=True)
+    return Solutions(np.array(z), np.array(cost), np.array(status), np.array(steps))
 
 
-def _to_win(r: Float[Array, "residual"], jacobian: Float[Array, "residual parameter"]) -> Array:
+def _solve(
+    linear: Linearized, start: np.ndarray, free: np.ndarray, little: float
+) -> tuple[np.ndarray, float, int, int]:
+    last: dict[bytes, Linear] = {}
+
+    def at(z: np.ndarray) -> Linear:
+        # the solver asks for residuals and Jacobian one after the other
+        key = z.tobytes()
+        if key not in last:
+            last.clear()
+            whole = start.copy()
+            whole[free] = z
+            last[key] = linear(whole)
+        return last[key]
+
+    def residuals(z: np.ndarray) -> np.ndarray:
+        r = at(z).residuals
+        # where the law has no number a step is too far
+        return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
+
+    z, begun = start[free], at(start[free])
+    if not (np.all(np.isfinite(begun.residuals)) and np.all(np.isfinite(begun.slopes[:, free]))):
+        return start, np.nan, BROKE, 0
+    if not free.size:
+        return start, 0.5 * float(begun.residuals @ begun.residuals), CONVERGED, 0
+    minpack: Any = leastsq  # its stubs know only the short answer
+    found, _, told, _, end = minpack(
+        residuals, z, Dfun=lambda z: at(z).slopes[:, free], full_output=True, ftol=little,
+        xtol=_TOLERANCE, gtol=0.0, maxfev=STEPS,
+    )  # fmt: skip
+    whole = start.copy()
+    whole[free] = found
+    ended = at(found)
+    if not (np.all(np.isfinite(ended.residuals)) and np.all(np.isfinite(ended.slopes))):
+        return start, np.nan, BROKE, 0
+    # 1 to 4: nothing moves any more, or no step within rounding is left
+    settled = end != _FULL or _to_win(ended.residuals, ended.slopes[:, free]) < _SETTLED
+    cost = 0.5 * float(ended.residuals @ ended.residuals)
+    return whole, cost, CONVERGED if settled else STOPPED, int(told["njev"])
+
+
+def _to_win(r: np.ndarray, jacobian: np.ndarray) -> float:
     """What a whole Gauss-Newton step would take off the cost [-].
 
     Along a direction that the data hardly determine, coordinates creep long after the fit has
     settled.
     """
-    basis, size, _ = jnp.linalg.svd(jacobian, full_matrices=False)
-    part = jnp.where(size > 1e-12 * size[0], basis.T @ r, 0)
-    return 0.5 * part @ part
+    basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
+    part = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
+    return 0.5 * float(part @ part)
 
 
 def scattered(center: np.ndarray, count: int, seed: int = 0) -> np.ndarray:
@@ -106,12 +135,15 @@ def around(best: np.ndarray, covariance: np.ndarray, count: int, seed: int = 0) 
 
 def joined(first: Solutions, second: Solutions) -> Solutions:
     """The ends [-] of two searches, one after the other."""
-    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), first, second)
+    return Solutions(*(
+        np.concatenate([getattr(one, name) for one in (first, second)])
+        for name in ("coordinates", "cost", "status", "steps")
+    ))  # fmt: skip
 
 
 def least(solutions: Solutions) -> float:
     """The lowest cost [-]; infinite where all broke."""
-    return float(jnp.min(jnp.where(jnp.isfinite(solutions.cost), solutions.cost, jnp.inf)))
+    return float(np.min(np.where(np.isfinite(solutions.cost), solutions.cost, np.inf)))
 
 
 def in_words(solutions: Solutions) -> list[str]:

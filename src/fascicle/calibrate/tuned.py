@@ -6,46 +6,37 @@ factors on $E$, on the collapse moment and on the hinge's stiffness and the rate
 fitted to all pressures at once (`problem`). The two use different readings, so the
 uncertainty of the first carries over to the second without being counted twice.
 
-All of it is one pure function of the forces: it can be compiled once, and batched over
-many records of one protocol.
-
 **Source:** Kim, Mazzoleni and Bryant (2021), section 5.
 """
 
-import equinox as eqx
+from dataclasses import replace
+from typing import Any
+
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+import numpy as np
 
 from ..muscle import Muscle
-from .grid import Grid, Table
+from .grid import Grid, weighed
+from .linear import linear
 from .parameters import Parameter
-from .problem import Problem, Vector
-from .readings import Readings, free_strain_deviation, free_strain_of, read
-from .solving import Solutions, solve
-from .uncertainty import Conclusion, conclude
+from .problem import Problem
+from .readings import Readings, read, smooth_free_strain
+from .solving import ROUGH, solve
 
 
 _CLEAR = 2.0  # deviations of the free strain
 
 
-class Tuned(eqx.Module):
-    """What the tuning found: readings, problem, solutions, and what holds at the best."""
-
-    readings: Readings
-    problem: Problem
-    solutions: Solutions
-    coordinates: Vector
-    conclusion: Conclusion
-
-
 def problem_of(
     muscle: Muscle,
     data: Grid,
-    weight: Table,
-    center: Vector,
-    deviation: Vector,
+    weight: np.ndarray,
+    center: np.ndarray,
+    deviation: np.ndarray,
     parameters: tuple[Parameter, ...],
     loss: str,
+    rest_length: Any = None,
+    **more: Any,
 ) -> tuple[Readings, Problem]:
     """The readings of `data` [-] and the problem that remains past the free strain.
 
@@ -57,63 +48,41 @@ def problem_of(
     - `center`, `deviation`: of the prior on each coordinate [-].
     - `parameters`: those that are free [-].
     - `loss`: one of `LOSSES` [-].
+    - `rest_length`: that of the muscle [m], where another fit of the record needs one.
+    - `more`: further fields of the problem [-].
 
     **Returns:** both [-].
     """
     readings = read(muscle, data)
-    free = free_strain_of(muscle, readings.coefficients, readings.pressure)
+    free, deviates = smooth_free_strain(muscle, readings)
     # nearer to the free strain than its own error a reading may belong to either side
-    free = free + _CLEAR * free_strain_deviation(muscle, readings)
+    free = free + _CLEAR * deviates
     # a gauge that never shows a push has measured nothing there: what it clipped says no more
-    force = jnp.where(data.uncensored, data.force, 0.0)
-    pulls_only = jnp.any((data.count > 0) & data.censored) & (jnp.min(force) >= 0)
-    resists = weight * (data.strain > free[:, None]) * ~pulls_only
+    count, censored = np.asarray(data.count), np.asarray(data.censored)
+    force = np.where((count > 0) & ~censored, np.asarray(data.force), 0.0)
+    pulls_only = bool(np.any((count > 0) & censored) and np.min(force) >= 0)
+    resists = weight * (np.asarray(data.strain) > free[:, None]) * (not pulls_only)
     problem = Problem(
-        muscle, data, resists, readings.noise, center, deviation, None, readings.coefficients,
-        parameters, loss,
+        muscle, data, jnp.asarray(resists), jnp.asarray(readings.noise), jnp.asarray(center),
+        jnp.asarray(deviation), rest_length, jnp.asarray(readings.coefficients), parameters, loss,
+        **more,
     )  # fmt: skip
     return readings, problem
 
 
-@eqx.filter_jit
-def tune(
-    muscle: Muscle,
-    data: Grid,
-    weight: Table,
-    center: Vector,
-    deviation: Vector,
-    starts: Float[Array, "start parameter"],
-    noise: Float[Array, ""],
-    parameters: tuple[Parameter, ...],
-    loss: str = "linear",
-) -> Tuned:
-    """The whole tuning.
-
-    **Arguments:** as `problem_of`, and
-
-    - `starts`: coordinates to begin from [-].
-    - `noise`: of a reading [N] past the free strain; 0 for the one that the readings show.
-
-    **Returns:** a `Tuned` [-].
-    """
-    readings, problem = problem_of(muscle, data, weight, center, deviation, parameters, loss)
-    known = jnp.where(noise > 0, noise, problem.noise)
-    problem = eqx.tree_at(lambda p: p.noise, problem, known)
-    solutions = solve(problem, starts)
-    z = solutions.coordinates[solutions.best]
-    return Tuned(readings, problem, solutions, z, conclude(problem, z, readings.covariance))
-
-
-def left_out(problem: Problem, z: Vector, level: Array) -> Float[Array, "reading"]:
-    """Errors [N] at a `level` [-] of pressure of a tuning that did not see it, begun from the
-    coordinates `z` [-] of the one that did; `problem` is that one's [-].
+def left_out(
+    problem: Problem, coordinates: np.ndarray, fold: np.ndarray, weights: str
+) -> np.ndarray:
+    """Forces [N] everywhere of a tuning that did not see the places in a `fold` [-], begun from
+    the `coordinates` [-] of the one that did; `problem` and `weights` are that one's [-].
     """
     data = problem.data
-    unseen = (jnp.arange(data.count.shape[0]) == level)[:, None]
-    seen = eqx.tree_at(lambda d: d.count, data, jnp.where(unseen, 0.0, data.count))
+    seen = replace(data, count=jnp.asarray(np.where(fold, 0.0, np.asarray(data.count))))
     _, without = problem_of(
-        problem.muscle, seen, jnp.ones_like(data.count), problem.center, problem.deviation,
-        problem.parameters, problem.loss,
+        problem.muscle, seen, weighed(seen, weights), np.asarray(problem.center),
+        np.asarray(problem.deviation),
+        problem.parameters, problem.loss, problem.rest_length, free=problem.free,
+        pulls=problem.pulls, corrects=problem.corrects,
     )  # fmt: skip
-    again = solve(without, z[None]).coordinates[0]
-    return (data.force - without.force(again))[level]
+    again = solve(without, coordinates[None], little=ROUGH).coordinates[0]
+    return linear(without, again).force

@@ -6,89 +6,74 @@ readings' curves, whose own covariance is $\Sigma_s$,
 $$C = (J^T J)^{-1} + K \Sigma_s K^T, \qquad K = (J^T J)^{-1} J^T S. \tag{C3}$$
 
 The readings come from where the muscle pulls and the factors from where it resists, so the
-two parts are independent. Scattering residuals that follow one another along a sweep hold
-less than their number says: $C$'s first part is widened by $(1 + \rho)/(1 - \rho)$ with
-their correlation $\rho$ from one to the next.
+two parts are independent. This is what noise alone makes unsure; what the residuals show
+beside noise comes on top of it (`discrepancy`).
 
 A coordinate is a logarithm or like one. It is called *identifiable* if the data alone, the
 prior taken off, know it to a deviation below 1, a factor of e either way.
 """
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+from dataclasses import dataclass
 
-from .grid import Table
-from .problem import Problem, Vector
-from .readings import Level
+import numpy as np
+
+from .linear import Linear, linear
+from .problem import Problem
 
 
 KNOWN = 1.0
 NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
 
-Matrix = Float[Array, "parameter parameter"]
 
-
-class Conclusion(eqx.Module):
+@dataclass(frozen=True, eq=False)
+class Conclusion:
     """What holds at a minimum, at the noise that the residuals show there.
 
-    - `covariance`: of the coordinates [-], `from_curves` the part that readings cause.
+    - `covariance`: of the free coordinates [-], `from_curves` the part that readings cause.
     - `noise`: of one reading [N].
-    - `force`, `misfits`: of the model [N], and residuals before any loss [-].
-    - `strain`: of the fitted muscle at each reading [-].
-    - `free_strain`, `collapse_strain`: of the fitted muscle at each level [-].
+    - `linear`: the problem there, its residuals over the noise that it was solved with [-].
+    - `misfits`: residuals before any loss, over the noise [-].
     """
 
-    covariance: Matrix
-    from_curves: Matrix
-    noise: Float[Array, ""]
-    force: Table
-    misfits: Table
-    strain: Table
-    free_strain: Level
-    collapse_strain: Level
+    covariance: np.ndarray
+    from_curves: np.ndarray
+    noise: float
+    linear: Linear
+    misfits: np.ndarray
 
 
 def conclude(
-    problem: Problem, z: Vector, curves_covariance: Float[Array, "coefficient coefficient"] | None
+    problem: Problem, coordinates: np.ndarray, curves_covariance: np.ndarray | None
 ) -> Conclusion:
-    """What holds at the minimum `z` [-]; the readings' curves have this covariance [-]."""
-    curved = problem.curves is not None and curves_covariance is not None
-    k, free = z.size, jnp.zeros(0) if problem.curves is None else problem.curves
-
-    # one Jacobian by coordinates and curves together: the law is compiled once
-    def residuals(both: Array) -> tuple[Array, Array]:
-        at = eqx.tree_at(lambda p: p.curves, problem, both[k:]) if curved else problem
-        mu = at.force(both[:k])
-        r = at.residuals_of(mu, both[:k])
-        return r, mu
-
-    J, mu = jax.jacfwd(residuals, has_aux=True)(jnp.concatenate([z, free]))
-    misfits = problem.misfits_of(mu)
-    noise = scatter(problem, misfits, k)
+    """What holds at the minimum [-], at `coordinates` [-] of all of a `problem`'s parameters [-];
+    the readings' curves have this covariance [-].
+    """
+    found, free = linear(problem, coordinates), problem.chosen
+    misfits = found.misfits
+    noise = scatter(problem, misfits, free.size)
     # residuals are in units of the noise, priors are not
-    J = J.at[: misfits.size].multiply(problem.noise / noise)
-    inverse = jnp.linalg.inv(J[:, :k].T @ J[:, :k])
-    caused = jnp.zeros_like(inverse)
-    if curved:
-        K = inverse @ J[:, :k].T @ J[:, k:]
+    J = found.slopes.copy()
+    J[: misfits.size] *= float(problem.noise) / noise
+    own, curves = J[:, free], J[:, len(problem.parameters) :]
+    inverse = np.linalg.inv(own.T @ own)
+    caused = np.zeros_like(inverse)
+    if curves.size and curves_covariance is not None:
+        K = inverse @ own.T @ curves
         caused = K @ curves_covariance @ K.T
-    muscle = problem.muscle_at(z)
-    at = muscle._law().at(problem.data.pressure[:, 0])
     return Conclusion(
-        inverse + caused, caused, noise, mu, misfits * problem.noise / noise,
-        problem.strain(muscle), at.column.free_strain, at.collapse,
-    )  # fmt: skip
+        inverse + caused, caused, noise, found, misfits * float(problem.noise) / noise
+    )
 
 
-def scatter(problem: Problem, misfits: Table, parameters: int) -> Float[Array, ""]:
-    """Deviation of a single reading [N] about a model with so many `parameters` [-]."""
-    used = (problem.weight > 0) & problem.data.uncensored
-    r = jnp.where(used, misfits * problem.noise, 0.0)
-    free = jnp.maximum(jnp.sum(used) - parameters, 1)
-    usual = jnp.sqrt(jnp.sum(r**2) / free)
+def scatter(problem: Problem, misfits: np.ndarray, parameters: int) -> float:
+    """Deviation of a single reading [N] about a model with so many `parameters` [-], from
+    `misfits` [-] over the problem's noise.
+    """
+    used = np.asarray((problem.weight > 0) & problem.data.uncensored)
+    r = misfits[used] * float(problem.noise)
     if problem.loss != "linear":
         # outliers that the loss plays down must not come back as noise
-        usual = 1.4826 * jnp.nanmedian(jnp.where(used, jnp.abs(r), jnp.nan))
-    return jnp.where(usual > 0, usual, problem.noise)
+        usual = 1.4826 * float(np.median(np.abs(r))) if r.size else 0.0
+    else:
+        usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameters, 1)))
+    return usual if usual > 0 else float(problem.noise)

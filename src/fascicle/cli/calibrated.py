@@ -13,6 +13,7 @@ from .problems import refusing
 
 if TYPE_CHECKING:
     from ..calibrate.calibration import Calibration
+    from ..calibrate.finding import Choice
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class Found:
 
     made: "Calibration"
     remarks: tuple[str, ...]
+    choice: "Choice | None" = None
     profiles: tuple[Any, ...] = ()
     posterior: Any = None
     comparison: list[Any] = field(default_factory=list)
@@ -48,7 +50,22 @@ class Found:
             "warnings": list(made.warnings),
             "notes": [*self.remarks, *made.record.notes],
             "starts": made.starts,
+            "readings": made.taken.counts(),
+            "trends": [
+                {"along": one.along, "share": one.share, "chance": one.chance, "found": one.found}
+                for one in made.seen.trends
+            ],
+            "runs": [vars(one) for one in made.seen.runs],
+            "wider": dict(zip(made.names, made.wider.tolist(), strict=True)),
+            "causes": [vars(one) for one in made.causes],
+            "untold": list(made.untold),
+            "loop": _loop(made.loop),
         }  # fmt: skip
+        if self.choice is not None:
+            found["candidates"] = [
+                {**vars(one), "names": list(one.names)} for one in self.choice.candidates
+            ]
+            found["reasons"] = list(self.choice.reasons)
         if self.profiles:
             found["profiles"] = {
                 one.name: {"low": one.low, "high": one.high} for one in self.profiles
@@ -69,6 +86,9 @@ class Found:
         # what was guessed is always shown; what a file remarks about itself is in the report
         for note in (*self.remarks, *(n for n in made.record.notes if ": note: " not in n)):
             say(note)
+        say("; ".join(made.taken.words()))
+        if self.choice is not None:
+            self._show_choice()
         rows = [
             [
                 one.name,
@@ -78,7 +98,8 @@ class Found:
             ]
             for one in made.parameters
         ]
-        caption = "not known: the data alone do not determine it"
+        lost = any(not one.identifiable for one in made.parameters)
+        caption = "not known: the data alone do not determine it" if lost else ""
         show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
         if self.comparison:
             rows = [
@@ -97,8 +118,32 @@ class Found:
             f"{made.points} readings, {made.censored} of them clipped: rmse {made.rmse:.4g} N,"
             f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
         )
+        from ..calibrate.judging import hysteresis
+
+        if made.loop is not None:
+            print(hysteresis(made))
         for warning in made.warnings:
             say(f"warning: {warning}")
+
+    def _show_choice(self) -> None:
+        """What was tried, and why one of it was taken."""
+        from textwrap import fill
+
+        from .tables import show
+
+        assert self.choice is not None
+        heads = ["", "free", "rmse", "left out", ""]
+        for readings, title in _COMPARED.items():
+            rows = [
+                [fill(one.label, _WIDEST), str(one.constants), _percent(one.relative_rmse),
+                 _percent(one.relative_left_out_rmse), "taken" if one.chosen else ""]
+                for one in self.choice.candidates
+                if one.readings == readings
+            ]  # fmt: skip
+            if rows:
+                show(f"Tried on {title}: error over the largest force", heads, rows)
+        for line in self.choice.reasons:
+            say(line)
 
     def write(self, folder: Path, date: str, overwrite: bool) -> list[str]:
         """Write muscle, report and figures into `folder` [-]; `overwrite`: over others' too [-]."""
@@ -109,17 +154,17 @@ class Found:
         from ..reports.calibration import report
 
         made = self.made
+        drawn = {name: to_bytes(figure, "svg") for name, figure in self.figures.items()}
         page = report(
             made, date, self.figures, self.profiles, self.posterior, self.comparison,
-            remarks=self.remarks,
+            remarks=self.remarks, drawn=drawn, choice=self.choice,
         )  # fmt: skip
         content = {
-            "muscle.toml": dumps(made.muscle, provenance_of(made, date)).encode(),
+            "muscle.toml": dumps(made.muscle, provenance_of(made, date, self.choice)).encode(),
             "report.html": page.encode(),
         }
         for name, figure in self.figures.items():
-            for kind in ("png", "svg"):
-                content[f"{name}.{kind}"] = to_bytes(figure, kind)
+            content[f"{name}.png"], content[f"{name}.svg"] = to_bytes(figure, "png"), drawn[name]
 
         def fill(draft: Path) -> None:
             for name, raw in content.items():
@@ -127,6 +172,21 @@ class Found:
 
         write_folder(folder, "calibrate", fill, overwrite)
         return [str(folder / name) for name in content]
+
+
+_WIDEST = 35  # characters of a label in a line, so that a table fits beside it
+_COMPARED = {"pulling": "readings that pull", "all": "all readings"}
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
+
+
+def _loop(loop: Any) -> dict[str, Any] | None:
+    if loop is None:
+        return None
+    return {"pressure": loop.pressure.tolist(), "width": loop.width.tolist(),
+            "share": loop.share.tolist(), "half": loop.half}  # fmt: skip
 
 
 def folder_for(out: str | None, paths: list[str], as_json: bool, overwrite: bool) -> Path | None:

@@ -1,6 +1,7 @@
 """What `fascicle calibrate` does between its options and its results: read, then fit."""
 
 import contextlib
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -14,11 +15,12 @@ from .startup import prepare
 
 
 if TYPE_CHECKING:
+    from ..calibrate.beginning import Prior
     from ..calibrate.calibration import Calibration
-    from ..calibrate.fitting import Prior
     from ..muscle import Muscle
     from ..records.record import Record
 
+TUNING = "tuning"  # among what is to be fitted: the paper's way
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
 
@@ -75,16 +77,22 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
     muscle = _muscle(begin)
     record, remarks = _record(reading, float(muscle.length))
     _check(search)
-    from ..calibrate.fitting import fit
-
+    how = {"loss": search.loss, "weights": search.weights, "starts": search.starts,
+           "seed": search.seed}  # fmt: skip
     with refusing(), _telling() as tell:
         priors = _priors(search.priors, muscle)
-        tell("fitting")
-        made = fit(
-            record, muscle, search.names, priors, loss=search.loss, weights=search.weights,
-            starts=search.starts, seed=search.seed,
-        )  # fmt: skip
-        found = Found(made, remarks)
+        if search.names is None:
+            from ..calibrate.finding import find
+
+            choice = find(record, muscle, priors, **how, tell=tell)
+            made, found = choice.made, Found(choice.made, remarks, choice)
+        else:
+            from ..calibrate.fitting import fit
+
+            tell("fitting")
+            names = None if search.names == [TUNING] else search.names
+            made = fit(record, muscle, names, priors, **how, whole=False)
+            found = Found(made, remarks)
         if search.profile:
             from ..calibrate.profiling import profiles
 
@@ -97,12 +105,12 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
             found = replace(found, posterior=sample(made, seed=search.seed))
         if search.compare:
             tell("comparing laws")
-            found = replace(found, comparison=_compared(record, muscle, search, priors, made))
+            found = replace(found, comparison=_compared(record, muscle, made, priors, how))
         if drawn:
             from ..reports.fitted import figures
 
             tell("drawing")
-            pictures = figures(made, found.profiles, found.posterior, search.seed)
+            pictures = figures(made, found.profiles, found.posterior)
             found = replace(found, figures=pictures)
     return found
 
@@ -164,7 +172,11 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         return record
 
     with refusing():
-        record = join([one(path) for path in reading.paths])
+        try:
+            record = join([one(path) for path in reading.paths])
+        except ValueError as error:
+            raise ValueError(_as_options(str(error))) from None
+        record = replace(record, notes=tuple(_as_options(note) for note in record.notes))
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     if not assumed:
@@ -174,8 +186,18 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     )
 
 
+def _as_options(text: str) -> str:
+    """What is to be given, said as this command's options."""
+    text = re.sub(r'columns \{"(\w+)": "([^"]*)"\}', r"--column \1='\2'", text)
+    text = re.sub(r'units \{"(\w+)": "([^"]*)"\}', r"--unit \1='\2'", text)
+    text = text.replace("give clipped_at_zero = true", "give --clipped-at-zero")
+    return text.replace("give rest_length", "give --rest-length")
+
+
 def _check(search: Search) -> None:
     """Refuse what would only fail after the fit."""
+    if search.names is not None and TUNING in search.names and len(search.names) > 1:
+        raise UserError(f"--fit {','.join(search.names)}: {TUNING} stands alone.")
     if not search.posterior:
         return
     from importlib.util import find_spec
@@ -189,7 +211,7 @@ def _check(search: Search) -> None:
 
 
 def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
-    from ..calibrate.fitting import Prior
+    from ..calibrate.beginning import Prior
     from ..calibrate.parameters import named
 
     out = {}
@@ -206,14 +228,15 @@ def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
 
 
 def _compared(
-    record: "Record", muscle: "Muscle", search: Search, priors: Any, made: "Calibration"
+    record: "Record", muscle: "Muscle", made: "Calibration", priors: Any, how: dict[str, Any]
 ) -> list[Any]:
-    """Laws side by side: of what resists for the tuning, of tension for constants."""
+    """Laws side by side: of what resists where that was fitted, else of tension."""
     from ..calibrate import comparing
 
-    if made.method == "constants":
-        return comparing.compare_tension(record, muscle)
-    return comparing.compare(record, muscle, search.names, priors)
+    if made.method == "constants" or made.taken.pulls:
+        names = list(made.names) if made.method == "constants" else None
+        return comparing.compare_tension(record, muscle, names, priors, **how, whole=False)
+    return comparing.compare(record, muscle, list(made.names), priors, **how)
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ def show(
 
     - `title`: what it shows, with the unit [-].
     - `heads`: the columns' names [-].
-    - `rows`: their entries [-].
+    - `rows`: their entries [-], of a line or a few.
     - `caption`: what its marks mean [-].
     """
     from rich.box import SIMPLE_HEAD
@@ -27,7 +27,10 @@ def show(
 
     console = Console(file=sys.stdout, highlight=False, markup=False)
     # each column's text, with the space and the line between it and the next
-    widths = [max(map(len, column)) + 3 for column in zip(heads, *rows, strict=True)]
+    widths = [
+        max(len(line) for entry in column for line in entry.split("\n")) + 3
+        for column in zip(heads, *rows, strict=True)
+    ]
     for columns in _blocks(widths, console.width - 2):
         console.print(Text(title, style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False)

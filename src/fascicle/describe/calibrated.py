@@ -6,27 +6,32 @@ of coordinates, on which the parameters are free, in the order of their names.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..calibrate.calibration import Calibration, Estimate
 from ..units import exact
 
 
-def provenance_of(made: Calibration, date: str) -> dict[str, Any]:
+if TYPE_CHECKING:
+    from ..calibrate.finding import Choice
+
+
+def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) -> dict[str, Any]:
     """Where the fitted muscle comes from.
 
     **Arguments:**
 
     - `made`: the calibration [-].
     - `date`: of the day it was made [-], such as "2026-05-04".
+    - `choice`: what it was chosen from [-], or `None`.
 
     **Returns:** text, numbers and lists by key, one level of tables deep [-], as `save`
     takes it.
     """
     from .. import __version__
 
-    record = made.record
-    return {
+    record, loop = made.record, made.loop
+    found = {
         "method": made.method,
         "date": date,
         "fascicle": __version__,
@@ -39,6 +44,8 @@ def provenance_of(made: Calibration, date: str) -> dict[str, Any]:
         "relative_rmse": made.relative_rmse,
         "noise": exact(float(made.problem.noise), "force"),
         "inflation": float(made.inflation),
+        "wider": made.wider.tolist(),
+        "not_told": list(made.untold),
         "rest_length": _rest_length(made),
         "warnings": list(made.warnings),
         "notes": list(record.notes),
@@ -48,7 +55,33 @@ def provenance_of(made: Calibration, date: str) -> dict[str, Any]:
         "laws": laws_of(made),
         "record": [{"file": one.name, "sha256": one.sha256} for one in record.sources],
         "parameter": [_parameter(one) for one in made.parameters],
-    }
+        "readings": made.taken.counts(),
+        "residuals": [
+            {"against": one.along, "share": one.share, "chance": one.chance, "noise": not one.found}
+            for one in made.seen.trends
+        ]
+        + [
+            {"against": f"signs along {one.along}", "pairs": one.pairs, "changes": one.changes,
+             "chance": one.chance, "noise": not one.found}
+            for one in made.seen.runs
+        ],
+    }  # fmt: skip
+    if loop is not None:
+        found["hysteresis"] = {
+            "pressure": [exact(float(x), "pressure") for x in loop.pressure],
+            "width": [exact(float(x), "force") for x in loop.width],
+            "half": exact(loop.half, "force"),
+        }
+    if choice is not None:
+        found["reasons"] = list(choice.reasons)
+        found["candidate"] = [
+            {
+                "free": one.label, "numbers": one.constants, "rmse": one.rmse,
+                "left_out_rmse": one.left_out_rmse, "on": one.readings, "taken": one.chosen,
+            }
+            for one in choice.candidates
+        ]  # fmt: skip
+    return found
 
 
 def laws_of(made: Calibration) -> dict[str, str]:

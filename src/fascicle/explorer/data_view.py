@@ -32,6 +32,7 @@ class DataView(Tab):
         css = [widget_css(look)]
         self.record: Any = None
         self.made: Any = None
+        self._choice: Any = None
         self._tunes = session.view.muscle  # as it was when the fit began
         self._report = ""
         self._file = pn.widgets.FileInput(
@@ -194,9 +195,12 @@ class DataView(Tab):
             self._timer = pn.state.add_periodic_callback(self._tick, period=500)
 
         def compute() -> tuple[Any, str]:
-            made = fitted(record, muscle)
+            def tell(what: str) -> None:
+                stage[0] = f"{what}; the first time, the laws are compiled"
+
+            choice = fitted(record, muscle, tell)
             stage[0] = "drawing the report"
-            return made, report_page(made, date)
+            return choice, report_page(choice, date)
 
         self._fitted.ask(compute)
 
@@ -217,8 +221,11 @@ class DataView(Tab):
         self.message.say(text)
 
     def _show_fit(self, found: tuple[Any, str]) -> None:
+        from ..calibrate.judging import hysteresis  # loads what a page that fits nothing needn't
+
         self._done()
-        self.made, self._report = found
+        self._choice, self._report = found
+        self.made = self._choice.made
         rows = [
             (
                 one.name.replace("_", " "),
@@ -233,9 +240,12 @@ class DataView(Tab):
         made = self.made
         told = [
             f"rmse {made.rmse:.4g} N, {100 * made.relative_rmse:.3g} % of the largest force",
+            *made.taken.words(),
+            hysteresis(made),
+            *self._choice.reasons,
             *made.warnings,
         ]
-        self._status.object = "".join(status(html.escape(line)) for line in told)
+        self._status.object = "".join(status(html.escape(line)) for line in told if line)
         for widget in (self._take, *self._saves):
             widget.disabled = False
         self.draw(self.session.view)
@@ -252,7 +262,7 @@ class DataView(Tab):
 
     def _tuned(self) -> Any:
         return io.BytesIO(
-            tuned_file(self.made, f"{dt.datetime.now().astimezone():%Y-%m-%d}").encode()
+            tuned_file(self._choice, f"{dt.datetime.now().astimezone():%Y-%m-%d}").encode()
         )
 
     def _taken(self) -> None:

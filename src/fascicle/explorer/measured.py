@@ -1,5 +1,6 @@
 """A visitor's readings, within limits; the muscle's curves beside them; and the fit."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from ..units import pretty
 
 
 if TYPE_CHECKING:
-    from ..calibrate import Calibration
+    from ..calibrate import Choice
 
 LARGEST_FILE = 5_000_000  # bytes
 MOST_ROWS = 100_000
@@ -94,24 +95,26 @@ def drawn(record: Record) -> np.ndarray:
     return np.unique(np.linspace(0, len(record) - 1, min(len(record), MOST_POINTS)).astype(int))
 
 
-def fitted(record: Record, muscle: Muscle) -> "Calibration":
-    """The `muscle` [-] tuned to a `record` [-]."""
-    from ..calibrate.fitting import fit
+def fitted(record: Record, muscle: Muscle, tell: Callable[[str], object]) -> "Choice":
+    """What is found for a `muscle` [-] in a `record` [-], as `fascicle calibrate` finds it; `tell`
+    [-] is told what is being done.
+    """
+    from ..calibrate.finding import find
 
-    return fit(record, muscle, starts=STARTS)
+    return find(record, muscle, starts=STARTS, tell=tell)
 
 
-def tuned_file(made: "Calibration", date: str) -> str:
-    """The tuned muscle's file [-] with where it comes from, made on a `date` [-]."""
+def tuned_file(choice: "Choice", date: str) -> str:
+    """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
     from ..describe import dumps
     from ..describe.calibrated import provenance_of
 
-    return dumps(made.muscle, provenance_of(made, date))
+    return dumps(choice.made.muscle, provenance_of(choice.made, date, choice))
 
 
-def report_page(made: "Calibration", date: str) -> str:
-    """The report [-] of a calibration, made on a `date` [-]."""
+def report_page(choice: "Choice", date: str) -> str:
+    """The report [-] of what was found, made on a `date` [-]."""
     from ..reports.calibration import report
     from ..reports.fitted import figures
 
-    return report(made, date, figures(made, (), None, 0))
+    return report(choice.made, date, figures(choice.made), choice=choice)

@@ -5,7 +5,8 @@ go with pressure, dark where it is low. A clipped reading is a hollow triangle t
 down: the force was not above it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ _RESIDUALS = 2000  # drawn in all, where outliers matter
 _CURVES = 25  # levels with a curve; a swept pressure has hundreds
 _MANY = 9
 _TICKS = 14  # more levels than this get round numbers beside the colors
+_STRETCHES = 16  # of strain, in which residuals' means are drawn
 _RESISTS = -0.005  # of the largest force: a push that is more than a zero's error
 
 
@@ -50,6 +52,7 @@ class Fitted:
     - `curve_strain`, `curve_force`: the curves [-], [N], a row for each level.
     - `low`, `high`: ends of what a reading is expected between [N], or `None`.
     - `label`: what the curves are called [-].
+    - `follows`: what residuals follow, and which share of their squares that explains [-].
     """
 
     pressure: np.ndarray
@@ -63,6 +66,7 @@ class Fitted:
     low: np.ndarray | None = None
     high: np.ndarray | None = None
     label: str = "fitted"
+    follows: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def resists(self) -> bool:
@@ -149,7 +153,9 @@ def residuals(fitted: Fitted) -> Figure:
             ends = np.array([pressure - wide, pressure + wide]) / 1e3
             over_pressure.plot(ends, 2 * [fitted.residual[i][used].mean()], color=BLACK,
                                linewidth=1.2, label="mean of the level")  # fmt: skip
-    for ax, mark, title in zip(axes[0], "ab", ("over strain", "over pressure"), strict=True):
+    _strain_means(over_strain, fitted)
+    titles = [_followed(fitted, name) for name in ("strain", "pressure")]
+    for ax, mark, title in zip(axes[0], "ab", titles, strict=True):
         ax.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
         for side in (-2, 2):
             ax.axhline(side * fitted.noise, color=VERMILION, linewidth=0.9,
@@ -164,13 +170,35 @@ def residuals(fitted: Fitted) -> Figure:
     figure.legend(
         handles=[
             Line2D([], [], color=GRAY, linestyle="", marker="o", markersize=3, label="residual"),
-            Line2D([], [], color=BLACK, linewidth=1.2, label="mean at a pressure"),
+            Line2D([], [], color=BLACK, linewidth=1.2, label="mean there"),
             Line2D([], [], color=VERMILION, linewidth=0.9, linestyle=(0, (4, 2)),
                    label=f"± 2 σ, σ = {fitted.noise:.3g} N"),
         ],
         loc="outside lower center", ncols=3,
     )  # fmt: skip
     return figure
+
+
+def _followed(fitted: Fitted, name: str) -> str:
+    """A panel's title, with what residuals show along its axis."""
+    if name not in fitted.follows:
+        return f"over {name}"
+    return f"over {name}: a trend, {100 * fitted.follows[name]:.2g} % of squares"
+
+
+def _strain_means(ax: Axes, fitted: Fitted) -> None:
+    """Means of residuals near each strain that was measured, or in stretches of it."""
+    seen = np.isfinite(fitted.residual)
+    strain, left = fitted.strain[seen], fitted.residual[seen]
+    if strain.size < 2 or not np.ptp(strain) > 0:
+        return
+    edges = np.linspace(strain.min(), strain.max(), _STRETCHES + 1)
+    place = np.clip(np.searchsorted(edges, strain, "right") - 1, 0, _STRETCHES - 1)
+    half = 0.4 * (edges[1] - edges[0])
+    for stretch in np.unique(place):
+        there = place == stretch
+        ends = np.mean(strain[there]) + np.array([-half, half])
+        ax.plot(ends, 2 * [left[there].mean()], color=BLACK, linewidth=1.2)
 
 
 @styled

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from .averaging import Averaged as Averaged
     from .averaging import averaged as averaged
     from .dynamometer import VirtualDynamometer as VirtualDynamometer
+    from .loops import Loop as Loop
+    from .loops import loop_of as loop_of
     from .reading import load as load
     from .reading import loads as loads
     from .record import Record as Record
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Averaged": "averaging",
+    "Loop": "loops",
     "Record": "record",
     "Run": "splitting",
     "Source": "record",
@@ -33,12 +36,14 @@ _HOMES = {
     "join": "record",
     "load": "reading",
     "loads": "reading",
+    "loop_of": "loops",
     "runs": "splitting",
     "write": "writing",
 }
 
 __all__ = [
     "Averaged",
+    "Loop",
     "Record",
     "Run",
     "Source",
@@ -48,6 +53,7 @@ __all__ = [
     "join",
     "load",
     "loads",
+    "loop_of",
     "runs",
     "write",
 ]

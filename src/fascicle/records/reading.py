@@ -156,7 +156,8 @@ def _given(
 def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str, ...]) -> Record:
     table = open_table(raw, source)
     chosen, guessed = choose(table, given.columns, given.units)
-    remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, table.remarks) if match]
+    above = (*table.remarks, *table.titles)
+    remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]
     rest, told = _rest_length(table, given, dict(remarks))
     position = chosen[next(role for role in POSITIONS if role in chosen)]
     if rest is None and position.role != "strain":
@@ -191,13 +192,32 @@ def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str
         if back.size:
             noted += (f"time goes back in line {cells.lines[back[0] + 1]}",)
     said = tuple(f"{key}: {text}" for key, text in remarks if key in {"source", "note"})
-    every = (*notes, *guessed, *told, *stretched, *clipped, *noted, *given.notes, *said)
+    every = (
+        *notes,
+        *_passed(table),
+        *guessed,
+        *told,
+        *stretched,
+        *clipped,
+        *noted,
+        *given.notes,
+        *said,
+    )
     return Record(
         pressure=pressure, strain=strain, force=force, censored=censored, branch=branch, time=time,
-        rest_length=rest, synthetic=given.synthetic or _synthetic(table.remarks),
+        rest_length=rest, synthetic=given.synthetic or _synthetic(above),
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
         notes=tuple(f"{name}: {note}" for note in every),
     )  # fmt: skip
+
+
+def _passed(table: Table) -> tuple[str, ...]:
+    """A note of the lines above the header, if there are any."""
+    if not table.titles:
+        return ()
+    lines = "; ".join(line if len(line) <= 60 else f"{line[:57]}…" for line in table.titles[:3])
+    more = f" and {len(table.titles) - 3} more" if len(table.titles) > 3 else ""
+    return (f"lines above the header not read as data: {lines}{more}",)
 
 
 def _synthetic(remarks: Sequence[str]) -> bool:

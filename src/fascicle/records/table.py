@@ -26,6 +26,8 @@ _BLOCK = 1 << 24  # bytes read at once: bounds what is needed besides the column
 _LONGEST_LINE = 100_000
 _LONGEST_NAME = 100  # characters of a column's header
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0\u202f]\d{3})+(?:[.,]\d+)?", re.ASCII)
+_PEEKED = 60  # lines in which the header is looked for
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
@@ -53,6 +55,7 @@ class Table:
     - `remarks`: the lines after `#` above the header [-].
     - `delimiter`, `decimal`: the signs that it is written with [-].
     - `body`: the rows, and `first`, the line of the first one [-].
+    - `titles`: lines above the header that aren't remarks [-].
     """
 
     source: str
@@ -64,6 +67,7 @@ class Table:
     decimal: str
     body: bytes
     first: int
+    titles: tuple[str, ...] = ()
 
     def read(self, numbers: Sequence[int], words: Sequence[int]) -> Cells:
         """The columns at places `numbers` and `words` of the header.
@@ -140,7 +144,7 @@ class Table:
                 if len(row) != len(self.header):
                     raise ValueError(
                         f"{self.source}, line {line}: {_counted(len(row))}, where the header has"
-                        f" {len(self.header)}: quote or drop the odd ones."
+                        f" {len(self.header)}: {self._uneven(len(row))}."
                     )
                 lines.append(line)
                 for i in numbers:
@@ -156,6 +160,12 @@ class Table:
             np.array(lines, dtype=int),
         )
 
+    def _uneven(self, cells: int) -> str:
+        """What to do about a row of so many `cells` [-]."""
+        if self.delimiter == "," and len(self.header) < cells <= 2 * len(self.header):
+            return "if its decimals stand after commas, part the columns by semicolons"
+        return "quote or drop the odd ones"
+
     def _number(self, cell: str, line: int, column: int) -> float:
         text = cell.strip()
         if not text:
@@ -168,6 +178,8 @@ class Table:
             raise self.fault(line, column, f"{text} is no reading: drop the line.")
         shown = text if len(text) <= 30 else text[:27] + "…"
         hint = ": write the decimals after a point" if _DECIMAL_COMMA.fullmatch(text) else ""
+        if _THOUSANDS.fullmatch(text):
+            hint = ": write it without signs between thousands"
         raise self.fault(line, column, f"{shown!r} is no finite number{hint}.")
 
 
@@ -184,20 +196,13 @@ def open_table(raw: bytes, source: str) -> Table:
     **Raises:** `ValueError`, in one line, for what is no table.
     """
     raw = _utf8(raw, source)
-    remarks, top, line = [], 0, 0
-    header: str | None = None
-    while header is None and top < len(raw):
-        text, top, line = *_line(raw, top, source, line + 1), line + 1
-        if text.lstrip().startswith("#"):
-            remarks.append(text.strip().lstrip("#").strip())
-        elif text.strip():
-            header = text
-    if header is None:
+    lines, remarks = _opening(raw, source)
+    if not lines:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
-    header_line = line
-    peek, after = "", top
-    while after < len(raw) and (not peek.strip() or peek.lstrip().startswith("#")):
-        peek, after, line = *_line(raw, after, source, line + 1), line + 1
+    titles = _titles([text for text, _, _ in lines])
+    header, top, header_line = lines[titles]
+    after = lines[titles + 1] if len(lines) > titles + 1 else ("", len(raw), header_line + 1)
+    peek, _, line = after
     delimiter = _delimiter(header, peek)
     names = tuple(_shown(cell) for cell in _split(header, delimiter))
     if any(len(name) > _LONGEST_NAME for name in names):
@@ -213,7 +218,7 @@ def open_table(raw: bytes, source: str) -> Table:
     below = [cell.strip() for cell in _split(peek, delimiter)] if peek.strip() else []
     units, first = ("",) * len(names), header_line + 1
     if len(below) == len(names) and _are_units(below):
-        units, top, first = tuple(below), after, line + 1
+        units, top, first = tuple(below), after[1], line + 1
     body = raw[top:]
     if body.count(b"\n") > MAX_ROWS:
         raise ValueError(
@@ -223,8 +228,53 @@ def open_table(raw: bytes, source: str) -> Table:
     comma = delimiter != "," and any(_DECIMAL_COMMA.fullmatch(cell.strip()) for cell in sample)
     return Table(
         source, names, header_line, units, tuple(remarks), delimiter, "," if comma else ".", body,
-        first,
+        first, tuple(_shown(text) for text, _, _ in lines[:titles]),
     )  # fmt: skip
+
+
+def _opening(raw: bytes, source: str) -> tuple[list[tuple[str, int, int]], list[str]]:
+    """The first lines that are neither blank nor remarks: text, where the next begins, number; and
+    the remarks above the first.
+    """
+    lines: list[tuple[str, int, int]] = []
+    remarks: list[str] = []
+    top = number = 0
+    while top < len(raw) and len(lines) < _PEEKED:
+        try:
+            (text, top), number = _line(raw, top, source, number + 1), number + 1
+        except ValueError:
+            if lines:
+                break  # a long line below says nothing of the header
+            raise
+        if text.lstrip().startswith("#"):
+            remarks += [text.strip().lstrip("#").strip()] * (not lines)
+        elif text.strip():
+            lines.append((text, top, number))
+    return lines, remarks
+
+
+def _titles(lines: Sequence[str]) -> int:
+    """How many lines stand above the header: titles, as instruments write them.
+
+    The header is the first line that has as many cells as the numbers below it, in two cells or
+    more, and is no number itself; units may stand between. Where there is none such, it is the
+    first line.
+    """
+    for place, header in enumerate(lines[:-1]):
+        delimiter = _delimiter(header, lines[place + 1])
+        names = _split(header, delimiter)
+        rows = [_split(line, delimiter) for line in lines[place + 1 : place + 3]]
+        if _are_units([cell.strip() for cell in rows[0]]) and len(rows) > 1:
+            rows = rows[1:]
+        numbers = sum(bool(_NUMBER.fullmatch(cell.strip())) for cell in rows[0])
+        words = not any(_NUMBER.fullmatch(name.strip()) for name in names)
+        if len(names) == len(rows[0]) > 1 and numbers > 1 and words:
+            return place
+        # decimals after commas, and commas between columns: told so where the rows are read
+        split = delimiter == "," and 2 < len(names) < numbers == len(rows[0]) <= 2 * len(names)
+        if split and words:
+            return place
+    return 0
 
 
 def _utf8(raw: bytes, source: str) -> bytes:

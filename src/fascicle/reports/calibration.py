@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calibrate.calibration import Calibration, Estimate
+from ..calibrate.judging import hysteresis
 from ..calibrate.profiling import Profile
+from ..calibrate.trends import ALPHA
 from ..describe.calibrated import laws_of
 from ..plot.style import to_bytes
 from ..units import pretty
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..calibrate.comparing import Row
+    from ..calibrate.finding import Choice
     from ..calibrate.posterior import Posterior
 
 _INCH = 0.0254  # m
@@ -33,8 +36,8 @@ _TITLES = {
 _CAPTIONS = {
     "fit": "Points are readings, lines the fitted muscle. 90 % of readings lie in the band if "
     "the law holds. Where there are many points, some of them are drawn.",
-    "residuals": "What the fit leaves. Residuals that wander with strain or pressure are the "
-    "law's error or the gauge's, not noise.",
+    "residuals": "What the fit leaves. Residuals that follow strain or pressure are the law's "
+    "error or the gauge's, not noise; bars are means near a strain, and at a pressure.",
     "readings": "The tuning corrects the tension law to what was read at each pressure; between "
     "the pressures it follows the smooth curves.",
     "profiles": "How much the sum of squares rises, over the noise, while a parameter is held "
@@ -57,6 +60,8 @@ def report(
     comparison: "Sequence[Row]" = (),
     muscle_file: str = "muscle.toml",
     remarks: Sequence[str] = (),
+    drawn: "Mapping[str, bytes] | None" = None,
+    choice: "Choice | None" = None,
 ) -> str:
     """The page.
 
@@ -70,6 +75,8 @@ def report(
     - `comparison`: laws by rows [-], or none.
     - `muscle_file`: what the saved muscle is called [-].
     - `remarks`: of what was assumed on the way here [-].
+    - `drawn`: the figures as SVG by name [-], where they were drawn already.
+    - `choice`: what the calibration was chosen from [-], or `None`.
 
     **Returns:** the page as HTML [-].
     """
@@ -82,11 +89,15 @@ def report(
     else:
         page.paragraph("Nothing to warn of.")
     _untold(page, made)
+    if choice is not None:
+        _tried(page, choice)
     _parameters(page, made, profiles)
-    for name in ("fit", "residuals", "readings"):
-        _figure(page, name, figures)
+    _figure(page, "fit", figures, drawn or {})
+    _figure(page, "residuals", figures, drawn or {})
+    _looked(page, made)
+    _figure(page, "readings", figures, drawn or {})
     if profiles:
-        _figure(page, "profiles", figures)
+        _figure(page, "profiles", figures, drawn or {})
     _correlations(page, made)
     if posterior is not None:
         _posterior(page, made, posterior)
@@ -109,16 +120,19 @@ def _opening(page: Page, made: Calibration) -> None:
     if made.record.synthetic:
         page.paragraph("Synthetic: a model made these readings, no muscle was measured.", "lead")
     page.paragraph(
-        f"A muscle was fitted to {made.points} readings at {_levels(made)}. Root mean square of"
-        f" the residuals: {made.rmse:.4g} N, {100 * made.relative_rmse:.3g} % of the largest"
-        " force.",
+        f"A muscle was fitted to {made.points} readings at {_levels(made)}. Root mean square error"
+        f" of all that were measured: {made.rmse:.4g} N, {100 * made.relative_rmse:.3g} % of the"
+        " largest force.",
         "lead",
     )
+    page.paragraph(f"{'; '.join(made.taken.words())}.")
+    if made.loop is not None:
+        page.paragraph(hysteresis(made))
     page.paragraph(f"Method: {_METHODS[made.method]}. The search {made.status}.")
 
 
 def _levels(made: Calibration) -> str:
-    P = np.asarray(made.problem.data.pressure)[:, 0]
+    P = np.asarray(made.data.pressure)[:, 0]
     if P.size == 1:
         return f"{P[0] / 1e3:.4g} kPa"
     return f"{P.size} pressures from {P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa"
@@ -126,7 +140,7 @@ def _levels(made: Calibration) -> str:
 
 def _untold(page: Page, made: Calibration) -> None:
     """What the data can't tell, in plain sentences."""
-    data = made.problem.data
+    data = made.data
     P, used = np.asarray(data.pressure)[:, 0], np.asarray(data.count) > 0
     strain = np.asarray(data.strain)[used]
     page.heading("What the data can't tell", "untold")
@@ -137,6 +151,9 @@ def _untold(page: Page, made: Calibration) -> None:
         for one in made.parameters
         if not one.identifiable
     ]
+    if made.untold:
+        names = ", ".join(f"`{name}`" for name in made.untold)
+        lines.append(f"{names}: not fitted, and not to be told beside what was; as given.")
     lines.append(
         f"Pressures outside {P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa and contractions outside"
         f" {strain.min():.3g} to {strain.max():.3g}: none were measured."
@@ -147,6 +164,86 @@ def _untold(page: Page, made: Calibration) -> None:
             " and no more."
         )
     page.points(lines)
+
+
+def _tried(page: Page, choice: "Choice") -> None:
+    """Candidates, and why one of them was taken."""
+    page.heading("What was tried", "tried")
+    for readings, title in _COMPARED.items():
+        rows = [
+            [
+                f"<strong>{escape(one.label)}</strong>" if one.chosen else escape(one.label),
+                str(one.constants),
+                f"{one.rmse:.4g} N, {_percent(one.relative_rmse)}",
+                f"{one.left_out_rmse:.4g} N, {_percent(one.relative_left_out_rmse)}",
+                _mark(one.chosen, "taken", ""),
+            ]
+            for one in choice.candidates
+            if one.readings == readings
+        ]
+        if rows:
+            heads = [f"Free, on {title}", "Numbers", "Error", "Error where left out", ""]
+            page.table(heads, rows)
+    page.points(choice.reasons)
+    page.paragraph(
+        "Left out are pressures, one after the other or a few neighbors at a time; each is judged"
+        " by a fit that never saw it.",
+        "note",
+    )
+
+
+_COMPARED = {"pulling": "readings that pull", "all": "all readings"}
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %" if np.isfinite(share) else "-"
+
+
+def _looked(page: Page, made: Calibration) -> None:
+    """What residuals follow."""
+    seen = made.seen
+    page.heading("Are residuals noise?", "noise")
+    if not seen.trends and not seen.runs:
+        page.paragraph("Too few readings are left beside the constants to tell.")
+        return
+    rows = [
+        [
+            f"a smooth curve along {escape(one.along)}",
+            f"{100 * one.share:.3g} % of their squares",
+            f"{one.chance:.2g}",
+            _mark(not one.found, "noise", "no noise"),
+        ]
+        for one in seen.trends
+    ]
+    rows += [
+        [
+            f"neighbors along {escape(one.along)} of one sign",
+            f"{one.changes} of {one.pairs} change it",
+            f"{one.chance:.2g}",
+            _mark(not one.found, "noise", "no noise"),
+        ]
+        for one in seen.runs
+    ]
+    page.table(["Residuals against", "Found", "Chance of it in noise", ""], rows)
+    page.paragraph(
+        f"All tests of a record together call noise a trend in {100 * ALPHA:g} % of records."
+        " Trends are those that are left beside what the constants took up, and beside the ones"
+        " above them.",
+        "note",
+    )
+    if made.seen.found:
+        rows = [
+            [f"<code>{escape(name)}</code>", f"{wide:.3g}"]
+            for name, wide in zip(made.names, made.wider, strict=True)
+        ]
+        page.table(["Parameter", "Interval over what noise alone makes it"], rows)
+
+
+def _mark(good: bool, yes: str, no: str) -> str:
+    if not good and not no:
+        return ""
+    kind, text = ("holds", f"✓\u00a0{yes}") if good else ("differs", f"✗\u00a0{no}")
+    return f'<span class="{kind}">{text}</span>'
 
 
 def _parameters(page: Page, made: Calibration, profiles: Sequence[Profile]) -> None:
@@ -173,8 +270,7 @@ def _parameters(page: Page, made: Calibration, profiles: Sequence[Profile]) -> N
 
 
 def _known(one: Estimate) -> str:
-    kind, text = ("holds", "✓\u00a0yes") if one.identifiable else ("differs", "✗\u00a0no")
-    return f'<span class="{kind}">{text}</span>'
+    return _mark(one.identifiable, "yes", "no")
 
 
 def _interval(low: float, high: float, dimension: str) -> str:
@@ -185,12 +281,15 @@ def _end(value: float, dimension: str, infinite: str) -> str:
     return pretty(value, dimension) if np.isfinite(value) else infinite
 
 
-def _figure(page: Page, name: str, figures: "Mapping[str, Figure]") -> None:
+def _figure(
+    page: Page, name: str, figures: "Mapping[str, Figure]", drawn: Mapping[str, bytes]
+) -> None:
     if name not in figures:
         return
     figure = figures[name]
+    svg = drawn[name] if name in drawn else to_bytes(figure, "svg")
     page.heading(_TITLES[name], name)
-    page.picture(to_bytes(figure, "svg"), "svg", _TITLES[name], figure.get_figwidth() * _INCH)
+    page.picture(svg, "svg", _TITLES[name], figure.get_figwidth() * _INCH)
     page.paragraph(_CAPTIONS[name], "note")
 
 

@@ -3,18 +3,17 @@ values.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from ..calibrate.calibration import Calibration
-from ..calibrate.grid import Grid, grid
-from ..calibrate.problem import Problem
+from ..calibrate.grid import grid, trimmed
+from ..calibrate.linear import linear
 from ..calibrate.profiling import Profile
-from ..calibrate.readings import free_strain_of
+from ..calibrate.pulling import force_of, strain_of, untuned
 from ..calibrate.uncertainty import NORMAL
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE
@@ -30,16 +29,13 @@ if TYPE_CHECKING:
     from ..calibrate.posterior import Posterior
 
 _PLACES = 161  # of a curve, so close that a kink looks like one
-_DRAWS = 100
 _NO_PRESSURE = 0.01  # of the highest: below, nothing is read
-_LARGEST = 500_000  # forces to compute for a band
 
 
 def figures(
     made: Calibration,
     profiles: Sequence[Profile] = (),
     posterior: "Posterior | None" = None,
-    seed: int = 0,
 ) -> "dict[str, Figure]":
     """The figures of a calibration.
 
@@ -47,13 +43,12 @@ def figures(
 
     - `made`: the calibration [-].
     - `profiles`: of its parameters [-]; none, no figure of them.
-    - `posterior`: its draws make the band [-]; left out, the normal approximation's do.
-    - `seed`: of what is drawn [-].
+    - `posterior`: its draws' covariance makes the band [-]; left out, the fit's own does.
 
     **Returns:** figures by name: "fit", "residuals", then "readings" and "profiles" if there
     are any [-].
     """
-    fitted = fitted_of(made, posterior, seed)
+    fitted = fitted_of(made, posterior)
     found = {"fit": plot.fit(fitted), "residuals": plot.residuals(fitted)}
     if made.readings is not None:
         found["readings"] = plot.readings(read_of(made))
@@ -66,44 +61,25 @@ def figures(
     return found
 
 
-def fitted_of(
-    made: Calibration, posterior: "Posterior | None" = None, seed: int = 0
-) -> plot.Fitted:
-    """Readings and curves, with the band that holds 90 % of readings.
-
-    A posterior draws parameters and the curves through the readings together; without one
-    they are drawn apart, as the readings behind them are.
+def fitted_of(made: Calibration, posterior: "Posterior | None" = None) -> plot.Fitted:
+    """Readings and curves, with the band that holds 90 % of readings, to first order.
 
     **Arguments:** as `figures` [-].
 
     **Returns:** them in plain arrays [-].
     """
-    data = made.problem.data
-    used = np.asarray(data.count) > 0
+    data = made.data
+    P, used = np.asarray(data.pressure)[:, 0], np.asarray(data.count) > 0
     strain = np.where(used, np.asarray(data.strain), np.nan)
     ends = np.nanmin(strain, axis=1), np.nanmax(strain, axis=1)
     curve = np.linspace(*ends, _PLACES, axis=1)
-    count = int(np.clip(_LARGEST // curve.size, 20, _DRAWS))
-    rng = np.random.default_rng(seed)
-    if posterior is None:
-        z, curves = made.draws(count, seed), _curves(made, count, rng)
-    else:
-        drawn = rng.integers(len(posterior.coordinates), size=count)
-        z, curves = posterior.coordinates[drawn], posterior.curves[drawn]
-    z = jnp.asarray(np.concatenate([made.coordinates[None], z]))
-    if made.readings is None:
-        curves = None
-    else:
-        curves = jnp.concatenate([made.readings.coefficients[None], jnp.asarray(curves)])
-    force, free = (np.asarray(x) for x in _forces(_at(made.problem, curve), z, curves))
+    force = _curve(made, P, curve)
     noise = np.full(curve.shape, float(made.problem.noise))
     if made.readings is not None:
-        noise = np.where(curve <= free[0][:, None], float(made.readings.noise), noise)
-    P = np.asarray(data.pressure)[:, 0]
-    away = NORMAL * np.sqrt(np.var(force[1:], axis=0) + noise**2)
+        noise = np.where(curve <= made.free_strain[:, None], made.readings.noise, noise)
+    away = NORMAL * np.sqrt(_variance(made, curve, _joint(made, posterior)) + noise**2)
     # where nothing could be read the curves' own uncertainty means nothing
     away[_unread(made, P)] = np.nan
-    middle = np.mean(force[1:], axis=0)
     return plot.Fitted(
         pressure=P,
         strain=strain,
@@ -112,9 +88,10 @@ def fitted_of(
         residual=made.residual,
         noise=float(made.problem.noise),
         curve_strain=curve,
-        curve_force=_curve(made, P, curve, force[0]),
-        low=middle - away,
-        high=middle + away,
+        curve_force=force,
+        low=force - away,
+        high=force + away,
+        follows={one.along: one.share for one in made.seen.found},
     )
 
 
@@ -129,7 +106,7 @@ def beside(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.Fi
 
     **Returns:** them in plain arrays [-].
     """
-    data = grid(record)
+    data = trimmed(grid(record))
     used = np.asarray(data.count) > 0
     censored = np.asarray(data.censored) & used
     P = np.clip(np.asarray(data.pressure), 0.0, HIGHEST_PRESSURE)
@@ -155,16 +132,54 @@ def _unread(made: Calibration, P: np.ndarray) -> np.ndarray:
     """Which levels of pressure the tuning could read nothing at."""
     if made.readings is None:
         return np.zeros(P.shape, dtype=bool)
-    return ~np.asarray(made.readings.valid) & (_NO_PRESSURE * P.max() < P)
+    return ~made.readings.valid[: P.size] & (_NO_PRESSURE * P.max() < P)
 
 
-def _curve(made: Calibration, P: np.ndarray, strain: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Forces [N] of the muscle as it is saved, which holds C1, C2 where nothing was read."""
-    unread = _unread(made, P)
-    if not unread.any():
-        return force
-    saved = np.asarray(made.muscle.force(P[:, None], strain))
-    return np.where(unread[:, None], saved, force)
+def _curve(made: Calibration, P: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """Forces [N] of the fitted muscle. Where nothing pushed curves end with its pull: what it does
+    past the free strain was not measured.
+    """
+    rest = made.record.rest_length
+    own = strain if rest is None else strain * (rest / float(made.muscle.length))
+    if not made.problem.pulls:
+        return np.asarray(made.muscle.force(P[:, None], own))
+    force, _ = force_of(made.muscle, P[:, None], own)
+    # to the first place past it, so that a line meets the axis
+    ends = np.argmax(force < 0, axis=1)
+    past = (np.arange(force.shape[1]) > ends[:, None]) & np.any(force < 0, axis=1)[:, None]
+    return np.where(past, np.nan, np.maximum(force, 0.0))
+
+
+def _joint(made: Calibration, posterior: "Posterior | None") -> np.ndarray:
+    """Covariance of the fitted coordinates and of the readings' curves together."""
+    if posterior is not None:
+        return np.cov(np.hstack([posterior.coordinates, posterior.curves]), rowvar=False)
+    # what the data don't determine is kept: its prior would only say that nothing is known
+    known = np.array([one.identifiable for one in made.parameters])
+    k, n = known.size, 0 if made.readings is None else made.readings.coefficients.size
+    joint = np.zeros((k + n, k + n))
+    joint[:k, :k] = np.where(np.outer(known, known), made.covariance, 0.0)
+    if made.readings is not None:
+        joint[k:, k:] = made.readings.covariance
+    return joint
+
+
+def _variance(made: Calibration, strain: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    """Variance [N²] of the model's force at `strain` [-], a row for each level, to first order."""
+    problem, z = made.problem, made.problem.whole(made.coordinates)
+    shape = np.shape(problem.data.count)
+    columns = np.concatenate([problem.chosen, np.arange(z.size, z.size + len(joint))])
+    columns = columns[: len(joint)]
+    out = np.zeros(strain.shape)
+    # in the tables' shape, which is compiled already
+    for start in range(0, strain.shape[1], shape[1]):
+        part = strain[:, start : start + shape[1]]
+        filled = np.zeros(shape)
+        filled[: part.shape[0], : part.shape[1]] = part
+        at = replace(problem, data=replace(problem.data, strain=jnp.asarray(filled)))
+        slopes = linear(at, z).force_slopes[: part.shape[0], : part.shape[1]][..., columns]
+        out[:, start : start + shape[1]] = np.einsum("lri,ij,lrj->lr", slopes, joint, slopes)
+    return np.maximum(out, 0.0)
 
 
 def read_of(made: Calibration) -> plot.Read:
@@ -179,14 +194,14 @@ def read_of(made: Calibration) -> plot.Read:
     found = made.readings
     if found is None:
         raise ValueError("`made` holds no readings: its method fits the constants directly.")
-    good = np.asarray(found.valid)
-    top = float(np.max(np.asarray(found.pressure)))
+    good = found.valid
+    top = float(np.max(found.pressure))
     P = np.linspace(1.2 * _NO_PRESSURE, 1, _PLACES) * top
-    mean, C = np.asarray(found.coefficients), np.asarray(found.covariance)
+    mean, C = found.coefficients, found.covariance
     # both curves are linear in their coefficients
-    each = _free_strains(made.problem, jnp.eye(mean.size), jnp.asarray(P), jnp.asarray(top))
-    shape = np.array(each).T
-    line = np.zeros_like(shape)
+    free = strain_of(untuned(made.muscle), P, np.zeros(P.shape))
+    shape, line = np.zeros((P.size, mean.size)), np.zeros((P.size, mean.size))
+    shape[:, :-2] = free[:, None] * (P / top)[:, None] ** np.arange(mean.size - 2)
     line[:, -2], line[:, -1] = 1.0, P / top
 
     def band(basis: np.ndarray) -> np.ndarray:
@@ -194,11 +209,11 @@ def read_of(made: Calibration) -> plot.Read:
         return np.stack([basis @ mean - away, basis @ mean, basis @ mean + away])
 
     return plot.Read(
-        pressure=np.asarray(found.pressure)[good],
-        blocked_force=np.asarray(found.blocked_force)[good],
-        blocked_force_error=NORMAL * np.asarray(found.blocked_force_deviation)[good],
-        free_strain=np.asarray(found.free_strain)[good],
-        free_strain_error=NORMAL * np.asarray(found.free_strain_deviation)[good],
+        pressure=found.pressure[good],
+        blocked_force=found.blocked_force[good],
+        blocked_force_error=NORMAL * found.blocked_force_deviation[good],
+        free_strain=found.free_strain[good],
+        free_strain_error=NORMAL * found.free_strain_deviation[good],
         curve_pressure=P,
         blocked_force_curve=band(line),
         free_strain_curve=band(shape),
@@ -233,43 +248,3 @@ def profiled_of(made: Calibration, profiles: Sequence[Profile]) -> list[plot_pro
             )
         )
     return out
-
-
-def _at(problem: Problem, strain: np.ndarray) -> Problem:
-    """The problem with readings at other strains [-]."""
-    P, places = problem.data.pressure, jnp.asarray(strain)
-    data = Grid(P, places, jnp.zeros(places.shape), jnp.ones(places.shape),
-                jnp.zeros(places.shape, bool))  # fmt: skip
-    return eqx.tree_at(lambda p: p.data, problem, data)
-
-
-def _curves(made: Calibration, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Coefficients of the readings' curves, drawn `count` times."""
-    if made.readings is None:
-        return np.zeros((count, 0))
-    mean = np.asarray(made.readings.coefficients)
-    spread, basis = np.linalg.eigh(np.asarray(made.readings.covariance))
-    normal = rng.normal(size=(count, mean.size))
-    return mean + normal @ (basis * np.sqrt(np.maximum(spread, 0))).T
-
-
-@eqx.filter_jit
-def _forces(
-    problem: Problem, coordinates: jax.Array, curves: jax.Array | None
-) -> tuple[jax.Array, jax.Array]:
-    """Forces [N] at the problem's places, and free strains [-], for each draw."""
-
-    def one(z: jax.Array, curve: jax.Array | None) -> tuple[jax.Array, jax.Array]:
-        at = problem if curve is None else eqx.tree_at(lambda p: p.curves, problem, curve)
-        muscle = at.muscle_at(z)
-        return at.force(z), muscle.free_strain(at.data.pressure[:, 0])
-
-    return jax.vmap(one)(coordinates, curves)
-
-
-@eqx.filter_jit
-def _free_strains(
-    problem: Problem, coefficients: jax.Array, pressure: jax.Array, top: jax.Array
-) -> jax.Array:
-    """Free strains [-] that each row of coefficients gives."""
-    return jax.vmap(lambda row: free_strain_of(problem.muscle, row, pressure, top))(coefficients)

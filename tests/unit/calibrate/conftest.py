@@ -1,5 +1,7 @@
 """Problems that need no muscle's law, so that what is asked of them has a closed form."""
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -8,9 +10,11 @@ from jaxtyping import Array, Float
 import fascicle as fs
 from fascicle.calibrate.calibration import Calibration
 from fascicle.calibrate.grid import Grid, Table
+from fascicle.calibrate.linear import linear
 from fascicle.calibrate.parameters import PARAMETERS
 from fascicle.calibrate.problem import Problem, Vector
 from fascicle.calibrate.solving import solve
+from fascicle.calibrate.taking import taken
 from fascicle.calibrate.uncertainty import Conclusion
 from fascicle.records.record import Record
 
@@ -50,31 +54,33 @@ def straight():
         weight = np.ones(F.shape) if weight is None else weight
         problem = Straight(
             muscle, data, jnp.asarray(weight), jnp.asarray(sigma), jnp.zeros(2),
-            prior * jnp.ones(2), None, None, tuple(PARAMETERS[name] for name in NAMES), "linear",
-            jnp.asarray(X),
+            prior * jnp.ones(2), None, None, tuple(PARAMETERS[name] for name in NAMES),
+            design=jnp.asarray(X),
         )  # fmt: skip
-        solutions = solve(problem, jnp.zeros((1, 2)))
-        z = np.asarray(solutions.coordinates[0])
+        solutions = solve(problem, np.zeros((1, 2)))
+        z = solutions.coordinates[0]
         rows = X[~clipped] * (weight[~clipped] / sigma)[:, None]
         covariance = np.linalg.inv(rows.T @ rows + np.eye(2) / prior**2)
-        mu, none = problem.force(jnp.asarray(z)), jnp.zeros(levels)
+        found, none = linear(problem, z), np.zeros((2, 2))
+        record = Record.of(np.broadcast_to(P, F.shape), np.zeros(F.shape), F, clipped)
+        of = taken(record)
         return Calibration(
             muscle=problem.muscle_at(jnp.asarray(z)),
             start=muscle,
-            record=Record.of(P, np.zeros(F.shape), F, clipped),
+            # in the shape of the problem, which no table of a fit's has
+            taken=replace(of, gathered=replace(of.gathered, data=data)),
             method="constants",
             problem=problem,
             coordinates=z,
             covariance=covariance,
-            from_curves=np.zeros((2, 2)),
+            from_curves=none,
+            from_trends=none,
             readings=None,
-            conclusion=Conclusion(
-                jnp.asarray(covariance), jnp.zeros((2, 2)), problem.noise, mu,
-                problem.misfits_of(mu), data.strain, none, none,
-            ),
-            force=np.asarray(mu),
+            conclusion=Conclusion(covariance, none, sigma, found, found.misfits),
+            force=found.force,
+            free_strain=np.zeros(levels),
             solutions=solutions,
             inflation=1.0,
-        )  # fmt: skip
+        )
 
     return make

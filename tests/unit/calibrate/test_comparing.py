@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+import fascicle as fs
+from fascicle.calibrate import Prior, compare_tension, fit
 from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
 from fascicle.calibrate.grid import grid
 from fascicle.calibrate.reference import SAROSI_DMSP_20_200N, refitted, sarosi
@@ -103,3 +105,30 @@ def test_a_refit_finds_the_constants_that_made_the_data():
     spoiled = replace(data, force=data.force.at[2].add(500.0))
     assert_allclose(refitted(spoiled, weight.at[2].set(0.0)), truth, rtol=1e-5)
     assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)
+
+
+def test_a_comparison_fits_as_separate_fits_do():
+    """Loss, weights, starts, seed and priors are those of the command, in every row."""
+    true = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    nominal = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex")
+    P, strain = np.linspace(1.5e5, 6e5, 5)[:, None], np.linspace(0.0, 0.1, 8)
+    force = np.asarray(true.force(P, strain))
+    force = force + 2.0 * np.random.default_rng(0).normal(size=force.shape)
+    force[2, ::3] += 60.0  # what a robust loss plays down, and other weights count otherwise
+    record = Record.of(P, strain, force, rest_length=0.2)
+    how = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3, "whole": False}
+    names = ["braid_angle", "outer_radius"]
+    priors = {"outer_radius": Prior(11e-3, 0.05e-3)}
+    rows = {one.label: one for one in compare_tension(record, nominal, names, priors, **how)}
+    alone = fit(record, nominal, names, priors, **how)
+    label = "Klute-Hannaford: braid_angle, outer_radius"
+    assert_allclose(rows[label].rmse, missed(alone), rtol=1e-6)
+    plain = fit(record, nominal, names, whole=False)
+    assert abs(missed(plain) / missed(alone) - 1) > 1e-3  # so it matters
+    ideal = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension="ideal")
+    other = missed(fit(record, ideal, names, priors, **how))
+    assert_allclose(rows["ideal: braid_angle, outer_radius"].rmse, other, rtol=1e-6)
+
+
+def missed(made):
+    return float(np.sqrt(np.nanmean(made.residual**2)))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fascicle.calibrate.grid import LONGEST, grid, level_of
+from fascicle.calibrate.grid import LONGEST, gathered, grid, level_of, trimmed
 from fascicle.records.record import Record
 
 
@@ -45,7 +45,7 @@ def test_a_sweep_beside_steps_leaves_the_steps_alone():
 def test_short_rows_hold_the_readings_as_they_were():
     record = Record.of([1e5, 2e5, 1e5, 1e5], [0.1, 0.2, 0.0, 0.2], [5.0, 6.0, 7.0, 0.0],
                        [False, False, False, True])  # fmt: skip
-    made = grid(record)
+    made = trimmed(grid(record))
     assert_array_equal(made.pressure, [[1e5], [2e5]])
     assert_array_equal(made.strain, [[0.1, 0.0, 0.2], [0.2, 0.0, 0.0]])
     assert_array_equal(made.force, [[5.0, 7.0, 0.0], [6.0, 0.0, 0.0]])
@@ -61,7 +61,7 @@ def test_averaging_keeps_counts_and_means(n):
     strain = rng.uniform(0, 0.3, n)
     force = 100 * (0.3 - strain) + rng.normal(size=n)
     clipped = force < 2
-    made = grid(Record.of(1e5 + rng.normal(scale=10, size=n), strain, force, clipped))
+    made = trimmed(grid(Record.of(1e5 + rng.normal(scale=10, size=n), strain, force, clipped)))
     assert made.count.shape[0] == 1
     assert made.count.shape[1] <= LONGEST
     assert (made.count.shape[1] < n) == (n > LONGEST)
@@ -87,15 +87,47 @@ def test_clipped_readings_are_never_averaged_with_others():
 def test_averages_stay_in_their_step_of_strain():
     n, longest = 3000, 20
     strain = np.linspace(0, 0.3, n)
-    made = grid(Record.of(1e5, strain, strain), longest)
-    assert made.count.shape == (1, longest // 2)
-    # the middles of ten even steps
-    step = 0.3 / (longest // 2)
-    assert_allclose(made.strain[0], step * (np.arange(10) + 0.5), atol=0.3 / n)
+    made = trimmed(grid(Record.of(1e5, strain, strain), longest))
+    assert made.count.shape == (1, longest)
+    # the middles of twenty even steps
+    step = 0.3 / longest
+    assert_allclose(made.strain[0], step * (np.arange(20) + 0.5), atol=0.3 / n)
     assert_allclose(made.force, made.strain, rtol=1e-13)
 
 
 def test_a_long_stay_at_one_strain_is_one_average():
-    made = grid(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0)))
+    made = trimmed(grid(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0))))
     assert_array_equal(made.count, [[500]])
     assert_allclose(made.strain, [[0.1]], rtol=1e-14)
+
+
+def test_branches_are_never_averaged_with_each_other():
+    n = 3000
+    strain = np.r_[np.linspace(0, 0.3, n), np.linspace(0.3, 0, n)]
+    branch = np.repeat([1, -1], n)
+    made = gathered(Record.of(1e5, strain, 10.0 * branch, branch=branch))
+    used = np.asarray(made.data.count) > 0
+    # a loop of 20 N is still one: no mean lies between its branches
+    assert_array_equal(np.asarray(made.data.force)[used], 10.0 * made.branch[used])
+    assert (made.averaged, made.means) == (2 * n, LONGEST)
+    # where each reading went
+    force = np.asarray(made.data.force)[made.level, made.place]
+    assert_array_equal(force, 10.0 * branch)
+    middle = np.asarray(made.data.strain)[made.level, made.place]
+    assert_allclose(middle, strain, atol=0.3 / (LONGEST // 2))
+
+
+def test_records_of_nearly_the_same_size_make_tables_of_one_shape():
+    shapes = {
+        np.shape(
+            grid(Record.of(1e5 * np.arange(levels)[:, None], np.linspace(0, 0.2, n), 1.0)).count
+        )
+        for levels, n in ((5, 6), (8, 8), (7, 3))
+    }
+    assert shapes == {(8, 8)}
+    made = grid(Record.of(1e5 * np.arange(9)[:, None], np.linspace(0, 0.2, 13), 1.0))
+    assert made.count.shape == (12, 16)
+    assert np.asarray(made.count).sum() == 9 * 13
+    # what fills up is no reading, at a pressure that can be
+    assert not np.any(made.uncensored[9:]) and not np.any(made.uncensored[:, 13:])
+    assert_array_equal(made.pressure[9:], 8e5)

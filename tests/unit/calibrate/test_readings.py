@@ -1,5 +1,6 @@
-import equinox as eqx
-import jax
+from dataclasses import replace
+from types import SimpleNamespace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -7,7 +8,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate.grid import Grid
-from fascicle.calibrate.readings import free_strain_of, read, tables
+from fascicle.calibrate.readings import (
+    free_strain_of,
+    read,
+    smooth_free_strain,
+    tables,
+    tables_of,
+)
 
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
@@ -47,16 +54,15 @@ def gridded(force, censored=None, strain=STRAIN, count=None):
     )  # fmt: skip
 
 
-read_once = eqx.filter_jit(read)
-
-
-@eqx.filter_jit
 def read_many(data, forces):
-    def one(force):
-        found = read(muscle, eqx.tree_at(lambda d: d.force, data, force))
-        return found, free_strain_of(muscle, found.coefficients, found.pressure)
-
-    return jax.vmap(one)(forces)
+    """Readings of many forces, each of their fields stacked; and the smooth free strains."""
+    found = [read(muscle, replace(data, force=jnp.asarray(force))) for force in forces]
+    names = ("free_strain", "free_strain_deviation", "blocked_force", "blocked_force_deviation",
+             "valid", "noise", "coefficients", "covariance", "order")  # fmt: skip
+    stacked = SimpleNamespace(**{
+        name: np.stack([getattr(one, name) for one in found]) for name in names
+    })  # fmt: skip
+    return stacked, np.stack([smooth_free_strain(muscle, one)[0] for one in found])
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +70,14 @@ def noisy():
     """Readings of 200 synthetic records, untuned law and noise; truths."""
     force, free, blocked = measured(1.0, 1.0)
     noise = np.random.default_rng(0).normal(scale=SIGMA, size=(SEEDS, *force.shape))
-    found, smooth = read_many(gridded(force), jnp.asarray(force + noise))
-    return found, np.asarray(smooth), free, blocked
+    found, smooth = read_many(gridded(force), force + noise)
+    return found, smooth, free, blocked
 
 
 def test_without_noise_they_are_what_made_the_data():
     quotient, stronger = 0.9 + 0.1 * P / P.max(), 0.95
     force, free, blocked = measured(quotient, stronger)
-    found = read_once(muscle, gridded(force))
+    found = read(muscle, gridded(force))
     assert_array_equal(found.valid, P > 0)
     # forces are straight in the law's own here; what is left is the root's and sums' rounding
     assert_allclose(found.free_strain[1:], free[1:], rtol=1e-10)
@@ -85,16 +91,32 @@ def test_without_noise_they_are_what_made_the_data():
 def test_tables_give_back_blocked_force_and_free_strain():
     quotient = 0.9 + 0.1 * P / P.max()
     force, free, blocked = measured(quotient, 0.95)
-    found = read_once(muscle, gridded(force))
-    c1, c2 = tables(muscle, found.coefficients, found.pressure)
+    found = read(muscle, gridded(force))
+    c1, c2 = tables_of(muscle, found, found.pressure)
     assert (c1[0], c2[0]) == (0.0, 1.0)
     tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
     assert_allclose(tuned.free_strain(P)[1:], free[1:], rtol=1e-6)
     assert_allclose(tuned.blocked_force(P)[1:], blocked[1:], rtol=1e-6)
     # between the measured pressures, over the same highest one
-    half, _ = tables(muscle, found.coefficients, jnp.asarray([75e3]), P.max())
-    middle = free_strain_of(muscle, found.coefficients, jnp.asarray([75e3]), P.max())
-    assert_allclose(half, untuned(np.array([75e3]), np.asarray(middle)), rtol=1e-12)
+    coefficients, between = jnp.asarray(found.coefficients), np.array([75e3])
+    half, stronger = tables_of(muscle, found, between)
+    middle = free_strain_of(muscle, coefficients, jnp.asarray(between), P.max())
+    assert_allclose(half, untuned(between, np.asarray(middle)), rtol=1e-9)
+    # the same as what a fit differentiates
+    traced = tables(muscle, coefficients, jnp.asarray(between), P.max())
+    assert_allclose(np.array(traced), [half, stronger], rtol=1e-9)
+
+
+def test_a_dead_band_is_no_correction():
+    # a muscle with a dead band that measures as its own law says needs none
+    banded = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(dead_band=20e3))
+    force = np.asarray(banded.force(P[:, None], 0.9 * np.asarray(banded.free_strain(P))[:, None]
+                                    * np.linspace(0, 1, 9)))  # fmt: skip
+    strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)
+    found = read(banded, gridded(force, strain=strain))
+    c1, c2 = tables_of(banded, found, P)
+    assert_allclose(c1, 0, atol=1e-6 * force.max())
+    assert_allclose(c2, 1, rtol=1e-6)
 
 
 def test_deviations_hold_over_seeds(noisy):
@@ -144,7 +166,7 @@ def test_the_order_is_as_high_as_the_data_ask(order):
     quotient = {1: 0.85 + 0.15 * x, 2: 0.8 + 0.5 * x - 0.35 * x**2}[order]
     force, free, _ = measured(quotient, 0.95)
     noise = np.random.default_rng(1).normal(scale=0.1, size=(SEEDS, *force.shape))
-    found, smooth = read_many(gridded(force), jnp.asarray(force + noise))
+    found, smooth = read_many(gridded(force), force + noise)
     orders = np.asarray(found.order)
     assert np.all(orders >= order)
     assert np.mean(orders == order) > 0.75
@@ -160,7 +182,7 @@ def test_without_pressure_nothing_is_read(noisy):
 def test_two_readings_that_pull_are_enough():
     strain = np.array([0.0, 0.03])
     force, free, blocked = measured(np.ones(P.size), 0.9, strain)
-    found = read_once(muscle, gridded(force, strain=strain))
+    found = read(muscle, gridded(force, strain=strain))
     assert_array_equal(found.valid, P > 0)
     # two points and a line: exact without noise
     assert_allclose(found.blocked_force[1:], blocked[1:], rtol=1e-9)
@@ -175,10 +197,10 @@ def test_one_reading_that_pulls_is_not_enough():
     force, _, _ = measured(np.ones(P.size), 0.9, strain)
     count = np.ones(force.shape)
     count[3, 1] = 0.0
-    found = read_once(muscle, gridded(force, strain=strain, count=count))
+    found = read(muscle, gridded(force, strain=strain, count=count))
     assert_array_equal(found.valid, (P > 0) & (np.arange(P.size) != 3))
     # the others' curves go through its place
-    smooth = free_strain_of(muscle, found.coefficients, found.pressure)
+    smooth, _ = smooth_free_strain(muscle, found)
     assert_allclose(smooth[3], UNTUNED_FREE[3], rtol=1e-4)
 
 
@@ -186,21 +208,21 @@ def test_clipped_readings_are_not_read():
     force, free, blocked = measured(np.ones(P.size), 0.95)
     # also where the muscle pulls, as by a gauge that slipped there
     clipped = (force < 0) | (np.arange(STRAIN.size) == 3)
-    found = read_once(muscle, gridded(np.where(clipped, 0.0, force), clipped))
+    found = read(muscle, gridded(np.where(clipped, 0.0, force), clipped))
     assert_allclose(found.free_strain[1:], free[1:], rtol=1e-8)
     assert_allclose(found.blocked_force[1:], blocked[1:], rtol=1e-8)
 
 
 def test_where_all_is_clipped_nothing_is_valid():
     force = np.zeros((P.size, STRAIN.size))
-    found = read_once(muscle, gridded(force, np.ones(force.shape, bool)))
+    found = read(muscle, gridded(force, np.ones(force.shape, bool)))
     assert not np.any(found.valid)
 
 
 def test_a_level_that_only_pushes_is_not_valid():
     force, _, _ = measured(np.ones(P.size), 0.95)
     force[2] = -5.0 - np.linspace(0, 1, STRAIN.size)
-    found = read_once(muscle, gridded(force))
+    found = read(muscle, gridded(force))
     assert not bool(found.valid[2])
     assert np.all(np.asarray(found.valid)[3:])
 
@@ -209,8 +231,8 @@ def test_averages_weigh_what_they_average():
     # nine readings in one place are three times as sure
     force, _, _ = measured(np.ones(P.size), 0.95)
     force = force + np.random.default_rng(2).normal(scale=SIGMA, size=force.shape)
-    one = read_once(muscle, gridded(force))
-    nine = read_once(muscle, gridded(force, count=np.full(force.shape, 9.0)))
+    one = read(muscle, gridded(force))
+    nine = read(muscle, gridded(force, count=np.full(force.shape, 9.0)))
     assert_allclose(nine.free_strain[1:], one.free_strain[1:], rtol=1e-9)
     assert_allclose(nine.noise, 3 * one.noise, rtol=1e-6)
     assert_allclose(nine.blocked_force_deviation[1:], one.blocked_force_deviation[1:], rtol=1e-6)
@@ -221,6 +243,6 @@ def test_a_curve_that_misses_its_readings_is_widened():
     quotient = np.where(P > 180e3, 1.0, 0.8)
     force, _, _ = measured(quotient, 0.95)
     force = force + np.random.default_rng(3).normal(scale=0.05, size=force.shape)
-    found = read_once(muscle, gridded(force))
+    found = read(muscle, gridded(force))
     assert found.misfit[0] > 10
     assert found.misfit[1] < 2

@@ -337,3 +337,31 @@ def test_reading_loads_no_jax():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+_TITLED = """Test bench 3; report
+Operator: A; date 12.03.2024
+pressure [bar];strain [%];force [N]
+1,5;0,5;812,25
+1,5;2,5;640,75
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_title_lines_and_decimal_commas_are_read(end):
+    record = loads(_TITLED.replace("\n", end))
+    np.testing.assert_allclose(record.pressure, 1.5e5)
+    np.testing.assert_allclose(record.strain, [0.005, 0.025])
+    np.testing.assert_allclose(record.force, [812.25, 640.75])
+    told = next(note for note in record.notes if "above the header" in note)
+    assert "Test bench 3; report" in told and "Operator: A" in told
+
+
+def test_a_unit_row_below_titles_is_read():
+    text = _TITLED.replace("pressure [bar];strain [%];force [N]", "pressure;strain;force\nbar;%;N")
+    np.testing.assert_allclose(loads(text).force, [812.25, 640.75])
+
+
+def test_decimal_commas_between_commas_are_told_apart_from_titles():
+    with pytest.raises(ValueError, match=r"line 4: 6 cells, where.*part the columns by semicolons"):
+        loads(_TITLED.replace(";", ","))

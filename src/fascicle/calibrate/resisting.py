@@ -1,0 +1,69 @@
+"""The last step of finding a fit, where a record shows what resists: all of it, by all of the
+model.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..muscle import Muscle
+from .beginning import Prior, Search
+from .calibration import Calibration, largest_force
+from .choosing import AS_GIVEN, TUNING, Candidate, Trial, judged
+from .fitting import fitted
+from .grid import trimmed
+from .leaving_out import left_out_force
+from .parameters import FACTORS
+from .taking import Taken
+
+
+FACTOR_NAMES = tuple(one.name for one in FACTORS)
+_STARTS = 2
+_AND = "and the factors on what resists"
+
+
+def resisting(
+    of: Taken,
+    muscle: Muscle,
+    given: Mapping[str, Prior],
+    search: Search,
+    names: tuple[str, ...],
+) -> tuple[list[Trial], list[Calibration]]:
+    """The fits of all that was measured: the paper's tuning; the constants `names` [-] that are
+    best where the muscle pulls, with the factors on what resists and without; and these factors
+    alone. Arguments as `finding.find`; the fits [-], and what they are called.
+    """
+    # one compiled function for all: it knows every constant that one of them frees
+    search = replace(search, among=tuple(dict.fromkeys([*names, *FACTOR_NAMES])))
+    tried = (
+        (TUNING, FACTOR_NAMES, True),
+        (f"{', '.join(names)} {_AND}", (*names, *FACTOR_NAMES), False),
+        (", ".join(names), names, False),
+        (f"{AS_GIVEN} {_AND}", FACTOR_NAMES, False),
+    )
+    if set(given) - set(FACTOR_NAMES):  # a tuning has no place for what is known of constants
+        tried = tried[1:3]
+    trials, fits = [], []
+    near: dict[str, float] = {}
+    for label, free, tune in tried:
+        priors = {name: prior for name, prior in given.items() if name in free}
+        made = fitted(of, muscle, free, priors, replace(search, tune=tune, near=dict(near)))
+        # the next begin where this one ended: few other places are enough
+        search = replace(search, starts=min(search.starts, _STARTS))
+        near.update(zip(made.names, made.coordinates.tolist(), strict=True))
+        trials.append(_trial(label, free, made))
+        fits.append(made)
+    return trials, fits
+
+
+def _trial(label: str, names: tuple[str, ...], made: Calibration) -> Trial:
+    of, loss = made.taken, made.problem.loss
+    strain, top = np.asarray(trimmed(of.data).strain), largest_force(made.record)
+    unseen = of.errors(left_out_force(made), strain)
+    rmse, left = judged(made.errors, loss), judged(unseen, loss)
+    constants = len(names) + (0 if made.readings is None else made.readings.order + 3)
+    found = Candidate(
+        label, names, made.method, constants, rmse, left, rmse / top, left / top, "all"
+    )
+    return Trial(found, unseen)

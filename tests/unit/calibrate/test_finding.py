@@ -1,0 +1,108 @@
+"""What is found without being told what to fit: synthetic records of known muscles."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.calibrate import find, fit
+from fascicle.calibrate.choosing import Candidate, Trial, chosen, reasons
+from fascicle.records.record import Record
+
+
+TRUE = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
+NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
+P, STRAIN = np.linspace(2.5e5, 6e5, 7)[:, None], np.linspace(0.0, 0.08, 8)
+
+
+def record(muscle=TRUE, sigma=2.0, error=0.0, seed=0, strain=STRAIN):
+    force = np.asarray(muscle.force(P, strain)) + error
+    noise = sigma * np.random.default_rng(seed).normal(size=force.shape)
+    return Record.of(P, strain, force + noise, rest_length=0.2)
+
+
+@pytest.fixture(scope="module")
+def choice():
+    return find(record(), NOMINAL)
+
+
+def test_the_constants_that_differ_are_found(choice):
+    assert set(choice.made.names) == {"c10", "c01", "braid_angle", "outer_radius"}
+    found = {one.name: one.value for one in choice.made.parameters}
+    assert_allclose(found["outer_radius"], 11e-3, rtol=0.05)
+    # as good as the noise, 2 N, at pressures that were left out too
+    taken = next(one for one in choice.candidates if one.chosen)
+    assert 1.5 < taken.rmse < 2.2 and 1.5 < taken.left_out_rmse < 2.6
+
+
+def test_all_that_was_tried_is_told(choice):
+    labels = [one.label for one in choice.candidates]
+    assert labels[:2] == ["the muscle as given", "the paper's tuning"]
+    assert sum(one.chosen for one in choice.candidates) == 1
+    assert any("dead_band" in one.names for one in choice.candidates)
+    assert choice.reasons[0].startswith("Taken: c10, c01, braid_angle, outer_radius (4 numbers)")
+    assert any(line.startswith("A dead band beside them") for line in choice.reasons)
+    assert any(line.startswith("The paper's tuning") for line in choice.reasons)
+
+
+def test_what_is_found_is_what_a_fit_of_it_finds(choice):
+    alone = fit(record(), NOMINAL, choice.made.names, whole=False)
+    assert_allclose(choice.made.rmse, alone.rmse, rtol=1e-4)
+
+
+def test_a_dead_band_is_found_where_there_is_one():
+    import equinox as eqx
+
+    slack = eqx.tree_at(lambda m: m.tuning.dead_band, TRUE, 5e4)
+    found = find(record(slack), NOMINAL)
+    assert "dead_band" in found.made.names
+    band = next(one for one in found.made.parameters if one.name == "dead_band")
+    assert band.low < 5e4 < band.high
+    assert any(line.startswith("A dead band takes it from") for line in found.reasons)
+
+
+def test_a_trend_is_told_with_its_cause():
+    bow = 12 * np.sin(2 * np.pi * STRAIN / 0.08)
+    made = find(record(error=bow), NOMINAL).made
+    assert made.seen.found[0].along == "strain"
+    assert made.causes and np.max(made.wider) > 1.3
+    told = "\n".join(made.warnings)
+    assert "Residuals follow strain" in told and "Most like it: " in told
+
+
+def test_a_loop_is_part_of_the_error_that_is_claimed():
+    strain = np.linspace(0.0, 0.08, 300)
+    half = 0.03 * np.asarray(TRUE.force(P, 0.0))
+    up, down = record(error=-half, strain=strain), record(error=half, strain=strain[::-1], seed=1)
+    both = Record.of(
+        np.concatenate([up.pressure, down.pressure]), np.concatenate([up.strain, down.strain]),
+        np.concatenate([up.force, down.force]), branch=np.repeat([1, -1], len(up)), rest_length=0.2,
+    )  # fmt: skip
+    made = find(both, NOMINAL).made
+    counts = made.taken.counts()
+    assert counts["read"] == made.points == 2 * len(up)
+    assert made.taken.pulls and counts["averaged"] > counts["means"] > 0
+    assert f"{2 * len(up)} readings read, none left out" in made.taken.words()[0]
+    assert_allclose(made.loop.share, 0.06, rtol=0.05)
+    assert_allclose(made.loop.half, np.sqrt(np.mean(half**2)), rtol=0.02)
+    # averages did not make it vanish
+    assert made.rmse > 0.98 * made.loop.half
+    assert any(one.along == "branch" for one in made.seen.found)
+
+
+def trial(label, constants, unseen):
+    left = float(np.sqrt(np.mean(unseen**2)))
+    return Trial(Candidate(label, (label,), "constants", constants, 1.0, left, 0.1, left), unseen)
+
+
+def test_what_the_data_dont_ask_for_is_not_taken():
+    errors = np.random.default_rng(0).normal(size=200)
+    few, more = trial("few", 2, errors), trial("more", 5, 0.995 * errors)
+    assert chosen([few, more], 0.0, "linear") is few
+    assert "no better than chance or 2 % make it" in reasons([few, more], few)[1]
+    assert chosen([few, trial("more", 5, 0.7 * errors)], 0.0, "linear") is not few
+
+
+def test_a_record_too_short_to_leave_out_says_so():
+    with pytest.raises(ValueError, match="too short to leave readings out"):
+        chosen([trial("none", 2, np.array([np.nan]))], 0.0, "linear")
