@@ -4,6 +4,7 @@ A law is chosen by a row of weights, 1 for it and 0 for its siblings: all choice
 one function of their numbers.
 """
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
@@ -43,10 +44,11 @@ class AnyPostCollapse(AbstractPostCollapse):
     slope_factor: ClassVar[float] = 1.0
     weight: Float[Array, "law"]
 
-    def halves(self, column: Column, compression: Batch) -> Batch:
-        """The halves' bending force $B$ [N] at `compression` $x$ [m]."""
-        forces = [_made(law).halves(column, compression) for law in POST_COLLAPSE_LAWS.values()]
-        return _weighed(self.weight, forces)
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
+        laws = POST_COLLAPSE_LAWS.values()
+        forces, slopes = zip(*(_made(law).halves(column, compression) for law in laws), strict=True)
+        return _weighed(self.weight, forces), _weighed(self.weight, slopes)
 
 
 def collapse_named(name: str, factor: Any = 1.0) -> AnyCollapse:
@@ -64,7 +66,7 @@ def _made(law: Any) -> Any:
     return law()
 
 
-def _weighed(weight: Float[Array, "law"], values: list[Batch]) -> Batch:
+def _weighed(weight: Float[Array, "law"], values: Sequence[Batch]) -> Batch:
     total = weight[0] * values[0]
     for w, value in zip(weight[1:], values[1:], strict=True):
         total = total + w * value

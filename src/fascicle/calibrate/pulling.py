@@ -2,7 +2,7 @@
 
 Up to the free strain no law of buckling or collapse has a say, and a reading that was clipped at
 zero beyond it only says "not above", which the tension law says there as well. A record without
-any push is therefore fitted by the tension law alone, which compiles ten times as fast.
+any push is therefore fitted by the tension law alone, which compiles much faster.
 """
 
 import equinox as eqx
@@ -16,7 +16,6 @@ from ..muscle import Muscle
 from ..muscle.tuning import TunedTension, Tuning
 
 
-_BLOCK = 512  # points at once: a call costs as much as computing so many
 _SHORTEST = 0.8  # of strain, where every mesh pushes hard
 _STEPS, _NEAR = 60, 1e-13  # bisection alone would need 45 steps to get as near
 
@@ -48,22 +47,14 @@ def force_of(
     """Force [N] of the tension law at any `pressure` [Pa] and `strain` [-] that broadcast, and
     its slope with strain [N].
     """
-    one, other = np.broadcast_arrays(np.asarray(pressure, float), np.asarray(strain, float))
-    points = np.stack([one.reshape(-1), other.reshape(-1)])
-    # so many at once that it is compiled for one shape only
-    blocks = max(-(-points.shape[1] // _BLOCK), 1)
-    filled = np.pad(points, ((0, 0), (0, blocks * _BLOCK - points.shape[1])), mode="edge")
-    found = [_force(muscle, *map(jnp.asarray, part)) for part in np.split(filled, blocks, axis=1)]
-    force, slope = (
-        np.concatenate([np.asarray(part[i]) for part in found])[: one.size].reshape(one.shape)
-        for i in (0, 1)
-    )
-    return force, slope
+    P, eps = np.asarray(pressure, float), np.asarray(strain, float)
+    pull = tension_of(jax.tree.map(np.asarray, muscle)).pull(P, eps)
+    return tuple(np.broadcast_arrays(pull.force, pull.slope, P, eps)[:2])
 
 
 def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.ndarray:
     """`free_strain_at` any `pressure` [Pa] and `force` [N] that broadcast [-], by Newton's steps
-    inside a shrinking bracket: that needs no more than the force compiled.
+    inside a shrinking bracket.
     """
     P, F = np.broadcast_arrays(np.asarray(pressure, float), np.asarray(force, float))
     # as the law's own search: at twice `low` the fibers would be straight
@@ -83,9 +74,3 @@ def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.nda
         if done:
             break
     return np.where(float(muscle.tuning.dead_band) < P, strain, 0.0)
-
-
-@eqx.filter_jit
-def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[Batch, Batch]:
-    law = tension_of(muscle)
-    return jax.jvp(lambda eps: law.force(pressure, eps), (strain,), (jnp.ones_like(strain),))

@@ -122,10 +122,11 @@ class Elastica(AbstractBuckling):
         The moment fixes $m$ alone, $m$ the arc's load on the branch, and both the strain. A
         moment that is jumped over, at the onset or at a fold, is reached where the jump begins.
         """
-        onset, curve = column.branch
-        fits = _fits()
+        begun, curve = column.branch
+        ever, fits = isfinite(begun), _fits()
+        onset = guarded(ever, begun, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
-        reached = both(bend <= fits.largest_bend, isfinite(onset))
+        reached = both(bend <= fits.largest_bend, ever)
         load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
         held = still(load)
         half = _first(curve, *(over(end.load, held) <= held for end in curve[1:]))

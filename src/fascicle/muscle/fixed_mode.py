@@ -34,6 +34,7 @@ from .._types import Batch, BatchLike, BoolBatch
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
 _TERMS = 16  # of the peak's series: its place to 6e-6, and so its height to 1e-8 of itself
+_NOTHING = 1e-100  # no moment, no compression: but still their ratio
 _EARLY = 0.25  # a compression well before any peak
 
 
@@ -94,7 +95,8 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     """
     peak = _peak(c)
     # at the peak's place (16a) says whether the moment there is larger than what is asked for
-    reached = _surplus((still(c), still(target)), still(target) / peak)[0] >= 0
+    asked = maximum(still(target), _NOTHING)
+    reached = _surplus((still(c), asked), asked / peak)[0] >= 0
     m = where(reached, target, _early_moment(still(c)))
     r = root(_surplus, (c, m), still(m) / peak, sqrt(still(c)), _start(still(c), still(m), peak))
     return m / r, reached
@@ -113,7 +115,7 @@ def _surplus(theta: tuple, r: Batch) -> tuple[Batch, Batch]:
 
 def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
     """$r$ [-] with $h = 1$: the end of small $\\xi$, then one Newton step in logarithms."""
-    g = maximum(m, 1e-100) ** 2  # no moment, no compression: but still their ratio
+    g = maximum(m, _NOTHING) ** 2
     small = 0.5 * (g + sqrt(g * (g + 4 / c)))
     xi = -expm1(-log1p(3 * small) / 3)
     per_xi = c * (1 - xi) ** 4 / (1 + xi)

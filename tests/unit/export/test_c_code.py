@@ -74,7 +74,9 @@ def called(function, P, eps):
     out = [ctypes.c_double() for _ in range(3)]
     got = np.empty((3, P.size))
     for i in range(P.size):
-        assert function(ctypes.c_double(P[i]), ctypes.c_double(eps[i]), *map(ctypes.byref, out)) == 0
+        assert (
+            function(ctypes.c_double(P[i]), ctypes.c_double(eps[i]), *map(ctypes.byref, out)) == 0
+        )
         got[:, i] = [one.value for one in out]
     return got
 

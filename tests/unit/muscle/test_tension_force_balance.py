@@ -56,14 +56,15 @@ def test_a_thin_wall_has_the_published_hoop_term():
     assert_allclose(errors[1] / errors[0], 0.5, atol=0.02)  # of first order
 
 
+@pytest.mark.filterwarnings("ignore:.* is unusual")
 def test_a_thin_wall_leaves_the_ideal_law():
     P, eps = 2e5, np.linspace(-0.1, 0.2, 7)
     ideal = muscle("ideal").braid.mesh_force(P, eps)
     off = [
         np.max(np.abs(muscle("kothera2009", wall).response(P, eps).force - ideal))
-        for wall in (1e-6, 1e-7)
+        for wall in (1e-5, 1e-6)
     ]
-    assert off[0] < 0.1  # of 100 N, for a micron
+    assert off[0] < 1  # of 100 N, for ten microns
     assert_allclose(off[1] / off[0], 0.1, rtol=1e-2)
 
 
