@@ -1,6 +1,7 @@
 """The muscles, points and bundles that the benchmarks share, and the floors under them."""
 
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -24,8 +25,8 @@ def searched(units: int) -> str:
     return f"looks at some {LOOKS * units} strains for the first of several zeros"
 
 
-def done(value: jax.Array) -> jax.Array:
-    return value.block_until_ready()
+def done(value: Any) -> Any:
+    return jax.block_until_ready(value)
 
 
 def muscle() -> fs.Muscle:

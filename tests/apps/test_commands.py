@@ -11,7 +11,6 @@ import xarray
 from numpy.testing import assert_allclose
 
 from fascicle.bundle import recruitment
-from fascicle.cli.compute import evaluate
 from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.cli.startup import cache_folder
 from fascicle.describe import example, example_text, examples, load
@@ -135,8 +134,7 @@ def test_bundle(fascicle, monkeypatch, tmp_path):
     assert found["pressures"] == [[344.7e3, 0], [344.7e3, 51.7e3], [344.7e3, 103.4e3]]
     # a bundle is the sum of its muscles
     pressure, strain = np.array(found["pressures"])[:, None, :], np.array([0, 0.1])[None, :, None]
-    points = [np.broadcast_to(x, (3, 2, 2)).ravel() for x in (pressure, strain)]
-    muscles = evaluate(example(SIX.replace("6", "9")).response, *points).force.reshape(3, 2, 2)
+    muscles = example(SIX.replace("6", "9")).force(pressure, strain)
     assert_allclose(found["unit_force"], muscles, rtol=1e-10, atol=1e-10)
     assert_allclose(found["force"], muscles.sum(axis=-1), rtol=1e-10, atol=1e-10)
     assert_allclose(found["free_strain"], [row[0] for row in found["equilibria"]], atol=1e-10)

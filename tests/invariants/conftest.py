@@ -1,7 +1,7 @@
 """Random muscles over the model's domain, stacked on a leading axis for `jax.vmap`."""
 
+import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -33,13 +33,24 @@ def stack(seed, n, tuned=False, **laws):
         "transition_rate": rng.uniform(5, 120, n),
     }
 
-    def make(values, rubber, corrections):
-        tuning = fs.Tuning(**corrections) if tuned else None
-        return fs.Muscle.from_dimensions(
-            **values, material=fs.MooneyRivlin(*rubber), tuning=tuning, **laws
-        )
-
-    return jax.vmap(make)(*jax.tree.map(jnp.asarray, (values, rubber, corrections)))
+    # one is made, and checked, and its numbers are then those of all
+    first = {name: value[0] for name, value in values.items()}
+    tuning = fs.Tuning(**{name: x[0] for name, x in corrections.items()}) if tuned else None
+    one = fs.Muscle.from_dimensions(
+        **first, material=fs.MooneyRivlin(*(x[0] for x in rubber)), tuning=tuning, **laws
+    )
+    one = eqx.tree_at(lambda m: [getattr(m, name) for name in values], one, [*values.values()])
+    named = ("c10", "c01", "youngs_modulus", "poisson_ratio")
+    one = eqx.tree_at(lambda m: [getattr(m.material, name) for name in named], one, rubber)
+    if tuned:
+        of = lambda m: [getattr(m.tuning, name) for name in corrections]  # noqa: E731
+        # a tuning begins without pressure, where there is nothing to correct
+        begin = {"pressures": 0.0, "c1": 0.0, "c2": 1.0}
+        for name, value in begin.items():
+            corrections[name] = np.insert(corrections[name], 0, value, axis=1)
+        one = eqx.tree_at(of, one, [*corrections.values()])
+    every = lambda x: x if np.shape(x)[:1] == (n,) else np.broadcast_to(x, (n, *np.shape(x)))  # noqa: E731
+    return jax.tree.map(every, one)
 
 
 def points(seed, muscles):

@@ -1,6 +1,6 @@
 """Every registered law, held to the same physics on random muscles.
 
-One compiled function a combination of laws answers all questions: compiling is the cost.
+Values are NumPy's, slopes JAX's: one compiled function a combination of laws.
 """
 
 import equinox as eqx
@@ -61,14 +61,25 @@ every = pytest.mark.parametrize(
 )
 
 
-@jax.jit
-@jax.vmap
-def at(muscle, pressure, strain):
-    """Response, kinks, moment and collapse moment; compiled once for each combination."""
-    law = muscle._law()
-    pressurized = law.at(pressure)
-    response = pressurized.response(strain)
-    return response, pressurized.kinks, pressurized.moment(strain), law.collapse_moment(pressure)
+# compiled for each combination: those that cost more than half a minute run with the slow ones
+LONG = [
+    pytest.mark.slow if laws["buckling"] == "elastica" and i not in (4, 11) else ()
+    for i, laws in enumerate(COMBINATIONS)
+]
+compiled = pytest.mark.parametrize(
+    "laws",
+    [pytest.param(laws, marks=mark) for laws, mark in zip(COMBINATIONS, LONG, strict=True)],
+    ids=lambda laws: "-".join(str(getattr(law, "name", law)) for law in laws.values()),
+)
+
+
+def at(muscles, pressure, strain):
+    """Response, kinks, moment and collapse moment, of NumPy's."""
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        law = muscles._law()
+        pressurized = law.at(np.asarray(pressure))
+        response, moment = pressurized.response(strain), pressurized.moment(strain)
+        return response, pressurized.kinks.T, moment, law.collapse_moment(pressure)
 
 
 @jax.jit
@@ -208,7 +219,7 @@ def test_scaling(laws, random_muscles, random_points):
     )
 
 
-@every
+@compiled
 def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
     muscles = random_muscles(11, N, **laws)
     P, eps = random_points(12, muscles)
@@ -223,7 +234,7 @@ def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
         assert np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
 
 
-@every
+@compiled
 def test_finite_slopes_anywhere(laws, random_muscles, random_points):
     muscles = random_muscles(13, N, **laws)
     P, eps = random_points(14, muscles)
@@ -259,13 +270,12 @@ def test_finite_slopes_at_a_hundred_thousand_points(
     assert np.all(np.isfinite(force)) and np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
 
 
-@jax.jit
-@jax.vmap
-def thrust_and_load(muscle, pressure, strain):
+def thrust_and_load(muscles, pressure, strain):
     """Whether a muscle is bent, its push, and the elastica's end load $2 M/y$ [N]."""
-    state = muscle.buckling.buckled(muscle._law().at(pressure).column, strain)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        state = muscles.buckling.buckled(muscles._law().at(pressure).column, strain)
     thrust = -(state.mesh + state.bladder + state.bending)
-    load = 2 * state.moment / jnp.where(state.straight, 1.0, state.deflection)
+    load = 2 * state.moment / np.where(state.straight, 1.0, state.deflection)
     return ~state.straight, thrust, load
 
 
@@ -274,38 +284,31 @@ def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
     """(E2), just past the onset, where some of a batch were once left unfinished."""
     muscles = random_muscles(3, N, buckling="elastica", tuned=True)
     P, _ = random_points(4, muscles)
-    onset = np.asarray(jax.jit(jax.vmap(lambda m, P: m._law().at(P).kinks))(muscles, P))[:, 1]
+    onset = at(muscles, P, 0.0 * P)[1][:, 1]
     strain = np.where(np.isfinite(onset), onset + past, 0.3)
-    bent, thrust, load = (np.asarray(x) for x in thrust_and_load(muscles, P, strain))
+    bent, thrust, load = thrust_and_load(muscles, P, strain)
     assert bent.sum() > N / 2
     # m is known to 1e-16/1e-6 there, a push of 1e3 N and its parts to 1e-12 N
     assert_allclose(thrust[bent], load[bent], rtol=1e-8)
 
 
-@every
+@compiled
 def test_numpy_and_jax_give_the_same(laws, random_muscles, random_points):
     """One source, at random points and on both sides of every kink."""
     muscles = random_muscles(31, N, **laws)
-    plain = jax.tree.map(np.asarray, muscles)
     P, eps = random_points(32, muscles)
-    kinks = np.asarray(at(muscles, P, eps)[1])
+    response, kinks, _, _ = at(muscles, P, eps)
     places = [eps]
     for kink in kinks.T:
         there = np.isfinite(kink) & (kink < 0.6 - 1e-9)
         places += [np.where(there, kink + side, eps) for side in (-1e-9, 1e-9)]
     for strain in places:
-        response, kinks, moment, limit = at(muscles, P, strain)
-        with np.errstate(all="ignore"):  # of branches that aren't taken
-            law = plain._law()
-            mine = law.at(P)
-            got, arm, bound = mine.response(strain), mine.moment(strain), law.collapse_moment(P)
-            bends = mine.kinks
-        assert isinstance(got.force, np.ndarray)
-        # rounding of parts that cancel: 1e-16 of the largest, grown by roots' and cells' own
+        response, _, _, _ = at(muscles, P, strain)
+        force, _ = slopes(muscles, P, strain)
+        assert isinstance(response.force, np.ndarray) and isinstance(force, jax.Array)
+        # rounding of parts that cancel, grown where a root is nearly double
         size = np.abs(response.mesh) + np.abs(response.bladder) + np.abs(response.bending) + 1
-        same = np.asarray(got.region == response.region)
-        assert same.mean() > 0.999
-        assert np.all(np.abs(got.force - np.asarray(response.force))[same] <= 1e-9 * size[same])
-        assert_allclose(bends.T[same], np.asarray(kinks)[same], rtol=1e-10, atol=1e-13)
-        assert_allclose(arm[same], np.asarray(moment)[same], rtol=1e-8, atol=1e-13)
-        assert_allclose(bound, limit, rtol=1e-12)
+        off = np.abs(response.force - np.asarray(force)) / size
+        # where a fold or a peak lies within rounding, the two may take either side
+        assert np.quantile(off, 0.999) <= 1e-9
+        assert np.quantile(off, 0.5) <= 1e-14

@@ -69,9 +69,9 @@ def linear(problem: Problem, coordinates: np.ndarray) -> Linear:
     return Linearized(problem)(coordinates)
 
 
-def _strong(leaf: Array) -> Array:
+def _strong(leaf: Any) -> Array:
     # a number that was written down is of a weaker kind, for which all is compiled once more
-    return jnp.asarray(np.asarray(leaf)) if leaf.weak_type else leaf
+    return jnp.asarray(np.asarray(leaf))
 
 
 @cache

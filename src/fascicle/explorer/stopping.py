@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 
 CODE = 130  # as shells have it: 128 and the signal's number
@@ -24,7 +24,7 @@ class Stop:
         """**Arguments:** `say`: takes the last line [-]."""
         self._say, self._loop, self._before = say, None, {}
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Stop":
         self.listen()
         return self
 

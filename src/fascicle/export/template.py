@@ -293,5 +293,5 @@ def source(numbers: Mapping[str, Any]) -> str:
     return begin + _BUNDLE.format(**{**numbers, **lists, "cases": cases})
 
 
-def _list(values: Sequence[float]) -> str:
+def _list(values: Sequence[Any]) -> str:
     return ", ".join(repr(value) for value in values)

@@ -111,7 +111,7 @@ class Tuning(Module):
 
     def warn_beyond(self, pressure: Values) -> None:
         """Warn of a `pressure` [Pa] above the table's last row, which holds from there on."""
-        if self.pressures.size < 2 or not concrete(self.pressures, self.dead_band, pressure):
+        if self.pressures.shape[-1] < 2 or not concrete(self.pressures, self.dead_band, pressure):
             return
         last = np.max(np.asarray(self.pressures)) + np.max(np.asarray(self.dead_band))
         # a row's own pressure, written in other units, may come back a rounding higher
