@@ -1,10 +1,9 @@
-"""The server: warm before it says where it is, on this machine alone unless told otherwise."""
+"""The server: on this machine alone unless told otherwise."""
 
 import asyncio
 import contextlib
 import logging
 import socket
-import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -50,7 +49,6 @@ def serve(
         logging.getLogger(name).setLevel(logging.ERROR)
     chosen = free_port(host, port)
     with Stop(say) as stop, _loop() as loop:
-        _beside(lambda: warm(view))
         pn.extension()
         server: Any = pn.serve(
             {"/": lambda: page(view)},
@@ -86,24 +84,6 @@ def serve(
     say("stopped.")
 
 
-def _beside(work: Callable[[], None]) -> None:
-    """Do `work` in another thread: while this one waits, it hears a signal at once."""
-    failed: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            work()
-        except BaseException as error:  # noqa: BLE001 handed to whoever waits for it
-            failed.append(error)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    while thread.is_alive():
-        thread.join(0.1)
-    if failed:
-        raise failed[0]
-
-
 def page(start: View) -> Any:
     """The page of one visitor, as the address asks for it; `start` is what is shown else [-].
 
@@ -126,17 +106,6 @@ def page(start: View) -> Any:
     attach(pn.state.curdoc)
     pn.state.onload(fill)
     return shell
-
-
-def warm(view: View) -> None:
-    """Compile what the sliders call, with the shapes that they call it with."""
-    from .muscle_curves import picture, widest
-    from .tube import solid
-
-    found = picture(
-        view.muscle, view.pressure, view.strain, view.supply, widest(view.muscle, view.supply)
-    )
-    solid(view.muscle, found, view.strain)
 
 
 def free_port(host: str, port: int | None) -> int:

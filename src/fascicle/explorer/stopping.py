@@ -24,7 +24,7 @@ class Stop:
         """**Arguments:** `say`: takes the last line [-]."""
         self._say, self._loop, self._before = say, None, {}
 
-    def __enter__(self) -> "Stop":
+    def __enter__(self) -> "Stop":  # noqa: PYI034 tests check types, and know no Self outside
         self.listen()
         return self
 
