@@ -30,6 +30,7 @@ MODULES = (
     "bundle_free_strain",
     "efficiency_maps",
     "one_point",
+    "first_call",
     "command_line",
     "field_memory",
     "inverse",

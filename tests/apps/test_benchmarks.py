@@ -26,7 +26,10 @@ def benchmark(monkeypatch):
         sys.modules.pop(name, None)
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=() if one == "one_point" else pytest.mark.slow) for one in MODULES],
+)
 def test_a_benchmark_runs(benchmark, name):
     rows = benchmark(name).rows(small=True)
     assert rows

@@ -179,7 +179,7 @@ def test_stability_is_the_sign_of_the_slope_in_strain():
 
 
 # they are one derivative, transposed: each mode compiles for long
-@pytest.mark.parametrize("mode", [pytest.param("forward", marks=pytest.mark.slow), "reverse"])
+@pytest.mark.parametrize("mode", ["forward", pytest.param("reverse", marks=pytest.mark.slow)])
 def test_derivatives_are_those_of_finite_differences(mode):
     def pressures(force, strain, radius):
         muscle = fs.Muscle.from_dimensions(
@@ -203,6 +203,7 @@ def test_derivatives_are_those_of_finite_differences(mode):
     assert_allclose(of_force, [1.0, 0.0, 0.0], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_vmap_is_the_batch():
     force, strain = np.array([20.0, 60.0]), np.array([0.05, 0.12])
     batch = recruit(bundle, force, strain)
