@@ -59,7 +59,7 @@ def _serve(file: str, host: str, port: int | None, show: bool, allowed: list[str
 
     from .inputs import read_target
 
-    _say("starting; the first time the laws are compiled, which takes some seconds more")
+    _say("starting")
     found = read_target(file)
     from ..explorer.server import serve
     from ..explorer.state import view_of
