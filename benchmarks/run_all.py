@@ -33,6 +33,7 @@ MODULES = (
     "first_call",
     "command_line",
     "field_memory",
+    "growing",
     "inverse",
     "designing",
     "fitting",
