@@ -7,10 +7,10 @@ one function of their numbers.
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+import numpy as np
+from jaxtyping import Float
 
-from .._types import Batch, BatchLike
+from .._types import AnyArray, Batch, BatchLike
 from ..muscle.bladder import Bladder
 from ..muscle.collapse import (
     COLLAPSE_LAWS,
@@ -25,7 +25,7 @@ class AnyCollapse(AbstractCollapse):
     """One of the collapse laws, by `weight` in their order [-]."""
 
     name: ClassVar[str] = "any"
-    weight: Float[Array, "law"]
+    weight: Float[AnyArray, "law"]
     factor: Batch
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
@@ -42,7 +42,7 @@ class AnyPostCollapse(AbstractPostCollapse):
 
     name: ClassVar[str] = "any"
     slope_factor: ClassVar[float] = 1.0
-    weight: Float[Array, "law"]
+    weight: Float[AnyArray, "law"]
 
     def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
@@ -53,7 +53,7 @@ class AnyPostCollapse(AbstractPostCollapse):
 
 def collapse_named(name: str, factor: Any = 1.0) -> AnyCollapse:
     """The collapse law of this `name` [-], with a `factor` on its moment [-]."""
-    return AnyCollapse(_row(name, list(COLLAPSE_LAWS)), jnp.asarray(factor, dtype=float))
+    return AnyCollapse(_row(name, list(COLLAPSE_LAWS)), np.asarray(factor, dtype=float))
 
 
 def post_collapse_named(name: str) -> AnyPostCollapse:
@@ -66,12 +66,12 @@ def _made(law: Any) -> Any:
     return law()
 
 
-def _weighed(weight: Float[Array, "law"], values: Sequence[Batch]) -> Batch:
+def _weighed(weight: Float[AnyArray, "law"], values: Sequence[Batch]) -> Batch:
     total = weight[0] * values[0]
     for w, value in zip(weight[1:], values[1:], strict=True):
         total = total + w * value
     return total
 
 
-def _row(name: str, names: list[str]) -> Float[Array, "law"]:
-    return jnp.zeros(len(names)).at[names.index(name)].set(1.0)
+def _row(name: str, names: list[str]) -> Float[AnyArray, "law"]:
+    return (np.arange(len(names)) == names.index(name)).astype(float)

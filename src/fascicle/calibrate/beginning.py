@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -83,16 +82,16 @@ def begun(
     elif pulls and not tuning:
         among = constants_of(start, free)
     shared = bool(search.among) or among != free
-    mask = jnp.asarray([one in free for one in among]) if shared else None
+    mask = np.array([one in free for one in among]) if shared else None
     if shared:
         start = explicit(start, among)
-    center = np.asarray(_coordinates(among, start))
+    center = np.asarray(coordinates(among, start))
     deviation = np.array([_deviation(one, start, given.get(one.name)) for one in among])
     more: dict[str, Any] = {"free": mask, "pulls": pulls}
     if search.among:
-        more["corrects"] = jnp.asarray(tuning)
+        more["corrects"] = np.asarray(tuning)
     # a strain without the length it refers to is the muscle's own
-    rest = None if of.record.rest_length is None else jnp.asarray(of.record.rest_length)
+    rest = None if of.record.rest_length is None else np.asarray(of.record.rest_length)
     if tuning:
         data = on_length(data, of.record, start)
         if rest is not None and search.among:
@@ -102,11 +101,10 @@ def begun(
             **more,
         )  # fmt: skip
         return problem, readings
-    noise = jnp.asarray(_FIRST_NOISE * float(np.max(np.abs(np.asarray(data.force)))))
+    noise = np.asarray(_FIRST_NOISE * float(np.max(np.abs(np.asarray(data.force)))))
     return Problem(
-        start, data, jnp.asarray(weighed(data, search.weights)), noise, jnp.asarray(center),
-        jnp.asarray(deviation), rest, no_curves() if search.among else None, among, search.loss,
-        **more,
+        start, data, weighed(data, search.weights), noise, center, deviation, rest,
+        no_curves() if search.among else None, among, search.loss, **more,
     ), None  # fmt: skip
 
 
@@ -115,10 +113,7 @@ def on_length(data: Grid, record: Record, muscle: Muscle) -> Grid:
     if record.rest_length is None:
         return data
     longer = record.rest_length / float(muscle.length)
-    return replace(data, strain=jnp.asarray(np.asarray(data.strain) * longer))
-
-
-_coordinates = eqx.filter_jit(coordinates)  # one function compiles faster than each operation
+    return replace(data, strain=np.asarray(data.strain) * longer)
 
 
 def _enough(data: Grid, free: Sequence[Parameter]) -> None:
@@ -139,7 +134,7 @@ def _centered(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Pr
         if prior is not None:
             (finite if one.linear else positive)(prior.value, one.name, "SI")
             positive(prior.deviation, f"{one.name}_deviation", "SI")
-            muscle = one.put(muscle, jnp.asarray(_coordinate(one, muscle, prior.value)))
+            muscle = one.put(muscle, np.float64(_coordinate(one, muscle, prior.value)))
     return muscle
 
 
@@ -147,7 +142,7 @@ def _coordinate(parameter: Parameter, muscle: Muscle, value: float) -> float:
     """The coordinate [-] that gives `value`, found by bisection: each is monotone."""
 
     def of(z: float) -> float:
-        return float(parameter.value(parameter.put(muscle, jnp.asarray(z))))
+        return float(parameter.value(parameter.put(muscle, np.float64(z))))
 
     low, high = -60.0, 60.0
     for _ in range(70):

@@ -251,17 +251,12 @@ def root_mean_square(residual: np.ndarray, count: np.ndarray) -> float:
 
 def value_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
     """Values of the fitted parameters, each in its SI unit [SI], at their `coordinates` [-]."""
-    return np.asarray(_values(problem.fitted, problem.muscle, jnp.asarray(coordinates)))
+    return values(problem.fitted, put(problem.fitted, problem.muscle, np.asarray(coordinates)))
 
 
 def slope_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
     """Slopes of these values by the coordinates [SI], a row for each parameter."""
     return np.asarray(_slopes(problem.fitted, problem.muscle, jnp.asarray(coordinates)))
-
-
-@eqx.filter_jit
-def _values(parameters: tuple[Parameter, ...], muscle: Muscle, z: jax.Array) -> jax.Array:
-    return values(parameters, put(parameters, muscle, z))
 
 
 @eqx.filter_jit

@@ -8,7 +8,6 @@ order: a hint where to look, and no fit.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 from scipy.special import fdtrc
 
@@ -118,7 +117,7 @@ def _held(
     if not held:
         return
     # all of them free: the same function, another argument
-    freed = replace(problem, free=jnp.ones(len(problem.parameters), dtype=bool))
+    freed = replace(problem, free=np.ones(len(problem.parameters), dtype=bool))
     slopes = linear(freed, coordinates).force_slopes[problem.data.uncensored]
     priors = left.weight.size - len(slopes)
     for i in held:
@@ -135,7 +134,7 @@ def _directions(
 
     for name, columns in _held(problem, coordinates, left):
         yield _CONSTANTS[name], columns
-    away = jnp.asarray(np.asarray(problem.data.strain) + _STEP)
+    away = np.asarray(problem.data.strain) + _STEP
     stretched = replace(problem.data, strain=away)
     moved = linear(replace(problem, data=stretched), coordinates).force
     slope = (np.pad(moved[used], (0, priors)) - left.force) / _STEP

@@ -17,7 +17,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
@@ -177,18 +176,19 @@ def _sarosi(made: Calibration) -> list[Row]:
     """Sárosi's law as published and refitted to the record of `made` [-]."""
     data = made.data
     P, used = np.asarray(data.pressure), data.uncensored
-    every = jnp.broadcast_to(data.pressure, data.strain.shape)
+    every = np.broadcast_to(data.pressure, data.strain.shape)
 
     def errors(constants: np.ndarray) -> np.ndarray:
-        force = np.asarray(sarosi(jnp.asarray(constants), every, data.strain))
+        force = sarosi(constants, every, data.strain)
         return np.where(used, np.asarray(data.force) - force, np.nan)
 
     count = np.asarray(data.count)
     published = errors(np.asarray(SAROSI_DMSP_20_200N))
-    again = errors(np.asarray(refitted(data, jnp.ones(count.shape))))
+    again = errors(np.asarray(refitted(data, np.ones(count.shape))))
     unseen = np.full(count.shape, np.nan)
     for level in range(P.size):
-        weight = jnp.ones(count.shape).at[level].set(0.0)
+        weight = np.ones(count.shape)
+        weight[level] = 0.0
         unseen[level] = errors(np.asarray(refitted(data, weight)))[level]
     return [
         _row("Sárosi, as published for a DMSP-20-200N", 0, published,

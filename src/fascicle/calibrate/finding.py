@@ -13,7 +13,6 @@ fitted.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from .._checks import one_of
@@ -161,7 +160,7 @@ def _constants(
         names_there = [one.name for one in problem.fitted]
         near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
     else:
-        problem = replace(problem, free=jnp.zeros(len(problem.parameters), dtype=bool))
+        problem = replace(problem, free=np.zeros(len(problem.parameters), dtype=bool))
     force = linear(problem, every).force
     unseen = np.full(force.shape, np.nan) if names else force
     for fold in folds(problem.data) if names else ():
@@ -186,7 +185,7 @@ def _tuning(of: Taken, muscle: Muscle, loss: str) -> list[Trial]:
         return []
     unseen = np.full(count.shape, np.nan)
     for fold in folds(data):
-        found = forces(replace(data, count=jnp.asarray(np.where(fold, 0.0, count))))
+        found = forces(replace(data, count=np.where(fold, 0.0, count)))
         if found is not None:
             unseen[fold] = found[0][fold]
     return [_trial(of, (), "tuning", first[1], first[0], unseen, loss)]

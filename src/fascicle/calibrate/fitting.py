@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
@@ -122,7 +121,7 @@ def concluded(
     seen = looked(left)
     trends, inflation = from_trends(problem, end, left, seen), widening(left, seen)
     noise = inflation * (end.covariance - end.from_curves)
-    muscle = _put(problem.fitted, start, jnp.asarray(best[chosen]))
+    muscle = put(problem.fitted, start, best[chosen])
     if readings is not None and _pressed(data):
         muscle = _with_tables(muscle, readings)
     shape = np.shape(trimmed(data).count)
@@ -131,7 +130,7 @@ def concluded(
         start=start,
         taken=of,
         method="constants" if readings is None else "tuning",
-        problem=replace(problem, noise=jnp.asarray(end.noise)),
+        problem=replace(problem, noise=np.asarray(end.noise)),
         coordinates=best[chosen],
         covariance=noise + end.from_curves + trends,
         from_curves=end.from_curves,
@@ -155,9 +154,6 @@ _UNREAD = (
     "`record` shows no blocked force and free strain at any pressure: it needs at least two"
     " readings that pull at one pressure, or name constants to fit instead, such as c10, c01."
 )
-
-
-_put = eqx.filter_jit(put)  # one function compiles faster than its operations, one by one
 
 
 def _free_strain(muscle: Muscle, readings: Readings | None, data: Grid) -> np.ndarray:

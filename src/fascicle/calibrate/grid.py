@@ -10,10 +10,10 @@ what is compiled. What was averaged is remembered, reading by reading (`gathered
 from dataclasses import dataclass
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
+from .._types import AnyArray
 from ..records.record import Record
 
 
@@ -23,7 +23,7 @@ _WIDEST = 0.02  # of the largest pressure: a level wider than this is a sweep, c
 LONGEST = 384  # readings of a level; a longer sweep is averaged
 _LEAST = 8  # levels, and readings of a level, that a table has room for
 
-Table = Float[Array, "level reading"]
+Table = Float[AnyArray, "level reading"]
 
 
 class Grid(eqx.Module):
@@ -35,11 +35,11 @@ class Grid(eqx.Module):
     - `censored`: whether the reading only says "not above" [-].
     """
 
-    pressure: Float[Array, "level 1"]
+    pressure: Float[AnyArray, "level 1"]
     strain: Table
-    force: Float[Array, "*seeds level reading"]
+    force: Float[AnyArray, "*seeds level reading"]
     count: Table
-    censored: Bool[Array, "level reading"]
+    censored: Bool[AnyArray, "level reading"]
 
     @property
     def uncensored(self) -> Bool[np.ndarray, "level reading"]:
@@ -93,11 +93,11 @@ def gathered(record: Record, longest: int = LONGEST) -> Gathered:
 
     pressure = np.array([np.mean(record.pressure[points]) for points in rows])
     data = Grid(
-        pressure=jnp.asarray(np.pad(pressure, (0, shape[0] - len(rows)), mode="edge")[:, None]),
-        strain=jnp.asarray(mean(record.strain)),
-        force=jnp.asarray(mean(record.force)),
-        count=jnp.asarray(count.reshape(shape)),
-        censored=jnp.asarray(mean(record.censored) > 0.5),
+        pressure=np.pad(pressure, (0, shape[0] - len(rows)), mode="edge")[:, None],
+        strain=mean(record.strain),
+        force=mean(record.force),
+        count=count.reshape(shape),
+        censored=mean(record.censored) > 0.5,
     )
     none = np.full(shape, np.nan)
     return Gathered(
@@ -115,8 +115,8 @@ def trimmed(data: Grid) -> Grid:
     rows = int(np.max(np.flatnonzero(used.any(axis=1)))) + 1
     width = int(np.max(np.flatnonzero(used.any(axis=0)))) + 1
     names = ("strain", "force", "count", "censored")
-    tables = {name: jnp.asarray(np.asarray(getattr(data, name))[:rows, :width]) for name in names}
-    return Grid(jnp.asarray(np.asarray(data.pressure)[:rows]), **tables)
+    tables = {name: np.asarray(getattr(data, name))[:rows, :width] for name in names}
+    return Grid(np.asarray(data.pressure)[:rows], **tables)
 
 
 def weighed(data: Grid, weights: str) -> np.ndarray:

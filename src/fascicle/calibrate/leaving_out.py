@@ -6,7 +6,6 @@ are too few to interpolate between, stretches of strain are.
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from .calibration import Calibration
@@ -48,7 +47,7 @@ def without(problem: Problem, coordinates: np.ndarray, fold: np.ndarray) -> np.n
     `coordinates` [-] of all parameters of the one that did.
     """
     weight = np.where(fold, 0.0, np.asarray(problem.weight))
-    seen = replace(problem, weight=jnp.asarray(weight))
+    seen = replace(problem, weight=weight)
     again = solve(seen, coordinates[None], little=ROUGH).coordinates[0]
     return linear(problem, again).force
 

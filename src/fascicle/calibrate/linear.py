@@ -47,7 +47,8 @@ class Linearized:
         """**Arguments:** `problem` [-]."""
         arrays, static = eqx.partition(problem, eqx.is_array)
         leaves, tree = jax.tree.flatten(arrays)
-        self._leaves = [_strong(leaf) for leaf in leaves]
+        # a number that was written down is of a weaker kind, for which all is compiled once more
+        self._leaves = jax.device_put([np.asarray(leaf) for leaf in leaves])
         self._forces = _compiled(tree, static)
         self._misfit = problem.misfit
         self._k = len(problem.parameters)
@@ -67,11 +68,6 @@ class Linearized:
 def linear(problem: Problem, coordinates: np.ndarray) -> Linear:
     """A `problem` [-] at `coordinates` [-] of all its parameters."""
     return Linearized(problem)(coordinates)
-
-
-def _strong(leaf: Any) -> Array:
-    # a number that was written down is of a weaker kind, for which all is compiled once more
-    return jnp.asarray(np.asarray(leaf))
 
 
 @cache

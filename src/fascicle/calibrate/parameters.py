@@ -22,8 +22,8 @@ from typing import Any
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 
+from .._arrays import exp, expm1, library, log, maximum, where
 from .._checks import one_of
 from .._types import Batch
 from ..muscle import Muscle
@@ -62,16 +62,16 @@ class Parameter:
 
 
 def _positive(
-    name: str, dimension: str, about: str, where: Callable[[Muscle], Batch], least: float = 0.0
+    name: str, dimension: str, about: str, at: Callable[[Muscle], Batch], least: float = 0.0
 ) -> Parameter:
-    """A positive constant at `where` in a muscle; below `least` it starts from there."""
+    """A positive constant `at` its place in a muscle; below `least` it starts from there."""
     return Parameter(
         name,
         dimension,
         about,
-        value=where,
-        coordinate=lambda muscle: jnp.log(jnp.maximum(where(muscle), least)),
-        put=lambda muscle, z: eqx.tree_at(where, muscle, jnp.exp(z), is_leaf=_missing),
+        value=at,
+        coordinate=lambda muscle: log(maximum(at(muscle), least)),
+        put=lambda muscle, z: eqx.tree_at(at, muscle, exp(z), is_leaf=_missing),
     )
 
 
@@ -85,16 +85,17 @@ def _rate(muscle: Muscle) -> Batch:
 
 
 def _put_rate(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(lambda m: m.tuning.transition_rate, muscle, jnp.exp(z), is_leaf=_missing)
+    return eqx.tree_at(lambda m: m.tuning.transition_rate, muscle, exp(z), is_leaf=_missing)
 
 
 def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
     def put(muscle: Muscle, z: Batch) -> Muscle:
         old: Any = muscle.material
-        new = eqx.tree_at(lambda m: getattr(m, name), old, jnp.exp(z))
+        new = eqx.tree_at(lambda m: getattr(m, name), old, exp(z))
         # a modulus that was measured apart stays; one that follows the constants follows them
-        follows = jnp.isclose(old.youngs_modulus, 6 * (old.c10 + old.c01), rtol=1e-9, atol=0)
-        E = jnp.where(follows, 6 * (new.c10 + new.c01), old.youngs_modulus)
+        own = old.youngs_modulus, 6 * (old.c10 + old.c01)
+        follows = library(*own).isclose(*own, rtol=1e-9, atol=0)
+        E = where(follows, 6 * (new.c10 + new.c01), old.youngs_modulus)
         return eqx.tree_at(
             lambda m: m.material, muscle, eqx.tree_at(lambda m: m.youngs_modulus, new, E)
         )
@@ -104,13 +105,11 @@ def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
 
 def _angle(muscle: Muscle) -> Batch:
     share = muscle.braid_angle / _NEUTRAL_ANGLE
-    return jnp.log(share / (1 - share))
+    return log(share / (1 - share))
 
 
 def _put_angle(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(
-        lambda m: m.braid_angle, muscle, _NEUTRAL_ANGLE / (1 + jnp.exp(-jnp.asarray(z)))
-    )
+    return eqx.tree_at(lambda m: m.braid_angle, muscle, _NEUTRAL_ANGLE / (1 + exp(-z)))
 
 
 def _hinge(muscle: Muscle) -> Any:  # `tree_at` looks through it at what is no array yet
@@ -118,7 +117,7 @@ def _hinge(muscle: Muscle) -> Any:  # `tree_at` looks through it at what is no a
 
 
 def _put_hinge(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(_hinge, muscle, jnp.exp(z))
+    return eqx.tree_at(_hinge, muscle, exp(z))
 
 
 def _slope(muscle: Muscle) -> Any:
@@ -126,29 +125,25 @@ def _slope(muscle: Muscle) -> Any:
 
 
 def _put_slope(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(_slope, muscle, (jnp.logaddexp(z, 0.0) - _hinge(muscle)) / _HIGHEST)
+    return eqx.tree_at(_slope, muscle, (library(z).logaddexp(z, 0.0) - _hinge(muscle)) / _HIGHEST)
 
 
 def _far(muscle: Muscle) -> Batch:
     factor = muscle.tuning.hinge_stiffness_at(_HIGHEST)
-    return factor + jnp.log(-jnp.expm1(-factor))
+    return factor + log(-expm1(-factor))
 
 
 def _wall(muscle: Muscle) -> Batch:
     share = muscle.wall_thickness / muscle.outer_radius
-    return jnp.log(share / (1 - share))
+    return log(share / (1 - share))
 
 
 def _put_wall(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(
-        lambda m: m.wall_thickness, muscle, muscle.outer_radius / (1 + jnp.exp(-jnp.asarray(z)))
-    )
+    return eqx.tree_at(lambda m: m.wall_thickness, muscle, muscle.outer_radius / (1 + exp(-z)))
 
 
 def _put_radius(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(
-        lambda m: m.outer_radius, muscle, muscle.wall_thickness + jnp.exp(jnp.asarray(z))
-    )
+    return eqx.tree_at(lambda m: m.outer_radius, muscle, muscle.wall_thickness + exp(z))
 
 
 FACTORS: tuple[Parameter, ...] = (
@@ -164,7 +159,7 @@ FACTORS: tuple[Parameter, ...] = (
         "number",
         "on the hinge's stiffness at zero pressure",
         _hinge,
-        lambda m: jnp.log(_hinge(m)),
+        lambda m: log(_hinge(m)),
         _put_hinge,
     ),
     Parameter(
@@ -182,7 +177,7 @@ FACTORS: tuple[Parameter, ...] = (
         "number",
         "β, from buckled to collapsed",
         _rate,
-        lambda m: jnp.log(_rate(m)),
+        lambda m: log(_rate(m)),
         _put_rate,
     ),
 )
@@ -195,7 +190,7 @@ CONSTANTS: tuple[Parameter, ...] = (
             f"of the bladder's rubber, {symbol}",
             # each function has its own name
             value=lambda m, name=name: getattr(m.material, name),
-            coordinate=lambda m, name=name: jnp.log(getattr(m.material, name)),
+            coordinate=lambda m, name=name: log(getattr(m.material, name)),
             put=_put_rubber(name),
         )
         for name, symbol in (("c10", "C10"), ("c01", "C01"))
@@ -210,7 +205,7 @@ CONSTANTS: tuple[Parameter, ...] = (
               _put_angle),
     # in this order: a radius keeps clear of the wall it starts with, then the wall is a share
     Parameter("outer_radius", "length", "of bladder and braid at rest", lambda m: m.outer_radius,
-              lambda m: jnp.log(m.outer_radius - m.wall_thickness), _put_radius),
+              lambda m: log(m.outer_radius - m.wall_thickness), _put_radius),
     Parameter("wall_thickness", "length", "of the bladder at rest", lambda m: m.wall_thickness,
               _wall, _put_wall),
     _positive("active_length", "length", "without the end fittings", lambda m: m.length),
@@ -248,7 +243,7 @@ def put(
 
 
 def _where(condition: Any, moved: Muscle, muscle: Muscle) -> Muscle:
-    return jax.tree.map(partial(jnp.where, condition), moved, muscle)
+    return jax.tree.map(partial(where, condition), moved, muscle)
 
 
 def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
@@ -272,31 +267,33 @@ def explicit(muscle: Muscle, parameters: Sequence[Parameter]) -> Muscle:
     """
     if not any(one.name == "transition_rate" for one in parameters):
         return muscle
-    return eqx.tree_at(
-        lambda m: m.tuning.transition_rate, muscle, jnp.asarray(_rate(muscle)), is_leaf=_missing
-    )
+    return eqx.tree_at(lambda m: m.tuning.transition_rate, muscle, _rate(muscle), is_leaf=_missing)
 
 
 def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
     """Values of `parameters` [-] in `muscle` [-], each in its own SI unit [SI]."""
-    return jnp.stack([jnp.asarray(parameter.value(muscle)) for parameter in parameters])
+    return _stacked([parameter.value(muscle) for parameter in parameters])
 
 
 def coordinates(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
     """Coordinates of `parameters` [-] in `muscle` [-]."""
-    return jnp.stack([jnp.asarray(parameter.coordinate(muscle)) for parameter in parameters])
+    return _stacked([parameter.coordinate(muscle) for parameter in parameters])
+
+
+def _stacked(numbers: Sequence[Batch]) -> Batch:
+    return library(*numbers).stack(numbers)
 
 
 @cache
 def _law_parameter(law: str, name: str, dimension: str) -> Parameter:
     """A constant of a tension law; cached, since what is compiled is found by its identity."""
-    where = attrgetter(f"tension.{name}")
+    at = attrgetter(f"tension.{name}")
     if name in _SIGNED:
         return Parameter(
-            name, dimension, f"of {law}", where, where,
-            lambda muscle, z: eqx.tree_at(where, muscle, z), linear=True,
+            name, dimension, f"of {law}", at, at,
+            lambda muscle, z: eqx.tree_at(at, muscle, z), linear=True,
         )  # fmt: skip
-    return _positive(name, dimension, f"of {law}", where)
+    return _positive(name, dimension, f"of {law}", at)
 
 
 def _of_law(muscle: Muscle) -> list[Parameter]:

@@ -158,7 +158,7 @@ class _Target:
         """Of likelihood and priors [-], to a constant."""
         z, problem, noise = self.unpacked(u)
         _, curves, errs, _ = jnp.split(u, self.ends[:-1])
-        data, every = problem.data, problem.center.at[self.chosen].set(z)
+        data, every = problem.data, jnp.asarray(problem.center).at[self.chosen].set(z)
         mu = problem.force(every) + self.discrepancy @ errs
         square = problem.weight**2 * data.count * ((data.force - mu) / noise) ** 2
         clipped = problem.weight**2 * log_ndtr(-mu * jnp.sqrt(data.count) / noise)

@@ -4,10 +4,11 @@ Coordinates give a muscle and its forces; `misfit` says what readings and priors
 """
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
+from .._arrays import where
+from .._types import AnyArray
 from ..muscle import Muscle
 from .grid import Grid, Table
 from .misfit import Misfit
@@ -16,7 +17,7 @@ from .pulling import tension_of
 from .readings import tables
 
 
-Vector = Float[Array, "parameter"]
+Vector = Float[AnyArray, "parameter"]
 
 
 class Problem(eqx.Module):
@@ -38,16 +39,16 @@ class Problem(eqx.Module):
     muscle: Muscle
     data: Grid
     weight: Table
-    noise: Float[Array, ""]
+    noise: Float[AnyArray, ""]
     center: Vector
     deviation: Vector
-    rest_length: Float[Array, ""] | None
-    curves: Float[Array, "coefficient"] | None
+    rest_length: Float[AnyArray, ""] | None
+    curves: Float[AnyArray, "coefficient"] | None
     parameters: tuple[Parameter, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True, default="linear")
-    free: Bool[Array, "parameter"] | None = None
+    free: Bool[AnyArray, "parameter"] | None = None
     pulls: bool = eqx.field(static=True, default=False)
-    corrects: Bool[Array, ""] | None = None
+    corrects: Bool[AnyArray, ""] | None = None
 
     @property
     def chosen(self) -> np.ndarray:
@@ -76,8 +77,8 @@ class Problem(eqx.Module):
         c1, c2 = tables(muscle, self.curves, P)
         own, seen = muscle.tuning, muscle.tuning.effective_pressure(P)
         if self.corrects is not None:
-            c1 = jnp.where(self.corrects, c1, own.c1_at(seen))
-            c2 = jnp.where(self.corrects, c2, own.c2_at(seen))
+            c1 = where(self.corrects, c1, own.c1_at(seen))
+            c2 = where(self.corrects, c2, own.c2_at(seen))
         return eqx.tree_at(
             lambda m: (m.tuning.pressures, m.tuning.c1, m.tuning.c2), muscle, (seen, c1, c2)
         )

@@ -47,9 +47,19 @@ def force_of(
     """Force [N] of the tension law at any `pressure` [Pa] and `strain` [-] that broadcast, and
     its slope with strain [N].
     """
-    P, eps = np.asarray(pressure, float), np.asarray(strain, float)
-    pull = tension_of(jax.tree.map(np.asarray, muscle)).pull(P, eps)
-    return tuple(np.broadcast_arrays(pull.force, pull.slope, P, eps)[:2])
+    return _force_of(_in_numbers(muscle), np.asarray(pressure, float), np.asarray(strain, float))
+
+
+def _in_numbers(muscle: Muscle) -> TunedTension:
+    return tension_of(jax.tree.map(np.asarray, muscle))
+
+
+def _force_of(
+    law: TunedTension, pressure: np.ndarray, strain: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    pull = law.pull(pressure, strain)
+    force, slope, *_ = np.broadcast_arrays(pull.force, pull.slope, pressure, strain)
+    return force, slope
 
 
 def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -60,9 +70,9 @@ def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.nda
     # as the law's own search: at twice `low` the fibers would be straight
     low = np.full(P.shape, 0.5 * (1 - 1 / np.cos(float(muscle.braid_angle))))
     high = np.full(P.shape, _SHORTEST)
-    strain = np.full(P.shape, 0.1)
+    strain, law = np.full(P.shape, 0.1), _in_numbers(muscle)
     for _ in range(_STEPS):
-        at, slope = force_of(muscle, P, strain)
+        at, slope = _force_of(law, P, strain)
         above = at - F
         low, high = np.where(above > 0, strain, low), np.where(above > 0, high, strain)
         with np.errstate(divide="ignore", invalid="ignore"):

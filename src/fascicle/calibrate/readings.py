@@ -28,9 +28,10 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from .._math import guarded
+from .._types import AnyArray
 from ..muscle import Muscle
 from .grid import Grid
 from .pulling import force_of, free_strain_at, strain_of, tension_of, untuned
@@ -42,7 +43,7 @@ _PULLING = 0.15  # of the level's largest force: readings above it surely pull
 _NO_PRESSURE = 0.01  # of the highest pressure: below, nothing can be read [R13]
 _ORDERS = 4  # of the free strain's quotient: constant to cubic
 
-Level = Float[Array, "level"]
+Level = Float[AnyArray, "level"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +133,7 @@ def _quotient(
 
 
 def free_strain_of(
-    muscle: Muscle, coefficients: Float[Array, "coefficient"], pressure: Level, top: Any = None
+    muscle: Muscle, coefficients: Float[AnyArray, "coefficient"], pressure: Level, top: Any = None
 ) -> Level:
     """Free strain [-] of the smooth curves with `coefficients` at each `pressure` [Pa], which
     they take over `top` [Pa], the largest one if left out; 0 without pressure [R13].
@@ -168,7 +169,7 @@ def tables_of(
 
 
 def tables(
-    muscle: Muscle, coefficients: Float[Array, "coefficient"], pressure: Level, top: Any = None
+    muscle: Muscle, coefficients: Float[AnyArray, "coefficient"], pressure: Level, top: Any = None
 ) -> tuple[Level, Level]:
     """$C_1$ [N] and $C_2$ [-] of the smooth curves, (34) and (35); arguments and the case
     without pressure, where they are 0 and 1, as `free_strain_of`.
@@ -183,9 +184,9 @@ def tables(
     return jnp.where(some, c1, 0.0), jnp.where(some, c2, 1.0)
 
 
-def no_curves() -> Array:
+def no_curves() -> np.ndarray:
     """Coefficients in the place of the curves' where these don't hold [-], [N]."""
-    return jnp.zeros(_ORDERS + 2)
+    return np.zeros(_ORDERS + 2)
 
 
 def _top(pressure: np.ndarray) -> float:
@@ -193,5 +194,5 @@ def _top(pressure: np.ndarray) -> float:
     return max(float(np.max(pressure)), 1.0)
 
 
-def _highest(pressure: Level) -> Float[Array, ""]:
+def _highest(pressure: Level) -> Float[AnyArray, ""]:
     return jnp.maximum(jnp.max(pressure), 1.0)

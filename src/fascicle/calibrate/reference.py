@@ -10,9 +10,12 @@ published are of a Festo DMSP-20-200N.
 """
 
 import jax.numpy as jnp
+import numpy as np
 import optimistix as optx
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from .._arrays import exp
+from .._types import AnyArray
 from .grid import Grid
 
 
@@ -28,22 +31,24 @@ _BAR, _PERCENT = 1e5, 1e-2
 
 
 def sarosi(
-    constants: Float[Array, "6"], pressure: Float[Array, "*grid"], strain: Float[Array, "*grid"]
-) -> Float[Array, "*grid"]:
+    constants: Float[AnyArray, "6"],
+    pressure: Float[AnyArray, "*grid"],
+    strain: Float[AnyArray, "*grid"],
+) -> Float[AnyArray, "*grid"]:
     """Force [N] by (C5) at `pressure` [Pa] and `strain` [-], with its six `constants` [-]."""
     a, b, c, d, e, f = constants
     p, kappa = pressure / _BAR, strain / _PERCENT
-    return (a * p + b) * jnp.exp(c * kappa) + d * p * kappa + e * p + f
+    return (a * p + b) * exp(c * kappa) + d * p * kappa + e * p + f
 
 
-def refitted(data: Grid, weight: Float[Array, "level reading"]) -> Float[Array, "6"]:
+def refitted(data: Grid, weight: Float[AnyArray, "level reading"]) -> Float[AnyArray, "6"]:
     """The six constants [-] that fit the `weight`ed [-], unclipped readings best."""
-    P = jnp.broadcast_to(data.pressure, data.strain.shape)
-    used = weight * data.uncensored * jnp.sqrt(data.count)
-    scale = jnp.max(jnp.abs(data.force))
-    first = jnp.asarray(SAROSI_DMSP_20_200N)
+    P = np.broadcast_to(data.pressure, data.strain.shape)
+    used = weight * data.uncensored * np.sqrt(data.count)
+    scale = np.max(np.abs(data.force))
+    first = np.asarray(SAROSI_DMSP_20_200N)
 
-    def residuals(share: Float[Array, "6"], _: None) -> Float[Array, "residual"]:
+    def residuals(share: Float[AnyArray, "6"], _: None) -> Float[AnyArray, "residual"]:
         # constants of unlike size are moved in proportion to the published ones
         missed = sarosi(share * first, P, data.strain) - data.force
         return (used * missed / scale).reshape(-1)

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from .beginning import Search
@@ -32,7 +31,7 @@ def searched(
         return problem, first, best, end
     near = around(best[problem.chosen], end.covariance, len(places), search.seed)
     # the second takes the noise that the first one left: priors weigh against it
-    again = replace(problem, noise=jnp.asarray(end.noise))
+    again = replace(problem, noise=np.asarray(end.noise))
     close = solve(again, again.whole(near))
     best = close.coordinates[close.best]
     scale = (float(problem.noise) / end.noise) ** 2
@@ -67,7 +66,7 @@ def settled(
     for _ in range(_ROUNDS):
         if abs(end.noise / float(problem.noise) - 1) < 1e-3:
             break
-        problem = replace(problem, noise=jnp.asarray(end.noise))
+        problem = replace(problem, noise=np.asarray(end.noise))
         best = solve(problem, best[None]).coordinates[0]
         end = conclude(problem, best, curves)
     # the others follow with the noise as it is now, to be told as they end

@@ -12,7 +12,6 @@ uncertainty of the first carries over to the second without being counted twice.
 from dataclasses import replace
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..muscle import Muscle
@@ -63,8 +62,8 @@ def problem_of(
     pulls_only = bool(np.any((count > 0) & censored) and np.min(force) >= 0)
     resists = weight * (np.asarray(data.strain) > free[:, None]) * (not pulls_only)
     problem = Problem(
-        muscle, data, jnp.asarray(resists), jnp.asarray(readings.noise), jnp.asarray(center),
-        jnp.asarray(deviation), rest_length, jnp.asarray(readings.coefficients), parameters, loss,
+        muscle, data, resists, np.asarray(readings.noise), center, deviation, rest_length,
+        readings.coefficients, parameters, loss,
         **more,
     )  # fmt: skip
     return readings, problem
@@ -77,7 +76,7 @@ def left_out(
     the `coordinates` [-] of the one that did; `problem` and `weights` are that one's [-].
     """
     data = problem.data
-    seen = replace(data, count=jnp.asarray(np.where(fold, 0.0, np.asarray(data.count))))
+    seen = replace(data, count=np.where(fold, 0.0, np.asarray(data.count)))
     _, without = problem_of(
         problem.muscle, seen, weighed(seen, weights), np.asarray(problem.center),
         np.asarray(problem.deviation),

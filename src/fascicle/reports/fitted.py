@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..calibrate.calibration import Calibration
@@ -176,7 +175,7 @@ def _variance(made: Calibration, strain: np.ndarray, joint: np.ndarray) -> np.nd
         part = strain[:, start : start + shape[1]]
         filled = np.zeros(shape)
         filled[: part.shape[0], : part.shape[1]] = part
-        at = replace(problem, data=replace(problem.data, strain=jnp.asarray(filled)))
+        at = replace(problem, data=replace(problem.data, strain=filled))
         slopes = linear(at, z).force_slopes[: part.shape[0], : part.shape[1]][..., columns]
         out[:, start : start + shape[1]] = np.einsum("lri,ij,lrj->lr", slopes, joint, slopes)
     return np.maximum(out, 0.0)

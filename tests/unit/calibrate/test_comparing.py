@@ -98,12 +98,13 @@ def test_a_refit_finds_the_constants_that_made_the_data():
     F = np.asarray(sarosi(jnp.asarray(truth), jnp.asarray(P), jnp.asarray(eps)))
     clipped = F < 0
     data = grid(Record.of(P, eps, np.where(clipped, 0.0, F), clipped))
-    weight = jnp.ones(data.count.shape)
+    weight = np.ones(data.count.shape)
     # no noise: down to the solver's 1e-9, times how badly the six are conditioned
     assert_allclose(refitted(data, weight), truth, rtol=1e-5)
     # a level of no weight is not seen
-    spoiled = replace(data, force=data.force.at[2].add(500.0))
-    assert_allclose(refitted(spoiled, weight.at[2].set(0.0)), truth, rtol=1e-5)
+    third = np.arange(len(weight))[:, None] == 2
+    spoiled = replace(data, force=data.force + 500.0 * third)
+    assert_allclose(refitted(spoiled, weight * ~third), truth, rtol=1e-5)
     assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)
 
 

@@ -104,7 +104,7 @@ def test_both_values_of_the_hinge_are_free_of_each_other():
     # its rise is put after its value at zero, and holds the value at 1 MPa
     factor, slope = named(["hinge_stiffness_factor", "hinge_stiffness_slope"], muscle)
     z = coordinates((factor, slope), muscle)
-    moved = put((factor, slope), muscle, z.at[0].add(0.5))
+    moved = put((factor, slope), muscle, z + np.array([0.5, 0.0]))
     assert_allclose(moved.tuning.hinge_stiffness_at(1e6), 0.83 + 9.2, rtol=1e-13)
     assert_allclose(moved.tuning.hinge_stiffness_at(0.0), 0.83 * np.exp(0.5), rtol=1e-13)
     # alone, the value at zero moves the whole line

@@ -2,7 +2,6 @@
 
 import re
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -10,12 +9,13 @@ import fascicle as fs
 from fascicle import units
 from fascicle.calibrate.calibration import Calibration
 from fascicle.calibrate.comparing import Row
-from fascicle.calibrate.grid import grid
+from fascicle.calibrate.linear import Linear
 from fascicle.calibrate.parameters import coordinates, named
 from fascicle.calibrate.posterior import Posterior
 from fascicle.calibrate.problem import Problem
 from fascicle.calibrate.profiling import Profile
 from fascicle.calibrate.solving import Solutions
+from fascicle.calibrate.taking import taken
 from fascicle.calibrate.uncertainty import Conclusion
 from fascicle.describe import provenance
 from fascicle.describe.calibrated import provenance_of
@@ -38,27 +38,29 @@ def calibration(**changes):
         synthetic=True, sources=(Source("a <b>.csv", SHA),), notes=("column `F` read as force",),
     )  # fmt: skip
     free = named(["c10", "outer_radius"], muscle)
-    data, center = grid(record), coordinates(free, muscle)
+    of = taken(record)
+    data, center = of.data, np.asarray(coordinates(free, muscle))
     problem = Problem(
-        muscle, data, jnp.ones(data.force.shape), jnp.asarray(0.5), center, jnp.full(2, 3.0),
-        jnp.asarray(0.127), None, free,
+        muscle, data, np.ones(data.force.shape), np.asarray(0.5), center, np.full(2, 3.0),
+        np.asarray(0.127), None, free,
     )  # fmt: skip
     # the first is known to 5 %, the second no better than its prior
     covariance = np.array([[0.05**2, 0.0], [0.0, 2.99**2]])
-    conclusion = Conclusion(
-        jnp.asarray(covariance), jnp.zeros((2, 2)), jnp.asarray(0.5), jnp.asarray(force),
-        jnp.zeros(force.shape), data.strain, jnp.asarray([0.1, 0.2, 0.3]),
-        jnp.full(3, jnp.inf),
+    none = np.zeros(data.force.shape)
+    place = Linear(
+        np.zeros(none.size + 2), np.zeros((none.size + 2, 2)), none, np.zeros((*none.shape, 2)),
+        np.asarray(data.strain), none,
     )  # fmt: skip
+    conclusion = Conclusion(covariance, np.zeros((2, 2)), 0.5, place, none)
     solutions = Solutions(
-        jnp.stack([center, center]), jnp.asarray([1.0, 2.0]), jnp.asarray([0, 1]),
-        jnp.asarray([7, 100]),
-    )  # fmt: skip
+        np.stack([center, center]), np.array([1.0, 2.0]), np.array([0, 1]), np.array([7, 100])
+    )
     made = {
-        "muscle": muscle, "start": muscle, "record": record, "method": "constants",
-        "problem": problem, "coordinates": np.asarray(center), "covariance": covariance,
-        "from_curves": np.zeros((2, 2)), "readings": None, "conclusion": conclusion,
-        "force": force, "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
+        "muscle": muscle, "start": muscle, "taken": of, "method": "constants",
+        "problem": problem, "coordinates": center, "covariance": covariance,
+        "from_curves": np.zeros((2, 2)), "from_trends": np.zeros((2, 2)), "readings": None,
+        "conclusion": conclusion, "force": force, "free_strain": np.array([0.1, 0.2, 0.3]),
+        "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
     }  # fmt: skip
     return Calibration(**{**made, **changes})
 
