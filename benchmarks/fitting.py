@@ -178,7 +178,7 @@ def rows(small: bool = False) -> list[Row]:
             if turn or plain:  # the others compile at first
                 times[name].append(time.perf_counter() - begun)
             if not turn:
-                cost = 0.5 * float(np.sum(np.asarray(compiled(task, jnp.asarray(end))) ** 2))
+                cost = 0.5 * float(np.sum(compiled(end) ** 2))
                 fitted = np.asarray(values(FACTORS, put(FACTORS, untuned, jnp.asarray(end))))
                 numbers = ", ".join(f"{x:.5g}" for x in fitted)
                 print(f"{name:38s} cost {cost:.6f}  {numbers}")

@@ -182,7 +182,12 @@ class Bank(NamedTuple):
         a last axis, states ahead of it.
         """
         at_work = library(strain, self.supply)
-        kinks = at_work.concatenate([kinks.at(strain) for kinks in self.kinks], axis=1)
+        found = [kinks.at(strain) for kinks in self.kinks]
+        most = max(one.shape[2] for one in found)
+        # a kind has as many kinks as its tuning has rows: the others' are all at the end
+        more = [((0, 0), (0, 0), (0, most - one.shape[2])) for one in found]
+        padded = (at_work.pad(x, n, constant_values=1.0) for x, n in zip(found, more, strict=True))
+        kinks = at_work.concatenate(tuple(padded), axis=1)
         if self.alone is None:
             every = kinks.reshape(len(strain), 1, -1)
             own = at_work.broadcast_to(every, (len(strain), self.states, every.shape[-1]))
