@@ -100,7 +100,7 @@ def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
         x = np.asarray(value)
         if x.dtype.kind not in "fiu":  # a bool or a string is no measurement
             raise TypeError
-        return x.astype(float) + 0.0  # no negative zero
+        return np.asarray(x.astype(float) + 0.0)  # no negative zero
     except (TypeError, ValueError):
         what = f"numbers in {unit}" if _shown(unit) else "dimensionless numbers"
         raise ValueError(f"`{name}` takes {what}, got {value!r}.") from None

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from .._checks import within
@@ -46,7 +45,7 @@ class Scatter:
             lambda m: (m.length, m.braid_angle),
             muscle,
             (
-                muscle.length * jnp.asarray(1 + self.length * z[0]),
-                muscle.braid_angle + jnp.asarray(self.braid_angle * z[1]),
+                muscle.length * (1 + self.length * z[0]),
+                muscle.braid_angle + self.braid_angle * z[1],
             ),
         )

@@ -17,12 +17,11 @@ from dataclasses import dataclass
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from .._checks import within
-from .._types import Values
+from .._types import AnyArray, Values
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
 from .fabrication import Scatter
@@ -89,10 +88,10 @@ def fabricated_pairs(
     first = within(first_pressure, 0.0, 1e6, "first_pressure", "Pa", closed=(True, True))
     made = scatter.draw(muscle, np.random.default_rng(seed), (draws, 2))
     # the drawing's own pair is one more, the first
-    lengths = jnp.concatenate([jnp.full((1, 2), muscle.length), made.length])
-    angles = jnp.concatenate([jnp.full((1, 2), muscle.braid_angle), made.braid_angle])
+    lengths = np.concatenate([np.full((1, 2), muscle.length), made.length])
+    angles = np.concatenate([np.full((1, 2), muscle.braid_angle), made.braid_angle])
     P = np.stack(np.broadcast_arrays(first, second), axis=-1)
-    P = jnp.asarray(np.concatenate([np.zeros((1, 2)), P]))
+    P = np.concatenate([np.zeros((1, 2)), P])
     strains = []
     for start in range(0, draws + 1, _TOGETHER):
         rows = np.minimum(np.arange(start, start + _TOGETHER), draws)
@@ -134,11 +133,13 @@ def agreements(
 @eqx.filter_jit
 def _free_strains(
     muscle: Muscle,
-    lengths: Float[Array, "pair 2"],
-    angles: Float[Array, "pair 2"],
-    pressures: Float[Array, "pressure 2"],
-) -> Float[Array, "pair pressure"]:
-    def one(length: Float[Array, "2"], angle: Float[Array, "2"]) -> Float[Array, " pressure"]:
+    lengths: Float[AnyArray, "pair 2"],
+    angles: Float[AnyArray, "pair 2"],
+    pressures: Float[AnyArray, "pressure 2"],
+) -> Float[AnyArray, "pair pressure"]:
+    def one(
+        length: Float[AnyArray, "2"], angle: Float[AnyArray, "2"]
+    ) -> Float[AnyArray, " pressure"]:
         units = [
             MotorUnit(
                 eqx.tree_at(lambda m: (m.length, m.braid_angle), muscle, (length[i], angle[i]))

@@ -160,7 +160,8 @@ def test_the_order_is_no_higher_than_the_data_ask(noisy):
     assert np.mean(np.asarray(noisy[0].order) == 0) > 0.75
 
 
-@pytest.mark.parametrize("order", [1, 2])
+# `test_without_noise_they_are_what_made_the_data` has order 1
+@pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_the_order_is_as_high_as_the_data_ask(order):
     x = P / P.max()
     quotient = {1: 0.85 + 0.15 * x, 2: 0.8 + 0.5 * x - 0.35 * x**2}[order]
