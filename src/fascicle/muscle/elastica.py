@@ -13,7 +13,7 @@ $$\Pi = \int_{\varepsilon_f}^{\varepsilon_a} (-T) L_0 \,\mathrm{d}\varepsilon
 It is stationary in $\varepsilon_a$ where the arc's compression balances the end load,
 
 $$-T(P, \varepsilon_a) = N \frac{d}{\ell}, \qquad N = \frac{16 K^2 EI}{L_{fs} \ell}, \qquad
-  F = -N = -\frac{\mathrm{d}\Pi}{\mathrm{d}x}, \tag{E2}$$
+  F = -N = -\frac{\mathrm{d}\Pi}{\mathrm{d}x}, \tag{E3}$$
 
 and straight, $\varepsilon_a = \varepsilon$, until $-T L_{fs} \ell$ first reaches
 $4\pi^2 EI$, the onset. The largest moment, at the ends and the middle, is
@@ -23,7 +23,7 @@ With $q = K (2E - K)$, $c = 2E/K - 1$ and the arc's load
 
 $$G(\varepsilon_a) = -\frac{T(P, \varepsilon_a) L_{fs} \ell}{16 EI}, \qquad
   G = q(m), \qquad
-  \varepsilon(\varepsilon_a) = 1 - (1 - \varepsilon_a)\, c(q^{-1}(G)) \tag{E3}$$
+  \varepsilon(\varepsilon_a) = 1 - (1 - \varepsilon_a)\, c(q^{-1}(G)) \tag{E6}$$
 
 wherever $0 \le G \le \pi^2/4$: all bent states are one explicit curve over $\varepsilon_a$, and
 $c(q^{-1})$ is a polynomial of one variable. The curve turns back, in a fold, where
@@ -78,18 +78,18 @@ _DEGREE = 16  # of the polynomials: right to 2e-15
 
 
 class Elastica(AbstractBuckling):
-    """Bending and contraction from one potential, nothing fitted: (E1) to (E3)."""
+    """Bending and contraction from one potential, nothing fitted: (E1) to (E6)."""
 
     name: ClassVar[str] = "elastica"
 
     def branch(self, column: Column) -> "_Branch":
-        """The onset [-], and the curve (E3) from there down to the free strain."""
+        """The onset [-], and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
         here = still(column)
         return _Branch(onset, _curve(here, _top(still(onset)), here.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """Force in its components at `strain` [-], (E2)."""
+        """Force in its components at `strain` [-], (E3)."""
         bent, arc = _followed(column, strain)
         at = _at(column, arc)
         T, chord = at.pull.force, at.chord
@@ -149,8 +149,8 @@ class Elastica(AbstractBuckling):
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Whether other equilibria exist at `strain` [-] beside the one followed.
 
-        All bent states lie on (E3), between the free strain and `strain`; the straight one is
-        an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E3) is taken on as
+        All bent states lie on (E6), between the free strain and `strain`; the straight one is
+        an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E6) is taken on as
         $\\varepsilon = \\varepsilon_a$, which crosses `strain` once, as it must.
         """
         here, eps = still(column), still(strain + 0.0 * column.free_strain)
@@ -178,7 +178,7 @@ class _State(NamedTuple):
 
 
 def _at(column: Column, arc: Batch) -> _State:
-    """The bent state (E3) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
+    """The bent state (E6) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
     load = -unit * pull.force * (1 - arc)
@@ -212,7 +212,7 @@ class _End(NamedTuple):
 
 
 class _Curve(NamedTuple):
-    """A stretch of (E3) in cells. Each half of a cell is monotone: where the curve turns back
+    """A stretch of (E6) in cells. Each half of a cell is monotone: where the curve turns back
     in a cell, that is where it is cut.
     """
 
@@ -262,7 +262,7 @@ def _onset(column: Column) -> Batch:
 
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
-    """(E3) from the arc strain `top` [-] to `bottom` [-]."""
+    """(E6) from the arc strain `top` [-] to `bottom` [-]."""
     rank = nodes(np.arange(float(_CELLS)), top)
     one, other = (top - (top - bottom) * ((rank + i) / _CELLS) for i in (0.0, 1.0))
     return _cut(column, one, other, lambda at: at.strain_slope)
