@@ -48,7 +48,7 @@ browser:
 		|| echo "no chromium, and it can't be installed: the browser tests are skipped"
 
 unit: $(STAMP) browser
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 slow: $(STAMP)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
