@@ -8,8 +8,8 @@ from pathlib import Path
 # workers share the cores: each one's linear algebra on all of them would wait for the others'
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import pytest  # noqa: E402
-from jaxtyping import install_import_hook  # noqa: E402
+import pytest
+from jaxtyping import install_import_hook
 
 
 _MANY_MAPS = 20_000

@@ -1,8 +1,9 @@
 """fascicle: the open toolkit for fluidic artificial muscles (FAMs, McKibben muscles).
 
 Laws are pure functions in SI units, written once: NumPy's numbers and arrays are answered at
-once, JAX's compile, differentiate and run on a GPU, and C comes from the same source. Importing fascicle switches JAX to float64, which roots
-and collapse need; set `JAX_ENABLE_X64=0` to forgo it, and be warned once.
+once, JAX's compile, differentiate and run on a GPU, and C comes from the same source. Importing
+fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE_X64=0` to forgo
+it, and be warned once.
 """
 
 import importlib

@@ -37,10 +37,15 @@ def show(
         for index in columns:
             table.add_column(Text(heads[index]), justify="right", no_wrap=True)
         for row in rows:
-            table.add_row(*(Text(visible(row[index])) for index in columns))
+            table.add_row(*(Text(_seen(row[index])) for index in columns))
         console.print(table)
     if caption:
         console.print(Text(caption))
+
+
+def _seen(entry: str) -> str:
+    """An entry of which every sign can be seen, line by line."""
+    return "\n".join(visible(line) for line in entry.split("\n"))
 
 
 def decimals(values: Any) -> int:
