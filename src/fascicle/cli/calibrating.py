@@ -249,4 +249,4 @@ def _telling() -> Iterator[Any]:
         yield lambda _: None
         return
     with console.status("reading") as status:
-        yield lambda what: status.update(f"{what}; the first time, the laws are compiled")
+        yield status.update

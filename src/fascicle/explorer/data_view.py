@@ -189,14 +189,14 @@ class DataView(Tab):
         self._calibrate.disabled = True
         self._progress.active, self._begun = True, time.monotonic()
         date = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        stage = ["fitting; the first time, the laws are compiled"]
+        stage = ["fitting"]
         self._stage = stage
         if pn.state.curdoc is not None and pn.state.curdoc.session_context:
             self._timer = pn.state.add_periodic_callback(self._tick, period=500)
 
         def compute() -> tuple[Any, str]:
             def tell(what: str) -> None:
-                stage[0] = f"{what}; the first time, the laws are compiled"
+                stage[0] = what if what.startswith("fitting") else f"fitting: {what}"
 
             choice = fitted(record, muscle, tell)
             stage[0] = "drawing the report"
