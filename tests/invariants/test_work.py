@@ -1,6 +1,7 @@
 """Work and energy: each force against its own potential, integrated independently."""
 
 import math
+import warnings
 
 import jax
 import numpy as np
@@ -149,6 +150,24 @@ def test_free_strain_rises_with_pressure(tension, random_muscles):
         return
     limit = np.asarray(jax.vmap(lambda m: m.braid.ideal_free_strain)(muscles))
     assert np.all(free[:, -1] < limit)
+
+
+@pytest.mark.parametrize(("degrees", "falls"), [(6, True), (12, False), (20, False)])
+def test_free_strain_may_fall_again_where_fibers_are_nearly_straight(degrees, falls):
+    rng, P, seen = np.random.default_rng(0), np.geomspace(1, 1e6, 60), 0
+    for _ in range(60):
+        wall, c10, c01 = (
+            rng.uniform(0.05, 0.6),
+            10 ** rng.uniform(4, 6.3),
+            10 ** rng.uniform(3, 6.3),
+        )
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".* is unusual")
+            muscle = fs.Muscle.from_dimensions(
+                0.127, 6e-3, 6e-3 * wall, math.radians(degrees), fs.MooneyRivlin(c10, c01)
+            )
+        seen += bool(np.any(np.diff(muscle.free_strain(P)) < 0))
+    assert (seen > 0) == falls
 
 
 # one compiled function for each law; the dimensions are arguments, as for a user's sweep

@@ -88,7 +88,7 @@ class Kothera2009(AbstractTension):
         return Pull(mesh, wall, mesh_slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $T = C_1$ [-]; 0 at $P = 0$, rising with $P$."""
+        """The root of $T = C_1$ [-]; 0 at $P = 0$, from there rising."""
         return solved_free_strain(self, bladder, pressure, offset)
 
 

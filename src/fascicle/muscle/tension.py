@@ -3,8 +3,8 @@ r"""Tension laws: the pull of a muscle up to its free strain, in its two compone
 $$T(P, \varepsilon) = F_{mesh}(P, \varepsilon) + F_{bladder}(\varepsilon). \tag{4}$$
 
 `KluteHannaford`, the default, keeps both terms, so that the free strain, the root of $T$,
-rises with pressure from zero. Past the free strain $T$ goes on as compression: buckling
-laws say what of it is real.
+rises with pressure from zero; of braids below some 11.5 deg it may fall again. Past the free
+strain $T$ goes on as compression: buckling laws say what of it is real.
 
 Beside it, by name: `ideal`, the mesh alone; `tondu_lopez` and `meller2014`, the ideal law
 with measured factors; `kothera2009`, a balance of forces with a thinning wall.
@@ -39,7 +39,7 @@ class KluteHannaford(AbstractTension):
         return Pull(mesh, wall, mesh_slope, wall_slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The root of $F_{mesh} + F_{bladder} = C_1$ [-]; 0 at $P = 0$, rising with $P$."""
+        """The root of $F_{mesh} + F_{bladder} = C_1$ [-]; 0 at $P = 0$, from there rising."""
         return solved_free_strain(self, bladder, pressure, offset)
 
 
