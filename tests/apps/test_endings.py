@@ -48,6 +48,17 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, wait):
     assert [one.name for one in tmp_path.iterdir()] in ([], ["x.json"])
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
+@pytest.mark.parametrize("wait", [0.0, 0.005, 0.01, 0.02, 0.05, 0.1])
+def test_control_c_after_the_last_word_changes_nothing(tmp_path, wait):
+    process = started(tmp_path, "free-strain", SIX, "-p", "34.5kPa")
+    while "34.5" not in process.stdout.readline():
+        pass
+    time.sleep(wait)  # Python is going down now
+    code, err = interrupted(process)
+    assert (code, err) in [(130, ""), (0, "")]
+
+
 TASK = """format = 1
 [task]
 force = "60 N"

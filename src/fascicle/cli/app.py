@@ -25,7 +25,7 @@ from .export import run as export
 from .force import run as force
 from .free_strain import run as free_strain
 from .init import run as init
-from .interrupts import CODE, not_dropped
+from .interrupts import CODE, not_dropped, unheard_at_exit
 from .muscles import run as muscles
 from .problems import UserError, too_large
 from .record import run as record
@@ -98,6 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     warnings.showwarning = _warn
     with not_dropped():
         code, message = _run(given)
+        unheard_at_exit()
     if message:
         _say(f"error: {message}")
     sys.exit(code)

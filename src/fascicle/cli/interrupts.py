@@ -1,11 +1,13 @@
 """Ctrl-C: ends a command at any time, without a word from Python."""
 
 import _thread
+import atexit
 import contextlib
 import os
 import signal
 import sys
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 
@@ -49,3 +51,11 @@ def not_dropped() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = before
+
+
+@cache
+def unheard_at_exit() -> None:
+    """Let Python go down undisturbed: what a Ctrl-C could still stop then is done and printed."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        # Python puts back the system's own handler, which kills, unless it finds it ignored
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
