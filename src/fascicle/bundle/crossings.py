@@ -8,8 +8,7 @@ crossing is a change of sign between two nodes, in a stretch or from it to the n
 that is missed lies in a dip shallower than that cubic's error, of fourth order in the cell.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -26,8 +25,21 @@ _WIDTH = 1e-13  # ends closer than this are one
 Ends = Float[AnyArray, "lane end"]
 PerStretch = Float[AnyArray, "lane stretch"]
 Listed = Float[AnyArray, " entry"]
-# values and slopes of the terms of some lanes' curves, on a last axis, at places along a second
-Terms = Callable[[Any, Any], tuple[Any, Any]]
+
+
+@runtime_checkable
+class Curves(Protocol):
+    """Sums of terms: what the terms of some lanes' curves are, on a last axis, at places along a
+    second [any unit].
+    """
+
+    def terms(self, lane: Any, place: Any, /) -> tuple[Any, Any]:
+        """Values of the terms and their slopes."""
+        ...
+
+    def values(self, lane: Any, place: Any, /) -> Any:
+        """Values of the terms alone."""
+        ...
 
 
 class Sides(NamedTuple):
@@ -68,22 +80,25 @@ class Cut(NamedTuple):
 
 class Crossings(NamedTuple):
     """Crossings in the order of lanes and places: the `lane` of each, the places before and
-    behind it, and whether the curve falls there. `total` are meant, the rest is room.
+    behind it, the curve's values at these, and whether it falls. `total` are meant, the rest is
+    room.
     """
 
     lane: Int[AnyArray, " entry"]
     low: Listed
     high: Listed
+    value_low: Listed
+    value_high: Listed
     falls: Bool[AnyArray, " entry"]
     total: Any
 
 
-def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
+def sides(curves: Curves, ends: Ends, inset: float) -> Sides:
     """Stretches and what is seen of them.
 
     **Arguments:**
 
-    - `terms`: of the lanes' curves [any unit].
+    - `curves`: the lanes' [any unit].
     - `ends`: of each lane's stretches, rising [any unit].
     - `inset`: how far inside its sides are looked at, as a share of its width [-].
 
@@ -91,12 +106,11 @@ def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
     """
     at_work = library(ends)
     a, b = ends[:, :-1], ends[:, 1:]
-    step, count = inset * (b - a), a.shape[1]
+    step = inset * (b - a)
     # the first and the last end have no other side
     low = where(a > ends[:, :1], a + step, a)
     high = where(b < ends[:, -1:], b - step, b)
-    values, slopes = terms(np.arange(len(ends)), at_work.concatenate([low, high], axis=1))
-    v_a, v_b, s_a, s_b = values[:, :count], values[:, count:], slopes[:, :count], slopes[:, count:]
+    (v_a, v_b), (s_a, s_b) = _seen(curves, low, high, b - a > _WIDTH)
     thirds = (high - low)[..., None] / 3
     control = (v_a + s_a * thirds, v_b - s_b * thirds)
     least, most = (pick(pick(v_a, v_b), pick(*control)) for pick in (minimum, maximum))
@@ -105,12 +119,12 @@ def sides(terms: Terms, ends: Ends, inset: float) -> Sides:
     return Sides(low, high, *(at_work.sum(x, axis=-1) for x in summed))
 
 
-def cut(terms: Terms, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -> Cut:
+def cut(curves: Curves, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -> Cut:
     """Those stretches that are marked, cut into cells.
 
     **Arguments:**
 
-    - `terms`: of the lanes' curves [any unit].
+    - `curves`: the lanes' [any unit].
     - `stretches`: of every lane [any unit].
     - `marks`: which are to be cut [-].
 
@@ -121,7 +135,7 @@ def cut(terms: Terms, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -
         low, high, v_low, v_high, s_low, s_high, after, v_after = of
         at_work = library(low)
         x = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CELLS + 1)
-        value, slope = (at_work.sum(y, axis=-1) for y in terms(lane, x[:, 1:-1]))
+        value, slope = (at_work.sum(y, axis=-1) for y in curves.terms(lane, x[:, 1:-1]))
         value, slope = (
             at_work.concatenate([first[:, None], y, last[:, None]], axis=1)
             for first, y, last in ((v_low, value, v_high), (s_low, slope, s_high))
@@ -129,7 +143,7 @@ def cut(terms: Terms, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -
         step = x[:, 1:] - x[:, :-1]
         turn = _extremum(value[:, :-1], value[:, 1:], slope[:, :-1] * step, slope[:, 1:] * step)
         between = x[:, :-1] + step * turn
-        turned = at_work.sum(terms(lane, between)[0], axis=-1)
+        turned = at_work.sum(curves.values(lane, between), axis=-1)
         return (
             _interleaved(x, between, after[:, None]),
             _interleaved(value, turned, v_after[:, None]),
@@ -137,9 +151,9 @@ def cut(terms: Terms, stretches: Sides, marks: Bool[AnyArray, "lane stretch"]) -
 
     (lane, place), total = listed(marks, marks.size)
     seen = [x[lane, place] for x in stretches[:6]]
-    following = _following(stretches.real)[lane, place]
-    last = following == marks.shape[1]
-    beside = where(last, place, following)
+    next_one = following(stretches.real)[lane, place]
+    last = next_one == marks.shape[1]
+    beside = where(last, place, next_one)
     after, v_after = (
         where(last, high[lane, place], low[lane, beside])
         for low, high in (
@@ -156,17 +170,36 @@ def changes(stretches: Cut, room: int) -> Crossings:
     """
     above = stretches.value > 0
     (row, node), total = listed((above[:, 1:] != above[:, :-1]) & stretches.real[:, None], room)
-    low, high = stretches.nodes[row, node], stretches.nodes[row, node + 1]
-    return Crossings(stretches.lane[row], low, high, above[row, node], total)
+    (low, high), (v_low, v_high) = (
+        (x[row, node], x[row, node + 1]) for x in (stretches.nodes, stretches.value)
+    )
+    return Crossings(stretches.lane[row], low, high, v_low, v_high, above[row, node], total)
 
 
-def _following(real: Bool[AnyArray, "lane stretch"]) -> Int[AnyArray, "lane stretch"]:
-    """The place of the next stretch that has a width [-], as many as there are where none is."""
+def following(real: Bool[AnyArray, "lane stretch"]) -> Int[AnyArray, "lane stretch"]:
+    """Place of the next stretch that is `real` [-]; as many as there are where none is."""
     count = real.shape[1]
     places = where(real, np.arange(count), count)[:, ::-1]
     ahead = -running_most(-places, 1)[:, ::-1]
     at_work = library(real)
     return at_work.concatenate([ahead[:, 1:], 0 * ahead[:, :1] + count], axis=1)
+
+
+def _seen(curves: Curves, low: Numbers, high: Numbers, real: Any) -> Any:
+    """Values of the terms at the two sides of each stretch, and their slopes [any unit]; zeros for
+    those without a width, but a curve's first and last.
+    """
+    at_work, count = library(low), low.shape[1]
+    if at_work is not np:
+        found = curves.terms(np.arange(len(low)), at_work.concatenate([low, high], axis=1))
+        return tuple((one[:, :count], one[:, count:]) for one in found)
+    asked = real.copy()
+    asked[:, [0, -1]] = True
+    lane, place = np.nonzero(asked)
+    found = curves.terms(lane, np.stack([low[lane, place], high[lane, place]], axis=1))
+    both = np.zeros((2, 2, *low.shape, found[0].shape[-1]))
+    both[:, :, lane, place] = np.swapaxes(found, 1, 2)
+    return both
 
 
 def _interleaved(ends: Numbers, between: Numbers, after: Numbers) -> Numbers:

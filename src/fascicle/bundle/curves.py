@@ -25,6 +25,7 @@ from .alike import stacked, taken
 from .plates import muscle_strain, plate_strain
 
 
+_FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
 _STEP = 1e-7  # of the level: for slopes that only guide a search
 _TABLE = (np.arange(513) / 512) ** 2  # levels, dense where free strain and collapse change fastest
 _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
@@ -32,13 +33,15 @@ _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hi
 
 class Kinds(NamedTuple):
     """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
-    the plates are apart; `which` of them [-] are meant, all of them where left out.
+    the plates are apart; `which` of them [-] are meant, all of them where left out. Beyond
+    `at_once` points [-] their law is compiled.
     """
 
     muscles: Muscle
     ratios: Numbers | None
     size: int
     which: Any = None
+    at_once: int = COMPILE_ABOVE
 
     def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
@@ -65,7 +68,7 @@ class Kinds(NamedTuple):
         if muscles.is_numpy and given(pressure, strain):
             kinds = np.arange(self.size) if which is None else which
             shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
-            if math.prod(shape) > COMPILE_ABOVE:
+            if math.prod(shape) > self.at_once:
                 laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
                 found = scattered(compiled(_force), muscles, *laid)
                 return tuple(x.reshape(shape) for x in found)
@@ -123,6 +126,10 @@ class Bank(NamedTuple):
         """How many states there are [-]."""
         return len(self.throttled)
 
+    def for_many(self) -> "Bank":
+        """The same for so many demands that a compiled law is worth its compiling."""
+        return self._replace(rows=tuple(row._replace(at_once=_FEW) for row in self.rows))
+
     def forces(self, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] of one muscle of each kind and its slope in strain [N], at `level` [-] and
         `strain` [-], kinds last.
@@ -152,28 +159,28 @@ class Bank(NamedTuple):
             at_work.sum(shares * part, axis=(0, -1)) for part in self.forces(of_level, strain)
         )
 
-    def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+    def values(self, state: Any, level: Numbers, strain: Numbers) -> Numbers:
         """Forces [N] of the kinds that a `state` throttles at `level` [-], places along a second
-        axis, and `strain` [-]; kinds last; and their slopes by level [N].
+        axis, and `strain` [-]; kinds last.
         """
+        if self.alone is None:
+            found, _ = self.forces(level, strain[:, None])
+            return self.throttled[state][:, None, :] * found
+        total, first = 0.0, 0
+        kind = library(state).asarray(self.alone)[state]
+        for row in self.rows:
+            place = kind - first
+            here = row.picked(place[:, None])
+            found, _ = self._kept(here.force(level * self.supply, strain[:, None]))
+            inside = (place >= 0) & (place < row.size)
+            total = total + where(inside[:, None], found, 0.0)
+            first += row.size
+        return (self.throttled[state, kind][:, None] * total)[..., None]
 
-        def force(u: Numbers) -> Numbers:
-            if self.alone is None:
-                found, _ = self.forces(u, strain[:, None])
-                return self.throttled[state][:, None, :] * found
-            total, first = 0.0, 0
-            kind = library(state).asarray(self.alone)[state]
-            for row in self.rows:
-                place = kind - first
-                here = row.picked(place[:, None])
-                found, _ = self._kept(here.force(u * self.supply, strain[:, None]))
-                inside = (place >= 0) & (place < row.size)
-                total = total + where(inside[:, None], found, 0.0)
-                first += row.size
-            return (self.throttled[state, kind][:, None] * total)[..., None]
-
+    def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """The same forces [N] and their slopes by level [N]."""
         step = where(level < 0.5, _STEP, -_STEP)
-        both = force(library(level).concatenate([level, level + step], axis=1))
+        both = self.values(state, library(level).concatenate([level, level + step], axis=1), strain)
         value, moved = both[:, : level.shape[1]], both[:, level.shape[1] :]
         return value, (moved - value) / step[..., None]
 

@@ -30,7 +30,7 @@ from .._arrays import library, where
 from .._math import guarded, still
 from .._types import AnyArray, Numbers
 from .curves import Bank
-from .levels import solve
+from .levels import Found, solve
 
 
 REACHED, ABOVE, BELOW = 0, 1, 2
@@ -93,34 +93,46 @@ def recruited(
         where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
         for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
-    # of all solutions, and last of the one that is taken
-    states, levels = (
-        at_work.concatenate([x, own[:, None]], axis=1)
-        for x, own in ((found.state, state), (found.level, level))
-    )
-    there, slope = _states(fixed, states, levels, eps)
-    level, there = _live(live, force, strain, state, level, reached, there[:, -1])
-    firm = slope < 0
+    there, slope, firm = _at_ends(fixed, found, state, level, eps)
+    level, there = _live(live, force, strain, state, level, reached, there)
     return Recruited(
         pressures=_pressures(state, level, live.supply, units, scheme),
         state=state + 1,
         force=there,
         status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
-        stable=firm[:, -1],
+        stable=slope < 0,
         solutions=Solutions(
             pressure=where(met, found.level * fixed.supply, np.nan),
             state=where(met, found.state + 1, 0),
-            stable=met & firm[:, :-1],
+            stable=firm,
         ),
         count=found.count,
     )
 
 
-def _states(fixed: Bank, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
-    """Force [N] of several states of each demand at their levels [-], and its slope in strain."""
-    eps = library(level).broadcast_to(strain[:, None], level.shape)
-    flat = (x.reshape(-1) for x in (state, level, eps))
-    return tuple(x.reshape(level.shape) for x in fixed.state_force(*flat))
+def _at_ends(
+    fixed: Bank, found: Found, state: Any, level: Numbers, strain: Numbers
+) -> tuple[Numbers, Numbers, Any]:
+    """Force [N] in the `state` and at the `level` [-] taken, its slope in strain [N], and which of
+    the solutions are stable.
+    """
+    if library(level) is np:  # only those that there are
+        owner, slot = np.nonzero(found.met)
+        states = np.concatenate([state, found.state[owner, slot]])
+        levels = np.concatenate([level, found.level[owner, slot]])
+        force, slope = fixed.state_force(states, levels, np.concatenate([strain, strain[owner]]))
+        firm, count = np.zeros(found.met.shape, bool), len(state)
+        firm[owner, slot] = slope[count:] < 0
+        return force[:count], slope[:count], firm
+    at_work = library(level)
+    states, levels = (
+        at_work.concatenate([own[:, None], x], axis=1)
+        for own, x in ((state, found.state), (level, found.level))
+    )
+    every = at_work.broadcast_to(strain[:, None], levels.shape)
+    flat = (x.reshape(-1) for x in (states, levels, every))
+    force, slope = (x.reshape(levels.shape) for x in fixed.state_force(*flat))
+    return force[:, 0], slope[:, 0], found.met & (slope[:, 1:] < 0)
 
 
 def _live(

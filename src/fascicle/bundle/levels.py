@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._arrays import absolute, library, maximum, minimum, where
 from .._types import AnyArray, Numbers
-from .crossings import Cut, Sides, changes, cut, sides
+from .crossings import Cut, Sides, changes, cut, following, sides
 from .curves import Bank
 from .lists import put, ranked, repeated, worked
 
@@ -26,7 +26,8 @@ EXACT = 2e-10  # N, the force that counts as met
 ROOM = 2  # solutions of a state for which there is room, and as many more for all
 _INSET = 1e-4  # of a stretch: kinks are known to 1e-6 of a level
 _STEPS, _TURNS = 80, 30  # at most, toward a crossing and toward a turn
-_NARROW = 1e-13  # of the level: a turn's place
+_SECANTS = 8  # of so many steps toward a crossing one halves its bracket, come what may
+_NARROW, _ROUNDED = 1e-13, 1e-15  # of the level: a turn's place; as near as a crossing comes
 _ROUNDING = 1e-13  # of a force
 
 
@@ -54,22 +55,29 @@ class Lanes(NamedTuple):
 
     def terms(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
         """How far its parts are above what is wanted [N], and their slopes by level [N]."""
-        bank, at_work = self.bank, library(level, self.wanted)
-        value, slope = bank.terms(lane % bank.states, level, self.strain[lane])
-        short = at_work.broadcast_to(-self.wanted[lane][:, None, None], (*level.shape, 1))
+        value, slope = self.bank.terms(lane % self.bank.states, level, self.strain[lane])
+        short, at_work = self._short(lane, level), library(value)
         return tuple(
             at_work.concatenate(parts, axis=-1) for parts in ((value, short), (slope, 0.0 * short))
         )
+
+    def values(self, lane: Any, level: Numbers) -> Numbers:
+        """The same without slopes, at half the cost."""
+        value = self.bank.values(lane % self.bank.states, level, self.strain[lane])
+        return library(value).concatenate([value, self._short(lane, level)], axis=-1)
 
     def sums(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
         """How far a lane is above [N] at each `level` [-], and its slope [N]."""
         at_work = library(level, self.wanted)
         return tuple(at_work.sum(x, axis=-1) for x in self.terms(lane, level))
 
-    def over(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
-        """The same at one `level` [-]."""
-        value, slope = self.sums(lane, level[:, None])
-        return value[:, 0], slope[:, 0]
+    def above(self, lane: Any, level: Numbers) -> Numbers:
+        """How far a lane is above [N] at each `level` [-]."""
+        return library(level, self.wanted).sum(self.values(lane, level), axis=-1)
+
+    def _short(self, lane: Any, level: Numbers) -> Numbers:
+        wanted = -self.wanted[lane][:, None, None]
+        return library(level, wanted).broadcast_to(wanted, (*level.shape, 1))
 
 
 def solve(bank: Bank, force: Numbers, strain: Numbers) -> Found:
@@ -80,9 +88,9 @@ def solve(bank: Bank, force: Numbers, strain: Numbers) -> Found:
     wanted = (force[:, None] - held).reshape(-1)
     lanes = Lanes(bank, wanted, at_work.repeat(strain, states))
     ends = bank.ends(strain).reshape(demands * states, -1)
-    stretches = sides(lanes.terms, ends, _INSET)
+    stretches = sides(lanes, ends, _INSET)
     close = EXACT + _ROUNDING * absolute(wanted)
-    looked = cut(lanes.terms, stretches, stretches.may_cross)
+    looked = cut(lanes, stretches, stretches.may_cross)
 
     met_low = absolute(stretches.value_low[:, 0]) <= close
     met_high = absolute(stretches.value_high[:, -1]) <= close
@@ -126,47 +134,52 @@ def _crossed(lanes: Lanes, close: Numbers, looked: Cut) -> tuple[Any, Numbers, A
     demands = len(lanes.wanted) // lanes.bank.states
     found = changes(looked, demands * (ROOM * lanes.bank.states + 2))
 
-    def refined(lane: Any, low: Numbers, high: Numbers, falls: Any) -> tuple[Numbers, Numbers]:
-        return _met(lanes, lane, where(falls, 1.0, -1.0), close[lane], low, high)
+    def refined(lane: Any, *of: Any) -> tuple[Numbers, Numbers]:
+        return _met(lanes, lane, close[lane], *of)
 
-    level, miss = worked(refined, found.total, found.lane, found.low, found.high, found.falls)
+    level, miss = worked(refined, found.total, *found[:-1])
     real = np.arange(len(found.lane)) < found.total
     met = real & (absolute(miss) <= close[found.lane])
     return found.lane, level, met
 
 
 def _met(
-    lanes: Lanes, lane: Any, sense: Numbers, close: Numbers, low: Numbers, high: Numbers
+    lanes: Lanes,
+    lane: Any,
+    close: Numbers,
+    low: Numbers,
+    high: Numbers,
+    value_low: Numbers,
+    value_high: Numbers,
+    falls: Any,
 ) -> tuple[Numbers, Numbers]:
     """The level [-] between `low` and `high` at which a lane is met, and its miss [N]: by secants
-    in a bracket whose far end counts half when it stays (Illinois), and bisection where they fail.
+    in a bracket whose far end counts half when it stays again (Illinois), and some bisection.
     """
 
-    def step(n: Any, state: tuple) -> tuple:
-        a, b, g_a, g_b, level, miss = state
+    def step(n: Any, entry: tuple, state: tuple) -> tuple:
+        lane, sense, _ = entry
+        a, b, g_a, g_b, level, miss, went_left = state
         secant = a + (b - a) * g_a / where(g_a == g_b, np.inf, g_a - g_b)
-        inside = (a < secant) & (secant < b) & (n % 4 != 3)
+        inside = (a < secant) & (secant < b) & (n % _SECANTS != _SECANTS - 1)
         x = where(inside, secant, 0.5 * (a + b))
-        g = sense * lanes.over(lane, x)[0]
+        g = sense * lanes.above(lane, x[:, None])[:, 0]
         nearer = absolute(g) < absolute(miss)
         left = g > 0
         return (
             where(left, x, a), where(left, b, x),
-            where(left, g, 0.5 * g_a), where(left, 0.5 * g_b, g),
-            where(nearer, x, level), where(nearer, g, miss),
+            where(left, g, where(went_left < 0, 0.5 * g_a, g_a)),
+            where(left, where(went_left > 0, 0.5 * g_b, g_b), g),
+            where(nearer, x, level), where(nearer, g, miss), where(left, 1.0, -1.0),
         )  # fmt: skip
 
-    ends, _ = lanes.sums(lane, library(low).stack([low, high], axis=1))
-    state = (
-        low,
-        high,
-        sense * ends[:, 0],
-        sense * ends[:, 1],
-        0.5 * (low + high),
-        np.inf + 0.0 * low,
-    )
-    tight = 1e-2 * close
-    state = repeated(step, state, lambda state: absolute(state[5]) <= tight, _STEPS)
+    def ended(entry: tuple, state: tuple) -> Any:
+        return (absolute(state[5]) <= entry[2]) | (state[1] - state[0] <= _ROUNDED)
+
+    sense, nowhere = where(falls, 1.0, -1.0), 0.0 * low
+    begun = (low, high, sense * value_low, sense * value_high)
+    state = (*begun, 0.5 * (low + high), np.inf + nowhere, nowhere)
+    state = repeated(step, (lane, sense, 1e-2 * close), state, ended, _STEPS)
     return state[4], sense * state[5]
 
 
@@ -189,12 +202,13 @@ def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]
     # what a stretch can't come nearer than, and those beside it, at whose kinks it may turn
     within = maximum(maximum(stretches.least, -stretches.most), 0.0) + far
     worth = within < at_work.repeat(where(count > 0, -1.0, best), states)[:, None]
-    looked = cut(lanes.terms, stretches, worth | _before(worth))
-    turns = worked(lambda *x: _turned(lanes, *x), at_work.sum(looked.real), *looked[:3])
+    looked = cut(lanes, stretches, worth | _before(worth, stretches.real))
+    total = at_work.sum(looked.real)
+    turns = worked(lambda *x: _turned(lanes, *x), total, *looked[:3])
     owner = looked.lane // states
-    rank, _ = ranked(owner, at_work.sum(looked.real), demands)
+    rank, _ = ranked(owner, total, demands)
     width = max(1, stretches.low.size // max(demands, 1))
-    shape, where_to, total = (demands, width), (owner, rank), at_work.sum(looked.real)
+    shape, where_to = (demands, width), (owner, rank)
     level, miss = (
         put(fill, shape, where_to, x, total) for fill, x in zip((0.0, np.inf), turns, strict=True)
     )
@@ -212,10 +226,11 @@ def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]
     )
 
 
-def _before(marks: Any) -> Any:
-    """The stretches before those that are marked."""
+def _before(marks: Any, real: Any) -> Any:
+    """The stretches before those that are marked, of the `real` ones."""
     at_work = library(marks)
-    return at_work.concatenate([marks[:, 1:], marks[:, :1] & False], axis=1)
+    beyond = at_work.concatenate([marks, marks[:, :1] & False], axis=1)
+    return at_work.take_along_axis(beyond, following(real), axis=1) & real
 
 
 def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, Numbers]:
@@ -234,13 +249,14 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, N
     (g_a, g_b), (s_a, s_b) = ((sense * x[:, 0], sense * x[:, 1]) for x in (value, slope))
     state = (low, high, g_a, s_a, g_b, s_b, level, sense * miss)
 
-    def step(n: Any, state: tuple) -> tuple:
+    def step(n: Any, entry: tuple, state: tuple) -> tuple:
+        lane, sense = entry
         a, b, g_a, s_a, g_b, s_b, level, miss = state
         bend = where(s_b == s_a, np.inf, s_b - s_a)
         secant, tangents = a - s_a * (b - a) / bend, (g_a - g_b + s_b * b - s_a * a) / bend
         guess = where(n % 3 == 0, secant, where(n % 3 == 1, tangents, 0.5 * (a + b)))
         x = where((a < guess) & (guess < b), guess, 0.5 * (a + b))
-        g, s = (sense * y for y in lanes.over(lane, x))
+        g, s = (sense * y[:, 0] for y in lanes.sums(lane, x[:, None]))
         falls = s < 0
         nearer = (g < miss) & (g >= 0)
         return (
@@ -250,5 +266,9 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, N
             where(nearer, x, level), where(nearer, g, miss),
         )  # fmt: skip
 
-    state = repeated(step, state, lambda state: state[1] - state[0] <= _NARROW, _TURNS)
+    def ended(_: tuple, state: tuple) -> Any:
+        a, b, s_a, s_b = state[0], state[1], state[3], state[5]
+        return (b - a <= _NARROW) | (s_a >= 0) | (s_b <= 0)  # where it doesn't turn, a node is best
+
+    state = repeated(step, (lane, sense), state, ended, _TURNS)
     return state[6], sense * state[7]

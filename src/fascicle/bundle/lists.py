@@ -84,27 +84,36 @@ def put(fill: Any, shape: tuple[int, int], where: tuple[Any, Any], values: Any, 
 
 
 def repeated(
-    step: Callable[[Any, tuple], tuple], state: tuple, ended: Callable[[tuple], Any], most: int
+    step: Callable[[Any, tuple, tuple], tuple],
+    entries: tuple,
+    state: tuple,
+    ended: Callable[[tuple, tuple], Any],
+    most: int,
 ) -> tuple:
-    """`state` after a `step` of every entry's own, again and again until all have `ended`, at
-    `most` so often; entries that have ended stay as they are.
+    """`state` after a `step` of all `entries`, again and again until each has `ended`, at `most` so
+    often; entries that have ended stay as they are, and cost nothing where not compiled.
     """
     if library(*state) is np:
+        state = tuple(np.array(one) for one in state)
+        open_ones = np.arange(len(state[0]))
         for n in range(most):
-            done = ended(state)
-            if np.all(done):
+            entry, here = (tuple(x[open_ones] for x in xs) for xs in (entries, state))
+            going = ~ended(entry, here)
+            open_ones = open_ones[going]
+            if not len(open_ones):
                 break
-            moved = step(n, state)
-            state = tuple(np.where(done, x, y) for x, y in zip(state, moved, strict=True))
+            entry, here = (tuple(x[going] for x in xs) for xs in (entry, here))
+            for whole, new in zip(state, step(n, entry, here), strict=True):
+                whole[open_ones] = new
         return state
 
     def one(carry: tuple) -> tuple:
         n, state = carry
-        done, moved = ended(state), step(n, state)
+        done, moved = ended(entries, state), step(n, entries, state)
         return n + 1, tuple(jnp.where(done, x, y) for x, y in zip(state, moved, strict=True))
 
     def unfinished(carry: tuple) -> Any:
         n, state = carry
-        return (n < most) & ~jnp.all(ended(state))
+        return (n < most) & ~jnp.all(ended(entries, state))
 
     return lax.while_loop(unfinished, one, (0, state))[1]

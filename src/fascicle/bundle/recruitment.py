@@ -24,7 +24,7 @@ from jaxtyping import Float, Int
 
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
-from .._evaluate import evaluate
+from .._evaluate import COMPILE_ABOVE, evaluate
 from .._limits import plausible
 from .._types import Numbers, Values
 from ..muscle.entry import HIGHEST_PRESSURE
@@ -36,7 +36,7 @@ from .inverse import Recruited, Solutions, recruited
 
 PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
-_PART = 4096  # demands at once
+_PART, _LARGE_PART = 2**12, 2**14  # demands at once, where a law is compiled for them the second
 LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
 Forces = Float[np.ndarray, "state strain"]
 
@@ -242,7 +242,11 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     flat = [at_work.broadcast_to(x, shape).reshape(-1) for x in (force, strain)]
     flat += [at_work.broadcast_to(now, (*shape, units)).reshape(-1, units) for now in present]
     curves = _bank(bundle, supply, scheme, resistance)
-    step = _PART if at_work is np and bundle.is_numpy else max(1, flat[0].size)
+    step = max(1, flat[0].size)
+    if at_work is np and bundle.is_numpy:
+        many = step * LOOKS * units > COMPILE_ABOVE
+        step = _LARGE_PART if many else _PART
+        curves = curves.for_many() if many else curves
     parts = [
         recruited(curves, *(x[start : start + step] for x in flat), scheme=scheme)
         for start in range(0, max(1, flat[0].size), step)

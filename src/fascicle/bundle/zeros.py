@@ -38,6 +38,20 @@ class Zeros(NamedTuple):
     count: Int[AnyArray, " lane"]
 
 
+class _Units(NamedTuple):
+    """The bundle's force over strain, unit by unit."""
+
+    here: Pressurized
+
+    def terms(self, lane: Any, strain: Any) -> tuple[Any, Any]:
+        """Forces of the units [N] and their slopes [N] at each `strain` [-]."""
+        return self.here.of(lane).unit_forces(strain)
+
+    def values(self, lane: Any, strain: Any) -> Any:
+        """Their forces alone [N]."""
+        return self.terms(lane, strain)[0]
+
+
 def zeros(at: At, pressures: Lanes) -> Zeros:
     """All zeros of a bundle's force between its plates.
 
@@ -48,17 +62,15 @@ def zeros(at: At, pressures: Lanes) -> Zeros:
 
     **Returns:** strains [-], whether stable, and how many [-].
     """
-    lanes, units = pressures.shape
-    most = 2 * units + 1  # a unit adds one dip, before it collapses, so two at most
+    lanes, count = pressures.shape
+    most = 2 * count + 1  # a unit adds one dip, before it collapses, so two at most
     live = at(pressures[:, None, :])
     here = still(live)
     low, largest, ends = _ends(here)
 
-    def terms(lane: Any, strain: Any) -> tuple[Any, Any]:
-        return here.of(lane).unit_forces(strain)
-
-    stretches = sides(terms, ends, _INSET)
-    looked = cut(terms, stretches, stretches.may_cross)
+    units = _Units(here)
+    stretches = sides(units, ends, _INSET)
+    looked = cut(units, stretches, stretches.may_cross)
     # at the first free strain all pull, by definition; rounding may say otherwise there
     first = looked.nodes <= low[looked.lane][:, None]
     found = changes(looked._replace(value=where(first, 1.0, looked.value)), lanes * most)

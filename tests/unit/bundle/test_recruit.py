@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.bundle import curves, recruitment
 from fascicle.bundle.recruitment import pressures_of, recruit
 
 
@@ -101,6 +102,26 @@ def test_none_is_missed(scheme):
 def test_none_is_missed_by_twenty_random_bundles(seed, scheme):
     # 100 at a time: the fine grid takes the memory
     assert sum(check(seed, scheme, 100, part) for part in range(5)) > 200
+
+
+@pytest.mark.parametrize("scheme", ["orderly", "batch"])
+def test_many_are_answered_as_few_are(monkeypatch, scheme):
+    one = random_bundle(3, scheme)
+    force, strain = demands(4, one, 60)
+    few = recruit(one, force, strain)
+    compiled = []
+    law = curves.compiled
+    monkeypatch.setattr(curves, "compiled", lambda *x: compiled.append(x) or law(*x))
+    monkeypatch.setattr(curves, "_FEW", 10)
+    monkeypatch.setattr(recruitment, "COMPILE_ABOVE", 100)
+    monkeypatch.setattr(recruitment, "_LARGE_PART", 40)
+    many = recruit(one, force, strain)
+    assert compiled
+    for x, y in zip(jax.tree.leaves(few), jax.tree.leaves(many), strict=True):
+        # where the nearest force is a turn's, its level is known to the root of rounding
+        assert_allclose(x, y, rtol=1e-12, atol=1e-6 * SUPPLY)
+    assert_allclose(few.force, many.force, rtol=0, atol=1e-9)
+    assert_allclose(few.solutions.pressure, many.solutions.pressure, rtol=0, atol=1e-9 * SUPPLY)
 
 
 def test_states_and_shapes():
