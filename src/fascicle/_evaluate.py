@@ -23,12 +23,16 @@ from ._methods import Module
 # compile, which half a million points are worth, and fewer where they come again and again
 COMPILE_ABOVE = 200_000
 
-Law = Callable[..., Any]
-Cut = Callable[..., Any]
+Function = Callable[..., Any]
 
 
 def evaluate(
-    law: Law, part: Module, *arrays: Any, points: int, cut: Cut | None = None, static: tuple = ()
+    law: Function,
+    part: Module,
+    *arrays: Any,
+    points: int,
+    cut: Function | None = None,
+    static: tuple = (),
 ) -> Any:
     """`law(part, *arrays, *static)`, at once or compiled.
 
@@ -38,7 +42,7 @@ def evaluate(
     - `part`: the muscle or bundle that it is evaluated for [-].
     - `arrays`: numbers or arrays that broadcast [SI].
     - `points`: at how many points of a muscle's law, about [-].
-    - `cut`: how the arrays are cut where they are many, as `tiles` has it [-]; left out, not.
+    - `cut`: how many are cut: `fields` or `rows` of `_tiles` [-]; left out, not at all.
     - `static`: what decides the result's shape [-].
 
     **Returns:** what the law gives [SI]: NumPy's where all came from NumPy, else JAX's.
@@ -58,7 +62,7 @@ def evaluate(
 
 
 @cache
-def compiled(law: Law, static: tuple = ()) -> Callable:
+def compiled(law: Function, static: tuple = ()) -> Callable:
     """`law` [-] compiled, with its `static` arguments [-] bound."""
     return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
 

@@ -88,7 +88,6 @@ def reversal(
     grid = np.linspace(0.0, supply, _GRID)
     strains = curve(grid)
     at, initial = int(np.argmin(strains)), float(strains[0])
-    # one shape throughout, so that the curve is compiled once
     for _ in range(_ZOOMS):
         grid = np.linspace(grid[max(at - 1, 0)], grid[min(at + 1, _GRID - 1)], _GRID)
         strains = curve(grid)

@@ -1,7 +1,7 @@
 """One muscle: sizes at rest, a material, a choice of laws, and what follows from them.
 
 The physics is in the parts and in the piecewise law that joins them; here values enter,
-are checked once, and the law is compiled.
+are checked once, and the law is evaluated, at once or compiled.
 
 **Sign:** pulling force and contraction positive, gauge pressure. **Valid for**
 0 ≤ P ≤ 1 MPa and strains from straight fibers, 1 − 1/cos α₀, to 0.6.
