@@ -181,12 +181,16 @@ braid_angle = "33 deg"
 supply_pressure = "413.7 kPa"
 """
     (tmp_path / "many.toml").write_text(muscle + 990 * "[[bundle.motor_unit]]\n")
+    (tmp_path / "hundred.toml").write_text(muscle + 100 * "[[bundle.motor_unit]]\n")
     for words in (["bundle", "many.toml", "-s", "0"], ["free-strain", "many.toml"],
                   ["recruit", "many.toml", "--force", "9N", "--strain", "0.1"],
                   ["space", "many.toml", "--levels", "0kPa"]):  # fmt: skip
         code, out, err = fascicle(*words)
         assert (code, out) == (2, "") and err.count("\n") == 1
         assert "990 motor units" in err and "GB of memory, and 1 GB are free here" in err
+    # all states are computed at once, so that a tenth of the units may be too many
+    code, out, err = fascicle("free-strain", "hundred.toml")
+    assert (code, out) == (2, "") and "100 motor units in 100 states" in err
 
 
 @pytest.mark.parametrize("error", [

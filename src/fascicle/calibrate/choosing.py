@@ -55,6 +55,34 @@ class Trial:
         return self.candidate.constants > 0 and bool(np.isfinite(self.candidate.left_out_rmse))
 
 
+def trial(
+    label: str,
+    names: tuple[str, ...],
+    method: str,
+    constants: int,
+    errors: np.ndarray,
+    unseen: np.ndarray,
+    loss: str,
+    top: float,
+    readings: str = "pulling",
+) -> Trial:
+    """What was tried, with the size of its errors.
+
+    **Arguments:**
+
+    - `label`, `names`, `method`, `constants`, `readings`: as `Candidate` [-].
+    - `errors`: where it was fitted, reading by reading [N]; NaN for clipped ones.
+    - `unseen`: where it was left out, in the same way [N].
+    - `loss`: of the fits [-].
+    - `top`: the largest force measured [N].
+
+    **Returns:** it [-].
+    """
+    rmse, left = judged(errors, loss), judged(unseen, loss)
+    of = Candidate(label, names, method, constants, rmse, left, rmse / top, left / top, readings)
+    return Trial(of, unseen)
+
+
 def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """Of those that are no worse than the best, the one with fewest constants.
 

@@ -28,9 +28,9 @@ from .choosing import (
     Trial,
     chosen,
     differences,
-    judged,
     marked,
     reasons,
+    trial,
 )
 from .fitting import fitted
 from .grid import WEIGHTS, Grid
@@ -202,7 +202,5 @@ def _trial(
 ) -> Trial:
     label = ", ".join(names) or (AS_GIVEN if method == "constants" else TUNING)
     strain, top = np.asarray(of.data.strain), largest_force(of.record)
-    errors = of.errors(unseen, strain)
-    rmse, left = judged(of.errors(force, strain), loss), judged(errors, loss)
-    found = Candidate(label, names, method, constants, rmse, left, rmse / top, left / top)
-    return Trial(found, errors)
+    errors, left = of.errors(force, strain), of.errors(unseen, strain)
+    return trial(label, names, method, constants, errors, left, loss, top)

@@ -64,7 +64,7 @@ def fit(
     - `seed`: of the random ones among them [-].
     - `whole`: whether the law past the free strain has a say in what readings say that are
       clipped at zero [-]. If not, and nothing pushed, the tension law alone is fitted, which
-      compiles ten times as fast.
+      is several times as fast.
 
     **Returns:** the calibration [-].
 

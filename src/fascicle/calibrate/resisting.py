@@ -10,7 +10,7 @@ import numpy as np
 from ..muscle import Muscle
 from .beginning import Prior, Search
 from .calibration import Calibration, largest_force
-from .choosing import AS_GIVEN, TUNING, Candidate, Trial, judged
+from .choosing import AS_GIVEN, TUNING, Trial, trial
 from .fitting import fitted
 from .grid import trimmed
 from .leaving_out import left_out_force
@@ -58,12 +58,10 @@ def resisting(
 
 
 def _trial(label: str, names: tuple[str, ...], made: Calibration) -> Trial:
-    of, loss = made.taken, made.problem.loss
-    strain, top = np.asarray(trimmed(of.data).strain), largest_force(made.record)
-    unseen = of.errors(left_out_force(made), strain)
-    rmse, left = judged(made.errors, loss), judged(unseen, loss)
+    of = made.taken
+    unseen = of.errors(left_out_force(made), np.asarray(trimmed(of.data).strain))
     constants = len(names) + (0 if made.readings is None else made.readings.order + 3)
-    found = Candidate(
-        label, names, made.method, constants, rmse, left, rmse / top, left / top, "all"
-    )
-    return Trial(found, unseen)
+    return trial(
+        label, names, made.method, constants, made.errors, unseen,
+        made.problem.loss, largest_force(made.record), "all",
+    )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import AsJson, Replace, complete_target
-from .outputs import say
+from .outputs import folder_for, say
 from .problems import UserError, refusing
 
 
@@ -162,7 +162,6 @@ def run(
     as_json: AsJson = False,
 ) -> None:
     """Fit a muscle to what a dynamometer measured, and say how sure it is."""
-    from .calibrated import folder_for
     from .calibrating import Begin, Reading, Search, calibrated
 
     begin = Begin(
@@ -180,7 +179,7 @@ def run(
         pairs(prior, "--prior"), loss, weights, starts, seed, posterior, compare,
         profile and not (as_json and out is None),
     )  # fmt: skip
-    folder = folder_for(out, data, as_json, overwrite)
+    folder = folder_for("calibrate", out, data[0], as_json, overwrite)
     found = calibrated(begin, reading, search, drawn=folder is not None)
     written: list[str] = []
     if folder is not None:

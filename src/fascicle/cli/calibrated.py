@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..units import pretty
 from .outputs import say
-from .problems import refusing
 
 
 if TYPE_CHECKING:
@@ -187,28 +186,6 @@ def _loop(loop: Any) -> dict[str, Any] | None:
         return None
     return {"pressure": loop.pressure.tolist(), "width": loop.width.tolist(),
             "share": loop.share.tolist(), "half": loop.half}  # fmt: skip
-
-
-def folder_for(out: str | None, paths: list[str], as_json: bool, overwrite: bool) -> Path | None:
-    """Where the files go.
-
-    **Arguments:**
-
-    - `out`: the folder that was asked for [-], or `None`.
-    - `paths`: the data's files [-].
-    - `as_json`: whether JSON is printed [-].
-    - `overwrite`: whether others' files may be replaced [-].
-
-    **Returns:** the folder [-], checked; `None` where nothing is written.
-    """
-    from ..describe.ours import check_folder
-
-    if out is None and as_json:
-        return None
-    folder = Path(f"calibrated-{Path(paths[0]).stem}" if out is None else out)
-    with refusing("--out "):
-        check_folder(folder, "calibrate", overwrite)
-    return folder
 
 
 def _posterior(posterior: Any) -> dict[str, Any]:

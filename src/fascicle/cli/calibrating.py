@@ -1,9 +1,7 @@
 """What `fascicle calibrate` does between its options and its results: read, then fit."""
 
-import contextlib
 import re
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +10,7 @@ from .calibrated import Found
 from .inputs import read_muscle, read_one
 from .problems import UserError, refusing
 from .startup import prepare
+from .telling import telling
 
 
 if TYPE_CHECKING:
@@ -79,7 +78,7 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
     _check(search)
     how = {"loss": search.loss, "weights": search.weights, "starts": search.starts,
            "seed": search.seed}  # fmt: skip
-    with refusing(), _telling() as tell:
+    with refusing(), telling("reading") as tell:
         priors = _priors(search.priors, muscle)
         if search.names is None:
             from ..calibrate.finding import find
@@ -237,16 +236,3 @@ def _compared(
         names = list(made.names) if made.method == "constants" else None
         return comparing.compare_tension(record, muscle, names, priors, **how, whole=False)
     return comparing.compare(record, muscle, list(made.names), priors, **how)
-
-
-@contextlib.contextmanager
-def _telling() -> Iterator[Any]:
-    """Say what is being done, on stderr, where somebody watches."""
-    from rich.console import Console
-
-    console = Console(file=sys.stderr)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("reading") as status:
-        yield status.update

@@ -116,7 +116,7 @@ def bundle_equilibria(
     **Returns:** variables by name [-]; `equilibria` is NaN where there are fewer.
     """
     P = np.asarray(states)
-    check_memory(of_equilibria(P.shape[1]), f"{P.shape[1]} motor units in {len(P)} states")
+    check_memory(of_equilibria(P.shape[1], len(P)), f"{P.shape[1]} motor units in {len(P)} states")
     found = bundle.equilibria(P, resistance)
     most = max(int(found.count.max()), 1)
     dims = ("state", "equilibrium")

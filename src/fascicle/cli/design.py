@@ -1,18 +1,17 @@
 """`fascicle design`: which bundle for a task."""
 
-import contextlib
 import datetime as dt
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from .options import AsJson, Replace
-from .outputs import say
+from .outputs import folder_for, say
 from .problems import INCOMPLETE, UserError, refusing
+from .telling import telling
 
 
 Task = Annotated[
@@ -87,10 +86,10 @@ def run(
     reach it; the exit code is 3 then.
     """
     from .designed import as_json as to_json
-    from .designed import folder_for, print_answer, write
+    from .designed import print_answer, write
     from .startup import prepare
 
-    folder = folder_for(out, task, as_json, overwrite)
+    folder = folder_for("design", out, task, as_json, overwrite)
     _check(generations, checkpoint)
     prepare()
     from ..describe.task import load_task
@@ -102,7 +101,7 @@ def run(
     begun = time.perf_counter()
     from ..reports.unreached import answer
 
-    with _telling(len(file.space)) as tell, refusing():
+    with telling(f"judging {len(file.space)} designs") as tell, refusing():
         if generations is None:
             found = search(
                 file.space, file.task, file.senses, file.limits, extra,
@@ -175,16 +174,3 @@ def _evolved(
         checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
         watch=lambda done: tell(f"{done} of {generations} generations"), catalog=file.catalog,
     )  # fmt: skip
-
-
-@contextlib.contextmanager
-def _telling(designs: int) -> Iterator[Callable[[str], None]]:
-    """What is being done, on a terminal's standard error."""
-    from rich.console import Console
-
-    console = Console(file=sys.stderr)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status(f"judging {designs} designs") as status:
-        yield status.update

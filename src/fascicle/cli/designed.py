@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .outputs import say
-from .problems import INCOMPLETE, refusing
+from .problems import INCOMPLETE
 from .tables import show
 
 
@@ -16,28 +16,6 @@ if TYPE_CHECKING:
 
 _SHOWN, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
 _CASES = 20  # load cases that are printed
-
-
-def folder_for(out: str | None, path: str, as_json: bool, overwrite: bool) -> Path | None:
-    """Where the files go.
-
-    **Arguments:**
-
-    - `out`: the folder that was asked for [-], or `None`.
-    - `path`: of the task file [-].
-    - `as_json`: whether JSON is printed [-].
-    - `overwrite`: whether others' files may be replaced [-].
-
-    **Returns:** the folder [-], checked; `None` where nothing is written.
-    """
-    from ..describe.ours import check_folder
-
-    if out is None and as_json:
-        return None
-    folder = Path(f"designed-{Path(path).stem}" if out is None else out)
-    with refusing("--out "):
-        check_folder(folder, "design", overwrite)
-    return folder
 
 
 def print_answer(

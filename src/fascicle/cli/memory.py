@@ -7,10 +7,13 @@ would end the command without a word.
 
 from pathlib import Path
 
+from .._evaluate import COMPILE_ABOVE
+from ..bundle.zeros import LOOKS
 from .problems import UserError
 
 
-_BASE = 0.6e9  # B, Python, JAX and what is compiled
+_BASE = 0.7e9  # B: 0.2 of Python and JAX, 0.5 of compiling, which is done for many points alone
+_TOGETHER = 4096  # searches that are compiled together, be they fewer or more
 _GROUP = Path("/sys/fs/cgroup")
 
 
@@ -45,9 +48,12 @@ def free() -> float | None:
         return there
 
 
-def of_equilibria(units: int) -> float:
-    """For all zeros of one state of so many motor `units` [-], [B]."""
-    return 6e3 * units**2  # eight cells between two kinks, three of each unit; fifteen arrays
+def of_equilibria(units: int, states: int) -> float:
+    """For all zeros of so many `states` of so many motor `units` [-], [B]."""
+    # measured: 0.6 to 3 kB for each pair of units and state at once, 0.75 kB compiled
+    if LOOKS * units**2 * states <= COMPILE_ABOVE:
+        return 3e3 * units**2 * states
+    return 800.0 * units**2 * _TOGETHER
 
 
 def of_recruitment(units: int) -> float:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _PICTURES = (".png", ".svg")
 _LONGEST = 2000  # characters of a line
+_MADE = {"design": "designed", "calibrate": "calibrated"}  # names of folders begin with
 
 
 class Outputs:
@@ -97,6 +98,31 @@ class Outputs:
             for path in (self.out, self.plot):
                 if path is not None:
                     say(f"wrote {path}")
+
+
+def folder_for(
+    command: str, out: str | None, path: str, as_json: bool, overwrite: bool
+) -> Path | None:
+    """Where the files of a command go.
+
+    **Arguments:**
+
+    - `command`: "design" or "calibrate" [-].
+    - `out`: the folder that was asked for [-], or `None`.
+    - `path`: of what the command reads first [-].
+    - `as_json`: whether JSON is printed [-].
+    - `overwrite`: whether others' files may be replaced [-].
+
+    **Returns:** the folder [-], checked; `None` where nothing is written.
+    """
+    from ..describe.ours import check_folder
+
+    if out is None and as_json:
+        return None
+    folder = Path(f"{_MADE[command]}-{Path(path).stem}" if out is None else out)
+    with refusing("--out "):
+        check_folder(folder, command, overwrite)
+    return folder
 
 
 def say(line: str) -> None:

@@ -6,8 +6,6 @@ and laws it has. One product of one length becomes one drawing.
 """
 
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,9 +18,11 @@ from .places import Place
 from .prices import Price
 from .problems import from_validation
 from .reading import parsed, text_of
+from .shipped import abouts, names, text
 from .task_schema import CatalogFileSection, ProductSection
 
 
+_KIND = "catalogs"
 _MOST = 10_000  # drawings
 
 
@@ -39,7 +39,7 @@ class Offer(NamedTuple):
 
 def catalogs() -> dict[str, str]:
     """The catalogs that are shipped: a line about each, by name [-]."""
-    return {name: _text(name).partition("\n")[0].lstrip("# ") for name in _names()}
+    return abouts(_KIND)
 
 
 def sections_of(
@@ -60,14 +60,15 @@ def sections_of(
     if not isinstance(given, str):
         return given, place
     path = folder / given
-    if given in _names():
-        text, source = _text(given), given
+    known = names(_KIND)
+    if given in known:
+        content, source = text(_KIND, given), given
     else:
         if not path.exists():
             with place.naming():
-                one_of(given, _names(), "catalog")
-        text, source = text_of(path), str(path)
-    data = parsed(text, source)
+                one_of(given, known, "catalog")
+        content, source = text_of(path), str(path)
+    data = parsed(content, source)
     try:
         file = CatalogFileSection.model_validate(data)
     except ValidationError as error:
@@ -132,8 +133,8 @@ def offer(
         raise at.refuse((), f"prices in {' and '.join(currencies)}: give all in one currency.")
     if not drawings:
         raise place.refuse((), f"none of its products can be had: {' '.join(notes)}")
-    for (called, what), names in taken.items():
-        notes.append(f"of {', '.join(names)} {what} are taken from {called}.")
+    for (called, what), sold in taken.items():
+        notes.append(f"of {', '.join(sold)} {what} are taken from {called}.")
     return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
 
 
@@ -198,19 +199,3 @@ def _sum(fixed: Price | float | None, each: Price | float | None, length: float)
         0.0 if x is None else x.amount if isinstance(x, Price) else x for x in (fixed, each)
     )
     return one + more * length
-
-
-def _folder() -> Traversable:
-    return files("fascicle.describe") / "catalogs"
-
-
-def _names() -> list[str]:
-    return sorted(
-        file.name.removesuffix(".toml")
-        for file in _folder().iterdir()
-        if file.name.endswith(".toml")
-    )
-
-
-def _text(name: str) -> str:
-    return (_folder() / f"{name}.toml").read_text(encoding="utf-8")

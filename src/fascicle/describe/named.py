@@ -1,14 +1,16 @@
 """The named examples: muscles and bundles of the literature, each a file with its source."""
 
 import difflib
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING
+
+from .shipped import abouts, names, text
 
 
 if TYPE_CHECKING:
     from ..bundle import Bundle
     from ..muscle import Muscle
+
+_KIND = "examples"
 
 
 def examples() -> dict[str, str]:
@@ -16,8 +18,7 @@ def examples() -> dict[str, str]:
 
     **Returns:** a line about each, by name [-].
     """
-    # the first line of each is its description
-    return {name: example_text(name).partition("\n")[0].lstrip("# ") for name in _names()}
+    return abouts(_KIND)
 
 
 def example_text(name: str) -> str:
@@ -29,12 +30,12 @@ def example_text(name: str) -> str:
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
-    known = _names()
+    known = names(_KIND)
     if name not in known:
         near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)}."
         raise ValueError(f"no example is named {str(name)[:60]!r}: {hint}")
-    return (_folder() / f"{name}.toml").read_text(encoding="utf-8")
+    return text(_KIND, name)
 
 
 def example(name: str) -> "Muscle | Bundle":
@@ -49,15 +50,3 @@ def example(name: str) -> "Muscle | Bundle":
     from .reading import loads
 
     return loads(example_text(name), source=name)
-
-
-def _folder() -> Traversable:
-    return files("fascicle.describe") / "examples"
-
-
-def _names() -> list[str]:
-    return sorted(
-        file.name.removesuffix(".toml")
-        for file in _folder().iterdir()
-        if file.name.endswith(".toml")
-    )

@@ -83,9 +83,7 @@ def force_at(
     bundle: Bundle, pressures: tuple[float, ...], strain: float, resistance: bool
 ) -> float:
     """Force [N] of a `bundle` at `pressures` [Pa] and `strain` [-]."""
-    # a curve's shape again, so that nothing compiles for one point
-    eps = np.full(POINTS, strain)
-    return float(np.asarray(bundle.unit_forces(np.array(pressures), eps, resistance))[0].sum())
+    return float(bundle.force(np.array(pressures), strain, resistance))
 
 
 def ways(

@@ -81,12 +81,9 @@ def beside(muscle: Muscle, record: Record) -> Beside:
     if len(held) > MOST_LEVELS:  # evenly among them
         held = [held[i] for i in np.linspace(0, len(held) - 1, MOST_LEVELS).astype(int)]
     pressures = np.array([record.pressure[level == number].mean() for number in held])
-    # one shape whatever was measured, so that it is compiled once
-    padded = np.zeros(MOST_LEVELS)
-    padded[: pressures.size] = np.clip(pressures, 0.0, 1e6)
     low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
-    force = np.asarray(muscle.force(padded[:, None], strain))[: pressures.size]
+    force = np.asarray(muscle.force(np.clip(pressures, 0.0, 1e6)[:, None], strain))
     return Beside(pressures, strain, force, level)
 
 

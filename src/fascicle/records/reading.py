@@ -254,7 +254,13 @@ def _strain(
     else:
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:
-            raise fault(int(wrong[0]), column, f"{raw[wrong[0]]:g} is no length of a muscle.")
+            told = f"{raw[wrong[0]]:g} is no length of a muscle"
+            if raw[wrong[0]] == 0:
+                told += (
+                    ": if it counts from rest, say so with columns"
+                    f' {{"displacement": "{column.header}"}}'
+                )
+            raise fault(int(wrong[0]), column, f"{told}.")
         strain = (rest - values) / rest
     check_strain(column, raw, strain, fault)
     notes = ()

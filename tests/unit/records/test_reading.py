@@ -184,6 +184,25 @@ def test_displacements_and_what_grows_as_the_muscle_lengthens():
     assert any("stretched beyond rest" in note for note in out.notes)
 
 
+def test_a_german_bench_with_title_lines_and_decimal_commas(tmp_path):
+    text = (
+        "Prüfstand 7, Labor Süd\nDatum: 03.02.2025\nDruck in bar;Verkürzung in mm;Kraft in N\n"
+        "1;0;210,5\n1;12,5;120,25\n"
+    )
+    path = tmp_path / "messung.csv"
+    path.write_bytes(text.encode("latin-1"))
+    record = load(path, rest_length=0.25)
+    assert_array_equal(record.pressure, [1e5, 1e5])
+    assert_array_equal(record.strain, [0.0, 0.05])
+    assert_array_equal(record.force, [210.5, 120.25])
+
+
+def test_a_length_that_begins_at_zero_may_be_a_displacement():
+    with pytest.raises(ValueError, match="0 is no length of a muscle: if it counts from rest") as e:
+        loads("pressure [kPa],length [mm],force [N]\n100,0,50\n100,5,20\n", rest_length=0.25)
+    assert 'columns {"displacement": "length [mm]"}' in str(e.value)
+
+
 def test_a_transducers_noise_around_zero_is_no_suction():
     record = loads(GOOD.replace("100,270", "-1.5,270"), rest_length=0.3)
     assert_array_equal(record.pressure, [100e3, 0, 200e3])

@@ -24,7 +24,6 @@ def only(monkeypatch, compute) -> None:
     """Let the reproduction be of one figure."""
     monkeypatch.setattr(reproduction, "FIGURES", (compute,))
     monkeypatch.setattr(reproduction, "ALTERNATIVES", ())
-    monkeypatch.setattr(reproduction, "CHAINS", ((compute,),))
 
 
 def addresses(html: str) -> list[str]:

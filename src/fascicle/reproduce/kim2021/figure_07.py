@@ -1,7 +1,6 @@
 """Fig. 7: the transition rate β."""
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -39,9 +38,8 @@ def compute() -> Record:
 
 
 def _force(muscle: Muscle, rate: float, strain: np.ndarray) -> np.ndarray:
-    changed = eqx.tree_at(lambda m: m.transition_rate, muscle, jnp.asarray(rate, dtype=float))
-    # at all pressures, as Fig. 6 has them: the same compiled law
-    return np.asarray(changed.response(setting.PRESSURES[:, None], strain).force)[ROW]
+    changed = eqx.tree_at(lambda m: m.transition_rate, muscle, np.asarray(rate))
+    return np.asarray(changed.force(setting.PRESSURES[ROW], strain))
 
 
 @styled

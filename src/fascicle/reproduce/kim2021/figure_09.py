@@ -1,6 +1,5 @@
 """Fig. 9: the force-strain space of two motor units, without and with resistance."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +15,6 @@ from . import setting
 LEVELS = np.array([0.0, 68.9, 137.9, 206.8, 275.8, 344.7, 413.7]) * 1e3  # Pa, every 10 psi
 NAMED = 275.8e3  # Pa, whose free strain section 4.1 gives
 NEAR = (0.18, 0.26), (0.0, 110.0)  # strain and force of (c) and (d)
-_LEVELS = 241
 _LAST_TENTH = 0.9  # of the largest free strain, from where on it is near; the paper has no number
 
 
@@ -24,12 +22,8 @@ _LAST_TENTH = 0.9  # of the largest free strain, from where on it is near; the p
 def found(resistance: bool) -> tuple[Space, Overlap]:
     """The space and its overlap, computed once."""
     pair = setting.bundle(setting.muscle("figure_9"), (1, 1), setting.HIGHEST)
-    # as many levels as the regions are taken over, so that both are compiled once
-    levels = np.linspace(0.0, setting.HIGHEST, _LEVELS)
-    shown = [int(np.argmin(np.abs(levels - level))) for level in LEVELS]
-    levels[shown] = LEVELS
-    it = space(pair, levels=levels, resistance=resistance)
-    return replace(it, level=LEVELS, force=it.force[:, shown]), overlap(it)
+    it = space(pair, levels=LEVELS, resistance=resistance)
+    return it, overlap(it)
 
 
 def compute() -> Record:

@@ -40,7 +40,7 @@ def found(units: int, path: str, resistance: bool, rows: int = 80) -> Efficiency
     """
     bundle = family(units)
     one = bundle.motor_units[0].muscle
-    # equal units: one muscle says where the grid ends, and is compiled once for all N
+    # equal units: one muscle says where the grid ends
     largest = units * float(one.blocked_force(setting.HIGHEST))
     columns = int(float(one.free_strain(setting.HIGHEST)) * 375)
     return efficiency_map(
@@ -184,8 +184,8 @@ def _rise_claim(path: str, values: np.ndarray) -> Claim:
 def resistances() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Strains [-], and the forces [N] of one inactive unit of two and of four of five there."""
     thick, thin = (family(n).motor_units[0].muscle for n in (2, 5))
-    # at the pressures and strains of Fig. 6, of which the first is zero: the same compiled law
-    parts = [components_of(muscle, setting.PRESSURES, setting.STRAIN) for muscle in (thick, thin)]
+    inactive = np.zeros(1)
+    parts = [components_of(muscle, inactive, setting.STRAIN) for muscle in (thick, thin)]
     strain = np.linspace(0.0, setting.tested(thick), 301)[1:]
     one, four = (
         n * np.interp(strain, part.strain, part.force[0])

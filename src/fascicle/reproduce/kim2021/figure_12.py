@@ -95,8 +95,7 @@ def _data(parts: list[Components]) -> dict[str, Variable]:
 def untuned(muscle: Muscle) -> Components:
     """Forces of Fig. 6's muscle, without Table 1's factors, as long as another `muscle` [-]."""
     plain = eqx.tree_at(lambda m: m.length, setting.muscle("figure_6"), muscle.length)
-    # at Fig. 6's pressures too: the same compiled law
-    return components_of(plain, setting.PRESSURES, setting.STRAIN).at(setting.FIGURE_12)
+    return components_of(plain, PRESSURES, setting.STRAIN)
 
 
 def claims(

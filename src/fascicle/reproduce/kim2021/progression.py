@@ -53,7 +53,7 @@ def progression() -> Progression:
     free = float(muscle.free_strain(PRESSURE))
     bent = free + _SHARE * (collapse[1] - free)
     eps = np.array([0.0, free, bent, setting.tested(muscle)])
-    # a fifth state compiles with the other four: exactly at collapse, and just past free strain
+    # a fifth state: exactly at collapse, and just past free strain
     five = np.r_[P, PRESSURE]
     moments = setting.array(muscle.moment(five, np.r_[eps, collapse[1]]))
     drawn = outlines(muscle, five, np.r_[eps, free + JUST], np.r_[collapse, collapse[1]])

@@ -26,15 +26,13 @@ UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.
 
 
 def muscle(name: str) -> Muscle:
-    """The named example `kim2021_` + `name`, in one form: its transition rate on the muscle
-    itself, its C1 and C2 written out as tables, so that all are compiled once.
-    """
+    """The named example `kim2021_` + `name`, its transition rate on the muscle itself."""
     found = example(f"kim2021_{name}")
     assert isinstance(found, Muscle)
-    t = found.tuning
-    rate = found.transition_rate if t.transition_rate is None else t.transition_rate
-    c1, c2 = np.asarray(t.c1_at(TABLE)), np.asarray(t.c2_at(TABLE))
-    return eqx.tree_at(lambda m: (m.transition_rate, m.tuning), found, (rate, tuned(t, c1, c2)))
+    rate = found.tuning.transition_rate
+    if rate is None:
+        return found
+    return eqx.tree_at(lambda m: (m.transition_rate, m.tuning.transition_rate), found, (rate, None))
 
 
 def tuned(like: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
