@@ -12,7 +12,7 @@ from ._methods import Module
 
 _POINTS = 2**16  # half a megabyte an array, so that a law's passes stay in the cache
 _ROWS = (1, 2**6, 2**12, _POINTS)  # what depends on pressure alone is solved for once a row
-_LANES = 2**12  # of searches: a tile waits for its slowest
+_LANES = 2**12  # of points that each have several numbers
 _AHEAD = 3  # tiles that are computed while results are copied
 
 Work = tuple[tuple[slice, ...], tuple[np.ndarray, ...]]

@@ -39,7 +39,7 @@ from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
-from .zeros import LOOKS, first_zero, zeros
+from .zeros import first_zero, zeros
 
 
 SCHEMES = ("orderly", "batch")
@@ -182,7 +182,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        return self._evaluated(_free_strain, self._searched(P), P, static=(bool(resistance),))
+        return self._evaluated(_free_strain, 0, P, static=(bool(resistance),))
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
@@ -198,7 +198,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        return self._evaluated(_equilibria, self._searched(P), P, static=(bool(resistance),))
+        return self._evaluated(_equilibria, 0, P, static=(bool(resistance),))
 
     def _strain(self, strain: Values) -> Batch:
         muscles = [unit.muscle for unit in self.motor_units]
@@ -221,15 +221,10 @@ class Bundle(Module):
             unit.muscle.tuning.warn_beyond(P[..., i])
         return P
 
-    def _searched(self, pressures: PerUnit) -> int:
-        """At about how many points of a muscle's law zeros are searched for [-]."""
-        units = len(self.motor_units)
-        return int(np.size(pressures)) * LOOKS * units
-
     def _evaluated(
         self,
         law: Any,
-        points: int,
+        points: int,  # none for a search: compiled, it is no faster
         *arrays: Numbers,
         shape: tuple | None = None,
         static: tuple = (),
@@ -241,7 +236,8 @@ class Bundle(Module):
         def cut(function: Any, part: Module, pressures: PerUnit, *strain: Numbers) -> Any:
             flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
             more = (np.broadcast_to(x, shape).reshape(-1) for x in strain)
-            found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
+            flat = flat.reshape(-1, flat.shape[-1])
+            found = rows(function, part, flat, *more)
             return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
 
         return evaluate(law, self, *arrays, points=points, cut=cut if one else None, static=static)

@@ -20,7 +20,8 @@ from .crossings import changes, cut, sides
 from .lists import put, ranked
 
 
-LOOKS = 10  # strains that are looked at for each unit, about
+_MOST_LANES = 2**12  # searches at once
+_PAIRS = 2**16  # of units in all of them, which take a search's memory and time: 0.2 GB
 _INSET = 1e-7  # of a stretch: its sides are seen from inside
 _APART = 1e-13  # free strains closer than this are one
 
@@ -36,6 +37,11 @@ class Zeros(NamedTuple):
     strain: Float[AnyArray, "lane zero"]
     falls: Bool[AnyArray, "lane zero"]
     count: Int[AnyArray, " lane"]
+
+
+def together(units: int) -> int:
+    """How many searches [-] of bundles of so many `units` are made at once."""
+    return max(1, min(_MOST_LANES, _PAIRS // units**2))
 
 
 class _Units(NamedTuple):
@@ -62,6 +68,15 @@ def zeros(at: At, pressures: Lanes) -> Zeros:
 
     **Returns:** strains [-], whether stable, and how many [-].
     """
+    step = together(pressures.shape[1])
+    if library(pressures) is not np or len(pressures) <= step:
+        return _zeros(at, pressures)
+    starts = range(0, len(pressures), step)
+    parts = [_zeros(at, pressures[start : start + step]) for start in starts]
+    return Zeros(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def _zeros(at: At, pressures: Lanes) -> Zeros:
     lanes, count = pressures.shape
     most = 2 * count + 1  # a unit adds one dip, before it collapses, so two at most
     live = at(pressures[:, None, :])

@@ -7,13 +7,11 @@ would end the command without a word.
 
 from pathlib import Path
 
-from .._evaluate import COMPILE_ABOVE
-from ..bundle.zeros import LOOKS
+from ..bundle.zeros import together
 from .problems import UserError
 
 
 _BASE = 0.7e9  # B: 0.2 of Python and JAX, 0.5 of compiling, which is done for many points alone
-_TOGETHER = 4096  # searches that are compiled together, be they fewer or more
 _GROUP = Path("/sys/fs/cgroup")
 
 
@@ -50,10 +48,8 @@ def free() -> float | None:
 
 def of_equilibria(units: int, states: int) -> float:
     """For all zeros of so many `states` of so many motor `units` [-], [B]."""
-    # measured: 0.6 to 3 kB for each pair of units and state at once, 0.75 kB compiled
-    if LOOKS * units**2 * states <= COMPILE_ABOVE:
-        return 3e3 * units**2 * states
-    return 800.0 * units**2 * _TOGETHER
+    # measured: 0.6 to 3 kB for each pair of units in each state
+    return 3e3 * units**2 * min(states, together(units))
 
 
 def of_recruitment(units: int) -> float:
