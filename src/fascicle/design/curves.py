@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from .._arrays import nodes
 from .._evaluate import COMPILE_ABOVE
 from .._types import Numbers
 from ..muscle.piecewise import Pressurized

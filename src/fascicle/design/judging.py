@@ -32,9 +32,7 @@ _COMPILE_ABOVE = 5_000_000
 Values = dict[str, Float[np.ndarray, " design"]]
 
 
-def evaluate(
-    designs: Designs, task: Task, objectives: Iterable[str], among: int = 0
-) -> Values:
+def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int = 0) -> Values:
     """Objectives of designs for a task.
 
     **Arguments:**
@@ -58,8 +56,7 @@ def evaluate(
     of_kind: dict[int, list[tuple[np.ndarray, int]]] = {}
     for group in groups(designs):
         of_kind.setdefault(int(designs.kind[group[1]]), []).append(group)
-    for kind, (name, drawing) in enumerate(designs.drawings.items()):
-        drawing = numbers(drawing)
+    for kind, drawing in enumerate(map(numbers, designs.drawings.values())):
         found = of_kind.get(kind, [])
         many_muscles = 2 * len(found) * len(task) * share > COMPILE_ABOVE
         for start in range(0, len(found), _MUSCLES):

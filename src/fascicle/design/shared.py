@@ -124,9 +124,7 @@ def shared_objectives(
     return run(_objectives, compiling, names)(known, np.asarray(counts), demand)
 
 
-def _objectives(
-    known: Prepared, counts: Whole, demand: Demand, names: tuple[str, ...]
-) -> Numbers:
+def _objectives(known: Prepared, counts: Whole, demand: Demand, names: tuple[str, ...]) -> Numbers:
     return judged(shared_outcome(known, counts, demand), names)
 
 
@@ -139,9 +137,7 @@ def shared_outcome(known: Prepared, counts: Whole, demand: Demand) -> Outcome:
     throttled = n if demand.scheme == "orderly" else fed
     full, none, largest = (x[:, None] for x in (table.full, table.unfed, table.largest))
     # not stacked: states are looked at in turn, and needn't be written to memory
-    high = [
-        a[k] * full + (N - fed[k]) * none + throttled[k] * largest for k in range(n.shape[0])
-    ]
+    high = [a[k] * full + (N - fed[k]) * none + throttled[k] * largest for k in range(n.shape[0])]
     visit = visited(demand, table.length, high, n > 0)
     # few units: a sum over them is faster than to look the state up
     active = sum(where(visit.state >= k, n[k], 0) for k in range(n.shape[0]))

@@ -1,10 +1,10 @@
 r"""What muscles give for a task, on which everything a design does is based.
 
 Levels $u = p/P_s$ are denser at low pressure, $u_i = (i/n)^{3/2}$, where collapse and free
-strain change fastest. The largest force over them needs the whole law at few of them: past its
-free strain a muscle only pushes, so that where any level pulls it is the largest pull. A tension
-law that is linear in pressure pulls most at the supply's; another is looked at at every level,
-without its buckling. Where no level pulls, the whole law is looked at at every level.
+strain change fastest. Buckling and collapse are asked for at few of them: past its free strain a
+muscle only pushes, so that where any level pulls the largest force is a pull, of the tension law
+alone. One that is linear in pressure pulls most at the supply's; another is looked at at every
+level. Where no level pulls, or not that of the supply, the whole law is looked at at every level.
 """
 
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from .._arrays import maximum, minimum, most, nodes, stack, where
 from .._evaluate import COMPILE_ABOVE, compiled
@@ -23,7 +23,7 @@ from ..muscle.column import ROUNDING
 from ..muscle.corrected import Meller2014
 from ..muscle.force_balance import Kothera2009
 from ..muscle.ideal import Ideal
-from ..muscle.piecewise import Pressurized
+from ..muscle.piecewise import Piecewise, Pressurized
 from ..muscle.tension import KluteHannaford
 from .outcome import Demand
 from .rows import Rows
@@ -90,17 +90,20 @@ def tabulated(
     **Returns:** the table [-], NumPy's.
     """
     table = run(_at_the_ends, compiling, "size" in needs)(rows, demand)
-    largest, inner = np.array(table.largest), level[1:-1] * demand.supply
+    full, largest, pressure = table.full, table.largest, level[1:] * demand.supply
     strain = np.broadcast_to(demand.strain(rows.length), largest.shape)
     tension, tuning = rows.drawing.tension, rows.drawing.tuning
     if not (isinstance(tension, _LINEAR) and tuning.pressures.shape[-1] == 1):
         step = max(1, _AT_ONCE // largest.size)
-        for some in _filled_up(len(inner), min(step, len(inner))):
-            pull = run(_largest_pull, compiling)(rows, inner[some], strain)
-            np.maximum(largest, pull, out=largest)
-    if np.any(largest < 0):
-        largest = _where_none_pulls(rows, inner, strain, largest, compiling)
-    return table._replace(largest=largest)
+        for some in _filled_up(len(pressure), min(step, len(pressure))):
+            pull = run(_largest_pull, compiling)(rows, pressure[some], strain)
+            largest = np.maximum(largest, pull)
+    pushed = (full < 0) | (largest < 0)
+    if np.any(pushed):
+        found = _whole_law(rows, pressure, strain, pushed, compiling)
+        full = np.where(pushed, found[0], full)
+        largest = np.where(pushed, np.maximum(largest, found[1]), largest)
+    return table._replace(full=full, largest=largest)
 
 
 def highest(n: Whole, table: Table, scheme: str) -> list[Numbers]:
@@ -163,60 +166,67 @@ def sizes_at(
 
 
 def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
-    """The table with the largest force of no and full pressure."""
-    muscle, strain = rows.muscle, demand.strain(rows.length)
-    law, none = muscle._law(), 0.0 * rows.length
-    unfed, full = law.at(none), law.at(demand.supply + none)
-    forces = [at.force(strain + none)[0] for at in (unfed, full)]
+    """The table as far as the tension law goes at full pressure: beyond, there is no force."""
+    none, muscle = 0.0 * rows.length, rows.muscle
+    strain, law = demand.strain(rows.length) + none, muscle._law()
+    unfed, supply = law.at(none), demand.supply + none
+    forces = (unfed.force(strain)[0], _pull(law, supply, strain))
     radius = bulge = None
     if sizes:
-        radius, bulge = sizes_at(muscle, unfed, strain.max(axis=0) + none)
+        radius, bulge = sizes_at(muscle, unfed, strain.max(axis=0))
     return Table(
         *forces,
         largest=maximum(*forces),
-        volume=muscle.braid.volume(strain + none) - muscle.braid.volume(none),
-        blocked=law.tension.force(demand.supply, none),
+        volume=muscle.braid.volume(strain) - muscle.braid.volume(none),
+        blocked=law.tension.force(supply, none),
         length=rows.length,
         radius=radius,
         bulge=bulge,
     )
 
 
+def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
+    """Force [N] up to the free strain; beyond there is none, minus infinity."""
+    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
+    return where(pulled, law.tension.force(pressure, strain), -np.inf)
+
+
 def _largest_pull(rows: Rows, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Over pressures [Pa] at each `strain` [-]; none, where no muscle pulls."""
-    tension = rows.muscle._law().tension
-    P = nodes(pressure, rows.length)
-    pulled = strain <= tension.free_strain(P)[:, None] + ROUNDING
-    return most(where(pulled, tension.force(P[:, None], strain), -np.inf))
+    """Over pressures [Pa] at each `strain` [-], [N]."""
+    P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
+    return most(_pull(rows.muscle._law(), P, strain))
 
 
-def _where_none_pulls(
+def _largest_force(rows: Rows, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+    """At the last of the pressures [Pa] and over all of them, at each `strain` [-], [N]."""
+    P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
+    force, _ = rows.muscle._law().at(P).force(strain)
+    return force[-1], most(force)
+
+
+def _whole_law(
     rows: Rows,
     pressure: Float[np.ndarray, " level"],
     strain: Float[np.ndarray, "point *row"],
-    largest: Float[np.ndarray, "point *row"],
+    asked: Bool[np.ndarray, "point *row"],
     compiling: bool,
-) -> Float[np.ndarray, "point *row"]:
-    """The `largest` force [N] with that at each `pressure` [Pa], where no level pulls."""
-    found, eps = (x.reshape(len(largest), -1).copy() for x in (largest, strain))
-    sizes = (np.broadcast_to(x, largest.shape[1:]).reshape(-1) for x in rows[1:])
-    each, pushed = Rows(rows.drawing, *sizes), found < 0
-    points, lanes = (np.flatnonzero(pushed.any(axis=axis)) for axis in (1, 0))
+) -> Float[np.ndarray, "2 point *row"]:
+    """Force [N] at the last pressure [Pa] and the largest over all, where it is `asked` for."""
+    sizes = (np.broadcast_to(x, strain.shape[1:]).reshape(-1) for x in rows[1:])
+    each, flat = Rows(rows.drawing, *sizes), (len(strain), -1)
+    eps, asked = strain.reshape(flat), asked.reshape(flat)
+    found = np.full((2, *eps.shape), -np.inf)
+    points, lanes = (np.flatnonzero(asked.any(axis=axis)) for axis in (1, 0))
     compiling = compiling and points.size * lanes.size * len(pressure) > COMPILE_ABOVE
     if compiling:
-        points = points[_filled_up(points.size, 1 << (points.size - 1).bit_length())[0]]
+        (some,) = _filled_up(points.size, 1 << (points.size - 1).bit_length())
+        points = points[some]
     step = max(1, _AT_ONCE // (points.size * len(pressure)))
     for some in _filled_up(lanes.size, step if compiling else min(step, lanes.size)):
-        field = np.ix_(points, lanes[some])
-        force = run(_largest_force, compiling)(each.take(lanes[some]), pressure, eps[field])
-        found[field] = np.where(pushed[field], np.maximum(found[field], force), found[field])
-    return found.reshape(largest.shape)
-
-
-def _largest_force(rows: Rows, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Over pressures [Pa] at each `strain` [-]."""
-    at = rows.muscle._law().at(nodes(pressure, strain) + 0.0 * rows.length)
-    return most(at.force(strain)[0])
+        down, across = np.ix_(points, lanes[some])
+        law = run(_largest_force, compiling)
+        found[:, down, across] = law(each.take(lanes[some]), pressure, eps[down, across])
+    return found.reshape((2, *strain.shape))
 
 
 def _filled_up(count: int, step: int) -> list[np.ndarray]:

@@ -72,9 +72,10 @@ def unlike_objectives(
         )
     own = Sizes(*map(np.asarray, sizes))
     designs, units = own.counts.shape
-    forces = 2 * units * demand.travel.size
+    forces = units * demand.travel.size
     compiling = max(designs, among) * forces > COMPILE_ABOVE
-    step = max(1, min(_AT_ONCE // forces, designs))
+    # twice as many: most of a table is the tension law's, which takes little
+    step = max(1, min(2 * _AT_ONCE // forces, designs))
     values = np.empty((len(names), designs))
     for start in range(0, designs, step):
         # filled up: what is compiled has as many designs in every call
