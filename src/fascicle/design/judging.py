@@ -28,6 +28,7 @@ _MUSCLES = 256  # that are prepared together
 _LARGEST_UNLIKE = 1024
 # pairs of a design and a point of its task: NumPy takes some 0.2 µs for each
 _COMPILE_ABOVE = 5_000_000
+_LARGE = 20_000  # of one muscle's: to call what is compiled takes as long as NumPy with fewer
 
 Values = dict[str, Float[np.ndarray, " design"]]
 
@@ -64,7 +65,8 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int
             for (rows, _), one in zip(
                 some, _prepared(designs, drawing, some, demand, names, many_muscles), strict=True
             ):
-                values[:, rows] = _of_one_muscle(one, designs.counts[rows], demand, names, many)
+                large = many and len(rows) * len(task) > _LARGE
+                values[:, rows] = _of_one_muscle(one, designs.counts[rows], demand, names, large)
         (rows,) = np.nonzero(~designs.alike & (designs.kind == kind))
         for start in range(0, len(rows), _LARGEST_UNLIKE):
             block = rows[start : start + _LARGEST_UNLIKE]
