@@ -26,7 +26,6 @@ from .task import Task
 
 
 _BLOCK = 2**16
-_DIGITS = 11
 MOST = 20_000_000  # designs of one search: their objectives stay in memory
 
 
@@ -239,15 +238,9 @@ def best_first(
 
     **Returns:** their places [-].
     """
-    points = _told_apart(directed(values, senses))
+    points = directed(values, senses)
     front = places[non_dominated(points[places])]
     return front[np.lexsort((front, *points[front].T[::-1]))]
-
-
-def _told_apart(points: Float[np.ndarray, "design objective"]) -> Float[np.ndarray, "..."]:
-    """The same to eleven digits: nothing is bettered by rounding alone."""
-    share, exponent = np.frexp(points)
-    return np.ldexp(np.round(share, _DIGITS), exponent)
 
 
 # what most tasks are about; depth and resolution tell how well the bundle can be controlled

@@ -3,7 +3,6 @@ import pytest
 
 from fascicle.design import Limit, Space, Task, search
 from fascicle.design.pareto import directed
-from fascicle.design.searching import best_first
 
 
 SENSES = {"mean_efficiency": "max", "valves": "min", "reversal_depth": "min"}
@@ -149,11 +148,3 @@ def test_no_design_left(muscle, task):
 def test_what_can_not_be_searched_for(muscle, task, senses, limits, message):
     with pytest.raises(ValueError, match=message):
         search(Space({"m": muscle}, (2,)), task, senses, limits)
-
-
-def test_nothing_is_bettered_by_rounding():
-    senses = {"margin": "max", "valves": "min"}
-    margin = np.array([195.6, 195.6 * (1 + 2e-16), 195.7, 0.0])
-    values = {"margin": margin, "valves": np.array([3.0, 4.0, 5.0, 3.0])}
-    # one valve more for a rounding more of margin isn't better
-    assert best_first(values, senses, np.arange(4)).tolist() == [2, 0]
