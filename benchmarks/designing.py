@@ -2,8 +2,8 @@
 
 Compositions of one muscle share its forces: 65 536 of the splits of twelve muscles, mean efficiency
 and points not reached; the muscle's table is made anew in every call. Unlike designs have four
-units with muscles of their own, on 33 throttled pressures each. The force law's own rate is that of
-the field of `force_field.py`, and the last rows are ratios to it.
+units with muscles of their own, on 33 throttled pressures each where none of these pulls. The force
+law's own rate is that of the field of `force_field.py`, and the last rows are ratios to it.
 
     python benchmarks/designing.py
 """
@@ -72,7 +72,7 @@ def rows(small: bool = False) -> list[Row]:
         Row(f"{ALIKE}: pairs", times.ratio("law", "alike", pairs["alike"] / law), "×",
             "the force law's own rate"),
         Row(f"{UNLIKE}: pairs", times.ratio("law", "unlike", pairs["unlike"] / law), "×",
-            "the force law's own rate", limit="132 forces a pair: 4 units on 33 levels"),
+            "the force law's own rate", limit="4 forces and 4 pulls a pair"),
     ]  # fmt: skip
 
 

@@ -26,13 +26,14 @@ from jaxtyping import Bool, Float, Int
 from ..bundle.recruitment import add_up
 from ..muscle import Muscle
 from .designs import Designs
-from .outcome import MET
-from .table import SHARED, UNLIKE
+from .outcome import MET, Demand
+from .rows import Rows
+from .table import SHARED, UNLIKE, highest, tabulated
 from .task import LARGEST_STRAIN, Task
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
-_BLOCK = 256  # strains of one call, whatever the task: one shape to compile
+_BLOCK = 4096  # strains looked at together: what all levels give there is some ten megabytes
 
 Points = Float[np.ndarray, " point"]
 
@@ -69,12 +70,12 @@ class Cases:
     @property
     def worst(self) -> int:
         """The load case of which the largest share is missed [-], counted from 0."""
-        return int(np.argmin(self.spare / self._reference))
+        return int(np.argmin(self.spare / self.task.reference))
 
     @property
     def relative(self) -> Points:
         """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
-        return self.spare / self._reference
+        return self.spare / self.task.reference
 
     @cached_property
     def fluid(self) -> Points:
@@ -88,11 +89,6 @@ class Cases:
             return float(np.average(self.fluid, weights=self.task.weight))
         rise = np.diff(self.content, axis=0, append=self.content[:1])
         return float(np.maximum(rise, 0.0).sum())
-
-    @property
-    def _reference(self) -> Points:
-        F = self.task.force
-        return np.where(F > 0, F, F.max())
 
 
 def cases(designs: Designs, place: int, task: Task) -> Cases:
@@ -163,16 +159,14 @@ class Bench:
         **Arguments:**
 
         - `supply`: its pressure [Pa].
-        - `strain`: contractions [-], at most 256 and none above 0.6.
+        - `strain`: contractions [-], none above 0.6.
 
         **Returns:** forces [N].
         """
-        # filled up: as many points in every call
-        padded = np.append(strain, np.full(_BLOCK - len(strain), strain[-1]))
         pressure = np.minimum(self.level * supply, supply)[:, None]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
-            each = [np.asarray(m.force(pressure, padded))[:, : len(strain)] for m in self.muscles]
+            each = [m.force(pressure, strain) for m in self.muscles]
         return np.stack(each, axis=-1)[..., self.which]
 
     def contracts(self, supply: float) -> float:
@@ -195,7 +189,7 @@ class Bench:
         **Arguments:**
 
         - `supply`: its pressure [Pa].
-        - `strain`: contractions [-], at most 256 and none above 0.6.
+        - `strain`: contractions [-], none above 0.6.
         - `scheme`: of recruitment [-].
 
         **Returns:** forces [N].
@@ -214,11 +208,22 @@ class Bench:
 
         **Returns:** forces [N]; none that pulls, where the laws don't reach so far.
         """
+        reached = np.minimum(strain, LARGEST_STRAIN)
+        if scheme == "orderly" or len(self.muscles) == 1:
+            none = np.zeros(strain.shape)
+            demand = Demand(none, reached, none, np.float64(supply), scheme, by_stroke=False)
+            table = tabulated(self._rows, demand, (), self.level).take(self.which)
+            return _bounded(np.max(highest(self.counts, table, scheme), axis=0), strain)
         parts = [
-            self.states(supply, np.minimum(strain[rows], LARGEST_STRAIN), scheme).max(axis=(0, 1))
+            self.states(supply, reached[rows], scheme).max(axis=(0, 1))
             for rows in _blocks(len(strain))
         ]
         return _bounded(np.concatenate(parts), strain)
+
+    @property
+    def _rows(self) -> Rows:
+        sizes = ((m.length, m.outer_radius, m.wall_thickness, m.braid_angle) for m in self.muscles)
+        return Rows(self.muscles[0], *np.array(list(sizes), float).T)
 
     def content(
         self, pressure: Float[np.ndarray, "point unit"], strain: Points, fluid: str
@@ -234,7 +239,7 @@ class Bench:
         **Returns:** of air the normal volume [m³], of liquid the volume [m³].
         """
         asked = np.append(np.minimum(strain, LARGEST_STRAIN), 0.0)
-        volumes = np.stack([np.asarray(m.volume(asked)) for m in self.muscles], axis=-1)
+        volumes = np.stack([m.volume(asked) for m in self.muscles], axis=-1)
         now, rest = volumes[:-1, self.which], volumes[-1, self.which]
         if fluid == "liquid":
             return now - rest

@@ -8,15 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
+from .rows import numbers, sized
 from .splits import label
 from .task import Task
-from .unlike import sized
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +97,9 @@ class Designs:
 
         **Returns:** the muscle [-].
         """
-        drawing = list(self.drawings.values())[self.kind[place]]
+        drawing = numbers(list(self.drawings.values())[self.kind[place]])
         own = (x[place, unit] for x in (self.radius, self.wall, self.angle))
-        return sized(drawing, *(jnp.asarray(x) for x in (self.length[place], *own)))
+        return sized(drawing, self.length[place], *own)
 
     def bundle(self, place: int, task: Task | None = None) -> Bundle:
         """A design as a bundle.

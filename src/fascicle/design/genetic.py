@@ -8,8 +8,8 @@ else they are the nearest listed, so that the front can be compared with an exha
 A design that doesn't reach the task is worse than any that does, the more so the larger a share
 of its worst point it misses, so that a search leads there; the nearest is kept where none does.
 
-Every generation is judged by one compiled function of one shape. Seeded: the same seed gives
-the same front. Stopped after any generation, it goes on from its checkpoint to the same end.
+Seeded: the same seed gives the same front. Stopped after any generation, it goes on from its
+checkpoint to the same end.
 """
 
 from collections.abc import Callable, Mapping
@@ -36,6 +36,7 @@ from .unlike import unlike_objectives
 
 
 Genomes = Float[np.ndarray, "design gene"]
+_GENERATIONS = 100  # of most searches: whether it pays to compile mustn't hang on when one stops
 _AXES = ("length", "radius", "wall_ratio", "braid_angle")
 
 
@@ -191,14 +192,19 @@ def _begun(
 
 
 def _judged(
-    coding: Coding, genomes: Genomes, demand: Demand, names: tuple[str, ...], population: int
+    coding: Coding,
+    genomes: Genomes,
+    demand: Demand,
+    names: tuple[str, ...],
+    population: int,
 ) -> Values:
     """Objectives of a generation in one call; a short one is filled up."""
     designs = coding.designs(genomes)
     rows = np.minimum(np.arange(max(population, len(genomes))), len(genomes) - 1)
     values = unlike_objectives(
-        coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names)
-    )
+        coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names),
+        among=_GENERATIONS * population,
+    )  # fmt: skip
     return dict(zip(names, np.asarray(values)[:, : len(genomes)], strict=True))
 
 

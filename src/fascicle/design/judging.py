@@ -1,7 +1,8 @@
 """Objectives of any designs: those of one muscle share its forces, the others go one by one.
 
-Batches are filled up to a few fixed shapes, so that little is compiled. A design's numbers
-depend on the shape of its batch in the last bits at most; the same call gives the same bits.
+Few designs are judged by NumPy, at once; where there are many it is compiled, in batches that are
+filled up to a few fixed shapes. A design's numbers depend on what it is judged among in the last
+bits at most; the same call gives the same bits.
 """
 
 from collections.abc import Iterable
@@ -10,22 +11,29 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from .._evaluate import COMPILE_ABOVE
+from ..muscle import Muscle
 from .designs import Designs
 from .objectives import known, needs
 from .outcome import Demand
-from .shared import prepared, shared_objectives
+from .rows import Rows, numbers
+from .shared import Prepared, all_prepared, shared_objectives
 from .task import Task
 from .unlike import Sizes, unlike_objectives
 
 
 _LARGEST, _LEAST = 4096, 16  # designs in a batch of one muscle's
-_STEP = 4  # muscles by which tables grow
-_LARGEST_UNLIKE, _LEAST_UNLIKE = 1024, 8
+_STEP = 4  # muscles by which tables grow, so that few sizes of them are compiled for
+_MUSCLES = 256  # that are prepared together
+_LARGEST_UNLIKE = 1024
+# pairs of a design and a point of its task: NumPy takes some 0.2 µs for each
+_COMPILE_ABOVE = 5_000_000
+_LARGE = 20_000  # of one muscle's: to call what is compiled takes as long as NumPy with fewer
 
 Values = dict[str, Float[np.ndarray, " design"]]
 
 
-def evaluate(designs: Designs, task: Task, objectives: Iterable[str]) -> Values:
+def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int = 0) -> Values:
     """Objectives of designs for a task.
 
     **Arguments:**
@@ -33,6 +41,8 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str]) -> Values:
     - `designs`: any number [-].
     - `task`: what is demanded [-].
     - `objectives`: by name, of `OBJECTIVES` [-].
+    - `among`: how many designs are judged in all [-], where it is more than these: for many it
+      pays to compile.
 
     **Returns:** an array for each, in its own unit [SI].
 
@@ -42,51 +52,69 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str]) -> Values:
     _check(designs)
     values = np.full((len(names), len(designs)), np.nan)
     demand = Demand.of(task)
-    # one size of tables for all groups, and few of them for all calls: less to compile
-    most = -(-int(designs.counts.sum(axis=1).max(initial=1)) // _STEP) * _STEP
-    for rows, place in groups(designs):
-        values[:, rows] = of_one_muscle(designs, rows, place, demand, names, most)
-    for kind, drawing in enumerate(designs.drawings.values()):
+    share = max(1.0, among / max(1, len(designs)))
+    many = len(designs) * len(task) * share > _COMPILE_ABOVE
+    of_kind: dict[int, list[tuple[np.ndarray, int]]] = {}
+    for group in groups(designs):
+        of_kind.setdefault(int(designs.kind[group[1]]), []).append(group)
+    for kind, drawing in enumerate(map(numbers, designs.drawings.values())):
+        found = of_kind.get(kind, [])
+        many_muscles = 2 * len(found) * len(task) * share > COMPILE_ABOVE
+        for start in range(0, len(found), _MUSCLES):
+            some = found[start : start + _MUSCLES]
+            for (rows, _), one in zip(
+                some, _prepared(designs, drawing, some, demand, names, many_muscles), strict=True
+            ):
+                large = many and len(rows) * len(task) > _LARGE
+                values[:, rows] = _of_one_muscle(one, designs.counts[rows], demand, names, large)
         (rows,) = np.nonzero(~designs.alike & (designs.kind == kind))
-        for block in _blocks(rows, _LARGEST_UNLIKE):
-            full = _filled(block, _power(len(block), _LEAST_UNLIKE, _LARGEST_UNLIKE))
+        for start in range(0, len(rows), _LARGEST_UNLIKE):
+            block = rows[start : start + _LARGEST_UNLIKE]
+            asked, full = needs(names), block
+            if "curves" in asked or demand.scheme != "orderly":
+                full = _filled(block, _power(len(block), _LEAST, _LARGEST_UNLIKE))
             part = unlike_objectives(
-                drawing, sizes_of(designs, full), demand, names=names, needs=needs(names)
-            )
+                drawing, sizes_of(designs, full), demand, names=names, needs=asked,
+                among=int(len(rows) * share),
+            )  # fmt: skip
             values[:, block] = np.asarray(part)[:, : len(block)]
     return dict(zip(names, values, strict=True))
 
 
-def of_one_muscle(
+def _prepared(
     designs: Designs,
-    rows: np.ndarray,
-    place: int,
+    drawing: Muscle,
+    some: list[tuple[np.ndarray, int]],
     demand: Demand,
     names: tuple[str, ...],
-    most: int,
+    compiling: bool,
+) -> list[Prepared]:
+    """What the designs of each of some groups share."""
+    place = np.array([first for _, first in some])
+    own = (x[place, 0] for x in (designs.radius, designs.wall, designs.angle))
+    totals = designs.counts[place].sum(axis=1)
+    # one size of tables for all groups, and few of them for all calls
+    most = -(-int(designs.counts.sum(axis=1).max()) // _STEP) * _STEP
+    rows = Rows(drawing, designs.length[place], *own)
+    return all_prepared(rows, totals.tolist(), demand, most, needs(names), compiling=compiling)
+
+
+def _of_one_muscle(
+    shared: Prepared,
+    counts: np.ndarray,
+    demand: Demand,
+    names: tuple[str, ...],
+    compiling: bool,
 ) -> Float[np.ndarray, "objective design"]:
-    """Objectives of designs that are compositions of as many of the same muscle.
-
-    **Arguments:**
-
-    - `designs`: among others [-].
-    - `rows`: which of them [-].
-    - `place`: of one of these [-].
-    - `demand`: the task's [-].
-    - `names`: of the objectives [-].
-    - `most`: muscles that tables are made for [-], at least as many as a design has.
-
-    **Returns:** them, a row for each name, in its unit [SI].
-    """
-    counts = designs.counts
-    total = int(counts[place].sum())
-    shared = prepared(designs.muscle(place), total, demand, most=most, needs=needs(names))
-    values = np.empty((len(names), len(rows)))
-    for start in range(0, len(rows), _LARGEST):
-        block = rows[start : start + _LARGEST]
-        full = _filled(block, _power(len(block), _LEAST, _LARGEST))
-        part = shared_objectives(shared, jnp.asarray(counts[full]), demand, names=names)
-        values[:, start : start + len(block)] = np.asarray(part)[:, : len(block)]
+    """Objectives of compositions, a row for each name [SI]."""
+    values = np.empty((len(names), len(counts)))
+    for start in range(0, len(counts), _LARGEST):
+        places = np.arange(start, min(start + _LARGEST, len(counts)))
+        full = places
+        if compiling:
+            full = _filled(places, _power(len(places), _LEAST, _LARGEST))
+        part = shared_objectives(shared, counts[full], demand, names=names, compiling=compiling)
+        values[:, places] = part[:, : len(places)]
     return values
 
 
@@ -128,10 +156,6 @@ def _check(designs: Designs) -> None:
         raise ValueError("`wall_thickness` must be less than `outer_radius` in every design.")
     if np.any(designs.counts.sum(axis=1) < 1):
         raise ValueError("`counts` must hold at least one muscle in every design.")
-
-
-def _blocks(rows: np.ndarray, most: int) -> list[np.ndarray]:
-    return [rows[start : start + most] for start in range(0, len(rows), most)]
 
 
 def _power(count: int, least: int, most: int) -> int:

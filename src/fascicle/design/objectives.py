@@ -7,14 +7,13 @@ beyond the task's own points. Weights are the task's, over their sum.
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jaxtyping import Array, Float
-
+from .._arrays import stack, where
 from .._checks import one_of
+from .._types import Numbers
 from .outcome import Outcome
 
 
-PerDesign = Float[Array, "*design"]
+PerDesign = Numbers
 
 
 def mean_efficiency(outcome: Outcome) -> PerDesign:
@@ -25,15 +24,15 @@ def mean_efficiency(outcome: Outcome) -> PerDesign:
     """
     works = outcome.work > 0
     # a divisor where there is nothing to divide; at work the fluid's volume has grown
-    E = jnp.where(works, outcome.energy, 1.0)
-    share = jnp.where(works & outcome.reached, outcome.work, 0.0) / E
-    counted = jnp.where(works, outcome.weight, 0.0)
-    return jnp.sum(counted * share, axis=0) / jnp.sum(counted, axis=0)
+    E = where(works, outcome.energy, 1.0)
+    share = where(works & outcome.reached, outcome.work, 0.0) / E
+    counted = where(works, outcome.weight, 0.0)
+    return (counted * share).sum(axis=0) / counted.sum(axis=0)
 
 
 def peak_energy(outcome: Outcome) -> PerDesign:
     """Largest fluid energy that any point of the task takes [J]; `outcome` [-]."""
-    return jnp.max(outcome.energy, axis=0)
+    return outcome.energy.max(axis=0)
 
 
 def mean_energy(outcome: Outcome) -> PerDesign:
@@ -43,21 +42,21 @@ def mean_energy(outcome: Outcome) -> PerDesign:
 
 def not_reached(outcome: Outcome) -> PerDesign:
     """Share of the task that no recruitment state reaches [-]; `outcome` [-]."""
-    return _mean(outcome, jnp.where(outcome.reached, 0.0, 1.0))
+    return _mean(outcome, where(outcome.reached, 0.0, 1.0))
 
 
 def points_not_reached(outcome: Outcome) -> PerDesign:
     """Share of the task's points that no recruitment state reaches, each as good as any other
     [-]; `outcome` [-].
     """
-    return jnp.mean(jnp.where(outcome.reached, 0.0, 1.0), axis=0)
+    return where(outcome.reached, 0.0, 1.0).mean(axis=0)
 
 
 def margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over the task's points [N], negative where one isn't reached; the
     demanded load could be larger by that everywhere. `outcome` [-].
     """
-    return jnp.min(outcome.spare, axis=0)
+    return outcome.spare.min(axis=0)
 
 
 def shortfall(outcome: Outcome) -> PerDesign:
@@ -67,7 +66,7 @@ def shortfall(outcome: Outcome) -> PerDesign:
 
 def worst_shortfall(outcome: Outcome) -> PerDesign:
     """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
-    return jnp.max(outcome.shortfall, axis=0)
+    return outcome.shortfall.max(axis=0)
 
 
 def relative_shortfall(outcome: Outcome) -> PerDesign:
@@ -75,19 +74,19 @@ def relative_shortfall(outcome: Outcome) -> PerDesign:
     nothing is; `outcome` [-].
     """
     F = outcome.force
-    return jnp.max(outcome.shortfall / jnp.where(F > 0, F, jnp.max(F)), axis=0)
+    return (outcome.shortfall / where(F > 0, F, F.max())).max(axis=0)
 
 
 def largest_force(outcome: Outcome) -> PerDesign:
     """Blocked force of all units at supply pressure [N]; `outcome` [-]."""
-    return jnp.sum(outcome.blocked, axis=0)
+    return outcome.blocked.sum(axis=0)
 
 
 def force_resolution(outcome: Outcome) -> PerDesign:
     """Largest step of the blocked force from one fully active state to the next [N], which
     is what full pressure alone can't tell apart; `outcome` [-].
     """
-    return jnp.max(outcome.blocked, axis=0)
+    return outcome.blocked.max(axis=0)
 
 
 def valves(outcome: Outcome) -> PerDesign:
@@ -170,13 +169,13 @@ def needs(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
-def judged(outcome: Outcome, names: Iterable[str]) -> Float[Array, "objective *design"]:
+def judged(outcome: Outcome, names: Iterable[str]) -> Numbers:
     """Objectives of an `outcome` [-], a row for each of their `names` [-], in its unit [SI]."""
-    return jnp.stack([OBJECTIVES[name].function(outcome) for name in names])
+    return stack([OBJECTIVES[name].function(outcome) for name in names])
 
 
-def _mean(outcome: Outcome, values: Float[Array, "point *design"]) -> PerDesign:
-    return jnp.sum(outcome.weight * values, axis=0) / jnp.sum(outcome.weight, axis=0)
+def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
+    return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
 
 
 def _asked(values: PerDesign | None, name: str) -> PerDesign:

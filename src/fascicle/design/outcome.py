@@ -7,6 +7,10 @@ that any state gives. What the largest of all states exceeds the demanded force 
 The fluid energy is (29) with all units that the state feeds; a point
 that isn't met is charged as if every unit were fed.
 
+The least force of a state needn't be known: unfed, a state gives no more than the one before
+does when fed, and the first, where nothing is fed, pulls nowhere. So the lowest state whose
+largest force is enough covers a force that none below it reaches.
+
 **Resolution:** regions are taken over a fixed number of throttled pressures. Their edges are
 exact where the force is linear in pressure, that is, wherever the muscle pulls.
 """
@@ -15,27 +19,26 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+import numpy as np
 
+from .._arrays import library, maximum, minimum, where
+from .._types import Marks, Numbers, Whole
 from .task import LARGEST_STRAIN, Task
 
 
 MET = 1e-9  # N, a shortfall that is none
 
-Points = Float[Array, " point"]
-Edges = Sequence[Array] | Array  # of every state in turn, over points and designs
-
 
 class Demand(eqx.Module):
     """A task as the kernels take it: `force` [N], `travel`, a strain [-] or `by_stroke` a length
-    [m], `weight` [-], `supply` [Pa].
+    [m], `weight` [-], `supply` [Pa]. What it says of bundles of some `length` [m] has points on
+    the first axis, and those of the length after it.
     """
 
-    force: Points
-    travel: Points
-    weight: Points
-    supply: Float[Array, ""]
+    force: Numbers
+    travel: Numbers
+    weight: Numbers
+    supply: Numbers
     scheme: str = eqx.field(static=True)
     by_stroke: bool = eqx.field(static=True)
 
@@ -43,23 +46,23 @@ class Demand(eqx.Module):
     def of(cls, task: Task) -> "Demand":
         """The demand of a `task` [-]."""
         travel = task.strain if task.stroke is None else task.stroke
-        force, moved, weight = (jnp.asarray(x) for x in (task.force, travel, task.weight))
-        supply = jnp.asarray(task.supply_pressure)
-        return cls(force, moved, weight, supply, task.scheme, task.stroke is not None)
+        supply = np.float64(task.supply_pressure)
+        return cls(task.force, travel, task.weight, supply, task.scheme, task.stroke is not None)
 
-    def strain(self, length: Float[Array, ""]) -> Points:
+    def strain(self, length: Numbers) -> Numbers:
         """Contractions [-] of a bundle of `length` [m], no larger than the laws know."""
-        return jnp.minimum(self.travel / length, LARGEST_STRAIN) if self.by_stroke else self.travel
+        travel = _laid(self.travel, np.ndim(length))
+        return minimum(travel / length, LARGEST_STRAIN) if self.by_stroke else travel
 
-    def work(self, length: Float[Array, ""]) -> Points:
+    def work(self, length: Numbers) -> Numbers:
         """Work [J] of each point, for a bundle of `length` [m]."""
-        return self.force * self.travel * (1.0 if self.by_stroke else length)
+        work = _laid(self.force * self.travel, np.ndim(length))
+        return work if self.by_stroke else work * length
 
-    def can_be(self, length: Float[Array, ""]) -> Bool[Array, " point"]:
+    def can_be(self, length: Numbers) -> Marks:
         """Whether a bundle of `length` [m] can be that much shorter, whatever it pulls with."""
-        if not self.by_stroke:
-            return jnp.ones(self.travel.shape, bool)
-        return self.travel <= LARGEST_STRAIN * length
+        travel = _laid(self.travel, np.ndim(length))
+        return travel <= (LARGEST_STRAIN * length if self.by_stroke else np.inf)
 
 
 class Outcome(eqx.Module):
@@ -72,18 +75,18 @@ class Outcome(eqx.Module):
     `size` [m], the envelope's diameter, `depth` [-] of reversal, `overlap` [N].
     """
 
-    force: Float[Array, "point *#design"]
-    weight: Float[Array, "point *#design"]
-    work: Float[Array, "point *#design"]
-    reached: Bool[Array, "point *design"]
-    shortfall: Float[Array, "point *design"]
-    spare: Float[Array, "point *design"]
-    energy: Float[Array, "point *design"]
-    blocked: Float[Array, "unit *design"]
-    units: Int[Array, "*design"]
-    size: Float[Array, "*design"] | None = None
-    depth: Float[Array, "*design"] | None = None
-    overlap: Float[Array, "*design"] | None = None
+    force: Numbers
+    weight: Numbers
+    work: Numbers
+    reached: Marks
+    shortfall: Numbers
+    spare: Numbers
+    energy: Numbers
+    blocked: Numbers
+    units: Whole
+    size: Numbers | None = None
+    depth: Numbers | None = None
+    overlap: Numbers | None = None
 
 
 class Visit(NamedTuple):
@@ -91,50 +94,44 @@ class Visit(NamedTuple):
     counted from 0; that of a point that isn't reached is the last there is.
     """
 
-    reached: Bool[Array, "point *design"]
-    shortfall: Float[Array, "point *design"]
-    spare: Float[Array, "point *design"]
-    state: Int[Array, "point *design"]
+    reached: Marks
+    shortfall: Numbers
+    spare: Numbers
+    state: Whole
 
 
 def visited(
-    demand: Demand,
-    length: Float[Array, ""],
-    low: Edges,
-    high: Edges,
-    there: Bool[Array, "unit *design"],
+    demand: Demand, length: Numbers, high: Sequence[Numbers] | Numbers, there: Marks
 ) -> Visit:
     """What happens at every point of a demand.
 
     **Arguments:**
 
     - `demand`: the task's [-].
-    - `length`: of the bundle at rest [m].
-    - `low`: least force of each state [N], at every point.
-    - `high`: the largest [N].
-    - `there`: which units, and so states, there are [-].
+    - `length`: of the bundles at rest [m], one or of every design.
+    - `high`: largest force of each state in turn [N], points first, designs last.
+    - `there`: which units, and so states, there are [-], designs last.
 
     **Returns:** the visit [-].
     """
-    shape = low[0].shape
-    F, can_be = (
-        x.reshape(-1, *(1,) * (len(shape) - 1)) for x in (demand.force, demand.can_be(length))
-    )
-    reached = jnp.zeros(shape, bool)
-    shortfall, top = jnp.full(shape, jnp.inf), jnp.full(shape, -jnp.inf)
-    state = jnp.broadcast_to(jnp.sum(there, axis=0) - 1, shape)
-    last = state
-    # from the last state to the first, so that the lowest that covers a point has the word
-    for k in reversed(range(len(low))):
-        miss = jnp.maximum(jnp.maximum(low[k] - F, F - high[k]), 0.0)
-        miss = jnp.where(there[k], miss, jnp.inf)
-        covers = miss <= MET
-        shortfall = jnp.minimum(shortfall, miss)
-        top = jnp.maximum(top, jnp.where(there[k], high[k], -jnp.inf))
-        state = jnp.where(covers, k, state)
-        reached = reached | covers
-    reached, state = reached & can_be, jnp.where(can_be, state, last)
+    axes, at_work = np.ndim(high[0]) - 1, library(high[0])
+    F, can_be = _laid(demand.force, axes), demand.can_be(length)
+    can_be = can_be.reshape(can_be.shape + (1,) * (axes + 1 - can_be.ndim))
+    last = at_work.broadcast_to(there.sum(axis=0) - 1, high[0].shape)
+    top, state = -np.inf, last
+    # from the last state to the first, so that the lowest that is enough has the word
+    for k in reversed(range(len(high))):
+        most = where(there[k], high[k], -np.inf)
+        top = maximum(top, most)
+        state = where(F - most <= MET, k, state)
+    reached, state = (F - top <= MET) & can_be, where(can_be, state, last)
+    miss = maximum(F - top, 0.0)
     # where it can't be that short it is short of the force, and of what it pushes with there
-    miss = jnp.where(can_be, shortfall, jnp.maximum(shortfall, F))
-    spare = jnp.where(can_be, top - F, jnp.minimum(top, 0.0) - F)
-    return Visit(reached, jnp.where(reached, 0.0, miss), spare, state)
+    miss = where(can_be, miss, maximum(miss, F))
+    spare = where(can_be, top - F, minimum(top, 0.0) - F)
+    return Visit(reached, where(reached, 0.0, miss), spare, state)
+
+
+def _laid(points: Numbers, axes: int) -> Numbers:
+    """Values of the `points` [any unit] with so many `axes` more."""
+    return points.reshape(points.shape + (1,) * axes)

@@ -14,9 +14,10 @@ and for two; else an estimate: a large circle among small ones wastes more, smal
 fit into the gaps less.
 """
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float, Int
+
+from .._arrays import library, maximum, sqrt, where
+from .._types import Numbers, Values
 
 
 _RATIOS = (
@@ -27,7 +28,7 @@ _RATIOS = (
 _EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}
 
 
-def ratio(count: Int[ArrayLike, "*designs"]) -> Float[Array, "*designs"]:
+def ratio(count: Values) -> Numbers:
     r"""How much wider the circle around equal ones is.
 
     **Arguments:** `count`: $N$ of them [-], at least 1.
@@ -35,16 +36,13 @@ def ratio(count: Int[ArrayLike, "*designs"]) -> Float[Array, "*designs"]:
     **Returns:** $\rho_N$ [-].
     """
     table = np.array([_EXACT.get(n, rho) for n, rho in enumerate(_RATIOS, start=1)])
-    n, most = jnp.asarray(count), len(table)
-    known = jnp.asarray(table)[jnp.clip(n, 1, most) - 1]
-    return jnp.where(n > most, table[-1] * jnp.sqrt(n / most), known)
+    at_work, most = library(count), len(table)
+    n = at_work.asarray(count)
+    known = at_work.asarray(table)[at_work.clip(n, 1, most) - 1]
+    return where(n > most, table[-1] * sqrt(n / most), known)
 
 
-def bowed_diameter(
-    radii: Float[ArrayLike, "*designs unit"],
-    counts: Int[ArrayLike, "*designs unit"],
-    bulge: Float[ArrayLike, "*#designs"],
-) -> Float[Array, "*designs"]:
+def bowed_diameter(radii: Values, counts: Values, bulge: Values) -> Numbers:
     """Diameter of the circle around all muscles, where units that aren't fed bow out.
 
     **Arguments:**
@@ -55,13 +53,11 @@ def bowed_diameter(
 
     **Returns:** the diameter [m].
     """
-    several = jnp.sum(jnp.asarray(counts) > 0, axis=-1) > 1
-    return 2 * (packed_radius(radii, counts) + jnp.where(several, bulge, 0.0))
+    several = (library(counts).asarray(counts) > 0).sum(axis=-1) > 1
+    return 2 * (packed_radius(radii, counts) + where(several, bulge, 0.0))
 
 
-def packed_radius(
-    radii: Float[ArrayLike, "*designs unit"], counts: Int[ArrayLike, "*designs unit"]
-) -> Float[Array, "*designs"]:
+def packed_radius(radii: Values, counts: Values) -> Numbers:
     """Radius of the circle around all muscles, equation (G1).
 
     **Arguments:**
@@ -71,12 +67,12 @@ def packed_radius(
 
     **Returns:** the radius [m].
     """
-    radii, counts = jnp.asarray(radii), jnp.asarray(counts)
-    N = jnp.sum(counts, axis=-1)
-    dense = ratio(N) * jnp.sqrt(jnp.sum(counts * radii**2, axis=-1) / jnp.maximum(N, 1))
+    at_work = library(radii, counts)
+    radii, counts = at_work.asarray(radii), at_work.asarray(counts)
+    N = counts.sum(axis=-1)
+    dense = ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))
     # the two largest: a unit of two or more brings both
-    there = jnp.where(counts > 0, radii, 0.0)
-    twice = jnp.where(counts > 1, radii, 0.0)
-    both = jnp.sort(jnp.concatenate([there, twice], axis=-1), axis=-1)
+    there, twice = where(counts > 0, radii, 0.0), where(counts > 1, radii, 0.0)
+    both = at_work.sort(at_work.concatenate([there, twice], axis=-1), axis=-1)
     side_by_side = both[..., -1] + both[..., -2]
-    return jnp.where(N == 2, side_by_side, jnp.maximum(dense, side_by_side))
+    return where(N == 2, side_by_side, maximum(dense, side_by_side))

@@ -182,9 +182,9 @@ def _between(what: str, forces: Forces, low: float, high: float, asked: _Asked) 
 
 def _none(what: str, forces: Forces, now: float, most: float, asked: _Asked) -> Remedy:
     asked.all()
-    F, largest = asked.task.force, forces(most)
-    spare = largest - F
-    worst = int(np.argmin(spare / np.where(F > 0, F, F.max())))
+    largest = forces(most)
+    spare = largest - asked.task.force
+    worst = int(np.argmin(spare / asked.task.reference))
     return Remedy(what, now, None, most, worst, float(-spare[worst]), float(largest[worst]))
 
 

@@ -144,7 +144,7 @@ def search(
     blocks = []
     for start in range(0, size, _BLOCK):
         index = np.arange(start, min(start + _BLOCK, size))
-        blocks.append(evaluate(space.at(index), task, names))
+        blocks.append(evaluate(space.at(index), task, names, among=size))
         if progress is not None:
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}

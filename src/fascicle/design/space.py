@@ -15,7 +15,6 @@ from functools import cached_property
 from itertools import product
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -136,7 +135,7 @@ class Space:
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
         if self.radius_rule == "packing" and len(counts):
-            return 0.5 / np.asarray(packed_radius(jnp.asarray(factor), jnp.asarray(counts)))
+            return 0.5 / packed_radius(factor, counts)
         return np.ones(len(counts))
 
     @cached_property

@@ -7,7 +7,6 @@ $p_a V_N \ln((P_s + p_a)/p_a)$ that compresses it without losses; of a liquid, t
 
 from dataclasses import dataclass
 
-import jax
 import numpy as np
 
 from .cases import ATMOSPHERE, Cases, cases
@@ -108,7 +107,7 @@ def summary_of(
         valves=int(one.units[0]),
         cases=found,
         diameter=diameter,
-        diameter_at_rest=2 * float(jax.jit(packed_radius)(radius, counts)),
+        diameter_at_rest=2 * float(packed_radius(radius, counts)),
         product=product,
         bladders=bladders,
         mass=mass,

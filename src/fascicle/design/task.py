@@ -156,6 +156,13 @@ class Task:
         return self.strain_of(length) * length if self.stroke is None else self.stroke
 
     @property
+    def reference(self) -> Points:
+        """What a shortfall is told as a share of [N]: the demanded force; the task's largest, where
+        none is.
+        """
+        return np.where(self.force > 0, self.force, self.force.max())
+
+    @property
     def largest_strain(self) -> float:
         """The largest contraction demanded [-]; NaN where it hangs on the bundle's length."""
         return float("nan") if self.strain is None else float(self.strain.max())

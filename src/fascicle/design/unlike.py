@@ -1,26 +1,32 @@
 r"""Designs that differ in everything: every motor unit has a muscle of its own.
 
 Each unit's table is made for its own sizes; states add them up as in (B1). The cost of a
-design is that of the force law at all its units' levels and strains: nothing is shared.
+design is that of the force law at no and at full pressure, unless its curves are asked for, or all
+units share one throttled pressure: then it is that at all its units' levels and strains.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
+import numpy as np
 from jax import lax
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
+from .._arrays import library, where
+from .._evaluate import COMPILE_ABOVE
+from .._types import Numbers, Whole
 from ..muscle import Muscle
+from .levels import at_every_level
 from .objectives import judged
 from .outcome import Demand, Outcome, visited
 from .packing import bowed_diameter
-from .table import UNLIKE, Resolution, at_levels, first_zeros, tabulated
+from .rows import Rows
+from .table import UNLIKE, Resolution, Table, highest, run, tabulated
 
 
-_POINTS = 2**16  # forces worked on at once: what stays in cache
+_AT_ONCE = 2**16  # forces worked on at once: what stays in cache
 
 
 class Sizes(NamedTuple):
@@ -28,34 +34,13 @@ class Sizes(NamedTuple):
     muscles of each unit, their `length` [m]. Padded units have no muscles, and sizes that exist.
     """
 
-    counts: Int[Array, "*design unit"]
-    length: Float[Array, "*design"]
-    radius: Float[Array, "*design unit"]
-    wall: Float[Array, "*design unit"]
-    angle: Float[Array, "*design unit"]
+    counts: Whole
+    length: Numbers
+    radius: Numbers
+    wall: Numbers
+    angle: Numbers
 
 
-def sized(drawing: Muscle, length: Array, radius: Array, wall: Array, angle: Array) -> Muscle:
-    """A muscle of other sizes.
-
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning it has [-].
-    - `length`: between the end fittings [m].
-    - `radius`: of the bladder at rest [m].
-    - `wall`: its thickness at rest [m].
-    - `angle`: of the braid at rest [rad].
-
-    **Returns:** the muscle [-].
-    """
-    return eqx.tree_at(
-        lambda m: (m.length, m.outer_radius, m.wall_thickness, m.braid_angle),
-        drawing,
-        (length, radius, wall, angle),
-    )
-
-
-@partial(jax.jit, static_argnames=("names", "needs", "resolution"))
 def unlike_objectives(
     drawing: Muscle,
     sizes: Sizes,
@@ -64,7 +49,8 @@ def unlike_objectives(
     names: tuple[str, ...],
     needs: tuple[str, ...],
     resolution: Resolution = UNLIKE,
-) -> Float[Array, "objective design"]:
+    among: int = 0,
+) -> Numbers:
     """Objectives of designs that differ in everything.
 
     **Arguments:**
@@ -75,12 +61,53 @@ def unlike_objectives(
     - `names`: of the objectives [-].
     - `needs`: what these need beyond the task's points [-].
     - `resolution`: of levels and strains [-].
+    - `among`: how many designs are judged in all [-], where it is more than these: for many it
+      pays to compile.
 
     **Returns:** them, a row for each name, in its unit [SI].
     """
+    if "curves" in needs or demand.scheme != "orderly":
+        return _at_every_level(
+            drawing, sizes, demand, names=names, needs=needs, resolution=resolution
+        )
+    own = Sizes(*map(np.asarray, sizes))
+    designs, units = own.counts.shape
+    forces = units * demand.travel.size
+    compiling = max(designs, among) * forces > COMPILE_ABOVE
+    # twice as many: most of a table is the tension law's, which takes little
+    step = max(1, min(2 * _AT_ONCE // forces, designs))
+    values = np.empty((len(names), designs))
+    for start in range(0, designs, step):
+        # filled up: what is compiled has as many designs in every call
+        places = np.minimum(np.arange(start, start + step), designs - 1)
+        counts, length, radius, wall, angle = (x[places].T for x in own)
+        rows = Rows(drawing, length + 0.0 * radius, radius, wall, angle)
+        table = tabulated(rows, demand, needs, resolution.level, compiling)
+        found = run(_objectives, compiling, names)(table, counts, length, demand)
+        values[:, places] = found
+    return values
+
+
+def _objectives(
+    table: Table, counts: Whole, length: Numbers, demand: Demand, names: tuple[str, ...]
+) -> Numbers:
+    high = highest(counts, table, demand.scheme)
+    return judged(_outcome(counts, table, high, length, demand), names)
+
+
+@partial(jax.jit, static_argnames=("names", "needs", "resolution"))
+def _at_every_level(
+    drawing: Muscle,
+    sizes: Sizes,
+    demand: Demand,
+    *,
+    names: tuple[str, ...],
+    needs: tuple[str, ...],
+    resolution: Resolution,
+) -> Float[Array, "objective design"]:
     units = sizes.counts.shape[-1]
     strains = demand.travel.size + ("curves" in needs) * resolution.strains
-    block = max(1, _POINTS // (units * resolution.levels * strains))
+    block = max(1, _AT_ONCE // (units * resolution.levels * strains))
 
     def one(sizes: Sizes) -> Float[Array, " objective"]:
         return judged(unlike_outcome(drawing, sizes, demand, needs, resolution), names)
@@ -96,74 +123,45 @@ def unlike_outcome(
     resolution: Resolution = UNLIKE,
 ) -> Outcome:
     """What a single design does, without the designs' axis; arguments as of
-    `unlike_objectives` [-].
+    `unlike_objectives` [-]. Everything is looked at at every level, whatever it is: so it can be
+    differentiated, and done for many at once.
     """
-    own = (sizes.radius, sizes.wall, sizes.angle)
+    rows = Rows(drawing, sizes.length + 0.0 * sizes.radius, *sizes[2:])
+    n = sizes.counts
+    table, high, depth, overlap = at_every_level(rows, n, demand, needs, resolution)
+    return _outcome(n, table, high, sizes.length, demand, depth, overlap)
 
-    def muscle(radius: Array, wall: Array, angle: Array) -> Muscle:
-        return sized(drawing, sizes.length, radius, wall, angle)
 
-    at = jax.vmap(lambda *own: at_levels(muscle(*own), demand.supply, resolution))(*own)
-    n, there = sizes.counts, sizes.counts > 0
-    top = jnp.max(jnp.where(there, at.column.free_strain[:, -1, 0], 0.0))
-    tables = jax.vmap(lambda at, *own: tabulated(muscle(*own), at, top, demand, resolution, needs))(
-        at, *own
-    )
-    low, high = _edges(n, tables.force, demand.scheme)
-    visit = visited(demand, sizes.length, low, high, there)
-    fed = jnp.arange(n.size)[:, None] <= visit.state
-    size = depth = overlap = None
-    if tables.radius is not None and tables.bulge is not None:
-        bulge = jnp.max(jnp.where(there, tables.bulge, 0.0))
-        size = bowed_diameter(tables.radius, n, bulge)
-    if tables.curves is not None:
-        depth = _depth(n, tables.curves, top)
-        overlap = _overlap(n, tables.curves, demand.scheme)
+def _outcome(
+    n: Whole,
+    table: Table,
+    high: Sequence[Numbers] | Numbers,
+    length: Numbers,
+    demand: Demand,
+    depth: Numbers | None = None,
+    overlap: Numbers | None = None,
+) -> Outcome:
+    """Of the `table` of units and the largest force `high` of each state [N]; designs last."""
+    there, axes = n > 0, np.ndim(n) - 1
+    visit = visited(demand, length, high, there)
+    at_work = library(visit.state)
+    unit = at_work.arange(len(n)).reshape((-1,) + (1,) * axes)
+    taken = where(unit <= visit.state[:, None], n * table.volume, 0.0).sum(axis=1)
+    size = None
+    if table.radius is not None and table.bulge is not None:
+        bulge = where(there, table.bulge, 0.0).max(axis=0)
+        size = bowed_diameter(table.radius.T, n.T, bulge)
     return Outcome(
-        force=demand.force,
-        weight=demand.weight,
-        work=demand.work(sizes.length),
+        force=demand.force.reshape((-1,) + (1,) * axes),
+        weight=demand.weight.reshape((-1,) + (1,) * axes),
+        work=demand.work(length),
         reached=visit.reached,
         shortfall=visit.shortfall,
         spare=visit.spare,
-        energy=demand.supply * jnp.sum(fed * (n[:, None] * tables.volume), axis=0),
-        blocked=n * tables.blocked,
-        units=jnp.sum(there),
+        energy=demand.supply * taken,
+        blocked=n * table.blocked,
+        units=there.sum(axis=0),
         size=size,
         depth=depth,
         overlap=overlap,
     )
-
-
-def _held(n: Array, force: Float[Array, "unit level *point"]) -> Float[Array, "unit *point"]:
-    """Force [N] of the units before each one at full supply and of those after it unfed."""
-    full, none = (n * force[:, row].T for row in (-1, 0))
-    before = jnp.cumsum(full, axis=-1) - full
-    after = jnp.sum(none, axis=-1, keepdims=True) - jnp.cumsum(none, axis=-1)
-    return (before + after).T
-
-
-def _edges(n: Array, force: Array, scheme: str) -> tuple[Array, Array]:
-    """Least and largest force [N] of every state."""
-    weighed = n[:, None, None] * force
-    if scheme == "orderly":
-        throttled, held = weighed, _held(n, force)
-    else:
-        throttled, none = jnp.cumsum(weighed, axis=0), weighed[:, 0]
-        held = jnp.sum(none, axis=0) - jnp.cumsum(none, axis=0)
-    return held + jnp.min(throttled, axis=1), held + jnp.max(throttled, axis=1)
-
-
-def _depth(n: Array, curves: Float[Array, "unit level strain"], top: Array) -> Array:
-    force = _held(n, curves)[:, None] + n[:, None, None] * curves
-    zeros = first_zeros(force, top)
-    falls = zeros[:, 0] - jnp.min(zeros, axis=1)
-    later = (jnp.arange(n.size) > 0) & (n > 0)
-    return jnp.max(jnp.where(later, falls, 0.0))
-
-
-def _overlap(n: Array, curves: Float[Array, "unit level strain"], scheme: str) -> Array:
-    low, high = _edges(n, curves, scheme)
-    bottom = jnp.maximum(jnp.maximum(low[:-1], low[1:]), 0.0)
-    height = jnp.max(jnp.minimum(high[:-1], high[1:]) - bottom, axis=-1, initial=0.0)
-    return jnp.max(jnp.where(n[1:] > 0, height, 0.0), initial=0.0)

@@ -135,3 +135,19 @@ def test_all_partitions_of_thirty(muscle, task):
     # undivided, nothing can reverse; with a valve for each, little does
     assert every["reversal_depth"][0] == 0
     assert every["reversal_depth"][-1] < 0.1 * every["reversal_depth"].max()
+
+
+def test_few_designs_are_judged_without_a_compiler(muscle, task, caplog):
+    """Of one muscle, their reversal too, and of unlike ones; nor is what one of them does."""
+    from fascicle.design.cases import cases
+
+    like = Designs.of(muscle, [(1, 2), (3,)])
+    radius = like.radius * np.array([1.0, 1.2])
+    unlike = Designs(
+        like.drawings, like.kind, like.counts, like.length, radius, 0.25 * radius, like.angle
+    )
+    with jax.log_compiles(), caplog.at_level("WARNING"):
+        evaluate(like, task, [*NAMES])
+        evaluate(unlike, task, ["margin", "mean_efficiency", "envelope"])
+        cases(unlike, 0, task)
+    assert not [record for record in caplog.records if "ompil" in record.getMessage()]

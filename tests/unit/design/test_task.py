@@ -52,3 +52,8 @@ def test_times_must_rise(time):
 def test_an_unknown_example():
     with pytest.raises(ValueError, match="did you mean 'walking_ankle'"):
         example_task("walking_ancle")
+
+
+def test_a_share_of_no_force_is_one_of_the_largest():
+    task = Task.of([0.0, 20.0, 5.0], [0.1, 0.1, 0.0], 4e5)
+    assert_allclose(task.reference, [20.0, 20.0, 5.0])

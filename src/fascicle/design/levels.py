@@ -1,0 +1,125 @@
+"""One design whose units are unlike, its whole force law looked at at every level of pressure.
+
+What its curves tell needs all of them; and what is differentiated, or done for many draws at
+once, can't choose by its numbers what to look at.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Numbers, Whole
+from .outcome import Demand
+from .rows import Rows
+from .table import Resolution, Table, sizes_at
+
+
+class Looked(NamedTuple):
+    """The units' `table`, the largest force of each state at the task's points, `high` [N], and
+    where asked for the `depth` of reversal [-] and the `overlap` [N].
+    """
+
+    table: Table
+    high: Numbers
+    depth: Numbers | None
+    overlap: Numbers | None
+
+
+def at_every_level(
+    rows: Rows, n: Whole, demand: Demand, needs: tuple[str, ...], resolution: Resolution
+) -> Looked:
+    """What a design's units do at every level.
+
+    **Arguments:**
+
+    - `rows`: a muscle of each unit [-].
+    - `n`: muscles in each [-].
+    - `demand`: the task's [-].
+    - `needs`: "size", "curves", both or nothing [-].
+    - `resolution`: of levels and strains [-].
+
+    **Returns:** it, JAX's [-].
+    """
+    muscle, there = rows.muscle, n > 0
+    pressure = jnp.asarray(resolution.level)[:, None, None] * demand.supply
+    at = muscle._law().at(pressure + 0.0 * rows.length)
+    top = jnp.max(jnp.where(there, at.column.free_strain[-1, 0], 0.0))
+    demanded = jnp.asarray(demand.strain(rows.length[0]))
+    strain, count = demanded, demanded.size
+    if "curves" in needs:
+        strain = jnp.concatenate([strain, top * jnp.linspace(0.0, 1.0, resolution.strains)])
+    # one call for all strains, so that the law is compiled once
+    force = jnp.moveaxis(at.force(strain[:, None])[0], -1, 0)
+    points, curves = force[..., :count], force[..., count:]
+    radius = bulge = depth = overlap = None
+    if "size" in needs:
+        # what depends on pressure has a row for each level, the first at none
+        levels = (resolution.levels, 1)
+        unfed = jax.tree.map(lambda x: x[0, 0] if jnp.shape(x)[:2] == levels else x, at)
+        radius, bulge = sizes_at(muscle, unfed, jnp.max(demanded) + 0.0 * rows.length)
+    if "curves" in needs:
+        depth = _depth(n, curves, top)
+        overlap = _overlap(n, curves, demand.scheme)
+    table = Table(
+        unfed=points[:, 0].T,
+        full=points[:, -1].T,
+        largest=jnp.max(points, axis=1).T,
+        volume=muscle.braid.volume(demanded[:, None]) - muscle.braid.volume(0.0 * rows.length),
+        blocked=at.law.tension.force(demand.supply, 0.0 * rows.length),
+        length=rows.length,
+        radius=radius,
+        bulge=bulge,
+    )
+    return Looked(table, _edges(n, points, demand.scheme)[1], depth, overlap)
+
+
+def _held(n: Array, force: Float[Array, "unit level *point"]) -> Float[Array, "unit *point"]:
+    """Force [N] of the units before each one at full supply and of those after it unfed."""
+    full, none = (n * force[:, row].T for row in (-1, 0))
+    before = jnp.cumsum(full, axis=-1) - full
+    after = jnp.sum(none, axis=-1, keepdims=True) - jnp.cumsum(none, axis=-1)
+    return (before + after).T
+
+
+def _edges(n: Array, force: Array, scheme: str) -> tuple[Array, Array]:
+    """Least and largest force [N] of every state."""
+    weighed = n[:, None, None] * force
+    if scheme == "orderly":
+        throttled, held = weighed, _held(n, force)
+    else:
+        throttled, none = jnp.cumsum(weighed, axis=0), weighed[:, 0]
+        held = jnp.sum(none, axis=0) - jnp.cumsum(none, axis=0)
+    return held + jnp.min(throttled, axis=1), held + jnp.max(throttled, axis=1)
+
+
+def _depth(n: Array, curves: Float[Array, "unit level strain"], top: Array) -> Array:
+    force = _held(n, curves)[:, None] + n[:, None, None] * curves
+    zeros = first_zeros(force, top)
+    falls = zeros[:, 0] - jnp.min(zeros, axis=1)
+    later = (jnp.arange(n.size) > 0) & (n > 0)
+    return jnp.max(jnp.where(later, falls, 0.0))
+
+
+def _overlap(n: Array, curves: Float[Array, "unit level strain"], scheme: str) -> Array:
+    low, high = _edges(n, curves, scheme)
+    bottom = jnp.maximum(jnp.maximum(low[:-1], low[1:]), 0.0)
+    height = jnp.max(jnp.minimum(high[:-1], high[1:]) - bottom, axis=-1, initial=0.0)
+    return jnp.max(jnp.where(n[1:] > 0, height, 0.0), initial=0.0)
+
+
+def first_zeros(force: Float[Array, "*any strain"], top: Float[Array, ""]) -> Float[Array, "*any"]:
+    """First strain [-] at which a force [N] over even strains to `top` [-] vanishes.
+
+    Linear between strains; `top` where it doesn't vanish before.
+    """
+    pushes = (force <= 0).at[..., 0].set(False).at[..., -1].set(True)
+    j = jnp.argmax(pushes, axis=-1)
+    right = jnp.take_along_axis(force, j[..., None], axis=-1)[..., 0]
+    left = jnp.take_along_axis(force, j[..., None] - 1, axis=-1)[..., 0]
+    # the last of all may still pull by rounding: it is the zero itself
+    right = jnp.minimum(right, 0.0)
+    drop = left - right
+    share = jnp.where(left > 0, left / jnp.where(drop > 0, drop, 1.0), 0.0)
+    return top * (j - 1 + share) / (force.shape[-1] - 1)

@@ -1,0 +1,110 @@
+"""What muscles give at the task's points, against the whole law looked at at every level."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.design import Designs, Task, evaluate
+from fascicle.design.outcome import Demand
+from fascicle.design.rows import Rows, sized
+from fascicle.design.table import Resolution, tabulated
+from fascicle.muscle.buckling import BUCKLING_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.corrected import TonduLopez
+from fascicle.muscle.tension import TENSION_LAWS
+
+
+SUPPLY = 300e3
+COARSE = Resolution(17, 33)
+TUNED = fs.Tuning(
+    [50e3, 150e3, 280e3], [1.0, -3.0, 6.0], [0.8, 1.1, 0.9],
+    hinge_stiffness_factor=0.7, hinge_stiffness_slope=1e-6, dead_band=15e3,
+)  # fmt: skip
+LAWS = (
+    [{"tension": name} for name in TENSION_LAWS]
+    + [{"buckling": name} for name in BUCKLING_LAWS]
+    + [{"collapse": name} for name in COLLAPSE_LAWS if name != "stein_hedgepeth1961"]
+    + [{"post_collapse": name} for name in POST_COLLAPSE_LAWS]
+    # its free strain falls as pressure rises
+    + [{"tension": TonduLopez(1.2, -0.4, 5e4)}, {"tuning": TUNED}]
+    + [{"tuning": TUNED, "buckling": "elastica"}]
+)
+
+
+def drawing(laws):
+    return fs.Muscle(0.12, 6e-3, 1.5e-3, np.radians(30), **laws)
+
+
+def rows_of(muscle, count, seed=3):
+    generator = np.random.default_rng(seed)
+    radius = generator.uniform(4e-3, 9e-3, count)
+    wall, angle = generator.uniform(0.12, 0.3, count), generator.uniform(12.0, 45.0, count)
+    return Rows(
+        muscle, generator.uniform(0.08, 0.3, count), radius, wall * radius, np.radians(angle)
+    )
+
+
+@pytest.mark.parametrize("laws", LAWS, ids=str)
+def test_the_largest_force_is_that_of_the_whole_law(laws):
+    """At strains from rest to far beyond what any level pulls with."""
+    rows = rows_of(drawing(laws), 12)
+    strain = np.concatenate([np.linspace(0.0, 0.42, 60), [1e-9, 0.6]])
+    task = Task.of(np.ones(strain.size), strain, SUPPLY)
+    table = tabulated(rows, Demand.of(task), (), COARSE.level)
+    for i in range(12):
+        one = sized(*(x if isinstance(x, fs.Muscle) else x[i] for x in rows))
+        force = one._law().at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
+        # rounding of the forces that are added up
+        close = {"rtol": 1e-10, "atol": 1e-9}
+        assert_allclose(table.unfed[:, i], force[0], **close)
+        assert_allclose(table.full[:, i], force[-1], **close)
+        assert_allclose(table.largest[:, i], force.max(axis=0), **close)
+        # so that the lowest state that gives enough covers what is demanded
+        assert np.all(force[0] <= 1e-9)
+
+
+def test_compiled_it_is_the_same():
+    rows = rows_of(drawing({"tuning": TUNED}), 40)
+    task = Task.of(np.ones(150), np.linspace(0.0, 0.4, 150), SUPPLY)
+    tables = [
+        tabulated(rows, Demand.of(task), ("size",), COARSE.level, compiling)
+        for compiling in (False, True)
+    ]
+    for at_once, compiled in zip(*tables, strict=True):
+        assert_allclose(at_once, compiled, rtol=1e-9, atol=1e-9)
+
+
+def unlike(muscle, count, units=3):
+    rows = rows_of(muscle, count * units)
+    sizes = (x.reshape(count, units) for x in rows[2:])
+    counts = np.random.default_rng(4).integers(1, 5, (count, units))
+    counts[::4, 2] = 0
+    return Designs({"muscle": muscle}, np.zeros(count, int), counts, np.full(count, 0.12), *sizes)
+
+
+def test_unlike_designs_are_what_they_are_at_every_level():
+    """The reversal is asked for too, which needs every level."""
+    designs = unlike(drawing({"tuning": TUNED}), 20)
+    force, stroke = np.linspace(900.0, 0.0, 12), 0.12 * np.linspace(0.0, 0.3, 12)
+    task = Task.of(force, None, SUPPLY, stroke=stroke)
+    names = [
+        "mean_efficiency", "mean_energy", "peak_energy", "margin", "shortfall", "worst_shortfall",
+        "relative_shortfall", "not_reached", "points_not_reached", "envelope", "largest_force",
+        "force_resolution", "valves",
+    ]  # fmt: skip
+    quick = evaluate(designs, task, names)
+    every = evaluate(designs, task, [*names, "reversal_depth"])
+    for name in names:
+        assert_allclose(quick[name], every[name], rtol=1e-9, atol=1e-12, err_msg=name)
+    assert 0 < quick["points_not_reached"].mean() < 1
+
+
+def test_a_drawing_of_other_arrays_is_judged_as_one_of_numbers():
+    plain = drawing({})
+    task = Task.of([100.0, 300.0], [0.1, 0.02], SUPPLY)
+    same = jax.tree.map(jnp.asarray, plain)
+    values = [evaluate(Designs.of(m, [(1, 2)]), task, ["margin"])["margin"] for m in (plain, same)]
+    assert_allclose(*values, rtol=1e-12)
