@@ -34,7 +34,7 @@ def started(folder, *arguments):
 def interrupted(process):
     """What a process writes to standard error from Ctrl-C on, which its children hear too."""
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=180)
     return process.returncode, err
 
 

@@ -37,7 +37,7 @@ def port():
         pytest.fail("".join(said))
     yield int(found[1])
     process.send_signal(signal.SIGINT)
-    rest = process.communicate(timeout=20)[0]
+    rest = process.communicate(timeout=60)[0]
     assert "Traceback" not in rest
     assert "Zen of Python" not in rest
 
@@ -117,16 +117,23 @@ def test_no_module_is_imported_by_its_name_in_an_address(port):
     assert get(port, "/components/this/x/css/y")[0] == 404
 
 
+def children():
+    """What processes that have ended took [s] of the processor."""
+    times = os.times()
+    return times.children_user + times.children_system
+
+
 def test_ctrl_c_at_the_start_ends_it_at_once():
     environment = {**os.environ, "FASCICLE_NO_CACHE": "1"}
     environment.pop("JAX_COMPILATION_CACHE_DIR", None)
+    began = children()
     process = subprocess.Popen(
         COMMAND, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
     )
     assert "starting" in process.stdout.readline()
     process.send_signal(signal.SIGINT)
-    began = time.perf_counter()
-    out, err = process.communicate(timeout=30)
-    assert time.perf_counter() - began < 2
+    out, err = process.communicate(timeout=60)
+    # its own seconds, which a busy machine doesn't stretch: a start takes more
+    assert children() - began < 2
     assert (out, err) == ("stopped.\n", "")
     assert process.returncode == 130

@@ -14,13 +14,13 @@ from fascicle.describe import dumps, example, examples, loads
      'a = """\n""" # "\n' + "b." * 30_000 + "b = 1"],
 )  # fmt: skip
 def test_what_lies_too_deep_is_refused_before_it_costs_anything(text):
-    began = time.perf_counter()
+    began = time.thread_time()
     with pytest.raises(
         ValueError, match=rf"m.toml: not TOML: nested too deep on line \d, .* {DEEPEST}"
     ) as refused:
         loads(text, source="m.toml")
     # parsing the shortest of them took 4 s, the longest 40
-    assert time.perf_counter() - began < 1
+    assert time.thread_time() - began < 1
     assert "\n" not in str(refused.value)
 
 
@@ -50,10 +50,10 @@ def test_no_example_is_near(name):
     "sign", ['"', "'", '"""', "'''", "\\", "#", "a.", ".", "[", "]", "\n", '"a']
 )
 def test_long_texts_take_no_time(sign):
-    began = time.perf_counter()
+    began = time.thread_time()
     for text in (sign * 200_000, f'a = "{sign * 200_000}', f"a = '''{sign * 200_000}"):
         try:
             check_depth(text, "f")
         except ValueError:
             continue
-    assert time.perf_counter() - began < 5
+    assert time.thread_time() - began < 5

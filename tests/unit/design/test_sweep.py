@@ -390,7 +390,7 @@ def test_a_killed_scheduler(muscle, task, tmp_path):
 
         try:
             with remote(address) as client:
-                client.wait_for_workers(1, timeout=60)
+                client.wait_for_workers(1, timeout=180)
                 with pytest.raises(ConnectionError, match="is lost"):
                     sweep(study, tmp_path / "lost", client, watch=kill)
         finally:

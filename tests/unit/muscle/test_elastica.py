@@ -19,10 +19,15 @@ never = fs.muscle.collapse.Kim2021Collapse(factor=1e3)  # so that buckling is se
 muscle = fs.Muscle.from_dimensions(*SIZES, buckling="elastica", collapse=never)
 law = Elastica()
 P = 34.5e3
-column = muscle._law().at(jnp.asarray(P)).column
-onset = float(law.onset(column))
-buckled = jax.jit(lambda eps: law.buckled(column, eps))
+with np.errstate(all="ignore"):  # of branches that aren't taken
+    column = muscle._law().at(P).column
+    onset = float(law.onset(column))
 stub = fs.Muscle.from_dimensions(0.027, 6e-3, 1.5e-3, math.radians(27), buckling="elastica")
+
+
+def buckled(eps):
+    with np.errstate(all="ignore"):
+        return law.buckled(column, eps)
 
 
 def parameter(chord):
@@ -150,19 +155,22 @@ def test_curvature_of_the_shape_is_the_moment():
 
 
 def test_straight_shape_is_straight():
-    line = law.shape(column, onset * 0.999, 11)
-    assert np.all(np.asarray(line.y) == 0)
-    assert_allclose(line.z, L0 * (1 - onset * 0.999) * np.linspace(0, 1, 11), atol=1e-16)
+    with np.errstate(all="ignore"):
+        line = law.shape(column, np.array([onset * 0.999]), 11)
+    assert np.all(line.y == 0)
+    assert_allclose(line.z[0], L0 * (1 - onset * 0.999) * np.linspace(0, 1, 11), atol=1e-16)
 
 
 def test_a_slender_muscle_has_one_equilibrium():
-    assert not np.any(law.several(column, jnp.linspace(0.0, 0.6, 61)))
+    with np.errstate(all="ignore"):
+        assert not np.any(law.several(column, np.linspace(0.0, 0.6, 61)))
 
 
 def test_a_stub_has_several_and_follows_the_first():
     """Bent states m(ε_a) joined to the onset; the strain they need turns back on the way."""
-    stubs = stub._law().at(jnp.asarray(0.0)).column
-    first = float(law.onset(stubs))
+    with np.errstate(all="ignore"):
+        stubs = stub._law().at(0.0).column
+        first = float(law.onset(stubs))
     arc = first + (float(stubs.free_strain) - first) * np.linspace(0, 1, 4001)[1:-1]
     stiffness = float(stubs.bending_stiffness / (stubs.free_length * stubs.rest_length))
     load = -np.asarray(stubs.tension.force(0.0, arc)) * (1 - arc) / stiffness  # 16K²(2E/K − 1)
@@ -174,11 +182,13 @@ def test_a_stub_has_several_and_follows_the_first():
     assert np.any(np.diff(strain) < 0)  # it does fold
     seen = np.linspace(first, 0.6, 41)[1:]
     followed = m[np.argmax(np.maximum.accumulate(strain) >= seen[:, None], axis=1)]
-    state = law.buckled(stubs, seen)
+    with np.errstate(all="ignore"):
+        state = law.buckled(stubs, seen)
+        several = law.several(stubs, np.linspace(first - 0.05, 0.6, 41))
     chord = (1 - seen) / (1 - np.asarray(state.arc_strain))
     ours = np.array([parameter(c) for c in chord])
     assert_allclose(ours, followed, rtol=0, atol=2e-3)  # the walk's own steps
-    assert np.any(law.several(stubs, jnp.linspace(first - 0.05, 0.6, 41)))
+    assert np.any(several)
 
 
 def test_without_any_compression_it_stays_straight():

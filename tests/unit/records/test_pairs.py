@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
@@ -12,11 +13,15 @@ from fascicle.records.pairs import Pairs, agreements, fabricated_pairs
 muscle = fs.example("kim2021_slenderness_10")
 FIRST, SECOND = 344.7e3, np.array([0.0, 69e3, 200e3])
 SCATTER = Scatter(0.02, 0.01)
-found = fabricated_pairs(muscle, SCATTER, FIRST, SECOND, draws=3, seed=4)
 P = np.stack(np.broadcast_arrays(FIRST, SECOND), axis=-1)
 
 
-def test_the_drawing_s_pair_is_two_equal_muscles():
+@pytest.fixture(scope="module")
+def found():
+    return fabricated_pairs(muscle, SCATTER, FIRST, SECOND, draws=3, seed=4)
+
+
+def test_the_drawing_s_pair_is_two_equal_muscles(found):
     bundle = fs.Bundle([fs.MotorUnit(muscle)] * 2)
     # roots to 1e-13, compiled apart
     assert_allclose(found.nominal, bundle.free_strain(P), atol=1e-11)
@@ -24,7 +29,7 @@ def test_the_drawing_s_pair_is_two_equal_muscles():
     assert_array_equal(still.deviation, 0)
 
 
-def test_a_pair_starts_where_it_neither_pulls_nor_pushes():
+def test_a_pair_starts_where_it_neither_pulls_nor_pushes(found):
     made = SCATTER.draw(muscle, np.random.default_rng(4), (3, 2))
     for row, lengths, angles in zip(found.free_strain, made.length, made.braid_angle, strict=True):
         units = [
@@ -41,7 +46,7 @@ def test_a_pair_starts_where_it_neither_pulls_nor_pushes():
         assert np.all(np.abs(row - found.nominal) > 1e-6)
 
 
-def test_seeds_fix_the_pairs():
+def test_seeds_fix_the_pairs(found):
     again = fabricated_pairs(muscle, SCATTER, FIRST, SECOND, draws=3, seed=4)
     assert_array_equal(again.free_strain, found.free_strain)
     other = fabricated_pairs(muscle, SCATTER, FIRST, SECOND, draws=3, seed=5)
