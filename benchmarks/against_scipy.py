@@ -13,7 +13,7 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from cases import done, field, muscle, searched, stream, unit_pressures, unlike_bundle
+from cases import done, field, muscle, stream, unit_pressures, unlike_bundle
 from scipy_script import Tube, bundle_free_strain, force_field
 from timing import Row, interleaved, run
 
@@ -79,7 +79,6 @@ def bundle_row(small: bool) -> Row:
         "×",
         f"the SciPy script, {times.median('script') / few * 1e3:.2g} ms a root",
         100.0,
-        limit=searched(units),
     )
 
 

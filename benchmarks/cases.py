@@ -8,7 +8,6 @@ import jax.numpy as jnp
 import numpy as np
 
 import fascicle as fs
-from fascicle.bundle.zeros import LOOKS
 
 
 LARGEST_PRESSURE, LARGEST_STRAIN = 413.7e3, 0.33  # Pa, -: Fig. 6's tests
@@ -18,11 +17,6 @@ LENGTH, MATERIAL = 0.127, "silicone_kim2021"
 # the floors: plain passes over as many float64 values, into a new array
 stream = jax.jit(lambda x: x + 1)
 exponential = jax.jit(jnp.exp)
-
-
-def searched(units: int) -> str:
-    """What the search for a bundle's free strain looks at."""
-    return f"looks at some {LOOKS * units} strains for the first of several zeros"
 
 
 def done(value: Any) -> Any:

@@ -188,9 +188,9 @@ supply_pressure = "413.7 kPa"
         code, out, err = fascicle(*words)
         assert (code, out) == (2, "") and err.count("\n") == 1
         assert "990 motor units" in err and "GB of memory, and 1 GB are free here" in err
-    # all states are computed at once, so that a tenth of the units may be too many
+    # states come in blocks, so that a tenth of the units is not too many
     code, out, err = fascicle("free-strain", "hundred.toml")
-    assert (code, out) == (2, "") and "100 motor units in 100 states" in err
+    assert (code, err) == (0, "") and out.count("0.2462") >= 99
 
 
 @pytest.mark.parametrize("error", [

@@ -30,7 +30,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .._arrays import cos, sqrt, where
+from .._arrays import cos, spread, sqrt, where
 from .._types import Batch, BatchLike, BoolBatch
 from .column import AbstractBuckling, Centerline, Column, Push
 from .elastica import Elastica
@@ -91,8 +91,8 @@ class Kim2021(AbstractBuckling):
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
         y_max, _ = self.bow(column, strain)
         along = np.linspace(0.0, 1.0, points)
-        chord = (column.rest_length * (1 - strain) + 0.0 * y_max)[..., None]
-        y = y_max[..., None] / 2 * (cos(2 * np.pi * along) - 1)
+        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
+        y = spread(y_max) / 2 * (cos(2 * np.pi * along) - 1)
         return Centerline(z=chord * along, y=y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:

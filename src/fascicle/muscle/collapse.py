@@ -31,7 +31,7 @@ from typing import ClassVar
 import equinox as eqx
 import numpy as np
 
-from .._arrays import cos, minimum, sqrt
+from .._arrays import cos, minimum, spread, sqrt
 from .._limits import size
 from .._methods import Module
 from .._types import Batch, BatchLike, Values
@@ -140,9 +140,9 @@ class AbstractPostCollapse(Module):
         """Centerline [m] of (22), mirrored at the hinge, at `strain` [-]."""
         y_max = self.deflection(column, strain)
         along = np.linspace(0.0, 1.0, points)
-        chord = (column.rest_length * (1 - strain) + 0.0 * y_max)[..., None]
+        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
         # below the axis, as (8) is drawn
-        y = -y_max[..., None] * (1 - cos(np.pi * minimum(along, 1 - along)))
+        y = -spread(y_max) * (1 - cos(np.pi * minimum(along, 1 - along)))
         return Centerline(z=chord * along, y=y)
 
 

@@ -58,6 +58,7 @@ from .._arrays import (
     no,
     nodes,
     over,
+    spread,
     sqrt,
     total,
     where,
@@ -138,11 +139,11 @@ class Elastica(AbstractBuckling):
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _followed(column, strain)
         k, _ = _modulus(bent, _at(column, arc).load)
-        k = k[..., None]
+        k = spread(k)
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
-        scale = (column.rest_length * (1 - arc))[..., None] / (4 * integrals.K)
+        scale = spread(column.rest_length * (1 - arc)) / (4 * integrals.K)
         # below the axis, as (8) is drawn
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - cos(phase)))
 

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._arrays import both, either, expm1, no, stack, where
+from .._arrays import both, either, expm1, no, spread, stack, where
 from .._math import guarded
 from .._methods import Module
 from .._types import Batch, BoolBatch, IntBatch
@@ -150,8 +150,8 @@ class Pressurized(NamedTuple):
         bowed = self.law.buckling.shape(self.column, held, points)
         safe = self._safe(collapsed, strain)
         hinged = self.law.post_collapse.shape(self.column, safe, points)
-        straight = (self.column.rest_length * (1 - strain))[..., None] * np.linspace(0, 1, points)
-        pulled, collapsed = pulled[..., None], collapsed[..., None]
+        straight = spread(self.column.rest_length * (1 - strain)) * np.linspace(0, 1, points)
+        pulled, collapsed = spread(pulled), spread(collapsed)
         return Centerline(
             z=where(pulled, straight, where(collapsed, hinged.z, bowed.z)),
             y=where(pulled, 0.0, where(collapsed, hinged.y, bowed.y)),

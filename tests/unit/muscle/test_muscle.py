@@ -9,8 +9,8 @@ from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.muscle.buckling import Kim2021
-from fascicle.muscle.collapse import Derived, Wood1958
+from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
+from fascicle.muscle.collapse import POST_COLLAPSE_LAWS, Derived, Wood1958
 from fascicle.muscle.tension import Ideal
 
 
@@ -201,6 +201,20 @@ def test_refuses_what_is_off_the_domain(pressure, strain, message):
         with pytest.raises(ValueError, match=message) as caught:
             method(pressure, strain)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("buckling", list(BUCKLING_LAWS))
+@pytest.mark.parametrize("law", list(POST_COLLAPSE_LAWS))
+def test_a_shape_at_plain_numbers_is_the_arrays(buckling, law):
+    muscle = fs.Muscle.from_dimensions(
+        0.127, 6.35e-3, 1.6e-3, math.radians(24), buckling=buckling, post_collapse=law
+    )
+    P, eps = np.meshgrid([0.0, 1e5], [0.0, 0.1, 0.3, 0.5])
+    every = muscle.shape(P, eps, points=11)
+    for place in np.ndindex(P.shape):
+        one = muscle.shape(float(P[place]), float(eps[place]), points=11)
+        assert one.z.shape == (11,)
+        assert_allclose(one, (every.z[place], every.y[place]), atol=1e-12)
 
 
 def test_refuses_a_shape_of_too_few_points():
