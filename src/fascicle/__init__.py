@@ -7,21 +7,13 @@ it, and be warned once.
 """
 
 import importlib
-import os
-import sys
-import warnings
-from typing import TYPE_CHECKING, Any
+
+from ._float64 import switch_on
 
 
-if os.environ.setdefault("JAX_ENABLE_X64", "1").lower() in {"0", "false"}:
-    warnings.warn(
-        "fascicle runs in float32 since JAX_ENABLE_X64 is off: roots lose their precision.",
-        stacklevel=2,
-    )
-elif "jax" in sys.modules:
-    # JAX has read the environment already
-    sys.modules["jax"].config.update("jax_enable_x64", True)
+switch_on()
 
+TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than all of this
 if TYPE_CHECKING:
     from . import calibrate as calibrate
     from . import design as design
@@ -83,7 +75,7 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home = _HOMES[name]

@@ -51,6 +51,21 @@ def test_importing_switches_to_double_precision():
     )
 
 
+def test_importing_leaves_the_environment_alone():
+    loaded(
+        "import os, jax\nbefore = dict(os.environ)\n"  # JAX has settings of its own
+        "import fascicle as fs\nfs.example('kim2021_figure_6').force(1e5, 0.1)\n"
+        "assert dict(os.environ) == before"
+    )
+
+
+def test_jax_is_switched_whenever_it_comes():
+    checked = "assert jax.config.jax_enable_x64\nassert jax.numpy.asarray(1.0).dtype == 'float64'"
+    for order in ("import jax, fascicle", "import fascicle, jax",
+                  "import fascicle, jax.numpy, jax", "import fascicle.muscle, jax"):  # fmt: skip
+        loaded(f"{order}\n{checked}")
+
+
 def test_single_precision_asked_for_is_kept_and_warned_about_once():
     loaded(
         "import os, warnings\nos.environ['JAX_ENABLE_X64'] = '0'\n"

@@ -8,7 +8,6 @@ import signal
 import sys
 from collections.abc import Iterator
 from functools import cache
-from typing import Any
 
 
 CODE = 130  # as shells have it: 128 and the signal's number
@@ -40,7 +39,7 @@ def not_dropped() -> Iterator[None]:
     """Inside, Ctrl-C that falls into a callback, which can't be ended by it, comes again."""
     before = sys.unraisablehook
 
-    def hook(dropped: Any) -> None:
+    def hook(dropped: "sys.UnraisableHookArgs") -> None:
         if dropped.exc_type is KeyboardInterrupt:
             _thread.interrupt_main()
         else:
