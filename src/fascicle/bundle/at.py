@@ -34,6 +34,12 @@ class Pressurized(NamedTuple):
         seen = plate_strain(self.ratios, LARGEST_STRAIN)
         return library(seen).min(seen, axis=-1)
 
+    @property
+    def nearest(self) -> Numbers:
+        """The strain of the bundle [-] at which the fibers of one of its muscles are straight."""
+        straight = self._seen(self.each(_straight))
+        return library(straight).max(straight, axis=-1)
+
     def of(self, lane: Any) -> "Pressurized":
         """Those of the lanes [-] that are asked for, where lanes are the last axis but two."""
         return jax.tree.map(lambda x: x if np.ndim(x) < 3 else x[..., lane, :, :], self)
@@ -89,3 +95,7 @@ class Pressurized(NamedTuple):
             return values[0]
         order = np.argsort([i for places in self.places for i in places])
         return library(*values).concatenate(values, axis=-1)[..., order]
+
+
+def _straight(muscle: MusclesAtPressures) -> Numbers:
+    return muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain

@@ -19,7 +19,7 @@ each one's is, and the bundle is told the distance at rest.
 
 import math
 from collections.abc import Sequence
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -28,10 +28,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, where
-from .._checks import as_given, concrete, one_of, within
+from .._checks import as_given, concrete, finite, one_of, within
 from .._evaluate import evaluate
 from .._limits import whole
-from .._methods import Module
+from .._methods import Module, kept, renewed
 from .._tiles import rows
 from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
@@ -39,7 +39,7 @@ from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
-from .zeros import first_zero, zeros
+from .zeros import first_zero, loaded, zeros
 
 
 SCHEMES = ("orderly", "batch")
@@ -115,7 +115,7 @@ class Bundle(Module):
         common = self.motor_units[0].muscle.length
         return common if self.plate_distance is None else self.plate_distance
 
-    @cached_property
+    @kept
     def ratios(self) -> Numbers | None:
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` where all are 1."""
         if self.plate_distance is None:
@@ -123,12 +123,12 @@ class Bundle(Module):
         L = self.plate_distance
         return _joined([L / unit.muscle.length for unit in self.motor_units])
 
-    @cached_property
+    @kept
     def counts(self) -> Whole:
         """Muscles in each motor unit [-], on the last axis."""
         return _joined([unit.count for unit in self.motor_units])
 
-    @cached_property
+    @kept
     def rows(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
         """The units of the same laws, their muscles as one [-], which are computed at once."""
         return tuple(stacked([unit.muscle for unit in self.motor_units]))
@@ -199,6 +199,34 @@ class Bundle(Module):
         """
         P = self._pressures(pressures)
         return self._evaluated(_equilibria, 0, P, static=(bool(resistance),))
+
+    def strain_at(self, force: Values, pressures: Values) -> Equilibria:
+        """All strains at which the bundle pulls with a force: where a hanging load may rest.
+
+        **Arguments:**
+
+        - `force`: $F$ [N] between the plates, negative where they are pushed together.
+        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis; the rest
+          broadcasts against `force`.
+
+        **Returns:** `Equilibria`: strains [-] from straight fibers to the end of the domain, and
+        stability, NaN-padded on a new last axis; a `count` of 0 where none holds it.
+
+        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        """
+        F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
+        return self._evaluated(_strain_at, 0, P, F)
+
+    def replace(self, **changes: Any) -> "Bundle":
+        """The same bundle, but for some of its arguments.
+
+        **Arguments:** `changes`: those of the class, such as `scheme="batch"` [SI].
+
+        **Returns:** a new bundle [-]; this one stays as it is.
+
+        **Raises:** `ValueError`, one line, for unknown names and for what a bundle can't be.
+        """
+        return renewed(self, changes, length=self.plate_distance)
 
     def _strain(self, strain: Values) -> Batch:
         muscles = [unit.muscle for unit in self.motor_units]
@@ -271,6 +299,15 @@ def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilib
         there = strain > -np.inf
         return Equilibria(strain, there, library(there).sum(there, axis=-1))
     found = zeros(partial(pressurized, bundle), _lanes(pressures))
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
+
+
+def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria:
+    at_work = library(pressures, force)
+    shape = np.broadcast_shapes(pressures.shape[:-1], np.shape(force))
+    P = at_work.broadcast_to(pressures, (*shape, pressures.shape[-1]))
+    load = at_work.broadcast_to(force, shape).reshape(-1)
+    found = loaded(partial(pressurized, bundle), _lanes(P), load)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
 

@@ -272,7 +272,7 @@ def _joined(parts: list[Recruited]) -> Recruited:
 def _bank(bundle: Bundle, supply: Numbers, scheme: str, resistance: bool) -> Bank:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
     key = (scheme, resistance)
-    kept = vars(bundle).setdefault("_banks", {})
+    kept = bundle.store.setdefault("banks", {})
     if bundle.is_numpy and given(supply) and (known := kept.get(key)) and known[0] == supply:
         return known[1]
     muscles = [unit.muscle for unit in bundle.motor_units]

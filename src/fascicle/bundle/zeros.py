@@ -1,9 +1,10 @@
-r"""Zeros of a bundle's force in strain: the first one, and all of them.
+r"""Strains at which a bundle gives a force: of none, the first one and all, and of any force.
 
 A bundle's force at fixed pressures is smooth between the kinks of its units (free strain,
 onset of buckling, collapse), and before the first free strain all of them pull. So zeros are
 looked for in the stretches from there on, to the end of the domain: with most laws all push
-beyond the largest free strain, with some a unit may pull again.
+beyond the largest free strain, with some a unit may pull again. Other forces are looked for from
+where a muscle's fibers are straight.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from .._arrays import library, maximum, minimum, where
 from .._math import root, still
 from .._types import AnyArray, Numbers
 from .at import Pressurized
-from .crossings import changes, cut, sides
+from .crossings import Cut, changes, cut, sides
 from .lists import put, ranked
 
 
@@ -30,7 +31,7 @@ Lanes = Float[AnyArray, "lane unit"]
 
 
 class Zeros(NamedTuple):
-    """Strains of zero force [-], rising along the last axis, NaN where there are fewer; whether
+    """Strains of that force [-], rising along the last axis, NaN where there are fewer; whether
     the force falls there; how many there are [-].
     """
 
@@ -58,6 +59,25 @@ class _Units(NamedTuple):
         return self.terms(lane, strain)[0]
 
 
+class _Loaded(NamedTuple):
+    """The same less a `load` [N] that each lane holds."""
+
+    units: _Units
+    load: Numbers
+
+    def terms(self, lane: Any, strain: Any) -> tuple[Any, Any]:
+        """Forces of the units, the load's among them [N], and their slopes [N]."""
+        force, slope = self.units.terms(lane, strain)
+        at_work, held = library(force, self.load), -self.load[lane][:, None, None]
+        held = at_work.broadcast_to(held, (*force.shape[:-1], 1))
+        pairs = ((force, held), (slope, 0.0 * held))
+        return tuple(at_work.concatenate(pair, axis=-1) for pair in pairs)
+
+    def values(self, lane: Any, strain: Any) -> Any:
+        """Forces alone [N]."""
+        return self.terms(lane, strain)[0]
+
+
 def zeros(at: At, pressures: Lanes) -> Zeros:
     """All zeros of a bundle's force between its plates.
 
@@ -68,33 +88,76 @@ def zeros(at: At, pressures: Lanes) -> Zeros:
 
     **Returns:** strains [-], whether stable, and how many [-].
     """
-    step = together(pressures.shape[1])
-    if library(pressures) is not np or len(pressures) <= step:
-        return _zeros(at, pressures)
-    starts = range(0, len(pressures), step)
-    parts = [_zeros(at, pressures[start : start + step]) for start in starts]
+    return _in_blocks(_zeros, at, pressures)
+
+
+def loaded(at: At, pressures: Lanes, load: Float[AnyArray, " lane"]) -> Zeros:
+    """All strains at which a bundle holds a load.
+
+    **Arguments:**
+
+    - `at`: the bundle at pressures [Pa], units on the last axis [-].
+    - `pressures`: gauge pressures [Pa].
+    - `load`: what it pulls with [N].
+
+    **Returns:** strains [-], whether stable, and how many [-].
+    """
+    return _in_blocks(_loaded, at, pressures, load)
+
+
+def _in_blocks(search: Callable[..., Zeros], at: At, *lanes: Any) -> Zeros:
+    step, count = together(lanes[0].shape[1]), len(lanes[0])
+    if library(*lanes) is not np or count <= step:
+        return search(at, *lanes)
+    starts = range(0, count, step)
+    parts = [search(at, *(x[start : start + step] for x in lanes)) for start in starts]
     return Zeros(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _zeros(at: At, pressures: Lanes) -> Zeros:
-    lanes, count = pressures.shape
-    most = 2 * count + 1  # a unit adds one dip, before it collapses, so two at most
     live = at(pressures[:, None, :])
     here = still(live)
     low, largest, ends = _ends(here)
-
     units = _Units(here)
     stretches = sides(units, ends, _INSET)
     looked = cut(units, stretches, stretches.may_cross)
     # at the first free strain all pull, by definition; rounding may say otherwise there
     first = looked.nodes <= low[looked.lane][:, None]
-    found = changes(looked._replace(value=where(first, 1.0, looked.value)), lanes * most)
-    theta = (live.of(found.lane), where(found.falls, 1.0, -1.0)[:, None])
+    looked = looked._replace(value=where(first, 1.0, looked.value))
+
+    def settled(lane: Any, before: Any, strain: Any) -> Any:
+        # equal units vanish together, where they do
+        alike = (before <= low[lane]) & ((largest - low)[lane] <= _APART)
+        return where(alike, low[lane], strain)
+
+    return _solved(live, 0.0 * largest, looked, pressures.shape, settled)
+
+
+def _loaded(at: At, pressures: Lanes, load: Any) -> Zeros:
+    live = at(pressures[:, None, :])
+    here, held = still((live, load))
+    curves = _Loaded(_Units(here), held)
+    stretches = sides(curves, _all_ends(here), _INSET)
+    looked = cut(curves, stretches, stretches.may_cross)
+    return _solved(live, load, looked, pressures.shape)
+
+
+def _solved(
+    live: Pressurized,
+    load: Any,
+    looked: Cut,
+    shape: tuple[int, ...],
+    settled: Callable | None = None,
+) -> Zeros:
+    lanes, units = shape
+    most = 2 * units + 1  # a unit adds one dip, before it collapses, so two at most
+    found = changes(looked, lanes * most)
+    sense = where(found.falls, 1.0, -1.0)[:, None]
+    theta = (live.of(found.lane), sense, load[found.lane][:, None])
     bracket = (found.low[:, None], found.high[:, None])
     strain = root(_falling, theta, *bracket, 0.5 * (bracket[0] + bracket[1]))[:, 0]
-    # equal units vanish together, where they do
-    together = (found.low <= low[found.lane]) & ((largest - low)[found.lane] <= _APART)
-    strain = where(together, low[found.lane], strain)
+    if settled is not None:
+        strain = settled(found.lane, found.low, strain)
     rank, count = ranked(found.lane, found.total, lanes)
     table = ((lanes, most), (found.lane, rank))
     return Zeros(
@@ -121,8 +184,17 @@ def _ends(here: Pressurized) -> tuple[Any, Any, Any]:
     return low[:, 0], largest[:, 0], at_work.sort(ends, axis=-1)
 
 
-def _falling(theta: tuple[Pressurized, Numbers], strain: Numbers) -> tuple[Numbers, Numbers]:
-    """The bundle's force [N], made to fall, and its slope [N] at `strain` [-]."""
-    here, sense = theta
+def _all_ends(here: Pressurized) -> Any:
+    """The ends of each lane's stretches [-] from straight fibers to the end of the domain."""
+    at_work = library(here.free_strains)
+    none = 0.0 * here.free_strains[..., 0]
+    bottom, top = here.nearest + none, here.farthest + none
+    kinks = minimum(maximum(here.kinks, bottom[..., None]), top[..., None])
+    return at_work.sort(at_work.concatenate([bottom, *kinks[:, :, 0], top], axis=-1), axis=-1)
+
+
+def _falling(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
+    """The bundle's force beyond a load [N], made to fall, and its slope [N] at `strain` [-]."""
+    here, sense, load = theta
     force, slope = here.force(strain)
-    return sense * force, sense * slope
+    return sense * (force - load), sense * slope

@@ -40,6 +40,11 @@ class Braid(Module):
         """$1/\\tan^2\\alpha_0$ [-]; $1/\\sin^2\\alpha_0$ is one more."""
         return 1 / tan(self.angle) ** 2
 
+    @property
+    def straight(self) -> Batch:
+        """Strain [-] at which its fibers are straight, $1 - 1/\\cos\\alpha_0$."""
+        return 1 - 1 / cos(self.angle)
+
     def swell(self, strain: BatchLike) -> Batch:
         """Square of the radial stretch, $(r/r_0)^2$ [-], at `strain` [-], from (2)."""
         # cos² and sin² taken together: exactly 1 at rest, where forces must vanish

@@ -10,7 +10,6 @@ are checked once, and the law is evaluated, at once or compiled.
 
 import math
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 import jax
@@ -19,7 +18,7 @@ import numpy as np
 from .._checks import as_given, concrete, within
 from .._evaluate import evaluate
 from .._limits import size, slender
-from .._methods import Module
+from .._methods import Module, kept, renewed
 from .._tiles import fields
 from .._types import Batch, Values
 from .bladder import Bladder
@@ -145,14 +144,25 @@ class Muscle(Module):
             tuning,
         )
 
+    def replace(self, **changes: Any) -> "Muscle":
+        """The same muscle, but for some of its arguments.
+
+        **Arguments:** `changes`: those of `from_dimensions`, such as `wall_thickness=1e-3` [SI].
+
+        **Returns:** a new muscle [-]; this one stays as it is.
+
+        **Raises:** `ValueError`, one line, for unknown names and for what a muscle can't be.
+        """
+        return renewed(self, changes)
+
     # the parts the laws are written for, composed from the sizes
 
-    @cached_property
+    @kept
     def braid(self) -> Braid:
         """The braid at rest [-]."""
         return Braid(self.length, self.outer_radius, self.braid_angle)
 
-    @cached_property
+    @kept
     def bladder(self) -> Bladder:
         """The bladder inside it [-]."""
         return Bladder(self.braid, self.wall_thickness, self.material)
@@ -326,7 +336,7 @@ class Muscle(Module):
         points = math.prod(np.broadcast_shapes(*(np.shape(x) for x in arrays)))
         return evaluate(law, self, *arrays, points=points, cut=cut, static=static)
 
-    @cached_property
+    @kept
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
         t = self.tuning
@@ -334,7 +344,7 @@ class Muscle(Module):
         leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
         return t.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
 
-    @cached_property
+    @kept
     def _law_of_it(self) -> Piecewise:
         pull = TunedTension(self.tension, self.bladder, self.tuning)
         laws = (self.buckling, self.collapse, self.post_collapse)

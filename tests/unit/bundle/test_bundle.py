@@ -92,6 +92,65 @@ def test_equilibria_miss_none_that_a_fine_grid_finds():
     assert list(np.asarray(zeros.stable)[:3]) == [True, False, True]
 
 
+LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUnit(muscle, 2)],
+                 length=0.127)  # fmt: skip
+
+
+@pytest.mark.parametrize("bundle", [pair, unlike, LONG], ids=["pair", "unlike", "of two lengths"])
+def test_strains_that_hold_a_load_miss_none_that_a_fine_grid_finds(bundle):
+    random, count = np.random.default_rng(5), 30
+    P = random.uniform(0, FULL, (count, len(bundle.motor_units)))
+    P[random.random(P.shape) < 0.3] = 0.0
+    # from what stretches it to what pushes it together
+    F = random.uniform(-40, 900, count) * random.choice([1.0, 0.05], count)
+    found = bundle.strain_at(F, P)
+    grid = np.linspace(-0.15, 0.55, 20001)
+    over = np.asarray(bundle.force(P[:, None], grid)) - F[:, None]
+    lanes, places = np.nonzero((over[:, 1:] > 0) != (over[:, :-1] > 0))
+    assert len(lanes) > count / 2
+    for n, i in zip(lanes, places, strict=True):
+        own = found.strain[n]
+        assert np.any((own > grid[i] - 1e-12) & (own < grid[i + 1] + 1e-12)), (n, grid[i], own)
+    n, slot = np.nonzero(np.isfinite(found.strain))
+    strain = found.strain[n, slot]
+    # a slope of some 1e4 N turns a root's 1e-14 into 1e-10 N
+    assert_allclose(bundle.force(P[n], strain), F[n], rtol=0, atol=1e-9)
+    inside = (strain > -0.15) & (strain < 0.549)
+    falls = np.asarray(bundle.force(P[n], strain + 1e-8) < bundle.force(P[n], strain - 1e-8))
+    assert list(found.stable[n, slot][inside]) == list(falls[inside])
+    assert list(found.count) == list(np.isfinite(found.strain).sum(axis=1))
+
+
+def test_a_load_of_none_is_held_at_the_equilibria():
+    P = np.array([[FULL, 69e3], [100e3, 100e3], [FULL, FULL]])
+    held, free = pair.strain_at(0.0, P), pair.equilibria(P)
+    assert list(held.count) == list(free.count)
+    assert_allclose(held.strain, free.strain, rtol=0, atol=1e-12)
+
+
+def test_strain_under_a_load_differentiates_by_load_and_pressure():
+    P, F, step = np.array([FULL, 69e3]), 20.0, 1e-3
+    by_load = jax.grad(lambda F: pair.strain_at(F, P).strain[0])(F)
+    differences = np.diff(pair.strain_at(np.array([F - step, F + step]), P).strain[:, 0])
+    assert_allclose(by_load, differences[0] / (2 * step), rtol=1e-6)  # a third derivative's share
+
+
+def test_what_is_replaced_is_checked_and_the_rest_stays():
+    batch = pair.replace(scheme="batch", supply_pressure=FULL)
+    assert (batch.scheme, batch.supply_pressure) == ("batch", FULL) and pair.scheme == "orderly"
+    assert batch.motor_units == pair.motor_units
+    assert LONG.replace(scheme="batch").plate_distance == LONG.plate_distance
+    thin = muscle.replace(wall_thickness=1e-3, buckling="elastica")
+    assert thin == fs.Muscle.from_dimensions(
+        **SIZES | {"wall_thickness": 1e-3}, buckling="elastica"
+    )
+    assert muscle.replace() == muscle
+    with pytest.raises(ValueError, match="`wall_thickness` must be less than `outer_radius`"):
+        muscle.replace(wall_thickness=7e-3)
+    with pytest.raises(ValueError, match="did you mean 'wall_thickness'"):
+        muscle.replace(wall_thicknes=1e-3)
+
+
 def test_equal_pressures_leave_the_muscle_its_own_free_strain():
     P = [100e3, 100e3]
     assert_allclose(pair.free_strain(P), muscle.free_strain(100e3), atol=1e-12)
