@@ -23,29 +23,27 @@ from ._checks import one_of
 Value = TypeVar("Value")
 
 
-class kept(Generic[Value]):  # noqa: N801 as `property` is written
+class kept(property, Generic[Value]):  # noqa: N801 as `property` is written
     """A property of a module that is worked out once."""
 
     def __init__(self, function: Callable[[Any], Value]):
         """**Arguments:** `function`: of the module [-]."""
-        self.function, self.__doc__ = function, function.__doc__
+        super().__init__(function)
 
     @overload
-    def __get__(self, module: None, kind: type) -> "kept[Value]": ...
+    def __get__(self, module: None, kind: type | None = None) -> "kept[Value]": ...
 
     @overload
-    def __get__(self, module: "Module", kind: type) -> Value: ...
+    def __get__(self, module: "Module", kind: type | None = None) -> Value: ...
 
-    def __get__(self, module: "Module | None", kind: type) -> "Value | kept[Value]":
+    def __get__(self, module: "Module | None", kind: type | None = None) -> "Value | kept[Value]":
         """The property of a `module` of that `kind` [-]."""
         if module is None:
             return self
         store = module.store
-        try:
-            return store[self.function]
-        except KeyError:
-            value = store[self.function] = self.function(module)
-            return value
+        if self not in store:
+            store[self] = super().__get__(module, kind)
+        return store[self]
 
 
 class Module(eqx.Module):

@@ -220,7 +220,7 @@ class Bundle(Module):
     def replace(self, **changes: Any) -> "Bundle":
         """The same bundle, but for some of its arguments.
 
-        **Arguments:** `changes`: those of the class, such as `scheme="batch"` [SI].
+        **Arguments:** `changes`: arguments of the class, such as `scheme="batch"` [-].
 
         **Returns:** a new bundle [-]; this one stays as it is.
 

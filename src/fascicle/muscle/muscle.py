@@ -131,23 +131,14 @@ class Muscle(Module):
         **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
         """
         return cls(
-            length,
-            outer_radius,
-            wall_thickness,
-            braid_angle,
-            material,
-            tension,
-            buckling,
-            collapse,
-            post_collapse,
-            transition_rate,
-            tuning,
-        )
+            length, outer_radius, wall_thickness, braid_angle, material, tension, buckling,
+            collapse, post_collapse, transition_rate, tuning,
+        )  # fmt: skip
 
     def replace(self, **changes: Any) -> "Muscle":
         """The same muscle, but for some of its arguments.
 
-        **Arguments:** `changes`: those of `from_dimensions`, such as `wall_thickness=1e-3` [SI].
+        **Arguments:** `changes`: arguments of the class, such as `wall_thickness=1e-3` [-].
 
         **Returns:** a new muscle [-]; this one stays as it is.
 
@@ -352,9 +343,6 @@ class Muscle(Module):
 
     def _law(self) -> Piecewise:
         return self._law_of_it
-
-
-# of a muscle that is NumPy's, of JAX's, or traced: `evaluate` says how
 
 
 def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
