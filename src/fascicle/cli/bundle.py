@@ -44,8 +44,9 @@ def run(
     from .compute import bundle_equilibria, bundle_force
 
     with refusing():
-        variables = bundle_force(bundle, states, strains, not no_resistance)
-        variables |= bundle_equilibria(bundle, states, not no_resistance)
+        # the zeros take most memory, and refuse what has none
+        zeros = bundle_equilibria(bundle, states, not no_resistance)
+        variables = bundle_force(bundle, states, strains, not no_resistance) | zeros
     outputs.give(
         variables,
         lambda: _table(variables),
