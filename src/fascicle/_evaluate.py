@@ -16,6 +16,8 @@ import numpy as np
 from jax.core import Tracer
 
 from ._arrays import given
+from ._checks import concrete
+from ._math import still
 from ._methods import Module
 
 
@@ -59,6 +61,18 @@ def evaluate(
         return cut(compiled(law, static), part, *arrays)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return _numbers(law(part, *arrays, *static))
+
+
+def at_rest(*things: Any) -> tuple | None:
+    """The same as NumPy's where they are traced for their derivatives alone, else `None`.
+
+    **Arguments:** `things`: modules and arrays [SI].
+
+    **Returns:** them without derivatives [SI].
+    """
+    if concrete(things) or not concrete(stopped := still(things)):
+        return None
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[()], stopped)
 
 
 @cache

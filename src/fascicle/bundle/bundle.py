@@ -29,7 +29,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, where
 from .._checks import as_given, concrete, finite, one_of, within
-from .._evaluate import evaluate
+from .._evaluate import at_rest, compiled, evaluate
 from .._limits import whole
 from .._methods import Module, kept, renewed
 from .._tiles import rows
@@ -39,7 +39,7 @@ from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
-from .zeros import first_zero, loaded, zeros
+from .zeros import carried, first_zero, loaded, zeros
 
 
 SCHEMES = ("orderly", "batch")
@@ -182,7 +182,11 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        return self._evaluated(_free_strain, 0, P, static=(bool(resistance),))
+        if not resistance or (rest := at_rest(self, P)) is None:
+            return self._evaluated(_free_strain, 0, P, static=(bool(resistance),))
+        bundle, still_P = rest
+        found = bundle.free_strain(still_P)
+        return compiled(_carried)(self, P, 0.0, np.asarray(found)[..., None])[..., 0]
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
@@ -198,7 +202,11 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        return self._evaluated(_equilibria, 0, P, static=(bool(resistance),))
+        if not resistance or (rest := at_rest(self, P)) is None:
+            return self._evaluated(_equilibria, 0, P, static=(bool(resistance),))
+        bundle, still_P = rest
+        found = bundle.equilibria(still_P)
+        return found._replace(strain=compiled(_carried)(self, P, 0.0, found.strain))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
         """All strains at which the bundle pulls with a force: where a hanging load may rest.
@@ -215,7 +223,11 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
-        return self._evaluated(_strain_at, 0, P, F)
+        if (rest := at_rest(self, F, P)) is None:
+            return self._evaluated(_strain_at, 0, P, F)
+        bundle, *still_ones = rest
+        found = bundle.strain_at(*still_ones)
+        return found._replace(strain=compiled(_carried)(self, P, F, found.strain))
 
     def replace(self, **changes: Any) -> "Bundle":
         """The same bundle, but for some of its arguments.
@@ -309,6 +321,12 @@ def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria
     load = at_work.broadcast_to(force, shape).reshape(-1)
     found = loaded(partial(pressurized, bundle), _lanes(P), load)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
+
+
+def _carried(bundle: Bundle, pressures: PerUnit, force: Numbers, strain: Numbers) -> Numbers:
+    """Strains that were found without derivatives [-], zeros last, with them."""
+    load = library(force).asarray(force)[..., None]
+    return carried(pressurized(bundle, pressures[..., None, :]), load, strain)
 
 
 def _lanes(pressures: PerUnit) -> PerUnit:

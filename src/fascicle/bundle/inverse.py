@@ -110,6 +110,30 @@ def recruited(
     )
 
 
+def carried(
+    live: Bank, force: Numbers, strain: Numbers, found: Recruited, *, scheme: str
+) -> Recruited:
+    """What was found without derivatives, with them.
+
+    **Arguments:**
+
+    - `live`: the bundle's curves [-].
+    - `force`: demanded [N], one for each `strain`.
+    - `strain`: the bundle's contractions [-].
+    - `found`: for them [-].
+    - `scheme`: "orderly" or "batch" [-].
+
+    **Returns:** the same [-].
+    """
+    state, at_work = found.state - 1, library(found.pressures)
+    level = at_work.take_along_axis(found.pressures, state[:, None], axis=1)[:, 0]
+    reached = found.status == REACHED
+    level = level / still(live.supply)
+    level, there = _live(live, force, strain, state, level, reached, found.force)
+    pressures = _pressures(state, level, live.supply, live.states, scheme)
+    return found._replace(pressures=pressures, force=there)
+
+
 def _at_ends(
     fixed: Bank, found: Found, state: Any, level: Numbers, strain: Numbers
 ) -> tuple[Numbers, Numbers, Any]:

@@ -24,14 +24,14 @@ from jaxtyping import Float, Int
 
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
-from .._evaluate import COMPILE_ABOVE, evaluate
+from .._evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
 from .._limits import plausible
 from .._types import Numbers, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
 from .bundle import SCHEMES, Bundle
 from .curves import Bank, bank
-from .inverse import Recruited, Solutions, recruited
+from .inverse import Recruited, Solutions, carried, recruited
 
 
 PREFERENCES = ("efficiency", "nearest")
@@ -228,7 +228,10 @@ def recruit(
     points = int(np.size(F) * np.size(eps)) * LOOKS * len(bundle.motor_units)
     arrays = (F, eps, P) if now is None else (F, eps, P, now)
     static = (scheme, bool(resistance))
-    return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
+    if (rest := at_rest(bundle, *arrays)) is None:
+        return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
+    found = evaluate(_in_parts, *rest, points=points, static=static)
+    return compiled(_carried, static)(bundle, *arrays[:3], found)
 
 
 def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
@@ -253,6 +256,18 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     ]
     whole = parts[0] if len(parts) == 1 else _joined(parts)
     return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
+
+
+def _carried(
+    bundle: Bundle, force: Any, strain: Any, supply: Any, found: Recruited, *static: Any
+) -> Recruited:
+    """What was found without derivatives, with them."""
+    scheme, resistance = static
+    curves, shape = _bank(bundle, supply, scheme, resistance), found.state.shape
+    F, eps = (jnp.broadcast_to(x, shape).reshape(-1) for x in (force, strain))
+    flat = jax.tree.map(lambda x: x.reshape((-1, *x.shape[len(shape) :])), found)
+    whole = carried(curves, F, eps, flat, scheme=scheme)
+    return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), whole)
 
 
 def _joined(parts: list[Recruited]) -> Recruited:

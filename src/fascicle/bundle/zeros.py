@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._arrays import library, maximum, minimum, where
-from .._math import root, still
+from .._arrays import isfinite, library, maximum, minimum, where
+from .._math import polished, searched, still
 from .._types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
@@ -155,9 +155,11 @@ def _solved(
     sense = where(found.falls, 1.0, -1.0)[:, None]
     theta = (live.of(found.lane), sense, load[found.lane][:, None])
     bracket = (found.low[:, None], found.high[:, None])
-    strain = root(_falling, theta, *bracket, 0.5 * (bracket[0] + bracket[1]))[:, 0]
+    middle = 0.5 * (bracket[0] + bracket[1])
+    strain = searched(_falling, *still((theta, *bracket, middle)))
     if settled is not None:
-        strain = settled(found.lane, found.low, strain)
+        strain = settled(found.lane, found.low, strain[:, 0])[:, None]
+    strain = polished(_falling, theta, polished(_falling, theta, strain))[:, 0]
     rank, count = ranked(found.lane, found.total, lanes)
     table = ((lanes, most), (found.lane, rank))
     return Zeros(
@@ -165,6 +167,22 @@ def _solved(
         put(False, *table, found.falls, found.total),
         count,
     )
+
+
+def carried(live: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
+    """Strains at which a bundle holds a load, with their derivatives.
+
+    **Arguments:**
+
+    - `live`: the bundle at pressures, with an axis of one ahead of units [-].
+    - `load`: what it pulls with [N], with an axis of one.
+    - `strain`: found, without derivatives [-]; where it is not finite there is none.
+
+    **Returns:** the same strains [-].
+    """
+    there = isfinite(strain)
+    theta, x = (live, 1.0, load), where(there, strain, 0.0)
+    return where(there, polished(_falling, theta, polished(_falling, theta, x)), strain)
 
 
 def first_zero(at: At, pressures: Lanes) -> Float[AnyArray, " lane"]:

@@ -151,6 +151,14 @@ def test_what_is_replaced_is_checked_and_the_rest_stays():
         muscle.replace(wall_thicknes=1e-3)
 
 
+@pytest.mark.slow
+def test_derivatives_are_the_same_compiled_and_at_once():
+    P = jnp.array([FULL, 69e3])
+    first = jax.grad(lambda P: pair.equilibria(P).strain[0])
+    assert_allclose(first(P), jax.jit(first)(P), rtol=1e-9)
+    assert_allclose(first(P), jax.grad(pair.free_strain)(P), rtol=1e-9)
+
+
 def test_equal_pressures_leave_the_muscle_its_own_free_strain():
     P = [100e3, 100e3]
     assert_allclose(pair.free_strain(P), muscle.free_strain(100e3), atol=1e-12)
@@ -174,6 +182,9 @@ def test_free_strain_differentiates_implicitly():
     step = 1.0  # Pa: central differences lose half the digits of a 1e-13 root
     numeric = (free(40e3 + step) - free(40e3 - step)) / (2 * step)
     assert_allclose(slope, numeric, rtol=1e-4)
+    # together equal units go as one muscle does
+    P, free_alone = jnp.array([FULL, FULL]), jax.grad(muscle.free_strain)(FULL)
+    assert_allclose(jax.grad(pair.free_strain)(P).sum(), free_alone, rtol=1e-9)
     by_muscle = eqx.filter_grad(lambda b: b.free_strain(jnp.array([FULL, 40e3])))(pair)
     leaves = jax.tree.leaves(eqx.filter(by_muscle, eqx.is_inexact_array))
     assert leaves and all(np.all(np.isfinite(leaf)) for leaf in leaves)
