@@ -17,7 +17,7 @@ UNITS = 8
 
 
 def rows(small: bool = False) -> list[Row]:
-    count, block, points = (8, 4, 500) if small else (100_000, 10_000, 1_000_000)
+    count, block, points = (8, 4, 500) if small else (20_000, 5_000, 1_000_000)
     bundle, pressures = unlike_bundle(UNITS), unit_pressures(count, UNITS)
     blocks = [pressures[i : i + block] for i in range(0, count, block)]
     one_muscle, cloud = muscle().compile(), scattered(points)

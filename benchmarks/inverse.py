@@ -22,7 +22,7 @@ UNITS = 4
 
 
 def rows(small: bool = False) -> list[Row]:
-    units, count, batch, calls = (2, 20, 4, 5) if small else (UNITS, 100_000, 64, 1000)
+    units, count, batch, calls = (2, 20, 4, 5) if small else (UNITS, 100_000, 64, 300)
     bundle = unlike_bundle(units)
     random = np.random.default_rng(4)
     strain = random.uniform(0.0, 0.25, count)
@@ -46,7 +46,7 @@ def rows(small: bool = False) -> list[Row]:
     points = list(zip(force[:calls].tolist(), strain[:calls].tolist(), strict=True))
     recruit(*points[0])
     slow = []
-    for _ in range(1 if small else 9):
+    for _ in range(1 if small else 3):
         spent = []
         for point in points:
             start = time.perf_counter()
