@@ -49,8 +49,7 @@ def root(
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and two more Newton steps take it to rounding and carry its derivatives.
     """
-    x = searched(residual, *still((theta, low, high, start)))
-    return polished(residual, theta, polished(residual, theta, x))
+    return finished(residual, theta, searched(residual, *still((theta, low, high, start))))
 
 
 def searched(
@@ -75,6 +74,11 @@ def searched(
     for _ in range(_WRITTEN_OUT):
         state = _stepped(state, *residual(theta, state.x))
     return at_work.still(state.x)
+
+
+def finished(residual: Residual, theta: Any, x: Batch) -> Batch:
+    """Two Newton steps from about a root `x`: to rounding, and with its derivatives by `theta`."""
+    return polished(residual, theta, polished(residual, theta, x))
 
 
 def polished(residual: Residual, theta: Any, x: Batch) -> Batch:

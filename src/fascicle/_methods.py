@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar, overload
 
 import equinox as eqx
 import jax
+import numpy as np
 
 from ._arrays import given
 from ._checks import one_of
@@ -71,7 +72,13 @@ class Module(eqx.Module):
         return given(*jax.tree.leaves(self))
 
 
+Tree = TypeVar("Tree")
 Kind = TypeVar("Kind", bound=Module)
+
+
+def numbers(tree: Tree) -> Tree:
+    """The same `tree` of modules and arrays [-] with NumPy's numbers and arrays alone."""
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[()], tree)
 
 
 def renewed(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:

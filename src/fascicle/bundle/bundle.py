@@ -182,11 +182,9 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        if not resistance or (rest := at_rest(self, P)) is None:
-            return self._evaluated(_free_strain, 0, P, static=(bool(resistance),))
-        bundle, still_P = rest
-        found = bundle.free_strain(still_P)
-        return compiled(_carried)(self, P, 0.0, np.asarray(found)[..., None])[..., 0]
+        if not resistance:
+            return self._evaluated(_free_strain, 0, P, static=(False,))
+        return self._sought(_free_strain, P, static=(True,))
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
@@ -202,11 +200,9 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P = self._pressures(pressures)
-        if not resistance or (rest := at_rest(self, P)) is None:
-            return self._evaluated(_equilibria, 0, P, static=(bool(resistance),))
-        bundle, still_P = rest
-        found = bundle.equilibria(still_P)
-        return found._replace(strain=compiled(_carried)(self, P, 0.0, found.strain))
+        if not resistance:
+            return self._evaluated(_equilibria, 0, P, static=(False,))
+        return self._sought(_equilibria, P, static=(True,))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
         """All strains at which the bundle pulls with a force: where a hanging load may rest.
@@ -223,11 +219,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
-        if (rest := at_rest(self, F, P)) is None:
-            return self._evaluated(_strain_at, 0, P, F)
-        bundle, *still_ones = rest
-        found = bundle.strain_at(*still_ones)
-        return found._replace(strain=compiled(_carried)(self, P, F, found.strain))
+        return self._sought(_strain_at, P, F)
 
     def replace(self, **changes: Any) -> "Bundle":
         """The same bundle, but for some of its arguments.
@@ -261,10 +253,23 @@ class Bundle(Module):
             unit.muscle.tuning.warn_beyond(P[..., i])
         return P
 
+    def _sought(self, law: Any, *arrays: Numbers, static: tuple = ()) -> Any:
+        """What a `law` finds by a search: at once, as compiled it is no faster, and so also where
+        derivatives are asked for, which the strains found then carry.
+        """
+        rest = at_rest(self, *arrays)
+        if rest is None:
+            return self._evaluated(law, 0, *arrays, static=static)
+        bundle, *at_once = rest
+        found = bundle._sought(law, *at_once, static=static)
+        if isinstance(found, Equilibria):
+            return found._replace(strain=compiled(_carried)(self, found.strain, *arrays))
+        return compiled(_carried)(self, found[..., None], *arrays)[..., 0]
+
     def _evaluated(
         self,
         law: Any,
-        points: int,  # none for a search: compiled, it is no faster
+        points: int,
         *arrays: Numbers,
         shape: tuple | None = None,
         static: tuple = (),
@@ -276,8 +281,7 @@ class Bundle(Module):
         def cut(function: Any, part: Module, pressures: PerUnit, *strain: Numbers) -> Any:
             flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
             more = (np.broadcast_to(x, shape).reshape(-1) for x in strain)
-            flat = flat.reshape(-1, flat.shape[-1])
-            found = rows(function, part, flat, *more)
+            found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
             return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
 
         return evaluate(law, self, *arrays, points=points, cut=cut if one else None, static=static)
@@ -323,7 +327,7 @@ def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
 
-def _carried(bundle: Bundle, pressures: PerUnit, force: Numbers, strain: Numbers) -> Numbers:
+def _carried(bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0) -> Numbers:
     """Strains that were found without derivatives [-], zeros last, with them."""
     load = library(force).asarray(force)[..., None]
     return carried(pressurized(bundle, pressures[..., None, :]), load, strain)

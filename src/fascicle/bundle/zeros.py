@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._arrays import isfinite, library, maximum, minimum, where
-from .._math import polished, searched, still
+from .._math import finished, searched, still
 from .._types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
@@ -159,7 +159,7 @@ def _solved(
     strain = searched(_falling, *still((theta, *bracket, middle)))
     if settled is not None:
         strain = settled(found.lane, found.low, strain[:, 0])[:, None]
-    strain = polished(_falling, theta, polished(_falling, theta, strain))[:, 0]
+    strain = finished(_falling, theta, strain)[:, 0]
     rank, count = ranked(found.lane, found.total, lanes)
     table = ((lanes, most), (found.lane, rank))
     return Zeros(
@@ -182,7 +182,7 @@ def carried(live: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
     """
     there = isfinite(strain)
     theta, x = (live, 1.0, load), where(there, strain, 0.0)
-    return where(there, polished(_falling, theta, polished(_falling, theta, x)), strain)
+    return where(there, finished(_falling, theta, x), strain)
 
 
 def first_zero(at: At, pressures: Lanes) -> Float[AnyArray, " lane"]:

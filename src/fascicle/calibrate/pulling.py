@@ -6,11 +6,11 @@ any push is therefore fitted by the tension law alone, which is much faster.
 """
 
 import equinox as eqx
-import jax
 import numpy as np
 
 from .._arrays import where
 from .._math import guarded
+from .._methods import numbers
 from .._types import Batch
 from ..muscle import Muscle
 from ..muscle.tuning import TunedTension, Tuning
@@ -47,13 +47,9 @@ def force_of(
     its slope with strain [N].
     """
     P, eps = np.asarray(pressure, float), np.asarray(strain, float)
-    pull = tension_of(_in_numbers(muscle)).pull(P, eps)
+    pull = tension_of(numbers(muscle)).pull(P, eps)
     found, slope, *_ = np.broadcast_arrays(pull.force, pull.slope, P, eps)
     return found, slope
-
-
-def _in_numbers(muscle: Muscle) -> Muscle:
-    return jax.tree.map(np.asarray, muscle)
 
 
 def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -63,6 +59,6 @@ def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.nda
     P, F = np.broadcast_arrays(np.asarray(pressure, float), np.asarray(force, float))
     low = 0.5 * (1 - 1 / np.cos(float(muscle.braid_angle)))  # as the law's own search
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        strain = free_strain_at(_in_numbers(muscle), P, F)
+        strain = free_strain_at(numbers(muscle), P, F)
     # some laws have no number where nothing pushes so hard
     return np.where(np.isnan(strain), _SHORTEST, np.clip(strain, low, _SHORTEST))

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
+from .._methods import numbers
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
-from .rows import numbers, sized
+from .rows import sized
 from .splits import label
 from .task import Task
 

@@ -12,11 +12,12 @@ import numpy as np
 from jaxtyping import Float
 
 from .._evaluate import COMPILE_ABOVE
+from .._methods import numbers
 from ..muscle import Muscle
 from .designs import Designs
 from .objectives import known, needs
 from .outcome import Demand
-from .rows import Rows, numbers
+from .rows import Rows
 from .shared import Prepared, all_prepared, shared_objectives
 from .task import Task
 from .unlike import Sizes, unlike_objectives

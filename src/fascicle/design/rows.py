@@ -3,8 +3,6 @@
 from typing import Any, NamedTuple
 
 import equinox as eqx
-import jax
-import numpy as np
 
 from .._types import Numbers
 from ..muscle import Muscle
@@ -51,8 +49,3 @@ def sized(
         drawing,
         (length, radius, wall, angle),
     )
-
-
-def numbers(muscle: Muscle) -> Muscle:
-    """The same `muscle` [-] of NumPy's numbers and arrays alone, so that it answers at once."""
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[()], muscle)

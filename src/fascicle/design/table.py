@@ -95,7 +95,7 @@ def tabulated(
     tension, tuning = rows.drawing.tension, rows.drawing.tuning
     if not (isinstance(tension, _LINEAR) and tuning.pressures.shape[-1] == 1):
         step = max(1, _AT_ONCE // largest.size)
-        for some in _filled_up(len(pressure), min(step, len(pressure))):
+        for some in filled_up(len(pressure), min(step, len(pressure))):
             pull = run(_largest_pull, compiling)(rows, pressure[some], strain)
             largest = np.maximum(largest, pull)
     pushed = (full < 0) | (largest < 0)
@@ -145,6 +145,20 @@ def run(law: Callable, compiling: bool, *static: Any) -> Callable:
             return law(*arrays, *static)
 
     return at_once
+
+
+def filled_up(count: int, step: int) -> list[np.ndarray]:
+    """Places to work on one step after another: what is compiled has as many in every call.
+
+    **Arguments:**
+
+    - `count`: of the places [-].
+    - `step`: how many there are in a step [-].
+
+    **Returns:** those of each step [-]; the last repeats its own, where it is short.
+    """
+    starts = range(0, count, step)
+    return [np.minimum(np.arange(start, start + step), count - 1) for start in starts]
 
 
 def sizes_at(
@@ -219,18 +233,11 @@ def _whole_law(
     points, lanes = (np.flatnonzero(asked.any(axis=axis)) for axis in (1, 0))
     compiling = compiling and points.size * lanes.size * len(pressure) > COMPILE_ABOVE
     if compiling:
-        (some,) = _filled_up(points.size, 1 << (points.size - 1).bit_length())
+        (some,) = filled_up(points.size, 1 << (points.size - 1).bit_length())
         points = points[some]
     step = max(1, _AT_ONCE // (points.size * len(pressure)))
-    for some in _filled_up(lanes.size, step if compiling else min(step, lanes.size)):
+    for some in filled_up(lanes.size, step if compiling else min(step, lanes.size)):
         down, across = np.ix_(points, lanes[some])
         law = run(_largest_force, compiling)
         found[:, down, across] = law(each.take(lanes[some]), pressure, eps[down, across])
     return found.reshape((2, *strain.shape))
-
-
-def _filled_up(count: int, step: int) -> list[np.ndarray]:
-    """Places up to `count`, so many in a step; the last repeats its own, where it is short."""
-    return [
-        np.minimum(np.arange(start, start + step), count - 1) for start in range(0, count, step)
-    ]

@@ -23,7 +23,7 @@ from .objectives import judged
 from .outcome import Demand, Outcome, visited
 from .packing import bowed_diameter
 from .rows import Rows
-from .table import UNLIKE, Resolution, Table, highest, run, tabulated
+from .table import UNLIKE, Resolution, Table, filled_up, highest, run, tabulated
 
 
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache
@@ -77,9 +77,7 @@ def unlike_objectives(
     # twice as many: most of a table is the tension law's, which takes little
     step = max(1, min(2 * _AT_ONCE // forces, designs))
     values = np.empty((len(names), designs))
-    for start in range(0, designs, step):
-        # filled up: what is compiled has as many designs in every call
-        places = np.minimum(np.arange(start, start + step), designs - 1)
+    for places in filled_up(designs, step):
         counts, length, radius, wall, angle = (x[places].T for x in own)
         rows = Rows(drawing, length + 0.0 * radius, radius, wall, angle)
         table = tabulated(rows, demand, needs, resolution.level, compiling)
