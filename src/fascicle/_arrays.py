@@ -12,6 +12,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ._dual import Dual
+
 
 _PLAIN = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
 _SCALAR = (float, int, np.generic)
@@ -179,7 +181,9 @@ def most(x: Any) -> Any:
 
 def spread(x: Any) -> Any:
     """`x` with a new last axis, along which a table goes."""
-    return x if type(x) in _OTHERS else library(x).asarray(x)[..., None]
+    if type(x) in _OTHERS:
+        return x
+    return (x if isinstance(x, Dual) else library(x).asarray(x))[..., None]
 
 
 def along_table(x: Any) -> Any:

@@ -17,6 +17,7 @@ from jax.core import Tracer
 
 from ._arrays import given
 from ._checks import concrete
+from ._derived import derived, followed
 from ._math import still
 from ._methods import Module, numbers
 
@@ -24,6 +25,8 @@ from ._methods import Module, numbers
 # law points of one call. NumPy takes some 2 µs for each, a compiled law 0.05 µs and a second to
 # compile, which half a million points are worth, and fewer where they come again and again
 COMPILE_ABOVE = 200_000
+# slopes of one call: NumPy takes some 5 µs for each, compiling a law and its slopes 3 to 10 s
+SLOPES_AT_ONCE = 100_000
 
 Function = Callable[..., Any]
 
@@ -51,16 +54,30 @@ def evaluate(
     """
     many = points > COMPILE_ABOVE
     if not part.is_numpy:
-        return compiled(law, static)(part, *arrays)
+        return traced(law, part, *arrays, points=points, static=static)
     if not given(*arrays):
         if many or not all(given(x) or _at_hand(x) for x in arrays):
-            return compiled(law, static)(part, *arrays)
+            return traced(law, part, *arrays, points=points, static=static)
         at_once = evaluate(law, part, *map(_numbers, arrays), points=points, static=static)
         return jax.tree.map(jnp.asarray, at_once)
     if many and cut is not None:
         return cut(compiled(law, static), part, *arrays)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return _numbers(law(part, *arrays, *static))
+
+
+def traced(law: Function, part: Module, *arrays: Any, points: int, static: tuple = ()) -> Any:
+    """What is traced: compiled, but at once where few numbers are followed for their derivatives.
+
+    **Arguments:** as of `evaluate`; `arrays` may be trees of them.
+
+    **Returns:** what the law gives [SI], JAX's.
+    """
+    whole = compiled(law, static)
+    few = max(points, 1) * followed(part, *arrays) <= SLOPES_AT_ONCE
+    if not few or at_rest(part, *arrays) is None:
+        return whole(part, *arrays)
+    return derived(lambda *things: law(*things, *static), whole, part, *arrays)
 
 
 def at_rest(*things: Any) -> tuple | None:

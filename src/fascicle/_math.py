@@ -18,6 +18,7 @@ import numpy as np
 from jax import lax
 
 from ._arrays import absolute, arcsin, both, either, library, maximum, minimum, sin, sqrt, where
+from ._dual import Dual
 from ._types import Batch, BatchLike, BoolBatch
 
 
@@ -169,6 +170,8 @@ def still(values: Any) -> Any:
 
 
 def _stopped(x: Any) -> Any:
+    if isinstance(x, Dual):
+        return x.value
     at_work = library(x)
     if at_work is np:
         return x

@@ -3,6 +3,8 @@
 Values are NumPy's, slopes JAX's: one compiled function a combination of laws.
 """
 
+import math
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fascicle._dual import Dual
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
 from fascicle.muscle.corrected import Meller2014, TonduLopez
@@ -88,6 +91,22 @@ def slopes(muscle, pressure, strain):
     """Force and its derivative by pressure, strain and each number in the muscle, in a row."""
     force, by = jax.value_and_grad(lambda of: of[0].force(*of[1:]))((muscle, pressure, strain))
     return force, jnp.concatenate([jnp.ravel(leaf) for leaf in jax.tree.leaves(by)])
+
+
+def slopes_at_once(muscles, pressure, strain):
+    """The same by NumPy."""
+    leaves, form = jax.tree.flatten((muscles, pressure, strain))
+    widths = [math.prod(np.shape(leaf)[1:]) for leaf in leaves]
+    seeded, done = [], 0
+    for leaf, width in zip(leaves, widths, strict=True):
+        own = np.zeros((width, sum(widths)))
+        own[:, done : done + width] = np.eye(width)
+        seeded.append(Dual(leaf, np.broadcast_to(own, (N, *own.shape)).reshape(*leaf.shape, -1)))
+        done += width
+    own, P, eps = jax.tree.unflatten(form, seeded)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        force, _ = own._law().at(P).force(eps)
+    return force.value, force.slopes
 
 
 def exempt(laws, pressure):
@@ -219,8 +238,8 @@ def test_scaling(laws, random_muscles, random_points):
     )
 
 
-@compiled
-def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
+def special_points(laws, random_muscles, random_points):
+    """Muscles at no, full and other pressures, and strains: kinks, ends and others."""
     muscles = random_muscles(11, N, **laws)
     P, eps = random_points(12, muscles)
     low = np.asarray(1 - 1 / np.cos(muscles.braid_angle))
@@ -229,17 +248,30 @@ def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
     _, kinks, _, _ = at(muscles, P, eps)
     free, onset, collapse = np.where(np.asarray(kinks) <= 0.6, kinks, 0.3).T
     for place in (eps, np.zeros(N), free, onset, collapse, low * (1 - 1e-6), np.full(N, 0.6)):
+        yield muscles, P, place
+
+
+@every
+def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
+    for muscles, P, place in special_points(laws, random_muscles, random_points):
+        force, row = slopes_at_once(muscles, P, place)
+        assert np.all(np.isfinite(force)) and np.all(np.isfinite(row[~exempt(laws, P)]))
+
+
+@compiled
+def test_finite_compiled_slopes_at_special_points(laws, random_muscles, random_points):
+    for muscles, P, place in special_points(laws, random_muscles, random_points):
         force, row = slopes(muscles, P, place)
         assert np.all(np.isfinite(force))
         assert np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
 
 
-@compiled
+@every
 def test_finite_slopes_anywhere(laws, random_muscles, random_points):
     muscles = random_muscles(13, N, **laws)
     P, eps = random_points(14, muscles)
-    force, row = slopes(muscles, P, eps)
-    assert np.all(np.isfinite(force)) and np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
+    force, row = slopes_at_once(muscles, P, eps)
+    assert np.all(np.isfinite(force)) and np.all(np.isfinite(row[~exempt(laws, P)]))
     # the derivative in strain is the force's: the row ends with it
     step = 1e-6
     inside = (eps < 0.6 - step) & (eps > 0.99 * np.asarray(1 - 1 / np.cos(muscles.braid_angle)))
@@ -304,7 +336,11 @@ def test_numpy_and_jax_give_the_same(laws, random_muscles, random_points):
         places += [np.where(there, kink + side, eps) for side in (-1e-9, 1e-9)]
     for strain in places:
         response, _, _, _ = at(muscles, P, strain)
-        force, _ = slopes(muscles, P, strain)
+        force, row = slopes(muscles, P, strain)
+        _, at_once = slopes_at_once(muscles, P, strain)
+        row = np.asarray(row)
+        apart = np.max(np.abs(at_once - row) / (np.abs(row) + np.abs(row).mean(axis=0)), axis=1)
+        assert np.quantile(apart[~exempt(laws, P)], 0.999) <= 1e-7
         assert isinstance(response.force, np.ndarray) and isinstance(force, jax.Array)
         # rounding of parts that cancel, grown where a root is nearly double
         size = np.abs(response.mesh) + np.abs(response.bladder) + np.abs(response.bending) + 1

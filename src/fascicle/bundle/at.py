@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from .._arrays import library
+from .._arrays import library, spread
 from .._types import Numbers, Whole
 from ..muscle.entry import LARGEST_STRAIN
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
@@ -52,7 +52,7 @@ class Pressurized(NamedTuple):
         """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
         units on the last axis.
         """
-        own = [library(strain).asarray(strain)[..., None] for strain in strains]
+        own = [spread(strain) for strain in strains]
         values = []
         for group, places in zip(self.groups, self.places, strict=True):
             if self.ratios is None:

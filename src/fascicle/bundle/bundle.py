@@ -27,9 +27,9 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._arrays import library, where
+from .._arrays import library, spread, where
 from .._checks import as_given, concrete, finite, one_of, within
-from .._evaluate import at_rest, compiled, evaluate
+from .._evaluate import at_rest, evaluate
 from .._limits import whole
 from .._methods import Module, kept, renewed
 from .._tiles import rows
@@ -262,9 +262,11 @@ class Bundle(Module):
             return self._evaluated(law, 0, *arrays, static=static)
         bundle, *at_once = rest
         found = bundle._sought(law, *at_once, static=static)
-        if isinstance(found, Equilibria):
-            return found._replace(strain=compiled(_carried)(self, found.strain, *arrays))
-        return compiled(_carried)(self, found[..., None], *arrays)[..., 0]
+        many = isinstance(found, Equilibria)
+        strain = found.strain if many else found[..., None]
+        points = 2 * np.size(strain) * len(self.motor_units)  # two steps carry them
+        strain = evaluate(_carried, self, strain, *arrays, points=points)
+        return found._replace(strain=strain) if many else strain[..., 0]
 
     def _evaluated(
         self,
@@ -329,8 +331,7 @@ def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria
 
 def _carried(bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0) -> Numbers:
     """Strains that were found without derivatives [-], zeros last, with them."""
-    load = library(force).asarray(force)[..., None]
-    return carried(pressurized(bundle, pressures[..., None, :]), load, strain)
+    return carried(pressurized(bundle, pressures[..., None, :]), spread(force), strain)
 
 
 def _lanes(pressures: PerUnit) -> PerUnit:
