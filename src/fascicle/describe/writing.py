@@ -17,7 +17,7 @@ from ..muscle.tension import TENSION_LAWS
 from ..muscle.tuning import Tuning
 from ..units import exact
 from .atomic import write_text
-from .calibration import calibration_lines
+from .calibration import calibration_text
 
 
 def save(
@@ -50,10 +50,8 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     **Raises:** `ValueError` for anything that a file can't describe.
     """
-    lines = ["format = 1", "", *_lines(obj)]
-    if calibration is not None:
-        lines += ["", *calibration_lines(calibration)]
-    return "\n".join(lines) + "\n"
+    text = "\n".join(["format = 1", "", *_lines(obj)]) + "\n"
+    return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
 def _lines(obj: Any) -> list[str]:
