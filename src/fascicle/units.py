@@ -36,6 +36,7 @@ class Dimension(NamedTuple):
     shown: str
     exact: tuple[str, ...]  # tried in this order when a value must be read back bitwise
     factors: Mapping[str, Fraction]
+    beyond: tuple[str, ...] = ()  # shown instead, in this order, where that is plainer to read
 
     @property
     def unitless(self) -> bool:
@@ -60,22 +61,26 @@ _MASS = {"kg": Fraction(1), "g": Fraction("1e-3"), "lb": Fraction("0.45359237")}
 _DENSITY = {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000)}
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
-    "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH),
+    "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH, ("m", "µm")),
     "angle": Dimension("an angle", "rad", "deg", ("deg", "rad"),
                        _table(rad=1, mrad="1e-3", deg=_DEGREE, degree=_DEGREE)),
-    "force": Dimension("a force", "N", "N", ("N",), _FORCE),
-    "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE),
+    "force": Dimension("a force", "N", "N", ("N",), _FORCE, ("kN", "mN")),
+    "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE,
+                          ("MPa", "Pa")),
     "inverse_pressure": Dimension("an inverse pressure", "1/Pa", "1/bar",
-                                  ("1/bar", "1/Pa"), _table(**_INVERSE)),
-    "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT)),
-    "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000)),
-    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60)),
-    "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS)),
+                                  ("1/bar", "1/Pa"), _table(**_INVERSE), ("1/kPa", "1/MPa")),
+    "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT), ("N*mm",)),
+    "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000),
+                        ("kJ", "mJ")),
+    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60), ("ms",)),
+    "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS),
+                           ("kN/mm", "N/m")),
     "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
-                        _table(**_VOLUME, L="1e-3", mL="1e-6")),
-    "mass": Dimension("a mass", "kg", "kg", ("g", "kg"), _table(**_MASS)),
+                        _table(**_VOLUME, L="1e-3", mL="1e-6"), ("cm^3", "m^3")),
+    "mass": Dimension("a mass", "kg", "kg", ("g", "kg"), _table(**_MASS), ("g",)),
     "linear_density": Dimension("a mass per length", "kg/m", "g/m", ("g/m", "kg/m"),
-                                _table(**{f"{m}/m": factor for m, factor in _MASS.items()})),
+                                _table(**{f"{m}/m": factor for m, factor in _MASS.items()}),
+                                ("kg/m",)),
     "density": Dimension("a density", "kg/m^3", "kg/m^3", ("kg/m^3",), _table(**_DENSITY)),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
     "number": Dimension("a number", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
@@ -164,7 +169,7 @@ def exact(value: float, dimension: str) -> str:
 
 
 def pretty(value: float, dimension: str, digits: int = 4) -> str:
-    """Write `value` for a reader: `"34.5 kPa"`.
+    """Write `value` for a reader: `"34.5 kPa"`, and `"10 m"` rather than `"1e+04 mm"`.
 
     **Arguments:**
 
@@ -177,7 +182,26 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
         return "-"
-    return f"{float(value) / float(kind.factors[kind.shown]):.{digits}g} {kind.shown}".strip()
+    units = (kind.shown, *kind.beyond)
+    scaled = {unit: float(value) / float(kind.factors[unit]) for unit in units}
+    plain = (unit for unit, x in scaled.items() if "e" not in f"{x:.{digits}g}")
+    nearest = min(units, key=lambda unit: abs(math.log10(abs(scaled[unit]) or 1.0)))
+    unit = next(plain, nearest)
+    return f"{figures(scaled[unit], digits)} {unit}".strip()
+
+
+def figures(value: float, digits: int = 4) -> str:
+    """Write a number for a reader: `"12300"` rather than `"1.23e+04"`.
+
+    **Arguments:**
+
+    - `value`: it [any unit].
+    - `digits`: how many count [-].
+
+    **Returns:** the text [-]; with an exponent only from ten million on, and below 0.0001.
+    """
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e" in text and 1 <= abs(value) < 1e7 else text
 
 
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
