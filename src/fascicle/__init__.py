@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from . import design as design
     from . import energetics as energetics
     from . import records as records
+    from ._refused import Refused as Refused
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
@@ -41,6 +42,7 @@ _HOMES = {
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
+    "Refused": "_refused",
     "Tuning": "muscle",
     "calibrate": "",
     "design": "",
@@ -60,6 +62,7 @@ __all__ = [
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",
+    "Refused",
     "Tuning",
     "calibrate",
     "design",

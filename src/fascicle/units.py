@@ -19,6 +19,8 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from ._refused import Refused
+
 
 MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory
 _MAX_TEXT = 100  # longest quantity: long digits and exponents make huge fractions
@@ -138,7 +140,8 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     name, values = name or dimension, []
     for entry in text.split(","):
         if not entry.strip():
-            raise ValueError(f"`{name}` has an empty entry in {_quote(text)}: drop the comma.")
+            rule = f"has an empty entry in {_quote(text)}"
+            raise Refused(name, rule, text, "drop the comma", shown="")
         if ":" in entry:
             values += _range(entry, dimension, name)
         else:
@@ -206,26 +209,30 @@ def figures(value: float, digits: int = 4) -> str:
 
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
-    what = f'`{name}` must be {kind.article}, such as "{example}"'
+
+    def refused(shown: str, remedy: str = "") -> Refused:
+        rule = f'must be {kind.article}, such as "{example}"'
+        return Refused(name, rule, text, remedy, shown=shown)
+
     if isinstance(text, int | float) and not isinstance(text, bool) and kind.unitless:
         text = repr(text)
     if isinstance(text, int | float) and not isinstance(text, bool):
-        raise ValueError(f"{what}, got the bare number {text!r}: write it with its unit.")
+        raise refused(f"the bare number {text!r}", "write it with its unit")
     if not isinstance(text, str):
-        raise ValueError(f"{what}, got {_quote(text)}.")
+        raise refused(_quote(text))
     match = _QUANTITY.fullmatch(text)
     if match is None or len(text) > _MAX_TEXT:
-        raise ValueError(f"{what}, got {_quote(text)}: start with a number.")
+        raise refused(_quote(text), "start with a number")
     number, unit = match[1], match[2].translate(_SPELLINGS)
     if not math.isfinite(float(number)):
-        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.")
+        raise refused(_quote(text), "it must be finite")
     if unit.startswith(","):
-        raise ValueError(f"{what}, got {_quote(text)}: write the decimals after a point.")
+        raise refused(_quote(text), "write the decimals after a point")
     if not unit and not kind.unitless:
-        raise ValueError(f"{what}, got the bare number {number}: write it with its unit.")
+        raise refused(f"the bare number {number}", "write it with its unit")
     factor = _factor(unit, dimension)
     if isinstance(factor, str):
-        raise ValueError(f"{what}, got {_quote(text)}: {factor}")
+        raise refused(_quote(text), factor.removesuffix("."))
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
     if dimension == "angle" and factor == _DEGREE:
@@ -233,7 +240,7 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     try:
         float(value)
     except OverflowError:
-        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.") from None
+        raise refused(_quote(text), "it must be finite") from None
     return value
 
 
@@ -273,12 +280,16 @@ def _registry() -> Any:
 def _range(text: str, dimension: str, name: str) -> list[float]:
     parts = text.split(":")
     if len(parts) != 3:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: write start:stop:step.")
+        raise Refused(
+            name, f"has the range {_quote(text)}", text, "write start:stop:step", shown=""
+        )
     start, stop, step = (Fraction(_exact(part, dimension, name)) for part in parts)
     if step == 0:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: its step must not be 0.")
+        raise Refused(
+            name, f"has the range {_quote(text)}", text, "its step must not be 0", shown=""
+        )
     if (stop - start) * step < 0:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: its step leads away.")
+        raise Refused(name, f"has the range {_quote(text)}", text, "its step leads away", shown="")
     count = (stop - start) / step
     if count > MAX_POINTS:
         raise _too_many(text, name)
@@ -289,7 +300,8 @@ def _range(text: str, dimension: str, name: str) -> list[float]:
 
 
 def _too_many(text: str, name: str) -> ValueError:
-    return ValueError(f"`{name}` has more than {MAX_POINTS} values in {_quote(text)}: take fewer.")
+    rule = f"has more than {MAX_POINTS} values in {_quote(text)}"
+    return Refused(name, rule, text, "take fewer", shown="")
 
 
 def _quote(value: Any) -> str:

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import log_ndtr
 
+from .._refused import Refused
 from .calibration import Calibration
 from .misfit import LOSSES
 from .parameters import put, values
@@ -82,7 +83,9 @@ def sample(
     **Raises:** `ValueError` for a robust loss, and where numpyro is missing.
     """
     if made.problem.loss != "linear":
-        raise ValueError(f"`loss` must be {LOSSES[0]} for a posterior: a robust one is no model.")
+        raise Refused(
+            "loss", f"must be {LOSSES[0]} for a posterior", None, "a robust one is no model"
+        )
     try:
         import numpyro
         from numpyro import distributions as dist

@@ -7,6 +7,8 @@ over it. It may hold anything that TOML can, one table deep; tomlkit spells it.
 from collections.abc import Mapping
 from typing import Any
 
+from .._refused import Refused
+
 
 _TABLE = "calibration"
 
@@ -42,7 +44,9 @@ def _plain(value: Any, key: str) -> Any:
         return [_plain(one, key) for one in value]
     if isinstance(value, bool | str | int | float):
         return value
-    raise ValueError(
-        f"`{_TABLE}` takes text, numbers, booleans, lists and one level of tables,"
-        f" got a {type(value).__name__} for {key!r}."
+    raise Refused(
+        _TABLE,
+        "takes text, numbers, booleans, lists and one level of tables",
+        (type(value).__name__, key),
+        shown=f"a {type(value).__name__} for {key!r}",
     )

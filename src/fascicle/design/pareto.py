@@ -15,6 +15,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .._refused import Refused
+
 
 Matrix = Float[np.ndarray, "design objective"]
 
@@ -35,7 +37,7 @@ def directed(
     """
     for name, sense in senses.items():
         if sense not in ("min", "max"):
-            raise ValueError(f"`{name}` must be 'min' or 'max', got {sense!r}.")
+            raise Refused(name, "must be 'min' or 'max'", sense)
     columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
     return np.stack(columns, axis=1) + 0.0
 
