@@ -60,7 +60,7 @@ class Posterior:
         return bool(np.all(self.r_hat < 1.01) and np.all(self.ess > 400) and self.divergences == 0)
 
     def interval(self, level: float = 0.9) -> np.ndarray:
-        """Ends of each parameter's central interval [SI unit], of probability `level` [-]."""
+        """Ends of each parameter's central interval [SI], of probability `level` [-]."""
         tail = 0.5 * (1 - level)
         return np.quantile(self.values, [tail, 1 - tail], axis=0).T
 

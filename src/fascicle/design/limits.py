@@ -21,7 +21,7 @@ class Limit(NamedTuple):
     most: float = np.inf
 
     def holds(self, values: Any) -> Any:
-        """Whether `values` [SI], of any shape, are within, up to rounding; a NaN isn't."""
+        """Whether `values` [SI], of any shape, are within [-], up to rounding; a NaN isn't."""
         return (values >= self.least - _hair(self.least)) & (values <= self.most + _hair(self.most))
 
     def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
