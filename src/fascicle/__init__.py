@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from . import design as design
     from . import energetics as energetics
     from . import records as records
+    from ._refused import Refused as Refused
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from .muscle import Tuning as Tuning
     from .muscle import materials as materials
 
-__version__ = "0.1.0"
+    __version__: str
 
 # each name loads what it needs when it is first used: the command line's help needs no JAX,
 # laws need no pint
@@ -41,6 +42,7 @@ _HOMES = {
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
+    "Refused": "_refused",
     "Tuning": "muscle",
     "calibrate": "",
     "design": "",
@@ -60,6 +62,7 @@ __all__ = [
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",
+    "Refused",
     "Tuning",
     "calibrate",
     "design",
@@ -76,6 +79,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        globals()[name] = _version()
+        return globals()[name]
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home = _HOMES[name]
@@ -87,4 +93,14 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOMES})
+    return sorted({*globals(), *_HOMES, "__version__"})
+
+
+def _version() -> str:
+    """What was installed, which pyproject.toml says and nothing else does."""
+    from importlib import metadata  # a tenth of what the command line's help takes
+
+    try:
+        return metadata.version(__name__)
+    except metadata.PackageNotFoundError:  # run from a folder that was never installed
+        return "0+unknown"

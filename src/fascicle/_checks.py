@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
+from ._refused import Refused
 from ._types import Batch, Values
 
 
@@ -41,7 +42,8 @@ def within(
         ends = f"{_number(low)}, {_number(high)}"
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
         rule = " ".join(part for part in (interval, _shown(unit), why) if part)
-        raise ValueError(f"`{name}` must lie in {rule}, got {_amount(x[~good].flat[0], unit)}.")
+        bad = float(x[~good].flat[0])
+        raise Refused(name, f"must lie in {rule}", bad, shown=_amount(bad, unit))
     return x[()]
 
 
@@ -52,9 +54,8 @@ def positive(value: Values, name: str, unit: str) -> Batch:
     x = _numeric(value, name, unit)
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
-        raise ValueError(
-            f"`{name}` must be positive and finite, got {_amount(x[~good].flat[0], unit)}."
-        )
+        bad = float(x[~good].flat[0])
+        raise Refused(name, "must be positive and finite", bad, shown=_amount(bad, unit))
     return x[()]
 
 
@@ -75,7 +76,8 @@ def one_of(name: str, choices: Iterable[str], what: str) -> str:
         return name
     near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ValueError(f"`{what}` {name!r} is unknown: {hint}choose one of {', '.join(known)}.")
+    remedy = f"{hint}choose one of {', '.join(known)}"
+    raise Refused(what, f"{name!r} is unknown", name, remedy, shown="")
 
 
 def concrete(*values: Values) -> bool:
@@ -103,4 +105,4 @@ def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
         return np.asarray(x.astype(float) + 0.0)  # no negative zero
     except (TypeError, ValueError):
         what = f"numbers in {unit}" if _shown(unit) else "dimensionless numbers"
-        raise ValueError(f"`{name}` takes {what}, got {value!r}.") from None
+        raise Refused(name, f"takes {what}", value, shown=repr(value)) from None

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._checks import concrete, finite, positive
+from ._refused import Refused
 from ._types import Batch, Values
 
 
@@ -107,8 +108,8 @@ def whole(value: Values, name: str) -> None:
         return
     n = np.asarray(value)
     if n.dtype.kind not in "iu" or np.any(n < 1):
-        got = reprlib.repr(value)
-        raise ValueError(f"`{name}` must be a whole number of at least 1, got {got}.")
+        rule = "must be a whole number of at least 1"
+        raise Refused(name, rule, value, shown=reprlib.repr(value))
     plausible(n, name)
 
 
@@ -124,8 +125,9 @@ def _within(value: Values, known: Range, name: str) -> None:
     good = (x >= known.least) & (x <= known.largest)
     if not np.all(good):
         rule = _interval(known.least, known.largest, known.unit)
-        got = _amount(x[~good].flat[0], known.unit)
-        raise ValueError(f"`{name}` must lie in {rule}, got {got}: check its unit.")
+        bad = float(x[~good].flat[0])
+        got = _amount(bad, known.unit)
+        raise Refused(name, f"must lie in {rule}", bad, "check its unit", shown=got)
     usual = (x >= known.low) & (x <= known.high)
     if not np.all(usual):
         rule = _interval(known.low, known.high, known.unit)

@@ -19,6 +19,8 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from ._refused import Refused
+
 
 MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory
 _MAX_TEXT = 100  # longest quantity: long digits and exponents make huge fractions
@@ -36,6 +38,7 @@ class Dimension(NamedTuple):
     shown: str
     exact: tuple[str, ...]  # tried in this order when a value must be read back bitwise
     factors: Mapping[str, Fraction]
+    beyond: tuple[str, ...] = ()  # shown instead, in this order, where that is plainer to read
 
     @property
     def unitless(self) -> bool:
@@ -60,22 +63,26 @@ _MASS = {"kg": Fraction(1), "g": Fraction("1e-3"), "lb": Fraction("0.45359237")}
 _DENSITY = {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000)}
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
-    "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH),
+    "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH, ("m", "µm")),
     "angle": Dimension("an angle", "rad", "deg", ("deg", "rad"),
                        _table(rad=1, mrad="1e-3", deg=_DEGREE, degree=_DEGREE)),
-    "force": Dimension("a force", "N", "N", ("N",), _FORCE),
-    "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE),
+    "force": Dimension("a force", "N", "N", ("N",), _FORCE, ("kN", "mN")),
+    "pressure": Dimension("a pressure", "Pa", "kPa", ("kPa", "Pa"), _PRESSURE,
+                          ("MPa", "Pa")),
     "inverse_pressure": Dimension("an inverse pressure", "1/Pa", "1/bar",
-                                  ("1/bar", "1/Pa"), _table(**_INVERSE)),
-    "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT)),
-    "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000)),
-    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60)),
-    "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS)),
+                                  ("1/bar", "1/Pa"), _table(**_INVERSE), ("1/kPa", "1/MPa")),
+    "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT), ("N*mm",)),
+    "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000),
+                        ("kJ", "mJ")),
+    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60), ("ms",)),
+    "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS),
+                           ("kN/mm", "N/m")),
     "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
-                        _table(**_VOLUME, L="1e-3", mL="1e-6")),
-    "mass": Dimension("a mass", "kg", "kg", ("g", "kg"), _table(**_MASS)),
+                        _table(**_VOLUME, L="1e-3", mL="1e-6"), ("cm^3", "m^3")),
+    "mass": Dimension("a mass", "kg", "kg", ("g", "kg"), _table(**_MASS), ("g",)),
     "linear_density": Dimension("a mass per length", "kg/m", "g/m", ("g/m", "kg/m"),
-                                _table(**{f"{m}/m": factor for m, factor in _MASS.items()})),
+                                _table(**{f"{m}/m": factor for m, factor in _MASS.items()}),
+                                ("kg/m",)),
     "density": Dimension("a density", "kg/m^3", "kg/m^3", ("kg/m^3",), _table(**_DENSITY)),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
     "number": Dimension("a number", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
@@ -133,7 +140,8 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     name, values = name or dimension, []
     for entry in text.split(","):
         if not entry.strip():
-            raise ValueError(f"`{name}` has an empty entry in {_quote(text)}: drop the comma.")
+            rule = f"has an empty entry in {_quote(text)}"
+            raise Refused(name, rule, text, "drop the comma", shown="")
         if ":" in entry:
             values += _range(entry, dimension, name)
         else:
@@ -164,7 +172,7 @@ def exact(value: float, dimension: str) -> str:
 
 
 def pretty(value: float, dimension: str, digits: int = 4) -> str:
-    """Write `value` for a reader: `"34.5 kPa"`.
+    """Write `value` for a reader: `"34.5 kPa"`, and `"10 m"` rather than `"1e+04 mm"`.
 
     **Arguments:**
 
@@ -177,31 +185,54 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
         return "-"
-    return f"{float(value) / float(kind.factors[kind.shown]):.{digits}g} {kind.shown}".strip()
+    units = (kind.shown, *kind.beyond)
+    scaled = {unit: float(value) / float(kind.factors[unit]) for unit in units}
+    plain = (unit for unit, x in scaled.items() if "e" not in f"{x:.{digits}g}")
+    nearest = min(units, key=lambda unit: abs(math.log10(abs(scaled[unit]) or 1.0)))
+    unit = next(plain, nearest)
+    return f"{figures(scaled[unit], digits)} {unit}".strip()
+
+
+def figures(value: float, digits: int = 4) -> str:
+    """Write a number for a reader: `"12300"` rather than `"1.23e+04"`.
+
+    **Arguments:**
+
+    - `value`: it [any unit].
+    - `digits`: how many count [-].
+
+    **Returns:** the text [-]; with an exponent only from ten million on, and below 0.0001.
+    """
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e" in text and 1 <= abs(value) < 1e7 else text
 
 
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
-    what = f'`{name}` must be {kind.article}, such as "{example}"'
+
+    def refused(shown: str, remedy: str = "") -> Refused:
+        rule = f'must be {kind.article}, such as "{example}"'
+        return Refused(name, rule, text, remedy, shown=shown)
+
     if isinstance(text, int | float) and not isinstance(text, bool) and kind.unitless:
         text = repr(text)
     if isinstance(text, int | float) and not isinstance(text, bool):
-        raise ValueError(f"{what}, got the bare number {text!r}: write it with its unit.")
+        raise refused(f"the bare number {text!r}", "write it with its unit")
     if not isinstance(text, str):
-        raise ValueError(f"{what}, got {_quote(text)}.")
+        raise refused(_quote(text))
     match = _QUANTITY.fullmatch(text)
     if match is None or len(text) > _MAX_TEXT:
-        raise ValueError(f"{what}, got {_quote(text)}: start with a number.")
+        raise refused(_quote(text), "start with a number")
     number, unit = match[1], match[2].translate(_SPELLINGS)
     if not math.isfinite(float(number)):
-        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.")
+        raise refused(_quote(text), "it must be finite")
     if unit.startswith(","):
-        raise ValueError(f"{what}, got {_quote(text)}: write the decimals after a point.")
+        raise refused(_quote(text), "write the decimals after a point")
     if not unit and not kind.unitless:
-        raise ValueError(f"{what}, got the bare number {number}: write it with its unit.")
+        raise refused(f"the bare number {number}", "write it with its unit")
     factor = _factor(unit, dimension)
     if isinstance(factor, str):
-        raise ValueError(f"{what}, got {_quote(text)}: {factor}")
+        raise refused(_quote(text), factor.removesuffix("."))
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
     if dimension == "angle" and factor == _DEGREE:
@@ -209,7 +240,7 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     try:
         float(value)
     except OverflowError:
-        raise ValueError(f"{what}, got {_quote(text)}: it must be finite.") from None
+        raise refused(_quote(text), "it must be finite") from None
     return value
 
 
@@ -249,12 +280,16 @@ def _registry() -> Any:
 def _range(text: str, dimension: str, name: str) -> list[float]:
     parts = text.split(":")
     if len(parts) != 3:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: write start:stop:step.")
+        raise Refused(
+            name, f"has the range {_quote(text)}", text, "write start:stop:step", shown=""
+        )
     start, stop, step = (Fraction(_exact(part, dimension, name)) for part in parts)
     if step == 0:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: its step must not be 0.")
+        raise Refused(
+            name, f"has the range {_quote(text)}", text, "its step must not be 0", shown=""
+        )
     if (stop - start) * step < 0:
-        raise ValueError(f"`{name}` has the range {_quote(text)}: its step leads away.")
+        raise Refused(name, f"has the range {_quote(text)}", text, "its step leads away", shown="")
     count = (stop - start) / step
     if count > MAX_POINTS:
         raise _too_many(text, name)
@@ -265,7 +300,8 @@ def _range(text: str, dimension: str, name: str) -> list[float]:
 
 
 def _too_many(text: str, name: str) -> ValueError:
-    return ValueError(f"`{name}` has more than {MAX_POINTS} values in {_quote(text)}: take fewer.")
+    rule = f"has more than {MAX_POINTS} values in {_quote(text)}"
+    return Refused(name, rule, text, "take fewer", shown="")
 
 
 def _quote(value: Any) -> str:

@@ -145,6 +145,36 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
 
 
+def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
+    P, eps = np.linspace(2.5e5, 6e5, 4), np.linspace(0, 0.08, 8)
+    force = np.asarray(muscle.force(P[:, None], eps))
+    force = force + np.random.default_rng(0).normal(size=force.shape)
+    force[2, ::3] += 60.0
+    there = np.arange(32) > 4  # fewer at the lowest: weights matter
+    records.write(records.Record.of(P[:, None], eps, force, synthetic=True).only(there), "d.csv")
+    how = ("--length", "200mm", "--outer-radius", "10mm", "--wall-thickness", "2mm",
+           "--braid-angle", "29deg", "--material", "latex", "--no-profile", "--json",
+           "--fit", "braid_angle,outer_radius", "--loss", "soft_l1", "--weights", "level",
+           "--starts", "2", "--seed", "3")  # fmt: skip
+
+    def told(*more):
+        code, out, _ = fascicle("calibrate", "d.csv", *how, *more)
+        assert code == 0
+        return json.loads(out)
+
+    rows = {row["label"]: row for row in told("--compare")["comparison"]}
+    for label, law in (("Klute-Hannaford", "klute_hannaford"), ("ideal", "ideal")):
+        alone, row = told("--tension", law), rows[f"{label}: braid_angle, outer_radius"]
+        assert row["rmse"] == pytest.approx(alone["rmse"], rel=1e-6)
+        assert row["status"] == alone["status"] and row["free"] == len(alone["parameters"])
+    # loss and weights were used: without them the error is another
+    plain = [one for one in how if one not in ("--loss", "soft_l1", "--weights", "level")]
+    code, out, _ = fascicle("calibrate", "d.csv", *plain, "--tension", "ideal")
+    assert code == 0 and abs(json.loads(out)["rmse"] / alone["rmse"] - 1) > 1e-3
+
+
 @pytest.fixture
 def refused(fascicle, folder, tmp_path):
     """Run a command that must be refused; its one line."""

@@ -3,8 +3,9 @@ import fascicle
 
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
-    "Bundle", "MooneyRivlin", "MotorUnit", "Muscle", "Tuning", "calibrate", "design", "energetics",
-    "example", "examples", "load", "materials", "records", "recruitment", "reversal", "save",
+    "Bundle", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Tuning", "calibrate", "design",
+    "energetics", "example", "examples", "load", "materials", "records", "recruitment", "reversal",
+    "save",
 ]  # fmt: skip
 
 

@@ -6,8 +6,8 @@ import sys
 
 
 HEAVY = {
-    "dask", "diffrax", "fascicle.cli", "IPython", "matplotlib", "netCDF4", "pandas", "panel",
-    "pint", "plotly", "pydantic", "rich", "typer", "xarray", "zarr",
+    "dask", "fascicle.cli", "IPython", "matplotlib", "moocore", "netCDF4", "pandas", "panel",
+    "pint", "plotly", "pydantic", "rich", "tomlkit", "typer", "xarray", "zarr",
 }  # fmt: skip
 
 

@@ -1,10 +1,15 @@
 """The project's own files agree with one another."""
 
+import ast
 import re
+import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import yaml
+
+import fascicle
 
 
 ROOT = Path(__file__).parents[2]
@@ -14,14 +19,45 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 def test_the_core_install_is_small():
     names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
     assert names == {
-        "jax", "equinox", "jaxtyping", "optimistix", "diffrax", "numpy", "pydantic", "pint",
-        "typer", "rich", "xarray", "netcdf4", "matplotlib",
+        "jax", "equinox", "jaxtyping", "optimistix", "numpy", "scipy", "pandas", "pydantic", "pint",
+        "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4", "matplotlib",
     }  # fmt: skip
+
+
+def imported() -> set[str]:
+    """Names of others' packages that a module of ours imports, at its top or in a function."""
+    found = set()
+    for path in Path(fascicle.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {name.name.split(".")[0] for name in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add(str(node.module).split(".")[0])
+    return found - set(sys.stdlib_module_names) - {"fascicle"}
+
+
+def test_what_is_imported_is_declared_and_the_core_imported():
+    whose = {
+        name: owner.lower()
+        for name, owners in metadata.packages_distributions().items()
+        for owner in owners
+    }
+    found = {whose[name] for name in imported()}
+    core = {re.split(r"[><=\[]", one)[0].lower() for one in PROJECT["dependencies"]}
+    extras = {
+        re.split(r"[><=\[]", one)[0].lower()
+        for name, wanted in PROJECT["optional-dependencies"].items()
+        for one in wanted
+        if name not in ("dev", "docs")
+    }
+    assert found - core - extras - {"distributed"} == set()  # dask's extra brings its own
+    assert core - found == {"netcdf4"}  # which xarray imports
 
 
 def test_the_version_is_one_number():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["version"] == PROJECT["version"]
+    assert fascicle.__version__ == metadata.version("fascicle") == PROJECT["version"]
     assert citation["preferred-citation"]["doi"] == "10.3390/act10030042"
     assert f"## {PROJECT['version']}" in (ROOT / "CHANGELOG.md").read_text()
 

@@ -5,6 +5,7 @@ form is one paragraph that gives the result's unit and its arguments'.
 """
 
 import ast
+import importlib
 import inspect
 import re
 import types
@@ -21,10 +22,10 @@ from fascicle.muscle.muscle import Response
 from fascicle.muscle.tension import TENSION_LAWS
 
 
-# SI only: a [kPa] is not found, and so fails
+# SI only: a [kPa] is not found, and so fails; [SI]: of values by name, each in its own
 UNITS = {
-    "-", "1/Pa", "1/s", "J", "J/m³", "N", "N/m", "N·m", "N·m²", "N·s", "Pa", "W", "kg", "m", "m²",
-    "m³", "m³/s", "m⁴", "m/s", "rad", "s",
+    "-", "1/Pa", "1/s", "J", "J/m³", "N", "N/m", "N·m", "N·m²", "N·s", "Pa", "SI", "W", "kg", "m",
+    "m²", "m³", "m³/s", "m⁴", "m/s", "rad", "s",
 }  # fmt: skip
 UNIT = re.compile(r"\[(" + "|".join(re.escape(unit) for unit in sorted(UNITS)) + r")\]")
 SECTION = re.compile(
@@ -54,7 +55,12 @@ def faults(function: Callable, owner: type | None = None) -> list[str]:
             "Arguments"
         ]
     for name in parameters:
-        entry = re.search(rf"(?:\A|- |; )`{name}`(.*?)(?=\n- `|; `|\Z)", arguments, re.DOTALL)
+        # several names may share an entry
+        entry = re.search(
+            rf"(?:\A|- |; )(?:`\w+`(?:, | and ))*`{name}`(.*?)(?=\n- `|; `|\Z)",
+            arguments,
+            re.DOTALL,
+        )
         if entry is None:
             wrong.append(f"`{name}` is not among its arguments")
         elif not UNIT.search(entry.group(1)):
@@ -77,17 +83,48 @@ def gives_a_result(function: Callable) -> bool:
     )
 
 
+API = re.compile(r"\.\. auto(?:function|class|method|exception):: fascicle\.(\S+)")
+MEMBERS = re.compile(r"\.\. automodule:: fascicle\.(\S+)\n   :members: (.*)")
+
+
 def public_objects() -> Iterator[tuple[str, object]]:
-    """The exported names, modules opened."""
-    for name in fascicle.__all__:
-        thing = getattr(fascicle, name)
-        if not isinstance(thing, types.ModuleType):
+    """What is exported, packages opened, and whatever else the API page shows."""
+    named = {name: getattr(fascicle, name) for name in fascicle.__all__}
+    for name, thing in list(named.items()):
+        if isinstance(thing, types.ModuleType):
+            del named[name]
+            named |= {f"{name}.{inner}": getattr(thing, inner) for inner in public_names(thing)}
+    page = (Path(__file__).parents[2] / "docs/api.md").read_text(encoding="utf-8")
+    shown = API.findall(page)
+    shown += [f"{home}.{one}" for home, many in MEMBERS.findall(page) for one in many.split(", ")]
+    for path in shown:
+        named[path] = resolved(path)
+    seen = []
+    for name, thing in named.items():
+        if callable(thing) and not any(thing is other for other in seen):
+            seen.append(thing)
             yield name, thing
-            continue
-        for inner, value in vars(thing).items():
-            ours = getattr(value, "__module__", None) == thing.__name__
-            if ours and not inner.startswith("_") and callable(value):
-                yield f"{name}.{inner}", value
+
+
+def resolved(path: str) -> object:
+    """What `fascicle.path` is; a function wins over the module of its name."""
+    thing: object = fascicle
+    for part in path.split("."):
+        if not hasattr(thing, part):
+            importlib.import_module(f"{thing.__name__}.{part}")  # type: ignore[attr-defined]
+        thing = getattr(thing, part)
+    return thing
+
+
+def public_names(module: types.ModuleType) -> list[str]:
+    """What a module exports; where it says nothing of that, what it or its own parts define."""
+    ours = [
+        name
+        for name, value in vars(module).items()
+        if str(getattr(value, "__module__", "")).startswith(module.__name__)
+        and not name.startswith("_")
+    ]
+    return list(getattr(module, "__all__", ours))
 
 
 def methods(owner: type) -> Iterator[tuple[str, Callable]]:
@@ -120,6 +157,18 @@ def cases() -> list:
         elif inspect.isroutine(thing) or hasattr(thing, "__wrapped__"):
             found.append(pytest.param(thing, None, id=name))
     return found
+
+
+def test_the_reader_opens_the_packages():
+    names = {name for name, _ in public_objects()}
+    for package in ("calibrate", "design", "energetics", "records"):
+        assert sum(name.startswith(f"{package}.") for name in names) >= 7
+    assert {
+        "calibrate.fit",
+        "energetics.work",
+        "design.objectives.margin",
+        "export.c_code",
+    } <= names
 
 
 @pytest.mark.parametrize(("function", "owner"), cases())

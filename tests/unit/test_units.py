@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fascicle.units import DIMENSIONS, MAX_POINTS, exact, parse, parse_list, pretty
+from fascicle.units import DIMENSIONS, MAX_POINTS, exact, figures, parse, parse_list, pretty
 
 
 REGISTRY = pint.UnitRegistry()
@@ -119,6 +119,40 @@ def test_pretty_text():
     assert pretty(34.5e3, "pressure") == "34.5 kPa"
     assert pretty(0.25, "strain") == "0.25"
     assert pretty(math.inf, "strain") == "-"
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension", "text"),
+    [
+        (10.0, "length", "10 m"),  # not 1e+04 mm
+        (9.9999, "length", "10 m"),
+        (9.99, "length", "9990 mm"),
+        (-12.345, "length", "-12.35 m"),
+        (2e-8, "length", "0.02 µm"),
+        (123456.0, "force", "123.5 kN"),
+        (1e-5, "pressure", "1e-05 Pa"),
+        (0.02, "pressure", "0.02 Pa"),
+        (98764.0, "mass", "98760 kg"),  # there is no larger unit
+        (1e7, "number", "1e+07"),
+        (0.0, "length", "0 mm"),
+    ],
+)
+def test_a_reader_gets_the_unit_that_needs_no_exponent(value, dimension, text):
+    assert pretty(value, dimension) == text
+
+
+@pytest.mark.parametrize("dimension", sorted(DIMENSIONS))
+def test_what_is_shown_reads_back(dimension):
+    for power in range(-6, 7):
+        value = 1.234 * 10.0**power
+        # of four figures the last may be rounded
+        assert parse(pretty(value, dimension), dimension) == pytest.approx(value, rel=5e-4)
+
+
+def test_figures_are_plain_up_to_ten_million():
+    assert [figures(x, 3) for x in (999.6, 1234.0, 9.87e6, 2e7, 0.5, -2345.0)] == [
+        "1000", "1230", "9870000", "2e+07", "0.5", "-2340"
+    ]  # fmt: skip
 
 
 def test_a_range_holds_both_ends_and_the_numbers_written():

@@ -32,6 +32,7 @@ from .._checks import as_given, concrete, finite, one_of, within
 from .._evaluate import at_rest, evaluate
 from .._limits import whole
 from .._methods import Module, kept, renewed
+from .._refused import Refused
 from .._tiles import rows
 from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
@@ -54,7 +55,7 @@ class MotorUnit(Module):
     def __init__(self, muscle: Muscle, count: Values = 1):
         """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
         if not isinstance(muscle, Muscle):
-            raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
+            raise Refused("muscle", "must be a Muscle", muscle)
         whole(count, "count")
         self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
 
@@ -98,10 +99,10 @@ class Bundle(Module):
         """
         units = tuple(motor_units)
         if not units:
-            raise ValueError("`motor_units` must hold at least one motor unit, got none.")
+            raise Refused("motor_units", "must hold at least one motor unit", None, shown="none")
         for unit in units:
             if not isinstance(unit, MotorUnit):
-                raise ValueError(f"`motor_units` must hold MotorUnit objects, got {unit!r}.")
+                raise Refused("motor_units", "must hold MotorUnit objects", unit)
         self.motor_units = units
         self.plate_distance = plate_distance(length, [unit.muscle for unit in units])
         self.supply_pressure = None
@@ -245,9 +246,11 @@ class Bundle(Module):
         P, n = _pressure(pressures), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != n:
             got = "a single pressure" if P.ndim == 0 else f"{P.shape[-1]}"
-            raise ValueError(
-                f"`pressures` must hold one pressure for each of the {n} motor units"
-                f" on the last axis, got {got}."
+            raise Refused(
+                "pressures",
+                f"must hold one pressure for each of the {n} motor units on the last axis",
+                P.shape[-1] if P.ndim else 1,
+                shown=got,
             )
         for i, unit in enumerate(self.motor_units):
             unit.muscle.tuning.warn_beyond(P[..., i])

@@ -17,6 +17,7 @@ import numpy as np
 
 from .._checks import as_given, concrete, within
 from .._limits import size
+from .._refused import Refused
 from .._types import Batch, Values
 from ..muscle import Muscle
 from ..muscle.entry import LARGEST_STRAIN, lowest_strain
@@ -91,10 +92,13 @@ def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:
     for i, muscle in enumerate(muscles, start=1):
         straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
         if np.any(longest >= straight):
-            raise ValueError(
-                f"`length` and the muscles' must stay below {float(np.min(straight)):g} m, where"
-                f" unit {i}'s fibers are straight, got {float(np.max(longest)):g} m: take lengths"
-                " that are nearer to each other."
+            raise Refused(
+                "length",
+                f"and the muscles' must stay below {float(np.min(straight)):g} m, where unit {i}'s"
+                " fibers are straight",
+                float(np.max(longest)),
+                "take lengths that are nearer to each other",
+                shown=f"{float(np.max(longest)):g} m",
             )
 
 
@@ -102,8 +106,11 @@ def _equal(lengths: Sequence[Batch]) -> None:
     first = np.asarray(lengths[0])
     for i, length in enumerate(lengths[1:], start=2):
         if not np.allclose(length, first, rtol=1e-9, atol=0):
-            raise ValueError(
-                "`motor_units` must hold muscles of one length, or `length` say how far apart the"
-                f" plates are at rest, in m, got {float(np.max(first)):g} m in unit 1 and"
-                f" {float(np.max(np.asarray(length))):g} m in unit {i}."
+            raise Refused(
+                "motor_units",
+                "must hold muscles of one length, or `length` say how far apart the plates are at"
+                " rest, in m",
+                float(np.max(np.asarray(length))),
+                shown=f"{float(np.max(first)):g} m in unit 1 and"
+                f" {float(np.max(np.asarray(length))):g} m in unit {i}",
             )

@@ -26,6 +26,7 @@ from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
 from .._evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
 from .._limits import plausible
+from .._refused import Refused
 from .._types import Numbers, Values
 from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
@@ -112,7 +113,7 @@ def pressures_of(
     **Raises:** `ValueError` for a state that doesn't exist or an unknown scheme.
     """
     if not 1 <= state <= units:
-        raise ValueError(f"`state` must lie in [1, {units}], got {state}.")
+        raise Refused("state", f"must lie in [1, {units}]", state)
     one_of(scheme, SCHEMES, "scheme")
     level = np.asarray(level, dtype=float)[..., None]
     place = np.arange(1, units + 1)
@@ -220,9 +221,11 @@ def recruit(
     now = None
     if prefer == "nearest":
         if present is None:
-            raise ValueError(
-                "`present` must be given in Pa with `prefer` 'nearest': a pressure for each"
-                f" of the {len(bundle.motor_units)} motor units."
+            raise Refused(
+                "present",
+                "must be given in Pa with `prefer` 'nearest'",
+                None,
+                f"a pressure for each of the {len(bundle.motor_units)} motor units",
             )
         now = bundle._pressures(present)
     points = int(np.size(F) * np.size(eps)) * LOOKS * len(bundle.motor_units)
@@ -380,7 +383,9 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     """
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
-        raise ValueError("`supply_pressure` must be given in Pa: the bundle has none of its own.")
+        raise Refused(
+            "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
+        )
     P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
     return float(plausible(P, "supply_pressure"))
 

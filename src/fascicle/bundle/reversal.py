@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._checks import within
+from .._refused import Refused
 from .._types import Values
 from .bundle import Bundle
 from .plates import muscle_strain
@@ -120,7 +121,7 @@ def onset_pressure(
     """
     supply = supply_of(bundle, supply_pressure)
     if not 1 <= unit <= len(bundle.motor_units):
-        raise ValueError(f"`unit` must lie in [1, {len(bundle.motor_units)}], got {unit}.")
+        raise Refused("unit", f"must lie in [1, {len(bundle.motor_units)}]", unit)
     muscle = bundle.motor_units[unit - 1].muscle
     eps = float(within(strain, -np.inf, np.inf, "strain", "-"))
     if bundle.ratios is not None:

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._checks import finite, one_of, positive
+from .._refused import Refused
 from ..muscle import Muscle
 from ..records.record import Record
 from .grid import WEIGHTS, Grid, weighed
@@ -119,9 +120,11 @@ def on_length(data: Grid, record: Record, muscle: Muscle) -> Grid:
 def _enough(data: Grid, free: Sequence[Parameter]) -> None:
     readings = int(np.sum(np.asarray(data.count) > 0))
     if readings < len(free):
-        raise ValueError(
-            f"`record` holds {readings} readings for {len(free)} parameters:"
-            " measure more points, or free fewer parameters."
+        raise Refused(
+            "record",
+            f"holds {readings} readings for {len(free)} parameters",
+            None,
+            "measure more points, or free fewer parameters",
         )
 
 
@@ -150,9 +153,12 @@ def _coordinate(parameter: Parameter, muscle: Muscle, value: float) -> float:
         low, high = (middle, high) if of(middle) < value else (low, middle)
     size = max(abs(of(0.0)), abs(value))
     if abs(of(low) - value) > 1e-9 * size:
-        raise ValueError(
-            f"`priors` of {parameter.name} must be a value that it can have in this muscle,"
-            f" got {value:g} (SI): check its unit."
+        raise Refused(
+            "priors",
+            f"of {parameter.name} must be a value that it can have in this muscle",
+            value,
+            "check its unit",
+            shown=f"{value:g} (SI)",
         )
     return low
 

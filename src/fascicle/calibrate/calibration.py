@@ -182,7 +182,8 @@ class Calibration:
         return in_words(self.solutions)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
-        """Coordinates drawn from the fit's normal approximation [-], one row a draw.
+        """Coordinates drawn from the fit's normal approximation [-], one row a draw; `count`: how
+        many [-], `seed`: of chance [-].
 
         Those that the data don't determine are kept at their fitted value: drawn from their
         prior they would only say that nothing is known.

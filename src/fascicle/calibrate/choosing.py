@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._refused import Refused
 from .candidates import BAND, LENGTH
 
 
@@ -102,8 +103,11 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """
     tried = [one for one in trials if one.judged]
     if not tried:
-        raise ValueError(
-            "`record` is too short to leave readings out: name what to fit, such as c10, c01."
+        raise Refused(
+            "record",
+            "is too short to leave readings out",
+            None,
+            "name what to fit, such as c10, c01",
         )
     best = min(tried, key=lambda one: one.candidate.left_out_rmse)
     far = _OUTLIER * best.candidate.left_out_rmse if loss != "linear" else np.inf

@@ -81,8 +81,8 @@ def sizes(left: Remainder, seen: Looked) -> list[tuple[float, int]]:
 
 
 def table(problem: Problem, left: Remainder, seen: Looked) -> np.ndarray:
-    """The discrepancy's columns at the places of a `problem`'s tables, each times its $\\tau$
-    [N]; 0 where nothing was measured.
+    """The discrepancy's columns at the places of a `problem`'s tables [-], each times its $\\tau$
+    [N]; 0 where nothing was measured. `left`: by the fit [-]; `seen`: what was found in it [-].
     """
     used = problem.data.uncensored
     count = int(np.sum(used))

@@ -12,6 +12,7 @@ from dataclasses import replace
 import equinox as eqx
 import numpy as np
 
+from .._refused import Refused
 from ..muscle import Muscle
 from ..muscle.tuning import Tuning
 from ..records.record import Record
@@ -114,9 +115,8 @@ def concluded(
     """
     data, start, chosen = problem.data, problem.muscle, problem.chosen
     if not np.all(np.isfinite(end.linear.residuals)):
-        raise ValueError(
-            "`muscle`: its laws have no number where the search begins: check sizes and constants."
-        )
+        rule = ": its laws have no number where the search begins"
+        raise Refused("muscle", rule, None, "check sizes and constants")
     left = remainder(problem, end, best, of.gathered.branch, of.gathered.time)
     seen = looked(left)
     trends, inflation = from_trends(problem, end, left, seen), widening(left, seen)

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..units import pretty
 from .solving import CONVERGED
 
 
@@ -198,8 +199,8 @@ def _use(made: "Calibration") -> list[str]:
     if "active_length" in made.names:
         length = float(made.muscle.length)
         lines.append(
-            f"The fitted muscle is {1e3 * length:.4g} mm long: its contractions refer to that, the"
-            f" record's to {_rest(made)}."
+            f"The fitted muscle is {pretty(length, 'length')} long: its contractions refer to that,"
+            f" the record's to {_rest(made)}."
         )
     return lines
 
@@ -222,7 +223,7 @@ def hysteresis(made: "Calibration") -> str:
 
 def _rest(made: "Calibration") -> str:
     rest = made.record.rest_length
-    return "the length it began with" if rest is None else f"{1e3 * rest:.4g} mm"
+    return "the length it began with" if rest is None else pretty(rest, "length")
 
 
 def _range(values: np.ndarray) -> str:

@@ -25,6 +25,7 @@ import jax
 
 from .._arrays import exp, expm1, library, log, maximum, where
 from .._checks import one_of
+from .._refused import Refused
 from .._types import Batch
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
@@ -224,7 +225,7 @@ def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
     """
     known = dict(PARAMETERS) | {parameter.name: parameter for parameter in _of_law(muscle)}
     if not names:
-        raise ValueError("`fit` must name at least one parameter, got none.")
+        raise Refused("fit", "must name at least one parameter", None, shown="none")
     for name in names:
         one_of(name, known, "fit")
     return tuple(parameter for name, parameter in known.items() if name in names)

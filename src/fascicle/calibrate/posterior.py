@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import log_ndtr
 
+from .._refused import Refused
 from .calibration import Calibration
 from .misfit import LOSSES
 from .parameters import put, values
@@ -59,7 +60,7 @@ class Posterior:
         return bool(np.all(self.r_hat < 1.01) and np.all(self.ess > 400) and self.divergences == 0)
 
     def interval(self, level: float = 0.9) -> np.ndarray:
-        """Ends of each parameter's central interval [SI unit], of probability `level` [-]."""
+        """Ends of each parameter's central interval [SI], of probability `level` [-]."""
         tail = 0.5 * (1 - level)
         return np.quantile(self.values, [tail, 1 - tail], axis=0).T
 
@@ -82,7 +83,9 @@ def sample(
     **Raises:** `ValueError` for a robust loss, and where numpyro is missing.
     """
     if made.problem.loss != "linear":
-        raise ValueError(f"`loss` must be {LOSSES[0]} for a posterior: a robust one is no model.")
+        raise Refused(
+            "loss", f"must be {LOSSES[0]} for a posterior", None, "a robust one is no model"
+        )
     try:
         import numpyro
         from numpyro import distributions as dist

@@ -103,7 +103,7 @@ class Looked:
 
 
 def looked(left: Remainder) -> Looked:
-    """Look for trends and runs in what a fit left [-]."""
+    """Trends and runs [-] in what a fit `left` [-]."""
     columns = _columns(left)
     taken = left.taken
     every = left.beyond(taken, np.hstack(list(columns.values())))

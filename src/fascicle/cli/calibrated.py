@@ -114,8 +114,9 @@ class Found:
                 f" {min(self.posterior.ess):.0f} draws, {self.posterior.divergences} divergences"
             )
         print(
-            f"{made.points} readings, {made.censored} of them clipped: rmse {made.rmse:.4g} N,"
-            f" {100 * made.relative_rmse:.3g} % of the largest force; {made.status}"
+            f"{made.points} readings, {made.censored} of them clipped: rmse"
+            f" {pretty(made.rmse, 'force')}, {100 * made.relative_rmse:.3g} % of the largest force;"
+            f" {made.status}"
         )
         from ..calibrate.judging import hysteresis
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .._refused import Refused
 from ..bundle import Bundle, recruitment
 from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
@@ -288,4 +289,4 @@ def bundle_efficiency(
 
 def _rising(strains: list[float] | None) -> None:
     if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
-        raise ValueError("`--strain` must rise from each value to the next.")
+        raise Refused("--strain", "must rise from each value to the next", None)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from .._checks import one_of, within
+from .._refused import Refused
 from ..design.catalog import Product
 from ..muscle import Muscle
 from .places import Place
@@ -162,9 +163,11 @@ def _muscle(section: ProductSection, own: Muscle, length: float) -> Muscle:
     ]
     if len(given) != 1:
         got = " and ".join(given) or "none"
-        raise ValueError(
-            "`outer_radius`, outer_diameter or inner_diameter tells how wide it is: give one of"
-            f" them, got {got}."
+        raise Refused(
+            "outer_radius",
+            ", outer_diameter or inner_diameter tells how wide it is",
+            None,
+            f"give one of them, got {got}",
         )
     if section.inner_diameter is not None:
         inner = 0.5 * section.inner_diameter

@@ -1,14 +1,14 @@
 """Where a constructor's arguments stand in a file.
 
-The laws refuse what can't be, with a message that begins with the argument's name in
-backticks. A `Place` turns it into the file's error: path, key, value as written, rule.
+The laws refuse what can't be, and say which argument it was given for. A `Place` turns that into
+the file's error: path, key, value as written, rule.
 """
 
 import contextlib
-import re
 from collections.abc import Iterator
 from typing import Any
 
+from .._refused import Refused
 from .problems import line, value
 
 
@@ -69,7 +69,6 @@ class Place:
         try:
             yield
         except (ValueError, OSError) as error:
-            named = re.match(r"`(\w+)`", str(error))
-            name = named[1] if named else ""
+            name = error.argument if isinstance(error, Refused) else ""
             keys = _KEYS[self.kind].get(name, (name,) if name else ())
             raise self.refuse(keys, str(error)) from None

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from .._checks import one_of
+from .._refused import Refused
 from .._toml import tables
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
@@ -165,7 +166,7 @@ def _material(material: str | MaterialSection) -> str | MooneyRivlin:
         return MooneyRivlin.from_youngs_modulus(**given)
     for name in ("c10", "c01"):
         if name not in given:
-            raise ValueError(f"`{name}` is missing, write c10 and c01, or youngs_modulus alone.")
+            raise Refused(name, "is missing, write c10 and c01, or youngs_modulus alone", None)
     return MooneyRivlin(**given)
 
 

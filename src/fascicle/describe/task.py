@@ -10,6 +10,7 @@ import equinox as eqx
 from pydantic import ValidationError
 
 from .._checks import one_of
+from .._refused import Refused
 from ..bundle import Bundle
 from ..bundle.bundle import SCHEMES
 from ..design.catalog import Catalog
@@ -228,7 +229,7 @@ def _space(
         chosen = tuple(read_split(text) for text in splits)
         numbers = tuple(dict.fromkeys(sum(row) for row in chosen))
         if "muscles" in given and set(given["muscles"]) != set(numbers):
-            raise ValueError("`muscles` must be left out where the splits are written out.")
+            raise Refused("muscles", "must be left out where the splits are written out", None)
         given["muscles"] = numbers
         return Space(drawings, splits=chosen, **given)
 
@@ -246,10 +247,12 @@ def _chance(section: ScatterSection, design: DesignSection, place: Place, folder
         if section.calibrated:
             path = folder / name
             if not path.exists():
-                raise ValueError(f"`calibrated` needs a muscle file, {name!r} is none.")
+                raise Refused("calibrated", f"needs a muscle file, {name!r} is none", None)
             muscles = drawn(path)
             if design.buckling is not None:
-                raise ValueError("`calibrated` constants hold for the law they were fitted with.")
+                raise Refused(
+                    "calibrated", "constants hold for the law they were fitted with", None
+                )
         return Chance(scatter, draws, muscles)
 
 
@@ -263,7 +266,7 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
                 one_of(name, examples(), "muscle")
             found = load(path)
         if isinstance(found, Bundle):
-            raise ValueError(f"`muscle` {name!r} is a bundle: name a muscle.")
+            raise Refused("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
             law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
             found = eqx.tree_at(lambda m: m.buckling, found, law())

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .._refused import Refused
 from ..bundle import Bundle
 from ..muscle import Muscle
 from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
@@ -17,7 +18,7 @@ from ..muscle.tension import TENSION_LAWS
 from ..muscle.tuning import Tuning
 from ..units import exact
 from .atomic import write_text
-from .calibration import calibration_lines
+from .calibration import calibration_text
 
 
 def save(
@@ -50,10 +51,8 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     **Raises:** `ValueError` for anything that a file can't describe.
     """
-    lines = ["format = 1", "", *_lines(obj)]
-    if calibration is not None:
-        lines += ["", *calibration_lines(calibration)]
-    return "\n".join(lines) + "\n"
+    text = "\n".join(["format = 1", "", *_lines(obj)]) + "\n"
+    return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
 def _lines(obj: Any) -> list[str]:
@@ -113,7 +112,7 @@ def _tension(law: Any) -> str:
 
 def _material(material: Any) -> str:
     if type(material) is not MooneyRivlin:
-        raise ValueError(f"`material` can be saved if it is a MooneyRivlin, got {material!r}.")
+        raise Refused("material", "can be saved if it is a MooneyRivlin", material)
     names = ("c10", "c01", "youngs_modulus", "poisson_ratio")
     values = [_scalar(getattr(material, name), name) for name in names]
     for name, known in MATERIALS.items():
@@ -185,7 +184,7 @@ def _bundle(bundle: Bundle) -> list[str]:
 def _law(law: Any, known: Any, key: str) -> str:
     name = getattr(law, "name", None)
     if name not in known or type(law) is not known[name]:
-        raise ValueError(f"`{key}` can be saved if it is one of {', '.join(known)}, got {law!r}.")
+        raise Refused(key, f"can be saved if it is one of {', '.join(known)}", law)
     return json.dumps(name)
 
 
@@ -200,14 +199,16 @@ def _number(value: Any, key: str) -> str:
 
 def _scalar(value: Any, key: str) -> float:
     if np.shape(value) != ():
-        raise ValueError(
-            f"`{key}` has the shape {np.shape(value)}:"
-            " a file describes one muscle, save them apart."
+        raise Refused(
+            key,
+            f"has the shape {np.shape(value)}",
+            None,
+            "a file describes one muscle, save them apart",
         )
     return float(value)
 
 
 def _vector(values: Any, key: str) -> Any:
     if np.ndim(values) != 1:
-        raise ValueError(f"`{key}` has the shape {np.shape(values)}: a file takes one list.")
+        raise Refused(key, f"has the shape {np.shape(values)}", None, "a file takes one list")
     return np.asarray(values)

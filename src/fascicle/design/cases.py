@@ -59,7 +59,7 @@ class Cases:
 
     @property
     def reached(self) -> Bool[np.ndarray, " point"]:
-        """Which load cases are reached."""
+        """Which load cases are reached [-]."""
         return self.spare >= -MET
 
     @property

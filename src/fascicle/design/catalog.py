@@ -94,7 +94,7 @@ class Catalog:
         return {name: text for name, text in why.items() if text}
 
     def knows(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """Whether the price of every one of the `drawings` [-] is known, and of a valve too."""
+        """Whether the price of every one of the `drawings` [-] is known, and of a valve [-]."""
         muscles = not np.any(np.isnan([self._each(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 

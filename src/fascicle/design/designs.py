@@ -70,7 +70,7 @@ class Designs:
 
     @property
     def labels(self) -> list[str]:
-        """Each one's composition, such as `1+4`."""
+        """Each one's composition [-], such as `1+4`."""
         return [label(row) for row in self.counts]
 
     @property
@@ -82,7 +82,7 @@ class Designs:
         return same
 
     def take(self, places: np.ndarray) -> "Designs":
-        """Some of them; `places`: their indices, or a mask [-]."""
+        """Some of them [-]; `places`: their indices, or a mask [-]."""
         return Designs(
             self.drawings, self.kind[places], self.counts[places], self.length[places],
             self.radius[places], self.wall[places], self.angle[places],

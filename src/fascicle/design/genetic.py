@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from .._refused import Refused
 from . import checkpoint as checkpoints
 from .catalog import Catalog, cheapest
 from .checkpoint import Kept
@@ -52,9 +53,9 @@ class Coding:
         **Raises:** `ValueError` for a space that isn't so.
         """
         if len(space.drawings) != 1:
-            raise ValueError("`drawings` must hold one muscle for NSGA-II: search each alone.")
+            raise Refused("drawings", "must hold one muscle for NSGA-II", None, "search each alone")
         if space.splits != "all":
-            raise ValueError("`splits` must be 'all' for NSGA-II, which cuts where it likes.")
+            raise Refused("splits", "must be 'all' for NSGA-II, which cuts where it likes", None)
         self.space, self.continuous = space, continuous
         self.drawing = next(iter(space.drawings.values()))
         self.muscles = np.array(sorted(set(space.muscles)))

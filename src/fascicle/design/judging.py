@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from .._evaluate import COMPILE_ABOVE
 from .._methods import numbers
+from .._refused import Refused
 from ..muscle import Muscle
 from .designs import Designs
 from .objectives import known, needs
@@ -154,9 +155,9 @@ def size_of(designs: Designs, place: int) -> Sizes:
 def _check(designs: Designs) -> None:
     straight = np.asarray(designs.wall >= designs.radius)
     if np.any(straight):
-        raise ValueError("`wall_thickness` must be less than `outer_radius` in every design.")
+        raise Refused("wall_thickness", "must be less than `outer_radius` in every design", None)
     if np.any(designs.counts.sum(axis=1) < 1):
-        raise ValueError("`counts` must hold at least one muscle in every design.")
+        raise Refused("counts", "must hold at least one muscle in every design", None)
 
 
 def _power(count: int, least: int, most: int) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._checks import one_of
+from .._refused import Refused
 from .objectives import OBJECTIVES
 
 
@@ -20,7 +21,7 @@ class Limit(NamedTuple):
     most: float = np.inf
 
     def holds(self, values: Any) -> Any:
-        """Whether `values` [SI], of any shape, are within, up to rounding; a NaN isn't."""
+        """Whether `values` [SI], of any shape, are within [-], up to rounding; a NaN isn't."""
         return (values >= self.least - _hair(self.least)) & (values <= self.most + _hair(self.most))
 
     def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
@@ -44,15 +45,17 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
 def checked(senses: Mapping[str, str], limits: Limits) -> None:
     """Refuse senses and limits that can't be; both by objective [-]."""
     if not senses:
-        raise ValueError("`objectives` must name at least one, got none.")
+        raise Refused("objectives", "must name at least one", None, shown="none")
     for name, sense in senses.items():
         one_of(sense, ("min", "max"), name)
     for name, limit in limits.items():
         if not limit.least <= limit.most:
             unit = OBJECTIVES[name].unit
-            raise ValueError(
-                f"`{name}` is limited to at least {limit.least:g} and at most {limit.most:g}"
-                f" {unit}: nothing can be both."
+            raise Refused(
+                name,
+                f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}",
+                None,
+                "nothing can be both",
             )
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from .._arrays import stack, where
 from .._checks import one_of
+from .._refused import Refused
 from .._types import Numbers
 from .outcome import Outcome
 
@@ -180,5 +181,5 @@ def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
 
 def _asked(values: PerDesign | None, name: str) -> PerDesign:
     if values is None:
-        raise ValueError(f"`outcome` holds no `{name}`: ask the kernel for it.")
+        raise Refused("outcome", f"holds no `{name}`", None, "ask the kernel for it")
     return values

@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._checks import one_of
+from .._refused import Refused
 from ..muscle import Muscle
 from .designs import Designs, joined
 from .judging import evaluate, size_of
@@ -193,9 +194,11 @@ def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array
             np.asarray(sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key))
         )
         if not least < most or np.any(values < least) or np.any(values > most):
-            raise ValueError(
-                f"`bounds` of {key} must hold the design's own {values[0]:g}, got {least:g} to"
-                f" {most:g}."
+            raise Refused(
+                "bounds",
+                f"of {key} must hold the design's own {values[0]:g}",
+                (least, most),
+                shown=f"{least:g} to {most:g}",
             )
         low += [least] * values.size
         high += [most] * values.size

@@ -18,6 +18,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Float
 
+from .._refused import Refused
 from .._types import Values
 from ..muscle import Muscle
 from ..records.fabrication import Scatter
@@ -250,7 +251,7 @@ VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
 def _only(designs: Designs) -> Muscle:
     kinds = set(designs.kind.tolist())
     if len(kinds) != 1:
-        raise ValueError(f"`designs` must be of one drawing, got {len(kinds)}.")
+        raise Refused("designs", "must be of one drawing", len(kinds))
     return list(designs.drawings.values())[kinds.pop()]
 
 

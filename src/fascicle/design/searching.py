@@ -57,7 +57,9 @@ class Found:
 
     @property
     def listed(self) -> Int[np.ndarray, " listed"]:
-        """Places of the designs that are told: the front's, then the cheapest if it isn't there."""
+        """Places [-] of the designs that are told: the front's, then the cheapest if it isn't
+        there.
+        """
         if self.cheapest is None or self.cheapest in self.front:
             return self.front
         return np.append(self.front, self.cheapest)
@@ -91,7 +93,9 @@ class Found:
 
     @property
     def reaching(self) -> Bool[np.ndarray, " design"]:
-        """Which designs reach as much of the task as must be, whatever other limits they break."""
+        """Which designs reach as much of the task as must be [-], whatever other limits they
+        break.
+        """
         return reaching(self.values, self.limits)
 
     @property

@@ -20,6 +20,7 @@ from jaxtyping import Float, Int
 
 from .._checks import one_of, within
 from .._limits import RANGES, plausible
+from .._refused import Refused
 from ..muscle import Muscle
 from .designs import Designs, of_sizes
 from .packing import packed_radius
@@ -60,10 +61,10 @@ class Space:
     def __post_init__(self):
         """**Raises:** `ValueError` for values off the domain, and a space without a design."""
         if not self.drawings:
-            raise ValueError("`drawings` must hold at least one muscle, got none.")
+            raise Refused("drawings", "must hold at least one muscle", None, shown="none")
         one_of(self.radius_rule, RADIUS_RULES, "radius_rule")
         if self.radius_rule != "each" and not self.radius:
-            raise ValueError(f"`radius` must be given with the rule {self.radius_rule!r}, in m.")
+            raise Refused("radius", f"must be given with the rule {self.radius_rule!r}, in m", None)
         for name, unit, low, high in (
             ("radius", "m", 0.0, RANGES["radius"].largest),
             ("length", "m", 0.0, RANGES["length"].largest),
@@ -78,7 +79,9 @@ class Space:
         if isinstance(self.splits, str):
             one_of(self.splits, SPLITS, "splits")
             if not self.muscles:
-                raise ValueError("`muscles` must hold at least one number of muscles, got none.")
+                raise Refused(
+                    "muscles", "must hold at least one number of muscles", None, shown="none"
+                )
         if not len(self._shapes[0]):
             raise ValueError(
                 f"the space is empty: no split has {self.most_units} motor units or fewer."
@@ -187,9 +190,11 @@ def _with_factors(
     units = np.sum(counts > 0, axis=1)
     total = sum(len(factors) ** int(m) for m in units)
     if total > _MOST_SHAPES:
-        raise ValueError(
-            f"`unit_factors` lead to {total} kinds of bundle, more than {_MOST_SHAPES}:"
-            " take fewer factors, muscles or motor units."
+        raise Refused(
+            "unit_factors",
+            f"lead to {total} kinds of bundle, more than {_MOST_SHAPES}",
+            None,
+            "take fewer factors, muscles or motor units",
         )
     rows, chosen = [], []
     for row, m in zip(counts, units, strict=True):

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from .._refused import Refused
+
 
 MOST_COMPOSED, MOST_PARTED = 20, 60  # half a million compositions, a million partitions
 
@@ -98,9 +100,8 @@ def read(text: str) -> tuple[int, ...]:
     **Raises:** `ValueError` for anything else.
     """
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
-        raise ValueError(
-            "`compositions` must be written like '1+4', whole numbers and plus signs,"
-            f" got {text!r}."
+        raise Refused(
+            "compositions", "must be written like '1+4', whole numbers and plus signs", text
         )
     return tuple(int(part) for part in text.split("+"))
 
@@ -112,5 +113,5 @@ def label(counts: Iterable[Any]) -> str:
 
 def _number(muscles: int, most: int) -> int:
     if not 1 <= muscles <= most:
-        raise ValueError(f"`muscles` must lie in [1, {most}], got {muscles}.")
+        raise Refused("muscles", f"must lie in [1, {most}]", muscles)
     return int(muscles)

@@ -14,6 +14,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from .._refused import Refused
 from .judging import Values, evaluate
 from .limits import Limit, checked
 from .reach import demanding, recorded
@@ -66,7 +67,7 @@ class Study:
         names = recorded(senses, limits, extra)
         checked(senses, limits)
         if not 1 <= block <= 2**20:
-            raise ValueError(f"`block` must lie in [1, 1048576], got {block}.")
+            raise Refused("block", "must lie in [1, 1048576]", block)
         if len(space) > LARGEST:
             raise ValueError(f"the space holds {len(space)} designs, more than {LARGEST}.")
         return cls(space, task, names, dict(senses), limits, block)

@@ -16,6 +16,7 @@ from jaxtyping import Float
 
 from .._checks import one_of, within
 from .._limits import plausible
+from .._refused import Refused
 from ..bundle.bundle import SCHEMES
 
 
@@ -80,9 +81,11 @@ class Task:
         """
         if (strain is None) == (stroke is None):
             which = "neither" if strain is None else "both"
-            raise ValueError(
-                "`stroke` in m or `strain` tells how far the bundle contracts: give one of them,"
-                f" got {which}."
+            raise Refused(
+                "stroke",
+                "in m or `strain` tells how far the bundle contracts",
+                None,
+                f"give one of them, got {which}",
             )
         closed = (True, True)
         F = within(force, 0.0, 1e6, "force", "N", closed=closed)
@@ -98,16 +101,20 @@ class Task:
         )
         if not F.shape == travel.shape == w.shape or F.ndim != 1:
             called = "strain" if stroke is None else "stroke"
-            raise ValueError(
-                f"`force`, `{called}` and `weight` must be lists of one length, got"
-                f" {F.size}, {travel.size} and {w.size}."
+            raise Refused(
+                "force",
+                f", `{called}` and `weight` must be lists of one length",
+                (F.size, travel.size, w.size),
+                shown=f"{F.size}, {travel.size} and {w.size}",
             )
         if not 0 < F.size <= _MOST_POINTS:
-            raise ValueError(f"`force` must hold 1 to {_MOST_POINTS} points, got {F.size}.")
+            raise Refused("force", f"must hold 1 to {_MOST_POINTS} points", F.size)
         if not np.any((w > 0) & (F > 0) & (travel > 0)):
-            raise ValueError(
-                "`force` and contraction must both be positive at a point that counts: this task"
-                " does no work."
+            raise Refused(
+                "force",
+                "and contraction must both be positive at a point that counts",
+                None,
+                "this task does no work",
             )
         supply = within(supply_pressure, 0.0, 1e6, "supply_pressure", "Pa", closed=(False, True))
         plausible(supply, "supply_pressure")
@@ -136,7 +143,7 @@ class Task:
         """
         t = np.atleast_1d(within(time, -1e12, 1e12, "time", "s")).astype(float)
         if t.ndim != 1 or t.size < 2 or np.any(np.diff(t) <= 0):
-            raise ValueError("`time` must be a list of two or more that rises.")
+            raise Refused("time", "must be a list of two or more that rises", None)
         weight = np.gradient(t) * np.where((np.arange(t.size) % (t.size - 1)) == 0, 0.5, 1.0)
         made = cls.of(force, strain, supply_pressure, weight, **more)
         return replace(made, time=t)

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from .._checks import one_of
+from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle
 from ..bundle.bundle import SCHEMES
@@ -90,7 +91,7 @@ def efficiency_map(
         strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
     force, strain = np.atleast_1d(force).astype(float), np.atleast_1d(strain).astype(float)
     if np.any(strain <= 0):
-        raise ValueError(f"`strain` must be positive, got {strain.min():g}.")
+        raise Refused("strain", "must be positive", strain.min(), shown=f"{strain.min():g}")
 
     levels = np.linspace(0.0, supply, _LEVELS)
     pressures = np.r_[levels, 0.0][:, None] * np.ones(len(few.motor_units))

@@ -10,6 +10,7 @@ $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent mo
 import equinox as eqx
 import numpy as np
 
+from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
@@ -32,7 +33,7 @@ def constant_cross_section(
     **Raises:** `ValueError` for less than one unit.
     """
     if units < 1:
-        raise ValueError(f"`units` must be at least 1, got {units}.")
+        raise Refused("units", "must be at least 1", units)
     sizes = (muscle.outer_radius / np.sqrt(units), muscle.wall_thickness / np.sqrt(units))
     thin = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
     return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from .._refused import Refused
 from ..bundle.bundle import SCHEMES
 from ..describe import dumps, example, examples, loads
 from ..energetics import PATHS
@@ -99,9 +100,9 @@ def pack(text: str) -> str:
 def unpack(packed: str) -> str:
     """The text [-] that was `packed` [-]; `ValueError` for anything else."""
     if packed == _LEFT_OUT:
-        raise ValueError("`file` was too large for a link: open the file itself.")
+        raise Refused("file", "was too large for a link", None, "open the file itself")
     if len(packed) > LONGEST:
-        raise ValueError(f"`file` must be at most {LONGEST} characters, got {len(packed)}.")
+        raise Refused("file", f"must be at most {LONGEST} characters", len(packed))
     inflate = zlib.decompressobj()
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
@@ -111,8 +112,8 @@ def unpack(packed: str) -> str:
     except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
         text = b""
     if len(text) > _LARGEST_TEXT:
-        raise ValueError(f"`file` must hold at most {_LARGEST_TEXT} bytes.")
-    raise ValueError("`file` is no file that this explorer has packed.")
+        raise Refused("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
+    raise Refused("file", "is no file that this explorer has packed", None)
 
 
 def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
@@ -122,15 +123,15 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
         try:
             counts = tuple(int(one) for one in part.split("+"))
         except ValueError:
-            raise ValueError(
-                f"`splits` must be like 1+4, 2+3, got {text[:40]!r}: whole numbers joined by +."
+            raise Refused(
+                "splits", "must be like 1+4, 2+3", text[:40], "whole numbers joined by +"
             ) from None
         if len(counts) < 2:
-            raise ValueError(f"`splits` must have two motor units or more each, got {part!r}.")
+            raise Refused("splits", "must have two motor units or more each", part)
         check_units(tuple(Unit(count) for count in counts))
         out.append(counts)
     if len(out) > 4:
-        raise ValueError(f"`splits` must be four at most, got {len(out)}.")
+        raise Refused("splits", "must be four at most", len(out))
     return tuple(out)
 
 
@@ -161,7 +162,7 @@ def _units(view: View, text: str, _: Mapping[str, str]) -> View:
         try:
             units.append(Unit(int(count), float(size or 1)))
         except ValueError:
-            raise ValueError(f"`units` must be like 1,4@0.5, got {text[:40]!r}.") from None
+            raise Refused("units", "must be like 1,4@0.5", text[:40]) from None
     check_units(tuple(units))
     return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
 
@@ -174,14 +175,14 @@ def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
 def _gauge(text: str) -> float:
     value = parse(text, "pressure")
     if not 0 <= value <= 1e6:
-        raise ValueError(f"`pressure` must lie in [0, 1e6] Pa (gauge), got {value:g} Pa.")
+        raise Refused("pressure", "must lie in [0, 1e6] Pa (gauge)", value, shown=f"{value:g} Pa")
     return value
 
 
 def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
     def read(view: View, text: str, _: Mapping[str, str]) -> View:
         if text not in known:
-            raise ValueError(f"`{name}` must be one of {', '.join(known)}, got {text[:40]!r}.")
+            raise Refused(name, f"must be one of {', '.join(known)}", text[:40])
         return replace(view, **{name: text})
 
     return read
@@ -190,14 +191,14 @@ def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
 def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
     value = _gauge(text)
     if value <= 0:
-        raise ValueError(f"`supply` must be positive, got {value:g} Pa.")
+        raise Refused("supply", "must be positive", value, shown=f"{value:g} Pa")
     return replace(view, supply=value)
 
 
 def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
     value = parse(text, "strain")
     if not 0 <= value <= 0.6:
-        raise ValueError(f"`strain` must lie in [0, 0.6], got {value:g}.")
+        raise Refused("strain", "must lie in [0, 0.6]", value, shown=f"{value:g}")
     return replace(view, strain=value)
 
 
@@ -205,7 +206,7 @@ def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
     units = text.split(",")
     shown = dict(zip(SHOWN, units, strict=False))
     if len(units) != len(SHOWN) or any(unit not in SHOWN[kind] for kind, unit in shown.items()):
-        raise ValueError(f"`show` must be units such as kPa,mm,N, got {text[:40]!r}.")
+        raise Refused("show", "must be units such as kPa,mm,N", text[:40])
     return replace(view, shown=shown)
 
 

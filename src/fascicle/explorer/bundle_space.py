@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
+from .._refused import Refused
 from ..bundle import Bundle, recruitment
 from ..bundle.plates import muscle_strain
 from ..bundle.recruitment import Overlap, Space
@@ -104,7 +105,7 @@ def ways(
     found = recruitment.recruit(bundle, force, strain, resistance=resistance)
     supply, units = bundle.supply_pressure, len(bundle.motor_units)
     if supply is None:
-        raise ValueError("`supply_pressure` is needed to recruit.")
+        raise Refused("supply_pressure", "is needed to recruit", None)
     out = []
     states, levels, stable = (
         np.asarray(part)

@@ -6,6 +6,7 @@ import numpy as np
 import panel as pn
 from bokeh.events import Tap
 
+from .._refused import Refused
 from ..bundle.bundle import SCHEMES
 from .background import Latest
 from .bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
@@ -94,7 +95,7 @@ class BundleView(Tab):
 
     def _supplied(self, value: float) -> None:
         if not 0 < value <= 1e6:
-            raise ValueError(f"`supply` must lie in (0, 1e6] Pa (gauge), got {value:g} Pa.")
+            raise Refused("supply", "must lie in (0, 1e6] Pa (gauge)", value, shown=f"{value:g} Pa")
         view = self.session.view
         self.session.change(
             supply=value,

@@ -5,6 +5,7 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any
 
+from .._refused import Refused
 from ..muscle import Muscle, Tuning
 from ..muscle.buckling import BUCKLING_LAWS
 from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
@@ -57,7 +58,5 @@ def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
     for key in keys:
         kind, _, name = key.partition(":")
         if key != UNTUNED and name not in LAWS.get(kind, {}):
-            raise ValueError(
-                f"`compare` must name laws such as buckling:elastica, got {key[:40]!r}."
-            )
+            raise Refused("compare", "must name laws such as buckling:elastica", key[:40])
     return keys

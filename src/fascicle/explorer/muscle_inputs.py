@@ -1,12 +1,12 @@
 """What a muscle is: its sizes, material and laws, each refused at its own field."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import panel as pn
 
+from .._refused import Refused
 from ..muscle.materials import MATERIALS
 from .laws import LAWS, replaced
 from .look import Look
@@ -75,8 +75,8 @@ class MuscleInputs:
                 self._become(**{name: value})
             except ValueError as error:
                 # a rule between two sizes names one of them; the other's field is left alone
-                named = re.match(r"`(\w+)`", str(error))
-                other = self._fields.get(named[1]) if named and named[1] != name else None
+                named = error.argument if isinstance(error, Refused) else name
+                other = self._fields.get(named) if named != name else None
                 if other is not None:
                     other.message.say(str(error))
                 raise

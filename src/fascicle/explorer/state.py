@@ -14,6 +14,7 @@ from typing import Any
 
 import equinox as eqx
 
+from .._refused import Refused
 from ..bundle import Bundle, MotorUnit
 from ..describe import dumps
 from ..muscle import Muscle
@@ -130,16 +131,18 @@ def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> Vi
 def check_units(units: tuple[Unit, ...]) -> None:
     """Refuse `units` [-] that are too many to show, or that can't be."""
     if not 1 <= len(units) <= MOST_UNITS:
-        raise ValueError(f"`units` must be 1 to {MOST_UNITS} motor units, got {len(units)}.")
+        raise Refused("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
     muscles = sum(unit.count for unit in units)
     if min(unit.count for unit in units) < 1 or muscles > MOST_MUSCLES:
-        raise ValueError(
-            f"`count` must be 1 or more in each motor unit and {MOST_MUSCLES} in all,"
-            f" got {muscles} in all."
+        raise Refused(
+            "count",
+            f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all",
+            muscles,
+            shown=f"{muscles} in all",
         )
     for unit in units:
         if not (math.isfinite(unit.size) and 0.1 <= unit.size <= 10):
-            raise ValueError(f"`size` must lie in [0.1, 10], got {unit.size:g}.")
+            raise Refused("size", "must lie in [0.1, 10]", unit.size, shown=f"{unit.size:g}")
 
 
 class Session:

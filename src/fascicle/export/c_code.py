@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .._checks import concrete
+from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle
 from ..bundle.alike import unlike
@@ -33,17 +34,19 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     `ModuleNotFoundError` where CasADi is missing.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
-        raise ValueError(
-            f"`name` must be a name in C: up to 31 letters, digits and _, a letter first, got"
-            f" {name[:40]!r}."
+        raise Refused(
+            "name",
+            "must be a name in C",
+            None,
+            f"up to 31 letters, digits and _, a letter first, got {name[:40]!r}",
         )
     bundle = isinstance(target, Bundle)
     if not bundle and not isinstance(target, Muscle):
-        raise ValueError(f"`target` must be a Muscle or a Bundle, got {target!r}.")
+        raise Refused("target", "must be a Muscle or a Bundle", target)
     units = list(target.motor_units) if bundle else []
     muscles = [unit.muscle for unit in units] if bundle else [target]
     if not concrete(target) or any(not muscle._is_single for muscle in muscles):
-        raise ValueError("`target` must hold numbers, one for each size, got arrays.")
+        raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
     kept, kinds = unlike(muscles)
     written, room = _laws([muscles[i] for i in kept], name)
     ratios = [1.0] * len(muscles)

@@ -30,6 +30,7 @@ import numpy as np
 from .._arrays import exp
 from .._checks import concrete, positive
 from .._limits import signed, size
+from .._refused import Refused
 from .._types import Batch, BatchLike, Values
 from .bladder import Bladder
 from .braid import Braid
@@ -69,9 +70,11 @@ class TonduLopez(AbstractTension):
         if concrete(self.strain_factor, self.strain_factor_rise):
             lowest = np.min(np.asarray(self.strain_factor + self.strain_factor_rise))
             if lowest <= 0:
-                raise ValueError(
-                    "`strain_factor_rise` must leave the factor positive at zero pressure,"
-                    f" got a factor of {lowest:g} there."
+                raise Refused(
+                    "strain_factor_rise",
+                    "must leave the factor positive at zero pressure",
+                    lowest,
+                    shown=f"a factor of {lowest:g} there",
                 )
 
     def factor_at(self, pressure: BatchLike) -> Batch:

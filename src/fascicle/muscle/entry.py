@@ -11,6 +11,7 @@ import numpy as np
 
 from .._checks import concrete, one_of, within
 from .._limits import tilted
+from .._refused import Refused
 from .._types import Batch, Values
 from .tuning import Tuning
 
@@ -53,8 +54,8 @@ def contracting(value: Values) -> Batch:
             raise
         degrees = np.degrees(np.asarray(value, dtype=float))
         bad = degrees[~((degrees > 0) & (degrees < np.degrees(_NEUTRAL_ANGLE)))].flat[0]
-        raise ValueError(
-            f"`braid_angle` must lie in (0, 54.7356) deg to contract, got {bad:g} deg."
+        raise Refused(
+            "braid_angle", "must lie in (0, 54.7356) deg to contract", bad, shown=f"{bad:g} deg"
         ) from None
     tilted(angle)
     return angle
@@ -65,9 +66,11 @@ def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
     t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
     if np.any(t0 >= r0):
         worst = np.argmax(t0 >= r0)
-        raise ValueError(
-            "`wall_thickness` must be less than `outer_radius`,"
-            f" got {t0.flat[worst]:g} m and {r0.flat[worst]:g} m."
+        raise Refused(
+            "wall_thickness",
+            "must be less than `outer_radius`",
+            float(t0.flat[worst]),
+            shown=f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m",
         )
 
 
@@ -78,7 +81,6 @@ def chosen(value: Any, kind: type, known: Mapping[str, Any], what: str) -> Any:
     if isinstance(value, str):
         law = known[one_of(value, known, what)]
         return law() if isinstance(law, type) else law
-    raise ValueError(
-        f"`{what}` must be one of {', '.join(sorted(known))} or an object of {kind.__name__},"
-        f" got {value!r}."
+    raise Refused(
+        what, f"must be one of {', '.join(sorted(known))} or an object of {kind.__name__}", value
     )

@@ -19,6 +19,7 @@ from .._checks import as_given, concrete, within
 from .._evaluate import evaluate
 from .._limits import size, slender
 from .._methods import Module, kept, renewed
+from .._refused import Refused
 from .._tiles import fields
 from .._types import Batch, Values
 from .bladder import Bladder
@@ -92,7 +93,7 @@ class Muscle(Module):
         )
         self.transition_rate = size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
-            raise ValueError(f"`tuning` must be a Tuning or None, got {tuning!r}.")
+            raise Refused("tuning", "must be a Tuning or None", tuning)
         self.tuning = Tuning() if tuning is None else tuning
 
     @classmethod
@@ -297,7 +298,7 @@ class Muscle(Module):
         **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
         """
         if points < 3:
-            raise ValueError(f"`points` must be at least 3, got {points}.")
+            raise Refused("points", "must be at least 3", points)
         return self._evaluated(_shape, *self._checked(pressure, strain), static=(int(points),))
 
     def compile(self) -> Callable[[Values, Values], Batch]:

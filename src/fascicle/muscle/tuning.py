@@ -33,6 +33,7 @@ from .._arrays import along_table, spread, where
 from .._checks import concrete, finite, within
 from .._limits import plausible, signed, size
 from .._methods import Module
+from .._refused import Refused
 from .._types import AnyArray, Batch, BatchLike, Symbol, Values
 from .bladder import Bladder
 from .ideal import AbstractTension, Pull
@@ -97,9 +98,11 @@ class Tuning(Module):
         if concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
             highest = self.hinge_stiffness_at(_LARGEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
-                raise ValueError(
-                    "`hinge_stiffness_slope` must leave the factor positive up to 1 MPa,"
-                    f" got a factor of {np.min(np.asarray(highest)):g} there."
+                raise Refused(
+                    "hinge_stiffness_slope",
+                    "must leave the factor positive up to 1 MPa",
+                    np.min(np.asarray(highest)),
+                    shown=f"a factor of {np.min(np.asarray(highest)):g} there",
                 )
             plausible(highest, "hinge_stiffness_factor")
 
@@ -183,20 +186,26 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
         at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)
     )
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
-        raise ValueError(
-            "`pressures`, `c1` and `c2` must be lists of equal length,"
-            f" got {P.size}, {rows1.size} and {rows2.size} entries."
+        raise Refused(
+            "pressures",
+            ", `c1` and `c2` must be lists of equal length",
+            (P.size, rows1.size, rows2.size),
+            shown=f"{P.size}, {rows1.size} and {rows2.size} entries",
         )
     seen = P.size and concrete(pressures)
     if seen and (finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
-        raise ValueError(f"`pressures` must rise from 0 Pa or above, got {P.tolist()} Pa.")
+        raise Refused(
+            "pressures", "must rise from 0 Pa or above", P.tolist(), shown=f"{P.tolist()} Pa"
+        )
     if P.size and concrete(c1, c2):
         signed(c1, "c1")
         size(c2, "c2")
         if seen and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
-            raise ValueError(
-                "`c1` and `c2` must be 0 N and 1 at zero pressure,"
-                f" got {rows1[0]:g} N and {rows2[0]:g}."
+            raise Refused(
+                "c1",
+                "and `c2` must be 0 N and 1 at zero pressure",
+                float(rows1[0]),
+                shown=f"{rows1[0]:g} N and {rows2[0]:g}",
             )
     if seen and P[0] == 0:
         return P, rows1, rows2

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from .._refused import Refused
 from ..bundle import Bundle
 from ..muscle import Muscle
 from .components import components_legend, components_of, draw_components
@@ -45,7 +46,7 @@ def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool 
     P, eps = np.atleast_1d(np.asarray(pressures, float)), np.asarray(strains, float)
     if components:
         if P.size > _SIDE_BY_SIDE:
-            raise ValueError(f"`pressures`: at most {_SIDE_BY_SIDE} with components, got {P.size}.")
+            raise Refused("pressures", f": at most {_SIDE_BY_SIDE} with components", P.size)
         columns = min(P.size, 2)
         rows = -(-P.size // columns)
         figure, axes = new_figure(rows, columns, DOUBLE if columns > 1 else SINGLE)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._refused import Refused
 from .record import DOWN, UNKNOWN, UP, Record
 from .splitting import Run, runs
 
@@ -48,10 +49,10 @@ def averaged(record: Record, points: int = 50) -> Averaged:
     **Raises:** `ValueError` for fewer than two `points`, or where there are no runs.
     """
     if points < 2:
-        raise ValueError(f"`points` must be at least 2, got {points}.")
+        raise Refused("points", "must be at least 2", points)
     found = [run for run in runs(record) if run.kind != "mixed"]
     if not found:
-        raise ValueError("`record` has no runs at constant pressure or length to average.")
+        raise Refused("record", "has no runs at constant pressure or length to average", None)
     pieces, widths, pairs = [], [], 0
     for level in _levels(record, found):
         ways = {way: [run for run in level if run.branch == way] for way in (UP, DOWN)}

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from .._refused import Refused
 from .spelling import bare, factor, is_unit
 from .table import Table
 
@@ -120,8 +121,8 @@ def check_roles(given: Mapping[str, object], what: str) -> None:
     for role in given:
         if role not in ROLES:
             near = difflib.get_close_matches(str(role), ROLES, n=1, cutoff=0.5)
-            hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(ROLES)}."
-            raise ValueError(f"`{what}` has the unknown key {role!r}: {hint}")
+            hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(ROLES)}"
+            raise Refused(what, f"has the unknown key {role!r}", role, hint, shown="")
 
 
 def _given(table: Table, role: str, header: str) -> int:

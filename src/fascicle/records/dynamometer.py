@@ -28,6 +28,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._checks import within
+from .._refused import Refused
 from .._types import Batch, BatchLike, Values
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
@@ -133,15 +134,19 @@ class VirtualDynamometer:
         """**Raises:** `ValueError` for a setting that can't be."""
         P = within(self.pressures, 0.0, 1e6, "pressures", "Pa", "(gauge)", (True, True))
         if P.ndim != 1 or not np.any(np.asarray(P) > 0):
-            raise ValueError("`pressures` must hold at least one pressure above 0 Pa, in a list.")
+            raise Refused(
+                "pressures", "must hold at least one pressure above 0 Pa, in a list", None
+            )
         for name in _NOT_NEGATIVE:
             within(getattr(self, name), 0.0, np.inf, name, _unit(name), closed=(True, False))
         for name in ("speed", "mullins_cycles"):
             within(getattr(self, name), 0.0, np.inf, name, _unit(name))
         if self.samples < 2 or self.preconditioning < 0:
-            raise ValueError(
-                "`samples` must be at least 2 and `preconditioning` at least 0,"
-                f" got {self.samples} and {self.preconditioning}."
+            raise Refused(
+                "samples",
+                "must be at least 2 and `preconditioning` at least 0",
+                (self.samples, self.preconditioning),
+                shown=f"{self.samples} and {self.preconditioning}",
             )
         Scatter(self.length_scatter, self.angle_scatter)  # which knows its own limits
 
@@ -188,7 +193,9 @@ class VirtualDynamometer:
         **Raises:** `ValueError` for a muscle that is a batch of several.
         """
         if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
-            raise ValueError("`muscle` must be a single muscle: a batch can't be on one machine.")
+            raise Refused(
+                "muscle", "must be a single muscle", None, "a batch can't be on one machine"
+            )
         P = np.asarray(self.pressures, dtype=float)
         # cycled until it is soft, so the stroke is the softened muscle's
         closing = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
@@ -218,9 +225,12 @@ class VirtualDynamometer:
         **Raises:** `ValueError` where the seeds would change the muscle itself.
         """
         if self.length_scatter or self.angle_scatter:
-            raise ValueError(
-                "`length_scatter` and `angle_scatter` must be 0 for many tests of one muscle,"
-                f" got {self.length_scatter:g} and {self.angle_scatter:g} rad: use `record`."
+            raise Refused(
+                "length_scatter",
+                "and `angle_scatter` must be 0 for many tests of one muscle",
+                (self.length_scatter, self.angle_scatter),
+                "use `record`",
+                shown=f"{self.length_scatter:g} and {self.angle_scatter:g} rad",
             )
         exact = muscle if isinstance(muscle, Sweeps) else self.sweeps(muscle)
         return np.stack([self._read(exact, seed)[0] for seed in seeds])

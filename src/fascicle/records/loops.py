@@ -40,7 +40,9 @@ class Loop:
 
 
 def loop_of(record: Record) -> Loop | None:
-    """The widths of a `record`'s loops [-], or `None` where it doesn't hold both ways."""
+    """The widths of a `record`'s loops [-]; `record`: with both ways of each loop [-], else there
+    is `None`.
+    """
     if not {UP, DOWN} <= set(np.unique(record.branch).tolist()):
         return None
     try:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .._refused import Refused
 from ..units import parse, pretty
 from .columns import POSITIONS, Column, check_roles, choose
 from .plausible import Fault, check_force, check_pressure, check_strain
@@ -68,7 +69,7 @@ def load(
     """
     if not isinstance(path, str | os.PathLike):
         if not path:
-            raise ValueError("`path` must name at least one file, got none.")
+            raise Refused("path", "must name at least one file", None, shown="none")
         return join([
             load(one, columns=columns, units=units, rest_length=rest_length,
                  clipped_at_zero=clipped_at_zero, sidecar=sidecar) for one in path
@@ -140,7 +141,9 @@ def _given(
     for what, table in (("columns", columns or {}), ("units", units or {})):
         check_roles(table, what)
     if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
-        raise ValueError(f"`rest_length` must be positive and finite, got {rest_length} m.")
+        raise Refused(
+            "rest_length", "must be positive and finite", rest_length, shown=f"{rest_length} m"
+        )
     return Sidecar(
         rest_length=said.rest_length if rest_length is None else float(rest_length),
         displacement_at_rest=said.displacement_at_rest,

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from .._refused import Refused
+
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
 
@@ -89,9 +91,12 @@ class Record:
         for name, values in columns.items():
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
-                raise ValueError(
-                    f"`{name}` must be finite, got {values[bad[0]]} in reading {bad[0] + 1}:"
-                    " drop that reading."
+                raise Refused(
+                    name,
+                    "must be finite",
+                    float(values[bad[0]]),
+                    "drop that reading",
+                    shown=f"{values[bad[0]]} in reading {bad[0] + 1}",
                 )
         return cls(
             **columns,
@@ -125,9 +130,12 @@ def join(records: Sequence[Record]) -> Record:
     first = records[0]
     lengths = {record.rest_length for record in records} - {None}
     if len(lengths) > 1:
-        raise ValueError(
-            f"`records` must share one rest length, got {sorted(map(str, lengths))} m:"
-            " name one in each file's TOML."
+        raise Refused(
+            "records",
+            "must share one rest length",
+            sorted(map(str, lengths)),
+            "name one in each file's TOML",
+            shown=f"{sorted(map(str, lengths))} m",
         )
     # where only strains were given, they refer to the length that the others name
     rest_length = next(iter(lengths), None)

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from .._refused import Refused
 from .levels import held, noise, smoothed
 from .record import DOWN, UNKNOWN, UP, Record
 
@@ -71,7 +72,7 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
         "auto": ("pressure", "strain"), "pressure": ("pressure",), "strain": ("strain",),
     }  # fmt: skip
     if by not in held_by:
-        raise ValueError(f'`by` must be "auto", "pressure" or "strain", got {by!r}.')
+        raise Refused("by", 'must be "auto", "pressure" or "strain"', by)
     if not len(record):
         return ()
     found, ordered = _stretches(record, held_by[by])

@@ -121,8 +121,8 @@ def _opening(page: Page, made: Calibration) -> None:
         page.paragraph("Synthetic: a model made these readings, no muscle was measured.", "lead")
     page.paragraph(
         f"A muscle was fitted to {made.points} readings at {_levels(made)}. Root mean square error"
-        f" of all that were measured: {made.rmse:.4g} N, {100 * made.relative_rmse:.3g} % of the"
-        " largest force.",
+        f" of all that were measured: {pretty(made.rmse, 'force')},"
+        f" {100 * made.relative_rmse:.3g} % of the largest force.",
         "lead",
     )
     page.paragraph(f"{'; '.join(made.taken.words())}.")
@@ -174,8 +174,8 @@ def _tried(page: Page, choice: "Choice") -> None:
             [
                 f"<strong>{escape(one.label)}</strong>" if one.chosen else escape(one.label),
                 str(one.constants),
-                f"{one.rmse:.4g} N, {_percent(one.relative_rmse)}",
-                f"{one.left_out_rmse:.4g} N, {_percent(one.relative_left_out_rmse)}",
+                f"{pretty(one.rmse, 'force')}, {_percent(one.relative_rmse)}",
+                f"{pretty(one.left_out_rmse, 'force')}, {_percent(one.relative_left_out_rmse)}",
                 _mark(one.chosen, "taken", ""),
             ]
             for one in choice.candidates
@@ -340,8 +340,8 @@ def _comparison(page: Page, rows: "Sequence[Row]") -> None:
             [
                 escape(row.label),
                 str(row.free),
-                f"{row.rmse:.4g} N",
-                f"{row.left_out_rmse:.4g} N" if np.isfinite(row.left_out_rmse) else "-",
+                pretty(row.rmse, "force"),
+                pretty(row.left_out_rmse, "force"),
                 f"{row.aic:.1f}",
                 f"{row.bic:.1f}",
                 escape(row.status),

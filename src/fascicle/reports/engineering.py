@@ -10,7 +10,7 @@ from ..design.objectives import OBJECTIVES
 from ..design.reach import BY_WEIGHT, may_miss
 from ..design.searching import Found
 from ..design.summary import STANDARD_GRAVITY, Summary
-from ..units import pretty
+from ..units import figures, pretty
 
 
 HEADS = ("case", "force", "stroke", "contraction", "gives up to", "to spare", "")
@@ -24,7 +24,7 @@ def shown(name: str, value: float) -> str:
     unit = OBJECTIVES[name].unit
     if unit in _FORMATS:
         return pretty(value, _FORMATS[unit])
-    return f"{value:.4g}"
+    return figures(value)
 
 
 def words(name: str) -> str:
@@ -44,11 +44,11 @@ def sizes(found: Found, designs: Designs, place: int) -> str:
     **Returns:** the line [-].
     """
     there = designs.counts[place] > 0
-    radii = dict.fromkeys(f"{1e3 * r:.4g}" for r in designs.radius[place][there])
+    radii = dict.fromkeys(figures(1e3 * r) for r in designs.radius[place][there])
     walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[place][there])
     angle = np.degrees(designs.angle[place, 0])
     text = (
-        f"L₀ {1e3 * designs.length[place]:.4g} mm, r₀ {', '.join(radii)} mm,"
+        f"L₀ {pretty(designs.length[place], 'length')}, r₀ {', '.join(radii)} mm,"
         f" t₀ {', '.join(walls)} mm, α₀ {angle:.3g}°"
     )
     names = list(designs.drawings)
@@ -183,11 +183,12 @@ def _margin(summary: Summary) -> str:
         return f"none: case {i + 1} misses {pretty(-spare, 'force')}"
     text = (
         f"{pretty(spare, 'force')} to spare at case {i + 1}, which could lift"
-        f" {pretty(largest, 'force')}, {spare / STANDARD_GRAVITY:.3g} kg more"
+        f" {pretty(largest, 'force')}, {pretty(spare / STANDARD_GRAVITY, 'mass', 3)} more"
     )
     if np.isfinite(summary.load_factor):
         text += (
-            f"; all loads could be {np.floor(1e3 * summary.load_factor) / 1e3:.4g} times as large"
+            f"; all loads could be {figures(np.floor(1e3 * summary.load_factor) / 1e3)} times as"
+            " large"
         )
     return text
 
@@ -195,13 +196,13 @@ def _margin(summary: Summary) -> str:
 def _mass(summary: Summary, density: float | None) -> str:
     product = summary.product
     if product is not None and product.mass is not None and summary.mass is not None:
-        return f"{summary.mass:.3g} kg of muscles, by the catalog"
-    rubber = f"{1e6 * summary.bladders:.3g} cm³ of bladder"
+        return f"{pretty(summary.mass, 'mass', 3)} of muscles, by the catalog"
+    rubber = f"{figures(1e6 * summary.bladders, 3)} cm³ of bladder"
     if summary.mass is None:
         return f'not known: {rubber}, no density given ([design] density = "… kg/m^3")'
     return (
-        f"{summary.mass:.3g} kg of bladders ({rubber} at {density:g} kg/m³), without braid and"
-        " fittings"
+        f"{pretty(summary.mass, 'mass', 3)} of bladders ({rubber} at {density:g} kg/m³), without"
+        " braid and fittings"
     )
 
 
@@ -212,11 +213,12 @@ def _fluid(summary: Summary) -> str:
         cycle = "a cycle, once through all load cases and back to the first"
     else:
         cycle = (
-            f"a cycle, from rest to a load case and back (mean by weight; {largest:.3g} at most)"
+            "a cycle, from rest to a load case and back (mean by weight;"
+            f" {figures(largest, 3)} at most)"
         )
     if cases.task.fluid == "liquid":
-        return f"{one:.3g} liters {cycle}"
-    return f"{one:.3g} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
+        return f"{figures(one, 3)} liters {cycle}"
+    return f"{figures(one, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
 
 
 def _cost(found: Found, summary: Summary) -> str:
@@ -225,7 +227,7 @@ def _cost(found: Found, summary: Summary) -> str:
         unit = '"… EUR/m^3" or energy = ' if fluid == "air" else ""
         key = "air" if fluid == "air" else "energy"
         return f'no price given ([prices] {key} = {unit}"… EUR/kWh")'
-    text = f"{1000 * summary.cost_of_a_cycle:.3g} {catalog.currency} for 1000 cycles"
+    text = f"{figures(1000 * summary.cost_of_a_cycle, 3)} {catalog.currency} for 1000 cycles"
     if fluid == "air" and catalog.air is None:
         text += ", compressed without losses: a compressor takes more"
     return text
@@ -234,12 +236,12 @@ def _cost(found: Found, summary: Summary) -> str:
 def _price(found: Found, summary: Summary) -> str:
     catalog = found.catalog
     if summary.price is not None:
-        return f"{summary.price:.6g} {catalog.currency}, of muscles and valves"
+        return f"{figures(summary.price, 6)} {catalog.currency}, of muscles and valves"
     known = []
     if summary.price_of_muscles is not None:
-        known.append(f"muscles {summary.price_of_muscles:.6g} {catalog.currency}")
+        known.append(f"muscles {figures(summary.price_of_muscles, 6)} {catalog.currency}")
     if catalog.valve is not None:
-        known.append(f"valves {summary.valves * catalog.valve:.6g} {catalog.currency}")
+        known.append(f"valves {figures(summary.valves * catalog.valve, 6)} {catalog.currency}")
     if known:
         missing = "a valve" if catalog.valve is None else "the muscles"
         return f"{known[0]}; no price of {missing} given"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._refused import Refused
 from ..calibrate.calibration import Calibration
 from ..calibrate.grid import grid, trimmed
 from ..calibrate.linear import linear
@@ -192,7 +193,7 @@ def read_of(made: Calibration) -> plot.Read:
     """
     found = made.readings
     if found is None:
-        raise ValueError("`made` holds no readings: its method fits the constants directly.")
+        raise Refused("made", "holds no readings", None, "its method fits the constants directly")
     good = found.valid
     top = float(np.max(found.pressure))
     P = np.linspace(1.2 * _NO_PRESSURE, 1, _PLACES) * top

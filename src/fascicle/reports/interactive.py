@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..units import figures
+
 
 _WIDTH, _HEIGHT = 760.0, 420.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 78.0, 20.0, 18.0, 54.0
@@ -165,7 +167,7 @@ class _Scale:
         return [(step * (first + i), f"{step * (first + i):.6g}") for i in range(count)]
 
     def ends(self) -> list[tuple[float, str]]:
-        return [(x, f"{x:.4g}") for x in sorted({self.least, self.most})]
+        return [(x, figures(x)) for x in sorted({self.least, self.most})]
 
 
 def _order(count: int, chosen: int | None, second: int | None) -> list[int]:

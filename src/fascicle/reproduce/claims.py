@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from .._refused import Refused
+
 
 KINDS: Mapping[str, str] = MappingProxyType({
     "prediction": "what the model gives without having been told",
@@ -42,7 +44,7 @@ class Criterion:
 
     def __post_init__(self):
         if self.sign not in SIGNS:
-            raise ValueError(f"`sign` must be one of {', '.join(SIGNS)}, got {self.sign!r}.")
+            raise Refused("sign", f"must be one of {', '.join(SIGNS)}", self.sign)
 
     @property
     def met(self) -> bool:
@@ -86,11 +88,13 @@ class Claim:
 
     def __post_init__(self):
         if self.kind not in KINDS:
-            raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, got {self.kind!r}.")
+            raise Refused("kind", f"must be one of {', '.join(KINDS)}", self.kind)
         if not self.criteria:
-            raise ValueError(f"`criteria` must hold one or more, or {self.key} can't fail.")
+            raise Refused("criteria", f"must hold one or more, or {self.key} can't fail", None)
         if (self.kind == "input") != bool(self.chosen):
-            raise ValueError(f"`chosen` must say what was chosen, of an input alone: {self.key}.")
+            raise Refused(
+                "chosen", "must say what was chosen, of an input alone", None, f"{self.key}"
+            )
 
     @property
     def holds(self) -> bool:

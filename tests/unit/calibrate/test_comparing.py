@@ -6,10 +6,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.calibrate import Prior, compare_tension, fit
+from fascicle.calibrate import Prior, compare, compare_tension, comparing, fit
 from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
+from fascicle.calibrate.fitting import fitted
 from fascicle.calibrate.grid import grid
 from fascicle.calibrate.reference import SAROSI_DMSP_20_200N, refitted, sarosi
+from fascicle.muscle.collapse import Kim2021Collapse
 from fascicle.records.record import Record
 
 
@@ -108,27 +110,79 @@ def test_a_refit_finds_the_constants_that_made_the_data():
     assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)
 
 
-def test_a_comparison_fits_as_separate_fits_do():
-    """Loss, weights, starts, seed and priors are those of the command, in every row."""
+HOW = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3}
+BEFORE = {"loss": "linear", "weights": "uniform", "starts": 4, "seed": 0}
+NAMES = ["braid_angle", "outer_radius"]
+PRIORS = {"outer_radius": Prior(10.6e-3, 0.02e-3)}
+
+
+def nominal(tension="klute_hannaford"):
+    return fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension=tension)
+
+
+@pytest.fixture(scope="module")
+def spoiled():
+    """Readings that a robust loss plays down, and of which one level has fewer."""
     true = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
-    nominal = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex")
     P, strain = np.linspace(1.5e5, 6e5, 5)[:, None], np.linspace(0.0, 0.1, 8)
     force = np.asarray(true.force(P, strain))
     force = force + 2.0 * np.random.default_rng(0).normal(size=force.shape)
-    force[2, ::3] += 60.0  # what a robust loss plays down, and other weights count otherwise
-    record = Record.of(P, strain, force, rest_length=0.2)
-    how = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3, "whole": False}
-    names = ["braid_angle", "outer_radius"]
-    priors = {"outer_radius": Prior(11e-3, 0.05e-3)}
-    rows = {one.label: one for one in compare_tension(record, nominal, names, priors, **how)}
-    alone = fit(record, nominal, names, priors, **how)
-    label = "Klute-Hannaford: braid_angle, outer_radius"
-    assert_allclose(rows[label].rmse, missed(alone), rtol=1e-6)
-    plain = fit(record, nominal, names, whole=False)
-    assert abs(missed(plain) / missed(alone) - 1) > 1e-3  # so it matters
-    ideal = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension="ideal")
-    other = missed(fit(record, ideal, names, priors, **how))
+    force[2, ::3] += 60.0
+    there = np.ones(force.size, bool)
+    there[9:15] = False
+    return Record.of(P, strain, force, rest_length=0.2).only(there)
+
+
+@pytest.fixture
+def searches(monkeypatch):
+    """How each fit of a comparison was made."""
+    seen = []
+
+    def spy(of, muscle, parameters, priors, search):
+        seen.append(search)
+        return fitted(of, muscle, parameters, priors, search)
+
+    monkeypatch.setattr(comparing, "fitted", spy)
+    return seen
+
+
+def test_a_comparison_fits_as_separate_fits_do(spoiled, searches):
+    how = {**HOW, "whole": False}
+    rows = {one.label: one for one in compare_tension(spoiled, nominal(), NAMES, PRIORS, **how)}
+    alone = missed(fit(spoiled, nominal(), NAMES, PRIORS, **how))
+    assert_allclose(rows["Klute-Hannaford: braid_angle, outer_radius"].rmse, alone, rtol=1e-6)
+    other = missed(fit(spoiled, nominal("ideal"), NAMES, PRIORS, **how))
     assert_allclose(rows["ideal: braid_angle, outer_radius"].rmse, other, rtol=1e-6)
+    # what would be lost is seen: in the error, and starts and seed in what was asked for
+    for lost in ("loss", "weights"):
+        without = missed(fit(spoiled, nominal(), NAMES, PRIORS, **{**how, lost: BEFORE[lost]}))
+        assert abs(without / alone - 1) > 1e-4, lost  # a hundred times what is told apart
+    assert abs(missed(fit(spoiled, nominal(), NAMES, **how)) / alone - 1) > 1e-3
+    assert {(one.starts, one.seed, one.whole) for one in searches} == {(2, 3, False)}
+
+
+def test_a_law_of_collapse_is_compared_with_its_factor(searches):
+    muscle = fs.Muscle.from_dimensions(
+        0.127, 6.35e-3, 1.6e-3, np.radians(33), "silicone_kim2021", collapse=Kim2021Collapse(0.4)
+    )
+    P = np.linspace(1e5, 3e5, 4)[:, None]
+    strain = np.linspace(0.0, 0.34, 14)
+    force = np.asarray(muscle.force(P, strain))
+    force = force + 0.2 * np.random.default_rng(0).normal(size=force.shape)
+    record = Record.of(P, strain, force, rest_length=0.127)
+    names = ["youngs_modulus_factor"]
+    found = compare(
+        record, muscle, names, None, ["kim2021"], ["kim2021", "wood1958"], ["derived"], **HOW
+    )
+    rows = {one.label: one.rmse for one in found}
+    alone = missed(fit(record, muscle, names, **HOW))
+    assert_allclose(rows["kim2021, kim2021, derived"], alone, rtol=1e-6)
+    # the factor is that law's own, and matters
+    assert np.any(np.abs(muscle.replace(collapse="kim2021").force(P, strain) - force) > 10 * alone)
+    other = missed(fit(record, muscle.replace(collapse="wood1958"), names, **HOW))
+    assert_allclose(rows["kim2021, wood1958, derived"], other, rtol=1e-6)
+    asked = {(one.loss, one.weights, one.starts, one.seed) for one in searches}
+    assert asked == {("soft_l1", "level", 2, 3)}
 
 
 def missed(made):

@@ -269,9 +269,18 @@ def test_a_fit_is_seeded_and_finds_its_minimum_from_other_starts(constants):
 
 
 def test_levels_can_count_the_same():
-    made = fit(clipped(), NOMINAL, NAMES, weights="level")
-    # the levels hold as many readings each: nothing changes
-    assert_allclose(made.problem.weight, made.problem.data.count > 0, rtol=1e-12)
+    there = np.ones(60, bool)
+    there[1:12:2] = False  # half of the lowest level's, which weigh for the others'
+    record = clipped().only(there)
+    plain, level = (fit(record, NOMINAL, NAMES, weights=how) for how in ("uniform", "level"))
+    counted = np.asarray(level.problem.data.count)
+    weight = np.asarray(level.problem.weight)
+    held = np.sum(counted * weight**2, axis=1)[:5]  # the rest is filled up
+    assert_allclose(held, held[0], rtol=1e-12)
+    assert_allclose(held.sum(), counted.sum(), rtol=1e-12)  # 1 on average
+    assert_allclose(plain.problem.weight, counted > 0, rtol=0)
+    # and it is fitted so
+    assert np.max(np.abs(level.coordinates - plain.coordinates)) > 1e-4
 
 
 @pytest.mark.slow

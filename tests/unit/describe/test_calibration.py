@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fascicle.describe import dumps, example, load, loads, provenance, save
-from fascicle.describe.calibration import calibration_lines
+from fascicle.describe.calibration import calibration_text
 
 
 MUSCLE = example("kim2021_figure_6")
@@ -30,7 +30,7 @@ REPORT = {
 
 
 def read_back(table):
-    return tomllib.loads("\n".join(calibration_lines(table)))["calibration"]
+    return tomllib.loads(calibration_text(table))["calibration"]
 
 
 def shown(value):

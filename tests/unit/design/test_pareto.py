@@ -32,7 +32,13 @@ def test_the_volume_of_boxes():
     assert hypervolume(np.array([[5.0, 0.0]]), (2.0, 2.0)) == 0.0
 
 
-@pytest.mark.parametrize("objectives", [2, 3, 4])
+def test_what_is_not_a_number_has_no_volume():
+    points = np.array([[np.nan, 0.0], [1.0, np.nan], [1.0, 1.0]])
+    assert hypervolume(points, (3.0, 2.0)) == 2.0
+    assert hypervolume(points[:2], (3.0, 2.0)) == hypervolume(points[:0], (3.0, 2.0)) == 0.0
+
+
+@pytest.mark.parametrize("objectives", [2, 3, 4, 6])
 def test_the_volume_against_counting(objectives):
     rng = np.random.default_rng(objectives)
     points = rng.uniform(size=(12, objectives))

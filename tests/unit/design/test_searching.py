@@ -17,6 +17,7 @@ def found(muscle, task):
 
 def test_nothing_on_the_front_is_bettered(found):
     points = directed(found.values, SENSES)
+    assert 1 < len(found.front) < np.sum(found.allowed)
     for place in np.flatnonzero(found.allowed):
         better = [
             other

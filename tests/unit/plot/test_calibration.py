@@ -64,7 +64,9 @@ def test_clipped_readings_have_their_own_mark_and_are_no_push():
 
 def test_many_points_are_thinned_and_none_is_drawn_twice():
     (ax, *_) = calibration.fit(fitted()).axes
-    for line in points(ax, "o"):
+    drawn = points(ax, "o")
+    assert len(drawn) == len(P)
+    for line in drawn:
         strain = line.get_xdata()
         assert len(strain) == len(set(strain)) == 40
         assert (strain.min(), strain.max()) == (0, 0.3)
@@ -95,6 +97,7 @@ def test_residuals_stand_between_lines_of_twice_the_noise():
         assert flat == {-0.2, 0.2}
     # each level's points keep clear of the next level's
     ends = [(line.get_xdata().min(), line.get_xdata().max()) for line in points(right, "o")]
+    assert len(ends) > 1
     assert all(a[1] < b[0] for a, b in itertools.pairwise(ends))
 
 

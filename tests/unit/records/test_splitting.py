@@ -132,7 +132,9 @@ def test_branches_told_by_the_record_are_kept():
     assert [(run.level, run.branch) for run in found] == [(1e5, 1), (1e5, -1), (2e5, 1), (2e5, -1)]
     order = np.random.default_rng(1).permutation(branch.size)
     shuffled = record_of(pressure[order], strain[order], timed=False, branch=branch[order])
-    for run in runs(shuffled):
+    found = runs(shuffled)
+    assert len(found) == 4
+    for run in found:
         assert np.all(branch[order][run.points] == run.branch)
         assert run.points.size == 4
 
