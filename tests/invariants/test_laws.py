@@ -11,10 +11,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
-from fascicle.muscle.corrected import Meller2014, TonduLopez
-from fascicle.muscle.force_balance import Kothera2009
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
+from fascicle.muscle.tension import TENSION_LAWS, Kothera2009, Meller2014, TonduLopez
 
 
 N = 2000

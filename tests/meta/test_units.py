@@ -15,9 +15,10 @@ import pytest
 
 import fascicle
 from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.column import Centerline
 from fascicle.muscle.muscle import Response
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 from fascicle.muscle.tension import TENSION_LAWS
 
 
