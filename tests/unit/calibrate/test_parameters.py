@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import fascicle as fs
 from fascicle.calibrate.parameters import CONSTANTS, FACTORS, PARAMETERS, coordinates, named, put
 from fascicle.calibrate.parameters import values as values_of
+from fascicle.muscle.tension import TENSION_LAWS
 
 
 TUNING = fs.Tuning(
@@ -20,8 +21,9 @@ TUNING = fs.Tuning(
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
 muscle = fs.Muscle.from_dimensions(*SIZES, tuning=TUNING)
 LAWS = {
-    "tondu_lopez": ("strain_factor", "strain_factor_rise", "decay_pressure"),
-    "meller2014": ("strain_factor", "force_factor"),
+    law.name: [one.name for one in law.constants()]
+    for law in TENSION_LAWS.values()
+    if law.constants()
 }
 WILD = (-50.0, -5.0, 0.0, 5.0, 50.0)
 
@@ -179,7 +181,9 @@ def test_a_tension_laws_own_constants(law, names):
     for one in free:
         moved = one.put(other, jnp.asarray(-3.0))
         assert_allclose(one.coordinate(moved), -3.0, rtol=1e-13)
-        assert (float(one.value(moved)) > 0) == (one.name != "strain_factor_rise")
+        declared = next(c for c in other.tension.constants() if c.name == one.name)
+        # of either sign, it goes where the coordinate does
+        assert (float(one.value(moved)) > 0) == (declared.bounds[0] > 0) == (not one.linear)
 
 
 def test_everything_moves_and_nothing_else():
