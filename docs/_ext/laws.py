@@ -19,12 +19,12 @@ def table(kind: str) -> str:
     from fascicle.muscle import LAWS
 
     laws = LAWS[kind].values()
-    rows = ["| `law` | in Python | source |", "|---|---|---|"]
+    rows = ["| law | in Python | source |", "|---|---|---|"]
     rows += [f"| `{law.name}` | `{kind}.{law.__name__}` | {law.source} |" for law in laws]
     own = [(law.name, one) for law in laws for one in (*law.constants(), *law.switches())]
     if own:
         rows += ["", "Numbers and choices of their own:", ""]
-        rows += ["| `law` | key | symbol | left out | usual | what it is |", "|---" * 6 + "|"]
+        rows += ["| law | key | what it is | left out | usual |", "|---" * 5 + "|"]
     rows += [f"| `{name}` | `{one.name}` | {_row(one)} |" for name, one in own]
     return "\n".join(rows)
 
@@ -37,17 +37,16 @@ def modules(kind: str) -> list[str]:
 
 
 def _row(one: Any) -> str:
-    from fascicle.units import DIMENSIONS
+    from fascicle.units import pretty
 
     if hasattr(one, "options"):
         names = " or ".join(f'`"{option}"`' for option in one.options)
-        return f'– | `"{one.options[0]}"` | {names} | {one.about}'
-    unit = DIMENSIONS[one.dimension].si
-    shown = lambda x: f"{x:g} {unit}".strip()  # noqa: E731
+        return f'{one.about} | `"{one.options[0]}"` | {names}'
     _, low, high, _ = one.bounds
-    symbol = f"${one.symbol}$" if one.symbol else "–"
-    about = f"{one.about}; {one.source}" if one.source else one.about
-    return f"{symbol} | {shown(one.default)} | {shown(low)} to {shown(high)} | {about}"
+    default, low, high = (pretty(x, one.dimension) for x in (one.default, low, high))
+    symbol = f"${one.symbol}$, " if one.symbol else ""
+    source = f"; {one.source}" if one.source else ""
+    return f"{symbol}{one.about}{source} | {default} | {low} to {high}"
 
 
 class Laws(SphinxDirective):

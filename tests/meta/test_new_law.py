@@ -119,7 +119,8 @@ spec = importlib.util.spec_from_file_location("docs_laws", sys.argv[2])
 pages = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(pages)
 table = pages.table("tension")
-assert "| `toy2026` | `friction` | $p_f$ | 0 Pa | -10000 Pa to 10000 Pa |" in table, table
+row = "| `toy2026` | `friction` | $p_f$, of the threads | 0 kPa | -10 kPa to 10 kPa |"
+assert row in table, table
 assert "fascicle.muscle.tension.toy2026" in pages.modules("tension")
 """,
     "invariants": """

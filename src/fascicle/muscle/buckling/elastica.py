@@ -163,6 +163,7 @@ class Elastica(AbstractBuckling):
             for one, other in pairwise(past):
                 crossed = crossed + total(where(one != other, 1.0, 0.0))
         straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
+        # counts are whole numbers: more than the one that is followed
         return both(crossed + straight > 1.5, eps > here.free_strain)
 
 
@@ -251,6 +252,7 @@ def _onset(column: Column) -> Batch:
     """First strain [-] at which the straight muscle buckles; inf where it never does."""
     here = still(column)
     free = here.free_strain
+    # a free strain past the domain's end would leave cells of no length
     span = maximum(LARGEST_STRAIN - free, 1e-3)
     # squares: a slender muscle buckles just past its free strain
     rank = nodes(np.arange(float(_LOOKS)), free)
@@ -333,6 +335,7 @@ class _Fits:
     def __init__(self):
         # somewhat beyond both ends, where searches may look
         low, high = -0.03, _ENDS_MEET + 0.02
+        # Chebyshev's points, many more than the degree asks for, so that nothing is aliased
         m = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(200) + 0.5) / 200)
         integrals = elliptic(m)
         K, E = integrals.K, integrals.E
@@ -349,7 +352,7 @@ class _Fits:
 
     def chord(self, load: Batch) -> tuple[Batch, Batch]:
         """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
-        bends = load <= _EULER * (1 + 1e-12)
+        bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
         inside = maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
         chord, slope = polynomial(self._chord, _even(inside, _EULER))
         return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
