@@ -72,8 +72,13 @@ class Constant:
         return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
 
     def checked(self, value: Values) -> Batch:
-        """Return `value` [SI] as floats; `ValueError`, one line, for what can't be; for the
-        unusual there is a warning.
+        """A value of it, looked at.
+
+        **Arguments:** `value`: in the SI unit of its dimension [-].
+
+        **Returns:** the same as floats [-].
+
+        **Raises:** `ValueError`, one line, for what can't be; for the unusual there is a warning.
         """
         known = self.range
         check = positive if known.least > 0 else finite

@@ -27,6 +27,7 @@ from .beginning import Prior, Search
 from .calibration import Calibration, largest_force, root_mean_square
 from .fitting import fitted
 from .leaving_out import left_out_errors
+from .parameters import of_muscle
 from .reference import SAROSI_DMSP_20_200N, refitted, sarosi
 from .taking import taken
 
@@ -83,7 +84,11 @@ def compare(
             collapse=collapse_named(names[1], muscle.collapse),
             post_collapse=post_collapse_named(names[2], muscle.post_collapse),
         )
-        rows.append(row(", ".join(names), fitted(of, other, parameters, priors, Search(**search))))
+        # a constant of a law is free with that law alone; a name that nobody knows is refused
+        gone = of_muscle(muscle).keys() - of_muscle(other).keys()
+        free = None if parameters is None else [one for one in parameters if one not in gone]
+        told = {name: prior for name, prior in (priors or {}).items() if name not in gone}
+        rows.append(row(", ".join(names), fitted(of, other, free, told, Search(**search))))
     return ranked(rows)
 
 

@@ -224,12 +224,15 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )
 
 
-def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
-    """The parameters of these `names` [-] in the order in which they are put, those of the
-    `muscle`'s own laws [-] among them.
-    """
+def of_muscle(muscle: Muscle) -> dict[str, Parameter]:
+    """All parameters by name [-], those of the `muscle`'s own laws [-] among them."""
     own = (parameter for kind in LAWS for parameter in _of_law(kind, muscle))
-    known = dict(PARAMETERS) | {parameter.name: parameter for parameter in own}
+    return dict(PARAMETERS) | {parameter.name: parameter for parameter in own}
+
+
+def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
+    """The parameters of these `names` [-] of a `muscle` [-], in the order in which they are put."""
+    known = of_muscle(muscle)
     if not names:
         raise ValueError("`fit` must name at least one parameter, got none.")
     for name in names:

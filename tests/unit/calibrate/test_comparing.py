@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, compare_tension, fit
+from fascicle.calibrate.alternatives import collapse_named
 from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
 from fascicle.calibrate.grid import grid
 from fascicle.calibrate.reference import SAROSI_DMSP_20_200N, refitted, sarosi
@@ -129,6 +130,15 @@ def test_a_comparison_fits_as_separate_fits_do():
     ideal = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), "latex", tension="ideal")
     other = missed(fit(record, ideal, names, priors, **how))
     assert_allclose(rows["ideal: braid_angle, outer_radius"].rmse, other, rtol=1e-6)
+
+
+def test_a_laws_numbers_go_with_it_alone():
+    own = fs.collapse.Wood1958(0.7)
+    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33), collapse=own)
+    for name, law in fs.collapse.COLLAPSE_LAWS.items():
+        moment = muscle.replace(collapse=collapse_named(name, own)).collapse_moment(1e5)
+        wanted = own if name == own.name else law()
+        assert moment == muscle.replace(collapse=wanted).collapse_moment(1e5)
 
 
 def missed(made):
