@@ -47,6 +47,57 @@ class Toy2026(AbstractTension):
         return solved_free_strain(self, bladder, pressure, offset)
 '''
 
+# laws of other kinds take the same steps, and one of the same kind may use a name otherwise
+OTHERS = {
+    "tension/toy2027.py": LAW.replace("Toy2026", "Toy2027")
+    .replace('"toy2026"', '"toy2027"')
+    .replace('"k_l", "number"', '"k_l", "pressure"'),
+    "buckling/toy_bow.py": '''"""A toy: the paper's law, with a number that it doesn't use."""
+
+from typing import ClassVar
+
+from ..._constant import POSITIVE, Constant
+from ..._types import Batch
+from .kim2021 import Kim2021
+
+
+class ToyBow(Kim2021):
+    """The paper's law, with a number of its own."""
+
+    name: ClassVar[str] = "toy_bow"
+    source: ClassVar[str] = "nobody (2026)"
+
+    gap: Batch = Constant(
+        "gap", "g", "length", (1e-6, 1e-5, 1e-2, 0.1), POSITIVE, 1e-3, "that isn't used"
+    ).field()
+''',
+    "collapse/toy_fold.py": '''"""A toy: a moment that is given."""
+
+from typing import ClassVar
+
+from ..._constant import POSITIVE, Constant
+from ..._types import Batch, BatchLike
+from ..bladder import Bladder
+from .collapse_law import FACTOR, AbstractCollapse
+
+
+class ToyFold(AbstractCollapse):
+    """A moment that is given."""
+
+    name: ClassVar[str] = "toy_fold"
+    source: ClassVar[str] = "nobody (2026)"
+
+    given: Batch = Constant(
+        "given", "M", "moment", (1e-6, 1e-4, 10.0, 1e3), POSITIVE, 0.05, "given"
+    ).field()
+    factor: Batch = FACTOR.field()
+
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
+        """The moment [N·m], at any `pressure` [Pa]."""
+        return self.factor * self.given + 0.0 * pressure
+''',
+}
+
 HEAD = """
 import json, math, sys
 from pathlib import Path
@@ -73,6 +124,31 @@ for wrong, said in (("friction = 3", "friction = 3: `friction` must be a pressur
                     ("los = 1", 'tension.los: unknown key, did you mean "loss"?')):
     try:
         loads(text.replace("loss = 0.7", wrong).replace(', friction = "-0.3 kPa"', ""))
+    except ValueError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(wrong)
+""",
+    "files, other kinds": """
+other = muscle.replace(
+    tension=fs.tension.Toy2027(2e3, 10.0), buckling=fs.buckling.ToyBow(2e-3),
+    collapse=fs.collapse.ToyFold(0.07, 1.5),
+)
+fs.save(other, "toy.toml")
+text = Path("toy.toml").read_text()
+for line in ('tension = { law = "toy2027", loss = "2 kPa", friction = "0.01 kPa" }',
+             'buckling = { law = "toy_bow", gap = "2 mm" }',
+             'law = "toy_fold"', 'given = "0.07 N*m"', 'factor = 1.5'):
+    assert line in text.splitlines(), text
+assert fs.load("toy.toml") == other
+assert other.collapse_moment(1e5) == 1.5 * 0.07
+from fascicle.calibrate.parameters import named
+assert [one.dimension for one in named(["gap", "given"], other)] == ["length", "moment"]
+from fascicle.describe import loads
+for wrong, said in (("gap = 3", "buckling.gap = 3: `gap` must be a length"),
+                    ("law = 'kim2021', gap = 3", "gap"), ("gap = '-3 mm'", "must be positive")):
+    try:
+        loads(text.replace('gap = "2 mm"', wrong))
     except ValueError as error:
         assert said in str(error), error
     else:
@@ -142,7 +218,8 @@ def copy(tmp_path_factory):
     shutil.copytree(
         ROOT / "src/fascicle", folder / "fascicle", ignore=shutil.ignore_patterns("__pycache__")
     )
-    (folder / "fascicle/muscle/tension/toy2026.py").write_text(LAW, encoding="utf-8")
+    for name, text in {"tension/toy2026.py": LAW, **OTHERS}.items():
+        (folder / "fascicle/muscle" / name).write_text(text, encoding="utf-8")
     return folder
 
 
