@@ -25,6 +25,7 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx-mathjax-offline",
+    "laws",  # _ext: tables of the laws, from what they declare
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
     "offline",  # _ext: a page that would ask another server fails the build
 ]

@@ -28,10 +28,16 @@ if TYPE_CHECKING:
     from .describe import examples as examples
     from .describe import load as load
     from .describe import save as save
+    from .muscle import Constant as Constant
     from .muscle import MooneyRivlin as MooneyRivlin
     from .muscle import Muscle as Muscle
+    from .muscle import Switch as Switch
     from .muscle import Tuning as Tuning
+    from .muscle import buckling as buckling
+    from .muscle import collapse as collapse
     from .muscle import materials as materials
+    from .muscle import post_collapse as post_collapse
+    from .muscle import tension as tension
 
     __version__: str
 
@@ -39,42 +45,54 @@ if TYPE_CHECKING:
 # laws need no pint
 _HOMES = {
     "Bundle": "bundle",
+    "Constant": "muscle",
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
     "Refused": "_refused",
+    "Switch": "muscle",
     "Tuning": "muscle",
+    "buckling": "muscle",
     "calibrate": "",
+    "collapse": "muscle",
     "design": "",
     "energetics": "",
     "example": "describe",
     "examples": "describe",
     "load": "describe",
     "materials": "muscle",
+    "post_collapse": "muscle",
     "records": "",
     "recruitment": "bundle",
     "reversal": "bundle",
     "save": "describe",
+    "tension": "muscle",
 }
 
 __all__ = [
     "Bundle",
+    "Constant",
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",
     "Refused",
+    "Switch",
     "Tuning",
+    "buckling",
     "calibrate",
+    "collapse",
     "design",
     "energetics",
     "example",
     "examples",
     "load",
     "materials",
+    "post_collapse",
     "records",
     "recruitment",
     "reversal",
     "save",
+    "tension",
 ]
 
 

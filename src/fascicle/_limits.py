@@ -41,7 +41,6 @@ RADIUS = Range("m", 1e-5, 2e-4, 0.15, 1.0)  # of a single fiber; of a car tire a
 # a braid locks where its fibers touch, at 10 deg or more; the law's own end is at 54.7356 deg
 _ANGLE = Range("deg", 1.0, 8.0, 52.0, math.inf)
 _FACTOR = Range("-", 1e-6, 0.01, 100.0, 1e6)  # on a modulus: from foam to glass is 1e6
-_ON_STRAIN = Range("-", 0.01, 0.2, 5.0, 100.0)  # ideal over measured free strain, 1 to 1.6
 
 RANGES: Mapping[str, Range] = MappingProxyType({
     "length": LENGTH,
@@ -49,24 +48,13 @@ RANGES: Mapping[str, Range] = MappingProxyType({
     "radius": RADIUS,
     # below a micrometer no rubber is a film; kitchen film is 10 µm
     "wall_thickness": Range("m", 1e-6, 1e-5, 0.03, 0.5),
-    # gels have 10 Pa, no bladder is stiffer than a hard plastic, 10 GPa; the softest silicones
-    # have 20 kPa, polyethylene film 500 MPa
-    "youngs_modulus": Range("Pa", 10.0, 5e3, 1e9, 1e10),
-    "c10": Range("Pa", 1e-3, 500.0, 1e8, 1e10),
-    "c01": Range("Pa", 1e-6, 1e-6, 1e8, 1e10),  # many rubbers have next to none
     # 25 and 100 in the paper; past a thousand the force falls within a strain of 0.001
     "transition_rate": Range("-", 1e-3, 0.5, 1e3, 1e6),
     "youngs_modulus_factor": _FACTOR,
     "hinge_stiffness_factor": _FACTOR,
     # a large one is how to say that a muscle doesn't collapse
     "collapse_moment_factor": Range("-", 1e-6, 0.01, 1e6, 1e9),
-    "factor": Range("-", 1e-6, 0.01, 1e6, 1e9),
     "c2": Range("-", 1e-4, 0.1, 10.0, 1e4),  # measured over modeled force
-    "force_factor": Range("-", 1e-4, 0.1, 10.0, 1e4),
-    "strain_factor": _ON_STRAIN,
-    "strain_factor_rise": Range("-", -100.0, -5.0, 5.0, 100.0),
-    # a law's constant for pressures up to 1 MPa
-    "decay_pressure": Range("Pa", 1.0, 1e3, 1e7, 1e9),
     "c1": Range("N", -1e6, -1e5, 1e5, 1e6),  # the largest muscles pull 6 kN
     # muscles in one motor unit: beyond a thousand it is rather a slip, whatever memory holds
     "count": Range("-", 1.0, 1.0, 1e3, 1e6),
@@ -94,11 +82,13 @@ def signed(value: Values, name: str) -> Batch:
     return plausible(finite(value, name, RANGES[name].unit), name)
 
 
-def plausible(value: Any, name: str) -> Any:
-    """Return a `value` [SI], numbers already, if it can be what its `name` [-] says."""
+def plausible(value: Any, name: str, known: Range | None = None) -> Any:
+    """Return a `value` [SI], numbers already, if it can be what its `name` [-] says, or what is
+    `known` [-] of it.
+    """
     if not concrete(value):
         return value
-    _within(value, RANGES[name], name)
+    _within(value, RANGES[name] if known is None else known, name)
     return value
 
 

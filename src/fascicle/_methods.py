@@ -18,7 +18,7 @@ import jax
 import numpy as np
 
 from ._arrays import given
-from ._checks import one_of
+from ._checks import concrete, one_of
 
 
 Value = TypeVar("Value")
@@ -66,10 +66,26 @@ class Module(eqx.Module):
         """What is copied and pickled: its attributes."""
         return dict(self.__dict__)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it has the same structure and the same numbers, NumPy's or JAX's. Traced ones
+        can't be looked at: they are equal to themselves alone.
+        """
+        if self is other:
+            return True
+        (ours, structure), (theirs, of_other) = jax.tree.flatten(self), jax.tree.flatten(other)
+        return structure == of_other and all(map(_same, ours, theirs))
+
+    # a class that says when it is equal has else no hash
+    __hash__ = eqx.Module.__hash__
+
     @kept
     def is_numpy(self) -> bool:
         """Whether it holds NumPy's numbers and arrays alone [-]."""
         return given(*jax.tree.leaves(self))
+
+
+def _same(one: Any, other: Any) -> bool:
+    return one is other or (concrete(one, other) and np.array_equal(one, other))
 
 
 Tree = TypeVar("Tree")

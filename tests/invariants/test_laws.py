@@ -4,6 +4,8 @@ Values are NumPy's, slopes JAX's: one compiled function a combination of laws.
 """
 
 import math
+from dataclasses import fields
+from inspect import signature
 
 import equinox as eqx
 import jax
@@ -12,12 +14,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fascicle as fs
 from fascicle._dual import Dual
+from fascicle.calibrate.parameters import PARAMETERS
+from fascicle.muscle import LAWS
 from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
-from fascicle.muscle.corrected import Meller2014, TonduLopez
-from fascicle.muscle.force_balance import Kothera2009
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
+from fascicle.muscle.tension import Kothera2009, Meller2014, TonduLopez
+from fascicle.units import DIMENSIONS
 
 
 N = 2000
@@ -56,6 +61,23 @@ COMBINATIONS = [
         "tension": Kothera2009("ideal"),
         "tuned": True,
     },
+]
+
+
+def changed(law):
+    """A law with each of its constants off its default, by a fifth or so."""
+    scales = {one.name: one.transform for one in law.constants() if one.transform is not None}
+    made = {one.name: one.default for one in law.constants()}
+    return law(**made | {k: s.value(s.coordinate(made[k]) + 0.2) for k, s in scales.items()})
+
+
+# a law that nobody has put among them yet
+COMBINATIONS += [
+    {"buckling": "kim2021", "collapse": "kim2021", kind: changed(law)}
+    for kind, registry in LAWS.items()
+    for name, law in registry.items()
+    if name not in {getattr(laws.get(kind), "name", laws.get(kind)) for laws in COMBINATIONS}
+    and name != next(iter(registry))
 ]
 every = pytest.mark.parametrize(
     "laws",
@@ -114,15 +136,34 @@ def exempt(laws, pressure):
     return (laws["collapse"] == "stein_hedgepeth1961") & (np.asarray(pressure) == 0)
 
 
+@pytest.mark.parametrize("law", [law for laws in LAWS.values() for law in laws.values()])
+def test_what_a_law_declares_can_be(law):
+    """A default that is usual, a scale that leads back, a name that no other parameter has."""
+    assert law.source
+    told = {one.name for one in (*law.constants(), *law.switches())}
+    assert told == {one.name for one in fields(law)}  # nothing of it is left untold
+    for one in law.constants():
+        least, low, high, largest = one.bounds
+        assert least <= low <= one.default <= high <= largest
+        assert one.dimension in DIMENSIONS and one.about
+        if one.transform is None:
+            continue
+        assert one.name not in PARAMETERS
+        for value in (low, one.default, high):
+            again = one.transform.value(one.transform.coordinate(value))
+            assert_allclose(again, value, rtol=1e-12, atol=1e-12)  # some ulps of exp and log
+        assert one.transform.even == (least < 0)
+
+
+def test_the_first_of_each_kind_is_taken_where_none_is_chosen():
+    given = signature(fs.Muscle).parameters
+    for kind, laws in LAWS.items():
+        assert given[kind].default == next(iter(laws))
+
+
 def test_every_law_is_here():
-    for key, registry in [
-        ("buckling", BUCKLING_LAWS),
-        ("collapse", COLLAPSE_LAWS),
-        ("post_collapse", POST_COLLAPSE_LAWS),
-        ("tension", TENSION_LAWS),
-    ]:
-        default = {"tension": "klute_hannaford", "post_collapse": "derived"}
-        found = [laws.get(key, default.get(key)) for laws in COMBINATIONS]
+    for key, registry in LAWS.items():
+        found = [laws.get(key, next(iter(registry))) for laws in COMBINATIONS]
         assert {getattr(law, "name", law) for law in found} == set(registry)
 
 

@@ -14,8 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ellipe, ellipj, ellipk
 
 import fascicle as fs
-from fascicle.muscle.force_balance import Kothera2009
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.tension import TENSION_LAWS, Kothera2009
 
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(60)

@@ -3,9 +3,9 @@ import fascicle
 
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
-    "Bundle", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Tuning", "calibrate", "design",
-    "energetics", "example", "examples", "load", "materials", "records", "recruitment", "reversal",
-    "save",
+    "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
+    "buckling", "calibrate", "collapse", "design", "energetics", "example", "examples", "load",
+    "materials", "post_collapse", "records", "recruitment", "reversal", "save", "tension",
 ]  # fmt: skip
 
 

@@ -15,11 +15,9 @@ from pathlib import Path
 import pytest
 
 import fascicle
-from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle import LAWS
 from fascicle.muscle.column import Centerline
 from fascicle.muscle.muscle import Response
-from fascicle.muscle.tension import TENSION_LAWS
 
 
 # SI only: a [kPa] is not found, and so fails; [SI]: of values by name, each in its own
@@ -32,7 +30,6 @@ SECTION = re.compile(
     r"\*\*(Arguments|Returns|Raises|Source):\*\*(.*?)(?=\*\*\w+:\*\*|\Z)", re.DOTALL
 )
 SAME_AS = re.compile(r"those of `(\w+)`")
-REGISTRIES = (TENSION_LAWS, BUCKLING_LAWS, COLLAPSE_LAWS, POST_COLLAPSE_LAWS)
 
 
 def faults(function: Callable, owner: type | None = None) -> list[str]:
@@ -181,7 +178,7 @@ def test_results_give_their_fields_units(record):
     assert UNIT.search(record.__doc__)
 
 
-@pytest.mark.parametrize("law", [law for laws in REGISTRIES for law in laws.values()])
+@pytest.mark.parametrize("law", [law for laws in LAWS.values() for law in laws.values()])
 def test_registered_laws_give_units(law):
     assert law.__doc__
     for name, function in methods(law):

@@ -55,3 +55,50 @@ def test_copies_start_anew():
     force = muscle.force(1e5, 0.1)
     for made in (copy.copy(muscle), copy.deepcopy(muscle), pickle.loads(pickle.dumps(muscle))):  # noqa: S301 its own
         assert made == muscle and not made.store and made.force(1e5, 0.1) == force
+
+
+def test_equality_is_of_all_numbers_and_laws():
+    muscle = fs.example("kim2021_slenderness_8")  # tuned: it has tables
+    same = muscle.replace()
+    assert (muscle == same) is True and (muscle != same) is False
+    as_jax = jax.tree.map(jax.numpy.asarray, muscle)
+    assert (muscle == as_jax) is True and (as_jax == same) is True
+    table = fs.Tuning([1e5, 2e5], [1.0, 2.0], [0.9, 0.95])
+    others = [
+        muscle.replace(length=0.1),
+        muscle.replace(buckling="elastica"),
+        muscle.replace(tension=fs.tension.Kothera2009()),
+        muscle.replace(collapse=fs.collapse.Kim2021Collapse(0.9)),
+        muscle.replace(tuning=table),
+        muscle.replace(tuning=fs.Tuning([1e5, 2e5], [1.0, 2.0], [0.9, 0.96])),
+        muscle.replace(tuning=fs.Tuning([1e5], [1.0], [0.9])),
+        muscle.length,
+        None,
+    ]
+    for i, one in enumerate(others):
+        assert (muscle == one) is False and (muscle != one) is True
+        assert [one == other for other in others].count(True) == 1, i
+    by_choice = fs.tension.Kothera2009("ideal"), fs.tension.Kothera2009("inner_radius")
+    assert by_choice[0] != by_choice[1]
+    rows = jax.tree.map(lambda leaf: np.stack([leaf, leaf]), muscle)
+    assert (rows == muscle) is False and (rows == copy.deepcopy(rows)) is True
+
+
+def test_what_has_single_numbers_alone_has_a_hash():
+    law = fs.tension.Meller2014(1.1, 0.9)
+    assert hash(law) == hash(fs.tension.Meller2014(1.1, 0.9))
+    assert {law: 1}[fs.tension.Meller2014(1.1, 0.9)] == 1
+
+
+def test_traced_numbers_are_equal_to_themselves_alone():
+    seen = []
+
+    @jax.jit
+    def look(length):
+        muscle = fs.example("kim2021_figure_6")
+        one = muscle.replace(length=length)
+        seen.extend([one == one.replace(), one == one.replace(length=length + 0.0)])
+        return length
+
+    look(0.127)
+    assert seen == [True, False]

@@ -10,8 +10,8 @@ import jax
 import numpy as np
 
 from .._arrays import library, spread
+from .._domain import LARGEST_STRAIN
 from .._types import Numbers, Whole
-from ..muscle.entry import LARGEST_STRAIN
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
 

@@ -29,6 +29,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, spread, where
 from .._checks import as_given, concrete, finite, one_of, within
+from .._domain import HIGHEST_PRESSURE
 from .._evaluate import at_rest, evaluate
 from .._limits import whole
 from .._methods import Module, kept, renewed
@@ -36,7 +37,6 @@ from .._refused import Refused
 from .._tiles import rows
 from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
-from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach

@@ -16,11 +16,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._checks import as_given, concrete, within
+from .._domain import LARGEST_STRAIN
 from .._limits import size
 from .._refused import Refused
 from .._types import Batch, Values
 from ..muscle import Muscle
-from ..muscle.entry import LARGEST_STRAIN, lowest_strain
+from ..muscle.entry import lowest_strain
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:

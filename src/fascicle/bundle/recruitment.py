@@ -24,11 +24,11 @@ from jaxtyping import Float, Int
 
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
+from .._domain import HIGHEST_PRESSURE
 from .._evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
 from .._limits import plausible
 from .._refused import Refused
 from .._types import Numbers, Values
-from ..muscle.entry import HIGHEST_PRESSURE
 from .alike import unlike
 from .bundle import SCHEMES, Bundle
 from .curves import Bank, bank

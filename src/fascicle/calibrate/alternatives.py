@@ -4,7 +4,7 @@ A law is chosen by a row of weights, 1 for it and 0 for its siblings: all choice
 one function of their numbers.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,58 +12,57 @@ from jaxtyping import Float
 
 from .._types import AnyArray, Batch, BatchLike
 from ..muscle.bladder import Bladder
-from ..muscle.collapse import (
-    COLLAPSE_LAWS,
-    POST_COLLAPSE_LAWS,
-    AbstractCollapse,
-    AbstractPostCollapse,
-)
+from ..muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
 from ..muscle.column import Column
+from ..muscle.post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 
 
 class AnyCollapse(AbstractCollapse):
-    """One of the collapse laws, by `weight` in their order [-]."""
+    """One of several collapse `laws` [-], by `weight` in their order [-]."""
 
     name: ClassVar[str] = "any"
+    laws: tuple[AbstractCollapse, ...]
     weight: Float[AnyArray, "law"]
     factor: Batch
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
         """$M_{collapse}$ [N·m] at `youngs_modulus` [Pa] and `pressure` [Pa]."""
-        laws = [_made(law) for law in COLLAPSE_LAWS.values()]
-        moments = [law.moment(bladder, youngs_modulus, pressure) for law in laws]
+        moments = [law.moment(bladder, youngs_modulus, pressure) for law in self.laws]
         return self.factor * _weighed(self.weight, moments)
 
 
 class AnyPostCollapse(AbstractPostCollapse):
-    """One of the readings of what follows collapse, by `weight` in their order [-]; its
-    force is that reading's, its shape the derived one's.
+    """One of several readings of what follows collapse, `laws` [-], by `weight` in their order
+    [-]; its force is that reading's, its shape the derived one's.
     """
 
     name: ClassVar[str] = "any"
     slope_factor: ClassVar[float] = 1.0
+    laws: tuple[AbstractPostCollapse, ...]
     weight: Float[AnyArray, "law"]
 
     def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
-        laws = POST_COLLAPSE_LAWS.values()
-        forces, slopes = zip(*(_made(law).halves(column, compression) for law in laws), strict=True)
+        forces, slopes = zip(*(law.halves(column, compression) for law in self.laws), strict=True)
         return _weighed(self.weight, forces), _weighed(self.weight, slopes)
 
 
-def collapse_named(name: str, factor: Any = 1.0) -> AnyCollapse:
-    """The collapse law of this `name` [-], with a `factor` on its moment [-]."""
-    return AnyCollapse(_row(name, list(COLLAPSE_LAWS)), np.asarray(factor, dtype=float))
+def collapse_named(name: str, own: AbstractCollapse) -> AnyCollapse:
+    """The collapse law of this `name` [-]; with its numbers where it is the muscle's `own` [-]."""
+    laws = _laws(COLLAPSE_LAWS, own)
+    return AnyCollapse(laws, _row(name, list(COLLAPSE_LAWS)), np.asarray(1.0))
 
 
-def post_collapse_named(name: str) -> AnyPostCollapse:
-    """The reading of what follows collapse of this `name` [-]."""
-    return AnyPostCollapse(_row(name, list(POST_COLLAPSE_LAWS)))
+def post_collapse_named(name: str, own: AbstractPostCollapse) -> AnyPostCollapse:
+    """The reading of what follows collapse of this `name` [-]; with its numbers where it is the
+    muscle's `own` [-].
+    """
+    return AnyPostCollapse(_laws(POST_COLLAPSE_LAWS, own), _row(name, list(POST_COLLAPSE_LAWS)))
 
 
-def _made(law: Any) -> Any:
-    """A law with its own defaults."""
-    return law()
+def _laws(known: Mapping[str, Any], own: Any) -> tuple:
+    """One of each, with its defaults, but for the muscle's own."""
+    return tuple(own if type(own) is law else law() for law in known.values())
 
 
 def _weighed(weight: Float[AnyArray, "law"], values: Sequence[Batch]) -> Batch:

@@ -10,17 +10,9 @@ from collections.abc import Collection, Iterator
 
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
+from .parameters import RUBBER
 
 
-_SIZES = ("braid_angle", "outer_radius")
-_RUBBER = ("c10", "c01")
-# free constants of the laws that have no such bladder: two for each correction of the ideal law
-_OTHERS = {
-    "ideal": _SIZES,
-    "tondu_lopez": ("strain_factor", "outer_radius"),
-    "meller2014": ("strain_factor", "force_factor"),
-    "kothera2009": ("youngs_modulus", *_SIZES),
-}
 BAND, LENGTH = "dead_band", "active_length"
 
 Names = tuple[str, ...]
@@ -30,12 +22,12 @@ def sets(muscle: Muscle, always: Collection[str] = ()) -> list[Names]:
     """Sets of constants to try on a `muscle` [-] one after the other; those that are `always` free
     [-] are in each.
     """
-    law = muscle.tension.name
-    if law in _OTHERS or not isinstance(muscle.material, MooneyRivlin):
-        own = tuple(muscle.tension.parameters)
-        bases = [_OTHERS.get(law, (*own, *_SIZES))]
+    usual = muscle.tension.usually_free()
+    sizes = tuple(name for name in usual if name not in RUBBER)
+    if len(sizes) == len(usual) or not isinstance(muscle.material, MooneyRivlin):
+        bases = [sizes]
     else:
-        bases = [_SIZES, _RUBBER, (*_RUBBER, *_SIZES)]
+        bases = [sizes, RUBBER, (*RUBBER, *sizes)]
     found = [(), *bases, *((*base, BAND) for base in bases)]
     return list(dict.fromkeys(_with(names, always) for names in found))
 

@@ -20,14 +20,14 @@ from typing import Any
 import numpy as np
 
 from ..muscle import Muscle
-from ..muscle.buckling import BUCKLING_LAWS
-from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from ..muscle.laws import LAWS
 from ..records.record import Record
 from .alternatives import collapse_named, post_collapse_named
 from .beginning import Prior, Search
 from .calibration import Calibration, largest_force, root_mean_square
 from .fitting import fitted
 from .leaving_out import left_out_errors
+from .parameters import of_muscle
 from .reference import SAROSI_DMSP_20_200N, refitted, sarosi
 from .taking import taken
 
@@ -60,14 +60,14 @@ def compare(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    buckling: Sequence[str] = tuple(BUCKLING_LAWS),
-    collapse: Sequence[str] = tuple(COLLAPSE_LAWS),
-    post_collapse: Sequence[str] = tuple(POST_COLLAPSE_LAWS),
+    buckling: Sequence[str] = tuple(LAWS["buckling"]),
+    collapse: Sequence[str] = tuple(LAWS["collapse"]),
+    post_collapse: Sequence[str] = tuple(LAWS["post_collapse"]),
     **search: Any,
 ) -> list[Row]:
     """Every choice of buckling, collapse and post-collapse law, fitted to a record.
 
-    A factor on the muscle's own collapse law goes with that law.
+    The numbers of the muscle's own laws go with them, a factor on its collapse law among them.
 
     **Arguments:**
 
@@ -79,16 +79,16 @@ def compare(
     """
     of, rows = taken(record), []
     for names in itertools.product(buckling, collapse, post_collapse):
-        own = names[1] == muscle.collapse.name
-        other = _with(
-            muscle,
-            buckling=names[0],
-            collapse=collapse_named(
-                names[1], getattr(muscle.collapse, "factor", 1.0) if own else 1.0
-            ),
-            post_collapse=post_collapse_named(names[2]),
+        other = muscle.replace(
+            buckling=muscle.buckling if names[0] == muscle.buckling.name else names[0],
+            collapse=collapse_named(names[1], muscle.collapse),
+            post_collapse=post_collapse_named(names[2], muscle.post_collapse),
         )
-        rows.append(row(", ".join(names), fitted(of, other, parameters, priors, Search(**search))))
+        # a constant of a law is free with that law alone; a name that nobody knows is refused
+        gone = of_muscle(muscle).keys() - of_muscle(other).keys()
+        free = None if parameters is None else [one for one in parameters if one not in gone]
+        told = {name: prior for name, prior in (priors or {}).items() if name not in gone}
+        rows.append(row(", ".join(names), fitted(of, other, free, told, Search(**search))))
     return ranked(rows)
 
 
@@ -113,13 +113,12 @@ def compare_tension(
     **Returns:** a row for each, the least AIC first [-].
     """
     of, fits = taken(record), {}
-    known = {law: (label, free) for label, law, free in _TENSION}
     own = muscle.tension.name
-    for law in {own: None, **known}:
-        label, free = known.get(law, (law, ()))
+    for law, kind in {own: type(muscle.tension), **LAWS["tension"]}.items():
+        label, free = kind.title or law, kind.usually_free()
         names = list(parameters or free) if law == own else list(free)
         names += [one for one in _ANY_LAW if one in (parameters or ()) and one not in names]
-        with_law = muscle if law == own else _with(muscle, tension=law)
+        with_law = muscle if law == own else muscle.replace(tension=law)
         told = {name: prior for name, prior in (priors or {}).items() if name in names}
         fits[f"{label}: {', '.join(names)}"] = fitted(of, with_law, names, told, Search(**search))
     rows = [row(label, made) for label, made in fits.items()]
@@ -140,24 +139,6 @@ def ranked(rows: Sequence[Row]) -> list[Row]:
     aic, bic = min(one.aic for one in rows), min(one.bic for one in rows)
     counted = [replace(one, aic=one.aic - aic, bic=one.bic - bic) for one in rows]
     return sorted(counted, key=lambda one: one.aic)
-
-
-# name in the table, law, free constants: two for each correction of the ideal law
-_TENSION = (
-    ("Klute-Hannaford", "klute_hannaford", ("c10", "c01", "braid_angle", "outer_radius")),
-    ("ideal", "ideal", ("braid_angle", "outer_radius")),
-    ("Tondu-Lopez", "tondu_lopez", ("strain_factor", "outer_radius")),
-    ("Meller", "meller2014", ("strain_factor", "force_factor")),
-    ("Kothera", "kothera2009", ("youngs_modulus", "braid_angle", "outer_radius")),
-)
-
-
-def _with(muscle: Muscle, **laws: Any) -> Muscle:
-    """`muscle` with other laws, by name or as they are."""
-    names = ("length", "outer_radius", "wall_thickness", "braid_angle", "material", "tension",
-             "buckling", "collapse", "post_collapse", "transition_rate", "tuning")  # fmt: skip
-    given: dict[str, Any] = {name: getattr(muscle, name) for name in names}
-    return Muscle(**{**given, **laws})
 
 
 def _row(

@@ -12,9 +12,8 @@ value: a parameter that the data say nothing about stays there, one they determi
 notice it.
 """
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from operator import attrgetter
 from types import MappingProxyType
@@ -25,16 +24,17 @@ import jax
 
 from .._arrays import exp, expm1, library, log, maximum, where
 from .._checks import one_of
+from .._constant import Constant
+from .._domain import HIGHEST_PRESSURE, NEUTRAL_ANGLE
 from .._refused import Refused
 from .._types import Batch
 from ..muscle import Muscle
+from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 
 
+RUBBER = ("c10", "c01")  # that store a stretched wall's energy
 WEAK = 3.0  # standard deviation of a prior that nobody gave, on a logarithmic scale
-_NEUTRAL_ANGLE = math.atan(math.sqrt(2))
-_HIGHEST = 1e6  # Pa
-_SIGNED = ("strain_factor_rise",)  # of a tension law: its coordinate is itself
 _SMALLEST_BAND = 1e3  # Pa, where a dead band of zero starts from: it has no logarithm
 
 
@@ -105,12 +105,12 @@ def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
 
 
 def _angle(muscle: Muscle) -> Batch:
-    share = muscle.braid_angle / _NEUTRAL_ANGLE
+    share = muscle.braid_angle / NEUTRAL_ANGLE
     return log(share / (1 - share))
 
 
 def _put_angle(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(lambda m: m.braid_angle, muscle, _NEUTRAL_ANGLE / (1 + exp(-z)))
+    return eqx.tree_at(lambda m: m.braid_angle, muscle, NEUTRAL_ANGLE / (1 + exp(-z)))
 
 
 def _hinge(muscle: Muscle) -> Any:  # `tree_at` looks through it at what is no array yet
@@ -126,11 +126,13 @@ def _slope(muscle: Muscle) -> Any:
 
 
 def _put_slope(muscle: Muscle, z: Batch) -> Muscle:
-    return eqx.tree_at(_slope, muscle, (library(z).logaddexp(z, 0.0) - _hinge(muscle)) / _HIGHEST)
+    return eqx.tree_at(
+        _slope, muscle, (library(z).logaddexp(z, 0.0) - _hinge(muscle)) / HIGHEST_PRESSURE
+    )
 
 
 def _far(muscle: Muscle) -> Batch:
-    factor = muscle.tuning.hinge_stiffness_at(_HIGHEST)
+    factor = muscle.tuning.hinge_stiffness_at(HIGHEST_PRESSURE)
     return factor + log(-expm1(-factor))
 
 
@@ -145,6 +147,27 @@ def _put_wall(muscle: Muscle, z: Batch) -> Muscle:
 
 def _put_radius(muscle: Muscle, z: Batch) -> Muscle:
     return eqx.tree_at(lambda m: m.outer_radius, muscle, muscle.wall_thickness + exp(z))
+
+
+def _moved(one: Constant, at: str, about: str) -> Parameter:
+    """A declared constant that stands `at` a place in a muscle."""
+    here, scale = attrgetter(f"{at}.{one.name}"), one.transform
+    assert scale is not None
+    return Parameter(
+        one.name, one.dimension, about, here,
+        coordinate=lambda muscle: scale.coordinate(here(muscle)),
+        put=lambda muscle, z: eqx.tree_at(here, muscle, scale.value(z)),
+        linear=scale.even,
+    )  # fmt: skip
+
+
+def _of_rubber() -> Iterator[Parameter]:
+    """The rubber's constants; a modulus that follows from the others follows them."""
+    for one in MooneyRivlin.constants():
+        if one.transform is not None:
+            moved = _moved(one, "material", one.about)
+            own = {"put": _put_rubber(one.name)} if one.name in RUBBER else {}
+            yield replace(moved, **own)
 
 
 FACTORS: tuple[Parameter, ...] = (
@@ -184,24 +207,7 @@ FACTORS: tuple[Parameter, ...] = (
 )
 
 CONSTANTS: tuple[Parameter, ...] = (
-    *(
-        Parameter(
-            name,
-            "pressure",
-            f"of the bladder's rubber, {symbol}",
-            # each function has its own name
-            value=lambda m, name=name: getattr(m.material, name),
-            coordinate=lambda m, name=name: log(getattr(m.material, name)),
-            put=_put_rubber(name),
-        )
-        for name, symbol in (("c10", "C10"), ("c01", "C01"))
-    ),
-    _positive(
-        "youngs_modulus",
-        "pressure",
-        "of the bladder in bending",
-        lambda m: m.material.youngs_modulus,
-    ),
+    *_of_rubber(),
     Parameter("braid_angle", "angle", "at rest, from the axis", lambda m: m.braid_angle, _angle,
               _put_angle),
     # in this order: a radius keeps clear of the wall it starts with, then the wall is a share
@@ -219,11 +225,15 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )
 
 
+def of_muscle(muscle: Muscle) -> dict[str, Parameter]:
+    """All parameters by name [-], those of the `muscle`'s own laws [-] among them."""
+    own = (parameter for kind in LAWS for parameter in _of_law(kind, muscle))
+    return dict(PARAMETERS) | {parameter.name: parameter for parameter in own}
+
+
 def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
-    """The parameters of these `names` [-] in the order in which they are put, those of the
-    `muscle`'s own tension law [-] among them.
-    """
-    known = dict(PARAMETERS) | {parameter.name: parameter for parameter in _of_law(muscle)}
+    """The parameters of these `names` [-] of a `muscle` [-], in the order in which they are put."""
+    known = of_muscle(muscle)
     if not names:
         raise Refused("fit", "must name at least one parameter", None, shown="none")
     for name in names:
@@ -249,7 +259,7 @@ def _where(condition: Any, moved: Muscle, muscle: Muscle) -> Muscle:
 
 def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
     """All that the force of a `muscle` that pulls may depend on [-], and `also` others [-]."""
-    rubber = ("c10", "c01") if isinstance(muscle.material, MooneyRivlin) else ()
+    rubber = RUBBER if isinstance(muscle.material, MooneyRivlin) else ()
     pulling = (
         *rubber,
         "braid_angle",
@@ -258,7 +268,7 @@ def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, 
         "active_length",
         "dead_band",
     )
-    own = [one.name for one in _of_law(muscle)]
+    own = [one.name for one in _of_law("tension", muscle)]
     return named([*pulling, *own, *(one.name for one in also)], muscle)
 
 
@@ -286,18 +296,14 @@ def _stacked(numbers: Sequence[Batch]) -> Batch:
 
 
 @cache
-def _law_parameter(law: str, name: str, dimension: str) -> Parameter:
-    """A constant of a tension law; cached, since what is compiled is found by its identity."""
-    at = attrgetter(f"tension.{name}")
-    if name in _SIGNED:
-        return Parameter(
-            name, dimension, f"of {law}", at, at,
-            lambda muscle, z: eqx.tree_at(at, muscle, z), linear=True,
-        )  # fmt: skip
-    return _positive(name, dimension, f"of {law}", at)
+def _law_parameter(kind: str, law: str, constant: Constant) -> Parameter:
+    """A constant of a law; cached, since what is compiled is found by its identity."""
+    return _moved(constant, kind, f"of {law}")
 
 
-def _of_law(muscle: Muscle) -> list[Parameter]:
-    """The tension law's own constants, where it has any."""
-    law = muscle.tension
-    return [_law_parameter(law.name, name, kind) for name, kind in law.parameters.items()]
+def _of_law(kind: str, muscle: Muscle) -> list[Parameter]:
+    """The own constants of a kind of law, where it has any that a fit moves."""
+    law = getattr(muscle, kind)
+    return [
+        _law_parameter(kind, law.name, one) for one in law.constants() if one.transform is not None
+    ]

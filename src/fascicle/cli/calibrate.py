@@ -85,7 +85,7 @@ Fit = Annotated[
     str | None,
     _option(
         "What is free: any of c10, c01, youngs_modulus, braid_angle, outer_radius, wall_thickness,"
-        " active_length, dead_band, the tension law's own constants, and of what resists"
+        " active_length, dead_band, its laws' own constants, and of what resists"
         " youngs_modulus_factor, collapse_moment_factor, hinge_stiffness_factor,"
         " hinge_stiffness_slope, transition_rate; or tuning, the paper's. Left out, what the data"
         " can tell is tried, and chosen by pressures left out.",

@@ -18,15 +18,15 @@ format = 1
 length = "127 mm"                # between the end fittings, at rest
 outer_radius = "6.35 mm"         # of the bladder, at rest; half its diameter
 wall_thickness = "1.6 mm"        # of the bladder, at rest
-braid_angle = "33 deg"           # of a fiber from the axis, at rest; below 54.7 deg to contract
-material = "latex"               # or "silicone_kim2021", or a table such as
+braid_angle = "33 deg"           # of a fiber from the axis, at rest; below %(top)s deg to contract
+%(material)s, or a table such as
                                  # { c10 = "90 kPa", c01 = "80 kPa", youngs_modulus = "1.8 MPa" }
-tension = "klute_hannaford"      # or "ideal": without the bladder's force
-buckling = "kim2021"             # or "elastica"
-post_collapse = "derived"        # or "consistent", "printed"
+%(tension)s
+%(buckling)s
+%(post_collapse)s
 
 [muscle.collapse]
-law = "kim2021"                  # or "wood1958", "brazier1927", "stein_hedgepeth1961"
+%(collapse)s
 transition_rate = 25             # how fast the force falls once the bladder has collapsed
 
 # What measurements correct; left out, nothing.
@@ -84,8 +84,28 @@ def run(
     path = path or ("task.toml" if task else "muscle.toml")
     with refusing():
         check_writable(path)
-        begun = TASK_TEMPLATE if task else _TEMPLATE
+        begun = TASK_TEMPLATE if task else _template()
         text = begun if example is None else example_text(example)
         with replacing(path, overwrite):
             write_text(path, text)
     say(f"wrote {path}")
+
+
+def _template() -> str:
+    """The muscle's template with the names of all materials and laws."""
+    from math import degrees
+
+    from .._domain import NEUTRAL_ANGLE
+    from ..muscle import LAWS
+    from ..muscle.materials import MATERIALS
+
+    known = {"material": MATERIALS, **LAWS}
+    keys = {kind: "law" if kind == "collapse" else kind for kind in known}  # it has a table
+    chosen = {kind: _chosen(keys[kind], list(names)) for kind, names in known.items()}
+    return _TEMPLATE % {**chosen, "top": f"{degrees(NEUTRAL_ANGLE):.1f}"}
+
+
+def _chosen(key: str, names: list[str]) -> str:
+    """A line of the file: the first of the `names`, the others beside it."""
+    first, *others = (f'"{name}"' for name in names)
+    return f"{key} = {first}".ljust(33) + "# or " + ", ".join(others)

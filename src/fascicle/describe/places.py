@@ -9,21 +9,18 @@ from collections.abc import Iterator
 from typing import Any
 
 from .._refused import Refused
+from ..muscle.laws import LAWS
+from ..muscle.materials import MooneyRivlin
 from .problems import line, value
 
 
 # where an argument of a constructor stands, if not under its own name
 _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "muscle": {
-        "collapse": ("collapse", "law"),
-        "factor": ("collapse", "factor"),
         "transition_rate": ("collapse", "transition_rate"),
-        "c10": ("material", "c10"),
-        "c01": ("material", "c01"),
-        "youngs_modulus": ("material", "youngs_modulus"),
-        "poisson_ratio": ("material", "poisson_ratio"),
+        **{one.name: ("material", one.name) for one in MooneyRivlin.constants()},
     },
-    "tension": {"tension": ("law",)},
+    **{kind: {kind: ("law",)} for kind in LAWS},
     "tuning": {
         "pressures": ("pressure",),
         "hinge_stiffness_slope": ("hinge_stiffness_factor", "slope"),

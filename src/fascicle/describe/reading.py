@@ -13,28 +13,26 @@ from .._refused import Refused
 from .._toml import tables
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
-from ..muscle.collapse import COLLAPSE_LAWS
+from ..muscle.law import AbstractLaw
+from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from ..muscle.tension import TENSION_LAWS, AbstractTension
 from ..muscle.tuning import Tuning
 from .places import Place
 from .problems import from_validation, line, nearest
 from .schema import (
     BundleSection,
-    CollapseSection,
     FileSection,
     HingeSection,
-    MaterialSection,
+    LawSection,
     MotorUnitSection,
     MuscleSection,
-    TensionSection,
+    Section,
     TuningSection,
 )
 
 
 _LARGEST_FILE = 1_000_000  # bytes; a muscle takes 500
-_SECTIONS = ("material", "tension", "collapse", "tuning")  # keys of one muscle that hold a table
-_DEFAULT_COLLAPSE = "kim2021"  # the muscle's own, needed by name where a factor stands on it
+_SECTIONS = ("material", "tuning", *LAWS)  # keys of one muscle that hold a table
 
 
 def load(path: str | os.PathLike[str]) -> Muscle | Bundle:
@@ -146,19 +144,20 @@ def _muscle(section: MuscleSection, place: Place) -> Muscle:
     given: dict[str, Any] = {
         name: value for name, value in section if value is not None and name not in _SECTIONS
     }
-    if section.tension is not None:
-        given["tension"] = _tension(section.tension, place.inner("tension", kind="tension"))
+    if section.collapse is not None:
+        given |= section.collapse.model_dump(exclude_none=True, include={"transition_rate"})
+    for kind in LAWS:
+        if (chosen := getattr(section, kind)) is not None:
+            given[kind] = _law(kind, chosen, place.inner(kind, kind=kind))
     if section.tuning is not None:
         given["tuning"] = _tuning(section.tuning, place.inner("tuning", kind="tuning"))
     with place.naming():
         if section.material is not None:
             given["material"] = _material(section.material)
-        if section.collapse is not None:
-            given |= _collapse(section.collapse)
         return Muscle.from_dimensions(**given)
 
 
-def _material(material: str | MaterialSection) -> str | MooneyRivlin:
+def _material(material: str | Section) -> str | MooneyRivlin:
     if isinstance(material, str):
         return material
     given = material.model_dump(exclude_none=True)
@@ -170,28 +169,21 @@ def _material(material: str | MaterialSection) -> str | MooneyRivlin:
     return MooneyRivlin(**given)
 
 
-def _tension(tension: str | TensionSection, place: Place) -> str | AbstractTension:
-    if isinstance(tension, str):
-        return tension  # an unknown one is the muscle's to refuse
-    given = tension.model_dump(exclude_none=True, exclude={"law"})
+def _law(kind: str, chosen: str | LawSection, place: Place) -> str | AbstractLaw:
+    if isinstance(chosen, str):
+        return chosen  # an unknown one is the muscle's to refuse
+    laws = LAWS[kind]
+    name = chosen.law or next(iter(laws))
     with place.naming():
-        law: Any = TENSION_LAWS[one_of(tension.law, TENSION_LAWS, "tension")]
+        law: Any = laws[one_of(name, laws, kind)]
     known = [field.name for field in fields(law)]
+    given = chosen.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*known})
     for key in given:
         if key not in known:
             rule = nearest(key, known) if known else ": it has none, drop it."
-            raise place.refuse((key,), f"not a parameter of {tension.law}{rule}")
+            raise place.refuse((key,), f"not a parameter of {name}{rule}")
     with place.naming():
         return law(**given)
-
-
-def _collapse(collapse: CollapseSection) -> dict[str, Any]:
-    given = collapse.model_dump(exclude_none=True, include={"transition_rate"})
-    law: Any = COLLAPSE_LAWS.get(collapse.law or _DEFAULT_COLLAPSE)
-    if collapse.factor is not None and law is not None:
-        return given | {"collapse": law(collapse.factor)}
-    # an unknown law is the muscle's to refuse
-    return given if collapse.law is None else given | {"collapse": collapse.law}
 
 
 def _tuning(tuning: TuningSection, place: Place) -> Tuning:

@@ -2,10 +2,12 @@
 
 A section knows units and types only. What a muscle may be is the laws' own business: their
 constructors refuse it, and `reading` adds the file's name and key to what they say. A key
-that is left out stays `None` here, so a default is written in one place, the constructor.
+that is left out stays `None` here, so a default is written in one place, the constructor. The
+keys of a law are those of the constants that it declares.
 """
 
-from typing import Annotated, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
     BaseModel,
@@ -16,8 +18,12 @@ from pydantic import (
     StrictInt,
     StrictStr,
     Tag,
+    create_model,
 )
 
+from .._constant import Constant
+from ..muscle.laws import LAWS
+from ..muscle.materials import MooneyRivlin
 from ..units import parse
 
 
@@ -37,7 +43,8 @@ Number = Annotated[float, _reader("number")]
 
 # a value that is either plain or a table: the choice is by type, so an error names one key
 PLAIN, TABLE = "(plain)", "(table)"
-CHOICES = (("material",), ("tension",), ("hinge_stiffness_factor",), ("catalog",))
+_CHOICES = ("material", "hinge_stiffness_factor", "catalog", *LAWS)
+CHOICES = tuple((key,) for key in _CHOICES)
 
 
 def _plain_or_table(value: Any) -> str:
@@ -50,32 +57,72 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class MaterialSection(Section):
-    """`material = { … }`: a rubber by its constants, or by its modulus alone."""
-
-    c10: Pressure | None = None
-    c01: Pressure | None = None
-    youngs_modulus: Pressure | None = None
-    poisson_ratio: Number | None = None
-
-
-class TensionSection(Section):
-    """`tension = { … }`: the law and its own numbers; which of them it has is its business."""
-
-    law: StrictStr = Field(examples=['"tondu_lopez"'])
-    strain_factor: Number | None = None
-    strain_factor_rise: Number | None = None
-    decay_pressure: Pressure | None = None
-    force_factor: Number | None = None
-    pressure_term: StrictStr | None = None
-
-
-class CollapseSection(Section):
-    """`[muscle.collapse]`: the law, the factor on its moment, the transition rate."""
+class LawSection(Section):
+    """`tension = { … }` and the like: a law by name, with its own numbers."""
 
     law: StrictStr | None = None
-    factor: Number | None = None
-    transition_rate: Number | None = None
+
+
+def _float(reader: BeforeValidator) -> Any:
+    return Annotated[float | None, reader]  # no file says `None`: it is left out
+
+
+def _keys(constants: Iterable[Constant]) -> dict[str, Any]:
+    return {one.name: (_float(_reader(one.dimension)), None) for one in constants}
+
+
+def _reader_of(kind: str, name: str) -> BeforeValidator:
+    """As `_reader`, of a constant of whichever law of that kind was chosen above it."""
+    known = {
+        law.name: one.dimension
+        for law in LAWS[kind].values()
+        for one in law.constants()
+        if one.name == name
+    }
+
+    first = next(iter(LAWS[kind]))
+
+    def read(value: Any, info: Any) -> float:
+        # where the law has none of this name it is refused later, by its own name
+        dimension = known.get(info.data.get("law") or first, next(iter(known.values())))
+        return parse(value, dimension, info.field_name)
+
+    return BeforeValidator(read)
+
+
+def _table(kind: str, **first: Any) -> type[LawSection]:
+    """The table of a kind of law: all that its laws declare."""
+    keys: dict[str, Any] = {}
+    for law in LAWS[kind].values():
+        for one in law.constants():
+            keys[one.name] = (_float(_reader_of(kind, one.name)), None)
+        keys |= {one.name: (str | None, None) for one in law.switches()}
+    return create_model(f"{kind.title()}Section", __base__=LawSection, **first, **keys)
+
+
+def _chosen(kind: str) -> Any:
+    """A law by name or, where its kind has any with numbers of their own, by a table."""
+    laws = LAWS[kind].values()
+    most = max(laws, key=lambda law: len(law.constants()))
+    if not any(law.constants() or law.switches() for law in laws):
+        return StrictStr
+    table = _table(kind, law=(StrictStr, Field(examples=[f'"{most.name}"'])))
+    return Annotated[
+        Annotated[StrictStr, Tag(PLAIN)] | Annotated[table, Tag(TABLE)],
+        Discriminator(_plain_or_table),
+    ]
+
+
+if TYPE_CHECKING:  # made of what the laws declare, which no type checker sees
+    MaterialSection = Section
+    CollapseSection = LawSection
+    Tension = Buckling = PostCollapse = str | LawSection
+else:
+    MaterialSection = create_model(
+        "MaterialSection", __base__=Section, **_keys(MooneyRivlin.constants())
+    )
+    CollapseSection = _table("collapse", transition_rate=(Number | None, None))
+    Tension, Buckling, PostCollapse = map(_chosen, ("tension", "buckling", "post_collapse"))
 
 
 class HingeSection(Section):
@@ -118,15 +165,9 @@ class MuscleSection(Section):
         ]
         | None
     ) = None
-    tension: (
-        Annotated[
-            Annotated[StrictStr, Tag(PLAIN)] | Annotated[TensionSection, Tag(TABLE)],
-            Discriminator(_plain_or_table),
-        ]
-        | None
-    ) = None
-    buckling: StrictStr | None = None
-    post_collapse: StrictStr | None = None
+    tension: Tension | None = None
+    buckling: Buckling | None = None
+    post_collapse: PostCollapse | None = None
     collapse: CollapseSection | None = None
     tuning: TuningSection | None = None
 

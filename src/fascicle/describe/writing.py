@@ -3,20 +3,19 @@
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
+from .._constant import Constant
 from .._refused import Refused
 from ..bundle import Bundle
 from ..muscle import Muscle
-from ..muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from ..muscle.law import AbstractLaw
+from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS, MooneyRivlin
-from ..muscle.muscle import BUCKLING_LAWS
-from ..muscle.tension import TENSION_LAWS
 from ..muscle.tuning import Tuning
-from ..units import exact
+from ..units import DIMENSIONS, exact
 from .atomic import write_text
 from .calibration import calibration_text
 
@@ -65,11 +64,10 @@ def _lines(obj: Any) -> list[str]:
 
 def _muscle(muscle: Muscle, table: str) -> list[str]:
     collapse = [
-        f"law = {_law(muscle.collapse, COLLAPSE_LAWS, 'collapse')}",
+        f"law = {_law(muscle.collapse, 'collapse')}",
         f"transition_rate = {_number(muscle.transition_rate, 'transition_rate')}",
+        *(f"{key} = {text}" for key, text in _own(muscle.collapse).items()),
     ]
-    if _scalar(muscle.collapse.factor, "factor") != 1:
-        collapse.append(f"factor = {_number(muscle.collapse.factor, 'factor')}")
     lines = [
         f"[{table}]",
         *(
@@ -82,9 +80,11 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
             )
         ),
         f"material = {_material(muscle.material)}",
-        f"tension = {_tension(muscle.tension)}",
-        f"buckling = {_law(muscle.buckling, BUCKLING_LAWS, 'buckling')}",
-        f"post_collapse = {_law(muscle.post_collapse, POST_COLLAPSE_LAWS, 'post_collapse')}",
+        *(
+            f"{kind} = {_chosen(getattr(muscle, kind), kind)}"
+            for kind in LAWS
+            if kind != "collapse"
+        ),
         "",
         f"[{table}.collapse]",
         *collapse,
@@ -93,36 +93,38 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
     return [*lines, "", f"[{table}.tuning]", *tuning] if tuning else lines
 
 
-def _tension(law: Any) -> str:
+def _chosen(law: Any, kind: str) -> str:
     """The law's name, with its own numbers where they aren't the default ones."""
-    name = _law(law, TENSION_LAWS, "tension")
-    entries, defaults = {}, type(law)()
-    for key in (field.name for field in fields(law)):
-        value = getattr(law, key)
-        if isinstance(value, str):
-            entries[key] = json.dumps(value)
-        elif law.parameters[key] == "number":
-            entries[key] = _number(value, key)
-        else:
-            entries[key] = _quantity(value, law.parameters[key], key)
-    if all(getattr(law, key) == getattr(defaults, key) for key in entries):
+    name, own = _law(law, kind), _own(law)
+    if not own:
         return name
-    return f"{{ law = {name}, {', '.join(f'{key} = {text}' for key, text in entries.items())} }}"
+    return f"{{ law = {name}, {', '.join(f'{key} = {text}' for key, text in own.items())} }}"
+
+
+def _own(law: AbstractLaw) -> dict[str, str]:
+    """A law's numbers and what else it lets choose, by key; none where all are the default's."""
+    numbers = {one.name: _written(getattr(law, one.name), one) for one in law.constants()}
+    names = {one.name: json.dumps(getattr(law, one.name)) for one in law.switches()}
+    usual = all(getattr(law, one.name) == one.default for one in law.constants()) and all(
+        getattr(law, one.name) == one.options[0] for one in law.switches()
+    )
+    return {} if usual else numbers | names
+
+
+def _written(value: Any, constant: Constant) -> str:
+    unitless = DIMENSIONS[constant.dimension].unitless
+    name = constant.name
+    return _number(value, name) if unitless else _quantity(value, constant.dimension, name)
 
 
 def _material(material: Any) -> str:
     if type(material) is not MooneyRivlin:
         raise Refused("material", "can be saved if it is a MooneyRivlin", material)
-    names = ("c10", "c01", "youngs_modulus", "poisson_ratio")
-    values = [_scalar(getattr(material, name), name) for name in names]
+    entries = {one.name: _written(getattr(material, one.name), one) for one in material.constants()}
     for name, known in MATERIALS.items():
-        if values == [float(getattr(known, key)) for key in names]:
+        if material == known:
             return json.dumps(name)
-    *stiffnesses, ratio = values
-    entries = [
-        f'{key} = "{exact(x, "pressure")}"' for key, x in zip(names, stiffnesses, strict=False)
-    ]
-    return f"{{ {', '.join(entries)}, poisson_ratio = {ratio!r} }}"
+    return f"{{ {', '.join(f'{key} = {text}' for key, text in entries.items())} }}"
 
 
 def _tuning(tuning: Tuning) -> list[str]:
@@ -181,10 +183,10 @@ def _bundle(bundle: Bundle) -> list[str]:
     return lines
 
 
-def _law(law: Any, known: Any, key: str) -> str:
-    name = getattr(law, "name", None)
+def _law(law: Any, kind: str) -> str:
+    name, known = getattr(law, "name", ""), LAWS[kind]
     if name not in known or type(law) is not known[name]:
-        raise Refused(key, f"can be saved if it is one of {', '.join(known)}", law)
+        raise Refused(kind, f"can be saved if it is one of {', '.join(known)}", law)
     return json.dumps(name)
 
 

@@ -23,13 +23,14 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from .._domain import LARGEST_STRAIN
 from ..bundle.recruitment import add_up
 from ..muscle import Muscle
 from .designs import Designs
 from .outcome import MET, Demand
 from .rows import Rows
 from .table import SHARED, UNLIKE, highest, tabulated
-from .task import LARGEST_STRAIN, Task
+from .task import Task
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778

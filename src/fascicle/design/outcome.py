@@ -22,8 +22,9 @@ import equinox as eqx
 import numpy as np
 
 from .._arrays import library, maximum, minimum, where
+from .._domain import LARGEST_STRAIN
 from .._types import Marks, Numbers, Whole
-from .task import LARGEST_STRAIN, Task
+from .task import Task
 
 
 MET = 1e-9  # N, a shortfall that is none

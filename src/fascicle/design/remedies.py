@@ -15,7 +15,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
-from ..muscle.entry import HIGHEST_PRESSURE
+from .._domain import HIGHEST_PRESSURE
 from .cases import Bench
 from .catalog import Product
 from .designs import Designs

@@ -20,17 +20,12 @@ from .._evaluate import COMPILE_ABOVE, compiled
 from .._types import Numbers, Whole
 from ..muscle import Muscle
 from ..muscle.column import ROUNDING
-from ..muscle.corrected import Meller2014
-from ..muscle.force_balance import Kothera2009
-from ..muscle.ideal import Ideal
 from ..muscle.piecewise import Piecewise, Pressurized
-from ..muscle.tension import KluteHannaford
 from .outcome import Demand
 from .rows import Rows
 
 
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache
-_LINEAR = (KluteHannaford, Ideal, Meller2014, Kothera2009)  # in pressure, where it isn't tuned
 
 
 class Resolution(eqx.Module):
@@ -93,7 +88,8 @@ def tabulated(
     full, largest, pressure = table.full, table.largest, level[1:] * demand.supply
     strain = np.broadcast_to(demand.strain(rows.length), largest.shape)
     tension, tuning = rows.drawing.tension, rows.drawing.tuning
-    if not (isinstance(tension, _LINEAR) and tuning.pressures.shape[-1] == 1):
+    # a tuning's tables bend what is linear
+    if not (tension.linear_in_pressure and tuning.pressures.shape[-1] == 1):
         step = max(1, _AT_ONCE // largest.size)
         for some in filled_up(len(pressure), min(step, len(pressure))):
             pull = run(_largest_pull, compiling)(rows, pressure[some], strain)

@@ -15,12 +15,12 @@ import numpy as np
 from jaxtyping import Float
 
 from .._checks import one_of, within
+from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from .._limits import plausible
 from .._refused import Refused
 from ..bundle.bundle import SCHEMES
 
 
-LARGEST_STRAIN = 0.6  # of the laws; no braid contracts by more than 0.423
 _LONGEST_STROKE = 10.0  # m
 _MOST_POINTS = 100_000
 FLUIDS = ("air", "liquid")
@@ -116,7 +116,9 @@ class Task:
                 None,
                 "this task does no work",
             )
-        supply = within(supply_pressure, 0.0, 1e6, "supply_pressure", "Pa", closed=(False, True))
+        supply = within(
+            supply_pressure, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", closed=(False, True)
+        )
         plausible(supply, "supply_pressure")
         one_of(scheme, SCHEMES, "scheme")
         one_of(fluid, FLUIDS, "fluid")

@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from .._checks import within
+from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from .._refused import Refused
 from ..bundle.bundle import SCHEMES
 from ..describe import dumps, example, examples, loads
@@ -137,7 +139,7 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
 
 def _is_example(view: View) -> bool:
     known = view_of(example(view.name), view.name)
-    return dumps(known.muscle) == dumps(view.muscle)
+    return known.muscle == view.muscle
 
 
 def _tight(value: float, dimension: str) -> str:
@@ -174,9 +176,7 @@ def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
 
 def _gauge(text: str) -> float:
     value = parse(text, "pressure")
-    if not 0 <= value <= 1e6:
-        raise Refused("pressure", "must lie in [0, 1e6] Pa (gauge)", value, shown=f"{value:g} Pa")
-    return value
+    return float(within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True)))
 
 
 def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
@@ -196,10 +196,8 @@ def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
 
 
 def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
-    value = parse(text, "strain")
-    if not 0 <= value <= 0.6:
-        raise Refused("strain", "must lie in [0, 0.6]", value, shown=f"{value:g}")
-    return replace(view, strain=value)
+    value = within(parse(text, "strain"), 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True))
+    return replace(view, strain=float(value))
 
 
 def _shown(view: View, text: str, _: Mapping[str, str]) -> View:

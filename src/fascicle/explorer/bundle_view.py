@@ -6,7 +6,8 @@ import numpy as np
 import panel as pn
 from bokeh.events import Tap
 
-from .._refused import Refused
+from .._checks import within
+from .._domain import HIGHEST_PRESSURE
 from ..bundle.bundle import SCHEMES
 from .background import Latest
 from .bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
@@ -94,8 +95,7 @@ class BundleView(Tab):
             self.session.change(**changes)
 
     def _supplied(self, value: float) -> None:
-        if not 0 < value <= 1e6:
-            raise Refused("supply", "must lie in (0, 1e6] Pa (gauge)", value, shown=f"{value:g} Pa")
+        within(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
         view = self.session.view
         self.session.change(
             supply=value,

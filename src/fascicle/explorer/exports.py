@@ -15,12 +15,12 @@ import numpy as np
 import panel as pn
 
 from .. import plot
+from .._domain import HIGHEST_PRESSURE
 from ..bundle.recruitment import overlap, space
 from ..describe import dumps
 from ..describe.results import Variable, to_csv, write
 from ..energetics import efficiency_map
 from ..muscle import Muscle
-from ..muscle.entry import HIGHEST_PRESSURE
 from ..plot.calibration import fit as plot_fit
 from ..plot.maps import efficiency as draw_efficiency
 from ..plot.space import space as draw_space

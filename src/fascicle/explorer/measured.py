@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._domain import HIGHEST_PRESSURE
 from ..calibrate.grid import level_of
 from ..muscle import Muscle
 from ..records import loads
@@ -83,7 +84,7 @@ def beside(muscle: Muscle, record: Record) -> Beside:
     pressures = np.array([record.pressure[level == number].mean() for number in held])
     low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
-    force = np.asarray(muscle.force(np.clip(pressures, 0.0, 1e6)[:, None], strain))
+    force = np.asarray(muscle.force(np.clip(pressures, 0.0, HIGHEST_PRESSURE)[:, None], strain))
     return Beside(pressures, strain, force, level)
 
 

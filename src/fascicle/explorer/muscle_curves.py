@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from .._domain import LARGEST_STRAIN
 from ..muscle import Muscle
-from ..muscle.entry import LARGEST_STRAIN
+from ..muscle.at import at_pressure
 from ..plot.shapes import ARC_POINTS
 
 
@@ -102,7 +103,7 @@ def widest(muscle: Muscle, supply: float) -> float:
 
 def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str, Any]:
     # one solution of the law for all that is shown: the public methods would solve it eight times
-    at = muscle._law().at(pressures[:, None])
+    at = at_pressure(muscle, pressures[:, None]).state
     free, collapse = at.column.free_strain, at.collapse
     kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
     even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))

@@ -7,8 +7,9 @@ from typing import Any
 import panel as pn
 
 from .._refused import Refused
+from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
-from .laws import LAWS, replaced
+from .law_inputs import LawInputs
 from .look import Look
 from .state import Session, View
 from .widgets import Field, Message, choice, heading
@@ -21,8 +22,7 @@ SIZES = {
     "braid_angle": ("Braid angle, from the axis", "angle"),
 }
 _OWN = "its own"
-_TITLES = {"tension": "Tension", "buckling": "Buckling", "collapse": "Collapse",
-           "post_collapse": "After collapse"}  # fmt: skip
+_TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
 
 
 class MuscleInputs:
@@ -37,19 +37,20 @@ class MuscleInputs:
             for name, (label, dimension) in SIZES.items()
         }
         self._material = choice(look, "Material", [*MATERIALS, _OWN])
-        self._material.param.watch(self._chose("material"), "value")
+        self._material.param.watch(self._chose_material, "value")
         self._laws = {
-            kind: choice(look, _TITLES[kind], {n.replace("_", " "): n for n in known})
+            kind: LawInputs(
+                look, _TITLES.get(kind, kind.capitalize()), known, self._becomes(kind),
+                self.message.say,
+            )
             for kind, known in LAWS.items()
-        }
-        for kind, widget in self._laws.items():
-            widget.param.watch(self._chose(kind), "value")
+        }  # fmt: skip
         self._title = heading("")
         self.panel = pn.Column(
             self._title,
             *(field.panel for field in self._fields.values()),
             self._material,
-            *self._laws.values(),
+            *(law.panel for law in self._laws.values()),
             self.message.pane,
             sizing_mode="stretch_width",
             margin=0,
@@ -62,10 +63,10 @@ class MuscleInputs:
         for name, field in self._fields.items():
             length = SIZES[name][1] == "length"
             field.show(float(getattr(muscle, name)), view.shown["length"] if length else "deg")
-        known = [name for name, one in MATERIALS.items() if _same(one, muscle.material)]
+        known = [name for name, one in MATERIALS.items() if one == muscle.material]
         self._material.value = known[0] if known else _OWN
-        for kind, widget in self._laws.items():
-            widget.value = getattr(muscle, kind).name
+        for kind, law in self._laws.items():
+            law.show(getattr(muscle, kind), view.shown)
         self.message.say("")
         self._silent = False
 
@@ -83,27 +84,20 @@ class MuscleInputs:
 
         return take
 
-    def _chose(self, kind: str) -> Callable[[Any], None]:
-        def take(event: Any) -> None:
-            if self._silent or event.new == _OWN:
-                return
-            try:
-                self._become(**{kind: event.new})
-            except ValueError as error:
-                self.message.say(str(error))
+    def _chose_material(self, event: Any) -> None:
+        if self._silent or event.new == _OWN:
+            return
+        try:
+            self._become(material=event.new)
+        except ValueError as error:
+            self.message.say(str(error))
 
-        return take
+    def _becomes(self, kind: str) -> Callable[[Any], None]:
+        return lambda law: self._become(**{kind: law})
 
     def _become(self, **parts: Any) -> None:
         view = self._session.view
         name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
-        after = replace(view, muscle=replaced(view.muscle, **parts), name=name)
+        after = replace(view, muscle=view.muscle.replace(**parts), name=name)
         _ = after.bundle  # refused here, where it was typed, if it can't be a bundle any more
         self._session.become(after)
-
-
-def _same(one: Any, other: Any) -> bool:
-    names = ("c10", "c01", "youngs_modulus", "poisson_ratio")
-    return type(one) is type(other) and all(
-        float(getattr(one, name)) == float(getattr(other, name)) for name in names
-    )

@@ -111,9 +111,8 @@ def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> Vi
         return replace(base, units=(Unit(1), Unit(1)), pressures=(SUPPLY, SUPPLY))
     # before anything is made of them
     check_units(tuple(Unit(int(unit.count)) for unit in found.motor_units))
-    first = dumps(base.muscle)
     units = tuple(
-        Unit(int(unit.count), own=None if dumps(unit.muscle) == first else unit.muscle)
+        Unit(int(unit.count), own=None if unit.muscle == base.muscle else unit.muscle)
         for unit in found.motor_units
     )
     supply = SUPPLY if found.supply_pressure is None else float(found.supply_pressure)

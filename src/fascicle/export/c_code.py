@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from .._checks import concrete
+from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle
 from ..bundle.alike import unlike
 from ..muscle import Muscle
-from ..muscle.entry import HIGHEST_PRESSURE, LARGEST_STRAIN, lowest_strain
+from ..muscle.entry import lowest_strain
 from .template import header, source
 
 

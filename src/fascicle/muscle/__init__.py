@@ -1,6 +1,17 @@
-"""One muscle, quasi-static: braid, bladder, tension, buckling, collapse, tuning."""
+"""One muscle, quasi-static: braid, bladder, tension, buckling, collapse, tuning.
 
+Laws stand in the folders of their kinds, a module each; `laws` has them all.
+"""
+
+from .._constant import Constant as Constant
+from .._constant import Switch as Switch
+from . import buckling as buckling
+from . import collapse as collapse
 from . import materials as materials
+from . import post_collapse as post_collapse
+from . import tension as tension
+from .at import AtPressure as AtPressure
+from .laws import LAWS as LAWS
 from .materials import MooneyRivlin as MooneyRivlin
 from .muscle import Muscle as Muscle
 from .piecewise import Response as Response

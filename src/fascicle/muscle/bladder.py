@@ -19,7 +19,7 @@ import numpy as np
 from .._methods import Module
 from .._types import Batch, BatchLike
 from .braid import Braid
-from .materials import AbstractMaterial
+from .materials.material_law import AbstractMaterial
 
 
 class Bladder(Module):

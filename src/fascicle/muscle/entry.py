@@ -9,19 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from .._checks import concrete, one_of, within
+from .._checks import as_given, concrete, one_of, within
+from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
 from .._limits import tilted
 from .._refused import Refused
 from .._types import Batch, Values
 from .tuning import Tuning
 
 
-HIGHEST_PRESSURE = 1e6  # Pa
-LARGEST_STRAIN = 0.6
 # (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
 # 2 cosα0/sin²α0 times this: ten million times as much at any angle
 _STRAIGHT = 1e-9
-_NEUTRAL_ANGLE = np.arctan(np.sqrt(2))  # 54.7356°, where a braid neither pulls nor pushes
 
 
 def lowest_strain(braid_angle: Batch) -> float:
@@ -45,17 +43,38 @@ def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tun
     return bool(measured and inside and 0 <= pressure <= HIGHEST_PRESSURE)
 
 
+def gauge(value: Values, tuning: Tuning) -> Batch:
+    """A gauge pressure [Pa] of the domain; a warning where the `tuning` [-] was measured below."""
+    closed = (True, True)
+    checked = within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+    tuning.warn_beyond(checked)
+    return as_given(value, checked)
+
+
+def strained(value: Values, braid_angle: Batch) -> Batch:
+    """A strain [-] of the domain, of a braid at `braid_angle` [rad]."""
+    low, why = lowest_strain(braid_angle), "(fibers straight at the lower end)"
+    return as_given(value, within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True)))
+
+
+def centerline_points(value: int) -> int:
+    """How many points [-] a centerline has."""
+    if value < 3:
+        raise Refused("points", "must be at least 3", value)
+    return int(value)
+
+
 def contracting(value: Values) -> Batch:
     """A braid angle [rad] that contracts."""
     try:
-        angle = within(value, 0.0, float(_NEUTRAL_ANGLE), "braid_angle", "rad")
+        angle = within(value, 0.0, NEUTRAL_ANGLE, "braid_angle", "rad")
     except ValueError:
         if np.asarray(value).dtype.kind not in "fiu":
             raise
-        degrees = np.degrees(np.asarray(value, dtype=float))
-        bad = degrees[~((degrees > 0) & (degrees < np.degrees(_NEUTRAL_ANGLE)))].flat[0]
+        degrees, top = np.degrees(np.asarray(value, dtype=float)), np.degrees(NEUTRAL_ANGLE)
+        bad = degrees[~((degrees > 0) & (degrees < top))].flat[0]
         raise Refused(
-            "braid_angle", "must lie in (0, 54.7356) deg to contract", bad, shown=f"{bad:g} deg"
+            "braid_angle", f"must lie in (0, {top:.4f}) deg to contract", bad, shown=f"{bad:g} deg"
         ) from None
     tilted(angle)
     return angle

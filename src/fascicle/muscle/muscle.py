@@ -15,35 +15,47 @@ from typing import Any
 import jax
 import numpy as np
 
-from .._checks import as_given, concrete, within
+from .._checks import concrete
 from .._evaluate import evaluate
 from .._limits import size, slender
 from .._methods import Module, kept, renewed
 from .._refused import Refused
 from .._tiles import fields
 from .._types import Batch, Values
+from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
-from .buckling import BUCKLING_LAWS
-from .collapse import (
-    COLLAPSE_LAWS,
-    POST_COLLAPSE_LAWS,
-    AbstractCollapse,
-    AbstractPostCollapse,
-)
-from .column import AbstractBuckling, Centerline
+from .buckling import AbstractBuckling
+from .collapse import AbstractCollapse
+from .column import Centerline
 from .entry import (
-    HIGHEST_PRESSURE,
-    LARGEST_STRAIN,
+    centerline_points,
     chosen,
     contracting,
+    gauge,
     good_point,
-    lowest_strain,
+    strained,
     thinner,
 )
+from .laws import LAWS
 from .materials import LATEX, MATERIALS, AbstractMaterial
 from .piecewise import Piecewise, Response
-from .tension import TENSION_LAWS, AbstractTension
+from .post_collapse import AbstractPostCollapse
+from .quantities import (
+    blocked_force_of,
+    collapse_moment_of,
+    collapse_strain_of,
+    deflection_of,
+    force_of,
+    free_strain_of,
+    moment_of,
+    radius_of,
+    response_of,
+    shape_of,
+    stiffness_of,
+    volume_of,
+)
+from .tension import AbstractTension
 from .tuning import TunedTension, Tuning
 
 
@@ -85,12 +97,11 @@ class Muscle(Module):
             thinner(self.wall_thickness, self.outer_radius)
         slender(self.length, self.outer_radius)
         self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
-        self.tension = chosen(tension, AbstractTension, TENSION_LAWS, "tension")
-        self.buckling = chosen(buckling, AbstractBuckling, BUCKLING_LAWS, "buckling")
-        self.collapse = chosen(collapse, AbstractCollapse, COLLAPSE_LAWS, "collapse")
-        self.post_collapse = chosen(
-            post_collapse, AbstractPostCollapse, POST_COLLAPSE_LAWS, "post_collapse"
-        )
+        self.tension = chosen(tension, AbstractTension, LAWS["tension"], "tension")
+        self.buckling = chosen(buckling, AbstractBuckling, LAWS["buckling"], "buckling")
+        self.collapse = chosen(collapse, AbstractCollapse, LAWS["collapse"], "collapse")
+        after = LAWS["post_collapse"]
+        self.post_collapse = chosen(post_collapse, AbstractPostCollapse, after, "post_collapse")
         self.transition_rate = size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
             raise Refused("tuning", "must be a Tuning or None", tuning)
@@ -120,10 +131,10 @@ class Muscle(Module):
         - `wall_thickness`: $t_0$ [m], less than the radius.
         - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
         - `material`: the bladder's, a name or an object [-].
-        - `tension`: "klute_hannaford", "ideal", "tondu_lopez", "meller2014" or "kothera2009" [-].
-        - `buckling`: "kim2021" or "elastica" [-].
-        - `collapse`: "kim2021", "wood1958", "brazier1927" or "stein_hedgepeth1961" [-].
-        - `post_collapse`: "derived", "consistent" or "printed" [-].
+        - `tension`: a law of `fascicle.tension`, by name or as an object [-].
+        - `buckling`: a law of `fascicle.buckling` [-].
+        - `collapse`: a law of `fascicle.collapse` [-].
+        - `post_collapse`: a law of `fascicle.post_collapse` [-].
         - `transition_rate`: $\\beta$ [-] of (26).
         - `tuning`: measured corrections [-]; left out, none.
 
@@ -176,7 +187,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(_force, *_point(self, pressure, strain))
+        return self._evaluated(force_of, *_point(self, pressure, strain))
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
@@ -190,7 +201,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(_response, *_point(self, pressure, strain))
+        return self._evaluated(response_of, *_point(self, pressure, strain))
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
         """Stiffness along the axis, by how much more it pulls a meter longer.
@@ -206,7 +217,19 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(_stiffness, *_point(self, pressure, strain))
+        return self._evaluated(stiffness_of, *_point(self, pressure, strain))
+
+    def at(self, pressure: Values) -> AtPressure:
+        """The muscle at a pressure: its roots solved for once, for forces at many strains.
+
+        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
+
+        **Returns:** an `AtPressure`: free strain, onset and collapse strain [-], and methods that
+        take strains.
+
+        **Raises:** `ValueError` for concrete values off the domain.
+        """
+        return at_pressure(self, gauge(pressure, self.tuning))
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain at which the force vanishes.
@@ -215,7 +238,7 @@ class Muscle(Module):
 
         **Returns:** $\\varepsilon_f$ [-].
         """
-        return self._evaluated(_free_strain, self._gauge(pressure))
+        return self._evaluated(free_strain_of, gauge(pressure, self.tuning))
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force at rest length.
@@ -224,7 +247,7 @@ class Muscle(Module):
 
         **Returns:** $F(P, 0)$ [N].
         """
-        return self._evaluated(_blocked_force, self._gauge(pressure))
+        return self._evaluated(blocked_force_of, gauge(pressure, self.tuning))
 
     def collapse_strain(self, pressure: Values) -> Batch:
         """Strain at which the buckled bladder collapses.
@@ -233,7 +256,7 @@ class Muscle(Module):
 
         **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
         """
-        return self._evaluated(_collapse_strain, self._gauge(pressure))
+        return self._evaluated(collapse_strain_of, gauge(pressure, self.tuning))
 
     def collapse_moment(self, pressure: Values) -> Batch:
         """Moment at which the bladder collapses, with the tuning's factors.
@@ -242,7 +265,7 @@ class Muscle(Module):
 
         **Returns:** $M_{collapse}$ [N·m].
         """
-        return self._evaluated(_collapse_moment, self._gauge(pressure))
+        return self._evaluated(collapse_moment_of, gauge(pressure, self.tuning))
 
     def volume(self, strain: Values) -> Batch:
         """Volume of the fluid inside; the bladder's own is taken off [R17].
@@ -251,7 +274,7 @@ class Muscle(Module):
 
         **Returns:** $\\pi r^2 L - V_b$ [m³].
         """
-        return self._evaluated(_volume, self._strain(strain))
+        return self._evaluated(volume_of, strained(strain, self.braid_angle))
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
@@ -260,7 +283,7 @@ class Muscle(Module):
 
         **Returns:** $r$ [m].
         """
-        return self._evaluated(_radius, self._strain(strain))
+        return self._evaluated(radius_of, strained(strain, self.braid_angle))
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """How far the axis bows out at the middle.
@@ -272,7 +295,7 @@ class Muscle(Module):
 
         **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
         """
-        return self._evaluated(_deflection, *self._checked(pressure, strain))
+        return self._evaluated(deflection_of, *self._checked(pressure, strain))
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
@@ -284,7 +307,7 @@ class Muscle(Module):
 
         **Returns:** $M_b$ [N·m]; after collapse the hinge's.
         """
-        return self._evaluated(_moment, *self._checked(pressure, strain))
+        return self._evaluated(moment_of, *self._checked(pressure, strain))
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
@@ -297,30 +320,18 @@ class Muscle(Module):
 
         **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
         """
-        if points < 3:
-            raise Refused("points", "must be at least 3", points)
-        return self._evaluated(_shape, *self._checked(pressure, strain), static=(int(points),))
+        static = (centerline_points(points),)
+        return self._evaluated(shape_of, *self._checked(pressure, strain), static=static)
 
     def compile(self) -> Callable[[Values, Values], Batch]:
         """The force alone, with this muscle held constant and nothing checked.
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
         """
-        return jax.jit(lambda pressure, strain: _force(self, pressure, strain))
+        return jax.jit(lambda pressure, strain: force_of(self, pressure, strain))
 
     def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        return self._gauge(pressure), self._strain(strain)
-
-    def _strain(self, strain: Values) -> Batch:
-        low, why = lowest_strain(self.braid_angle), "(fibers straight at the lower end)"
-        checked = within(strain, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
-        return as_given(strain, checked)
-
-    def _gauge(self, pressure: Values) -> Batch:
-        high, closed = HIGHEST_PRESSURE, (True, True)
-        checked = within(pressure, 0.0, high, "pressure", "Pa", "(gauge)", closed)
-        self.tuning.warn_beyond(checked)
-        return as_given(pressure, checked)
+        return gauge(pressure, self.tuning), strained(strain, self.braid_angle)
 
     def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
         # rows of muscles, and whatever has one argument, are too few to be cut
@@ -344,54 +355,6 @@ class Muscle(Module):
 
     def _law(self) -> Piecewise:
         return self._law_of_it
-
-
-def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return muscle._law().at(pressure).force(strain)[0]
-
-
-def _stiffness(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return -muscle._law().at(pressure).force(strain)[1] / muscle.length
-
-
-def _response(muscle: Muscle, pressure: Batch, strain: Batch) -> Response:
-    return muscle._law().at(pressure).response(strain)
-
-
-def _free_strain(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle._law().tension.free_strain(pressure)
-
-
-def _blocked_force(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle._law().tension.force(pressure, 0.0 * pressure)
-
-
-def _collapse_moment(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle._law().collapse_moment(pressure)
-
-
-def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
-    return muscle._law().at(pressure).collapse
-
-
-def _volume(muscle: Muscle, strain: Batch) -> Batch:
-    return muscle.braid.volume(strain) - muscle.bladder.volume
-
-
-def _radius(muscle: Muscle, strain: Batch) -> Batch:
-    return muscle.braid.radius_at(strain)
-
-
-def _deflection(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return muscle._law().at(pressure).deflection(strain)
-
-
-def _moment(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return muscle._law().at(pressure).moment(strain)
-
-
-def _shape(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Centerline:
-    return muscle._law().at(pressure).shape(strain, points)
 
 
 def _point(muscle: Muscle, pressure: Values, strain: Values) -> tuple[Any, Any]:

@@ -30,8 +30,10 @@ from .._arrays import both, either, expm1, no, spread, stack, where
 from .._math import guarded
 from .._methods import Module
 from .._types import Batch, BoolBatch, IntBatch
-from .collapse import AbstractCollapse, AbstractPostCollapse, hinge_moment
-from .column import ROUNDING, AbstractBuckling, Centerline, Column
+from .buckling.buckling_law import AbstractBuckling
+from .collapse.collapse_law import AbstractCollapse
+from .column import ROUNDING, Centerline, Column
+from .post_collapse.post_collapse_law import AbstractPostCollapse, hinge_moment
 from .tuning import TunedTension
 
 
@@ -109,10 +111,14 @@ class Pressurized(NamedTuple):
     collapse: Batch
 
     @property
+    def onset(self) -> Batch:
+        """Strain [-] at which the muscle buckles; inf where it never does."""
+        return self.law.buckling.onset(self.column)
+
+    @property
     def kinks(self) -> Batch:
         """Free strain, onset of buckling and collapse strain [-], on a new first axis."""
-        onset = self.law.buckling.onset(self.column)
-        return stack([self.column.free_strain, onset, self.collapse])
+        return stack([self.column.free_strain, self.onset, self.collapse])
 
     def force(self, strain: Batch) -> tuple[Batch, Batch]:
         """Force [N] and its slope in strain [N], at `strain` [-]."""

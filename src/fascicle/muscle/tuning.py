@@ -31,15 +31,14 @@ from jaxtyping import Float
 
 from .._arrays import along_table, spread, where
 from .._checks import concrete, finite, within
+from .._domain import HIGHEST_PRESSURE
 from .._limits import plausible, signed, size
 from .._methods import Module
 from .._refused import Refused
 from .._types import AnyArray, Batch, BatchLike, Symbol, Values
 from .bladder import Bladder
-from .ideal import AbstractTension, Pull
+from .tension.tension_law import AbstractTension, Pull
 
-
-_LARGEST_PRESSURE = 1e6  # Pa, the end of the model's domain
 
 Rows = Float[AnyArray, "*#muscles row"] | Symbol
 
@@ -93,10 +92,10 @@ class Tuning(Module):
             None if transition_rate is None else size(transition_rate, "transition_rate")
         )
         self.dead_band = within(
-            dead_band, 0.0, _LARGEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
+            dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
         )
         if concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
-            highest = self.hinge_stiffness_at(_LARGEST_PRESSURE)
+            highest = self.hinge_stiffness_at(HIGHEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
                 raise Refused(
                     "hinge_stiffness_slope",

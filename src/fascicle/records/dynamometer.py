@@ -28,6 +28,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._checks import within
+from .._domain import HIGHEST_PRESSURE
 from .._refused import Refused
 from .._types import Batch, BatchLike, Values
 from ..muscle import Muscle
@@ -132,7 +133,9 @@ class VirtualDynamometer:
 
     def __post_init__(self):
         """**Raises:** `ValueError` for a setting that can't be."""
-        P = within(self.pressures, 0.0, 1e6, "pressures", "Pa", "(gauge)", (True, True))
+        P = within(
+            self.pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True)
+        )
         if P.ndim != 1 or not np.any(np.asarray(P) > 0):
             raise Refused(
                 "pressures", "must hold at least one pressure above 0 Pa, in a list", None

@@ -21,6 +21,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._checks import within
+from .._domain import HIGHEST_PRESSURE
 from .._types import AnyArray, Values
 from ..bundle import Bundle, MotorUnit
 from ..muscle import Muscle
@@ -84,8 +85,12 @@ def fabricated_pairs(
 
     **Raises:** `ValueError` for a pressure off the domain.
     """
-    second = np.asarray(within(pressures, 0.0, 1e6, "pressures", "Pa", closed=(True, True)))
-    first = within(first_pressure, 0.0, 1e6, "first_pressure", "Pa", closed=(True, True))
+    second = np.asarray(
+        within(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", closed=(True, True))
+    )
+    first = within(
+        first_pressure, 0.0, HIGHEST_PRESSURE, "first_pressure", "Pa", closed=(True, True)
+    )
     made = scatter.draw(muscle, np.random.default_rng(seed), (draws, 2))
     # the drawing's own pair is one more, the first
     lengths = np.concatenate([np.full((1, 2), muscle.length), made.length])

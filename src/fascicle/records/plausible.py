@@ -10,11 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .._domain import HIGHEST_PRESSURE
 from .columns import Column
 from .spelling import OTHERS, factor, scaled
 
 
-HIGHEST_PRESSURE = 1e6  # Pa; muscles are driven with up to 0.8 MPa
 STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
 _LOWEST = 2e3  # Pa: a record that never gets there, but pulls, is in another unit
 _WIDEST = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a hundredth of it

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._domain import HIGHEST_PRESSURE
 from .._refused import Refused
 from ..calibrate.calibration import Calibration
 from ..calibrate.grid import grid, trimmed
@@ -16,7 +17,6 @@ from ..calibrate.profiling import Profile
 from ..calibrate.pulling import force_of, strain_of, untuned
 from ..calibrate.uncertainty import NORMAL
 from ..muscle import Muscle
-from ..muscle.entry import HIGHEST_PRESSURE
 from ..plot import calibration as plot
 from ..plot import profiles as plot_profiles
 from ..records.record import Record

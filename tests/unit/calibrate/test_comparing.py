@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, compare, compare_tension, comparing, fit
+from fascicle.calibrate.alternatives import collapse_named
 from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
 from fascicle.calibrate.fitting import fitted
 from fascicle.calibrate.grid import grid
@@ -183,6 +184,15 @@ def test_a_law_of_collapse_is_compared_with_its_factor(searches):
     assert_allclose(rows["kim2021, wood1958, derived"], other, rtol=1e-6)
     asked = {(one.loss, one.weights, one.starts, one.seed) for one in searches}
     assert asked == {("soft_l1", "level", 2, 3)}
+
+
+def test_a_laws_numbers_go_with_it_alone():
+    own = fs.collapse.Wood1958(0.7)
+    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33), collapse=own)
+    for name, law in fs.collapse.COLLAPSE_LAWS.items():
+        moment = muscle.replace(collapse=collapse_named(name, own)).collapse_moment(1e5)
+        wanted = own if name == own.name else law()
+        assert moment == muscle.replace(collapse=wanted).collapse_moment(1e5)
 
 
 def missed(made):

@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import fascicle as fs
 from fascicle.calibrate.parameters import CONSTANTS, FACTORS, PARAMETERS, coordinates, named, put
 from fascicle.calibrate.parameters import values as values_of
+from fascicle.muscle.tension import TENSION_LAWS
 
 
 TUNING = fs.Tuning(
@@ -20,8 +21,9 @@ TUNING = fs.Tuning(
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
 muscle = fs.Muscle.from_dimensions(*SIZES, tuning=TUNING)
 LAWS = {
-    "tondu_lopez": ("strain_factor", "strain_factor_rise", "decay_pressure"),
-    "meller2014": ("strain_factor", "force_factor"),
+    law.name: [one.name for one in law.constants()]
+    for law in TENSION_LAWS.values()
+    if law.constants()
 }
 WILD = (-50.0, -5.0, 0.0, 5.0, 50.0)
 
@@ -169,16 +171,19 @@ def test_unknown_names_are_refused_with_a_suggestion():
 @pytest.mark.parametrize(("law", "names"), LAWS.items())
 def test_a_tension_laws_own_constants(law, names):
     other = fs.Muscle.from_dimensions(*SIZES, tension=law)
-    assert set(names) <= set(other.tension.parameters)
+    own = [one.name for one in other.tension.constants()]
+    assert set(names) <= set(own)
     free = named(names, other)
-    assert [one.name for one in free] == [n for n in other.tension.parameters if n in names]
+    assert [one.name for one in free] == [n for n in own if n in names]
     assert free == named(names, other)  # the same objects: what was compiled for them is found
     z = coordinates(free, other)
     assert_allclose(values_of(free, put(free, other, z)), values_of(free, other), rtol=1e-12)
     for one in free:
         moved = one.put(other, jnp.asarray(-3.0))
         assert_allclose(one.coordinate(moved), -3.0, rtol=1e-13)
-        assert (float(one.value(moved)) > 0) == (one.name != "strain_factor_rise")
+        declared = next(c for c in other.tension.constants() if c.name == one.name)
+        # of either sign, it goes where the coordinate does
+        assert (float(one.value(moved)) > 0) == (declared.bounds[0] > 0) == (not one.linear)
 
 
 def test_everything_moves_and_nothing_else():

@@ -9,13 +9,11 @@ from hypothesis import strategies as st
 from fascicle.bundle import Bundle, MotorUnit
 from fascicle.describe import dumps, example, examples, load, loads, save
 from fascicle.muscle import Muscle, Tuning
-from fascicle.muscle.buckling import Kim2021
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
-from fascicle.muscle.corrected import TonduLopez
-from fascicle.muscle.force_balance import PRESSURE_TERMS
+from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
+from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.materials import MATERIALS, MooneyRivlin
-from fascicle.muscle.muscle import BUCKLING_LAWS
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
+from fascicle.muscle.tension import TENSION_LAWS, Kothera2009, TonduLopez
 
 
 def bits(obj):
@@ -46,7 +44,7 @@ tunings = st.fixed_dictionaries(
 tensions = st.sampled_from(sorted(TENSION_LAWS)) | st.one_of(
     st.tuples(st.just("tondu_lopez"), floats(0.5, 2), floats(-0.4, 1), floats(1e3, 1e6)),
     st.tuples(st.just("meller2014"), floats(0.5, 2), floats(0.1, 2)),
-    st.tuples(st.just("kothera2009"), st.sampled_from(PRESSURE_TERMS)),
+    st.tuples(st.just("kothera2009"), st.sampled_from(Kothera2009.switches()[0].options)),
 )
 muscles = st.fixed_dictionaries(
     {"length": floats(0.05, 0.5), "outer_radius": floats(1e-3, 0.05), "wall": floats(0.05, 0.9),

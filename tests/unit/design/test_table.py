@@ -12,9 +12,9 @@ from fascicle.design.outcome import Demand
 from fascicle.design.rows import Rows, sized
 from fascicle.design.table import Resolution, tabulated
 from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
-from fascicle.muscle.corrected import TonduLopez
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
+from fascicle.muscle.tension import TENSION_LAWS, TonduLopez
 
 
 SUPPLY = 300e3

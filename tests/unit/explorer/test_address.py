@@ -11,7 +11,6 @@ import fascicle as fs
 from fascicle._visible import visible
 from fascicle.describe import dumps
 from fascicle.explorer.address import LONGEST, from_query, pack, parse_splits, to_query, unpack
-from fascicle.explorer.laws import replaced
 from fascicle.explorer.state import Session, Unit, view_of
 
 
@@ -41,7 +40,7 @@ def test_a_view_comes_back_from_its_address():
 
 
 def test_a_changed_muscle_goes_into_the_address_itself():
-    view = replace(SIX, muscle=replaced(SIX.muscle, length=0.2), name="mine")
+    view = replace(SIX, muscle=SIX.muscle.replace(length=0.2), name="mine")
     query = to_query(view)
     assert "muscle" not in query
     found, refused = from_query(query, SIX)
@@ -51,7 +50,7 @@ def test_a_changed_muscle_goes_into_the_address_itself():
 
 def test_unlike_muscles_go_into_the_address_too():
     other = fs.example("kim2021_slenderness_10")
-    view = replace(SIX, units=(Unit(1), Unit(2, own=replaced(other, length=0.127))))
+    view = replace(SIX, units=(Unit(1), Unit(2, own=other.replace(length=0.127))))
     found, refused = from_query(to_query(view), SIX)
     assert not refused
     assert dumps(found.bundle) == dumps(view.bundle)
@@ -117,7 +116,7 @@ def test_a_bomb_is_not_inflated(size):
 
 def test_a_file_that_is_too_large_for_a_link_is_not_silently_another_one():
     """The link says so when it is opened, rather than show what it doesn't hold."""
-    view = replace(SIX, muscle=replaced(SIX.muscle, length=0.2), name="mine")
+    view = replace(SIX, muscle=SIX.muscle.replace(length=0.2), name="mine")
     query = to_query(view) | {"file": pack(dumps(view.muscle) + "#" * 40_000)}
     _, refused = from_query(query, SIX)
     assert refused == ["link: `file` was too large for a link: open the file itself."]

@@ -10,8 +10,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle import Bundle, MotorUnit
-from fascicle.muscle.corrected import Meller2014, TonduLopez
-from fascicle.muscle.force_balance import Kothera2009
+from fascicle.muscle.tension import Kothera2009, Meller2014, TonduLopez
 
 
 ca = pytest.importorskip("casadi", reason="C is written by CasADi, which isn't here")

@@ -10,9 +10,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import fascicle as fs
-from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
-from fascicle.muscle.elastica import Elastica
-from fascicle.muscle.fixed_mode import moment, unshortened
+from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
+from fascicle.muscle.buckling.fixed_mode import moment, unshortened
 
 
 L0 = 0.127

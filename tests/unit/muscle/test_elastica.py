@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle._math import elliptic
-from fascicle.muscle.elastica import Elastica
+from fascicle.muscle.buckling import Elastica
 
 
 L0 = 0.127

@@ -7,7 +7,7 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle.muscle.fixed_mode import (
+from fascicle.muscle.buckling.fixed_mode import (
     compression_at_moment,
     left_over,
     left_over_slope,

@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
-from fascicle.muscle.collapse import POST_COLLAPSE_LAWS, Derived, Wood1958
+from fascicle.muscle.collapse import Wood1958
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS, Derived
 from fascicle.muscle.tension import Ideal
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.muscle.collapse import POST_COLLAPSE_LAWS
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")

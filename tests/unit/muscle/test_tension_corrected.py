@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.muscle.corrected import Meller2014, TonduLopez
+from fascicle.muscle.tension import Meller2014, TonduLopez
 
 
 ANGLE = math.radians(33)

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 import fascicle as fs
-from fascicle.muscle.force_balance import Kothera2009
+from fascicle.muscle.tension import Kothera2009
 
 
 L0, R0, T0, ANGLE, E = 0.127, 6.35e-3, 1.6e-3, math.radians(33), 1.78e6

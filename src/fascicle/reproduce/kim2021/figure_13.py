@@ -10,7 +10,7 @@ from ...bundle import Bundle
 from ...bundle.reversal import Reversal, free_strain_curve, reversal
 from ...describe.results import Variable
 from ...muscle import Muscle
-from ...muscle.tension import Ideal
+from ...muscle.tension.ideal import Ideal
 from ...plot.curves import draw_free_strain
 from ...plot.style import BLACK, GRAY, SINGLE, new_figure, styled
 from ..claims import Claim, Criterion, over

@@ -4,17 +4,14 @@ A bundle's force is a sum over its muscles, so one muscle's table, at pressures 
 of unit 1, gives the space and the free strains of bundles of it, to the grid's resolution.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from ...muscle import Muscle
-from ...muscle.buckling import BUCKLING_LAWS
-from ...muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from ...muscle.laws import LAWS
+from ...muscle.post_collapse import POST_COLLAPSE_LAWS
 from . import setting
 
 
@@ -75,14 +72,9 @@ class Variant:
 def muscle(name: str) -> Muscle:
     """Fig. 6's muscle with one of the `VARIANTS`."""
     base = setting.muscle("figure_6")
-    known: dict[str, Mapping[str, Any]] = {
-        "buckling": BUCKLING_LAWS,
-        "collapse": COLLAPSE_LAWS,
-        "post_collapse": POST_COLLAPSE_LAWS,
-    }
-    for field, laws in known.items():
-        if name in laws:
-            return eqx.tree_at(lambda m, f=field: getattr(m, f), base, laws[name]())
+    for kind in ("buckling", "collapse", "post_collapse"):
+        if name in LAWS[kind]:
+            return base.replace(**{kind: name})
     return base
 
 

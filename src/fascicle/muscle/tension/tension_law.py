@@ -1,38 +1,33 @@
-r"""What a tension law is, and the simplest one: the mesh alone.
+r"""What a tension law is: a pull in two components, and the strain at which it vanishes.
 
 A law $T(P, \varepsilon)$ gives a muscle's pull in two components, of the pressurized mesh
-and of the bladder, and finds the strain at which it vanishes, also where an offset force
-$C_1(P)$ is taken off, as the tuning of section 5 does: $T(P, \varepsilon_f) = C_1(P)$.
+and of the bladder,
 
-`Ideal` has no bladder. Its force is proportional to pressure,
+$$T(P, \varepsilon) = F_{mesh}(P, \varepsilon) + F_{bladder}(\varepsilon), \tag{4}$$
 
-$$T = \pi r_0^2 P \left(a (1 - \varepsilon)^2 - b\right), \qquad
-  a = \frac{3}{\tan^2\alpha_0}, \qquad b = \frac{1}{\sin^2\alpha_0}, \tag{3}$$
-
-so that its free strain $1 - \sqrt{b/a} = 1 - 1/(\sqrt3 \cos\alpha_0)$ doesn't depend on it.
+and finds the strain at which it vanishes, also where an offset force $C_1(P)$ is taken off, as
+the tuning of section 5 does: $T(P, \varepsilon_f) = C_1(P)$. Past the free strain $T$ goes on as
+compression: buckling laws say what of it is real.
 
 **Valid for** $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
-**Source:** Chou and Hannaford (1996).
+**Source:** Kim, Mazzoleni and Bryant (2021), section 2.
 """
 
 import abc
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
-import numpy as np
 
-from .._arrays import cos, maximum, minimum, sqrt, where
-from .._math import root
-from .._methods import Module
-from .._types import Batch, BatchLike
-from .bladder import Bladder
+from ..._arrays import cos, maximum, minimum, sqrt
+from ..._math import root
+from ..._types import Batch, BatchLike
+from ..bladder import Bladder
+from ..law import AbstractLaw
 
 
 Offset = Callable[[Batch], Batch]
-NOTHING: Mapping[str, str] = MappingProxyType({})
-_A_LITTLE = 1e-3  # Pa: what a force over pressure tends to at none, seen from here
+SIZES = ("braid_angle", "outer_radius")  # known least well, and what the mesh depends on most
 
 
 class Pull(NamedTuple):
@@ -54,16 +49,23 @@ class Pull(NamedTuple):
         return self.mesh_slope + self.bladder_slope
 
 
-class AbstractTension(Module):
+class AbstractTension(AbstractLaw):
     """A tensile force in two components, and the strain at which it vanishes.
 
-    `parameters` are the law's own numbers with their dimensions, as in `units.DIMENSIONS`.
     `conservative`: whether the mesh works as much as the pressure does, $P \\mathrm{d}V$.
+    `linear_in_pressure`: whether all of it is, so that it pulls most at an end of any range.
+    `free`: what a fit of it moves where nobody says what: its constants, the rubber's, or sizes.
     """
 
-    name: eqx.AbstractClassVar[str]
-    parameters: eqx.AbstractClassVar[Mapping[str, str]]
     conservative: eqx.AbstractVar[bool]
+    linear_in_pressure: ClassVar[bool] = False
+    free: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def usually_free(cls) -> tuple[str, ...]:
+        """Names of what a fit of it moves where nobody says what [-]."""
+        own = (one.name for one in cls.constants() if one.transform is not None)
+        return cls.free or (*own, *SIZES)
 
     @abc.abstractmethod
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
@@ -79,26 +81,6 @@ class AbstractTension(Module):
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-]. Elementwise."""
         pull = self.pull(bladder, pressure, strain)
         return pull.mesh, pull.bladder
-
-
-class Ideal(AbstractTension):
-    """The mesh alone: Chou and Hannaford (1996), no bladder."""
-
-    name: ClassVar[str] = "ideal"
-    parameters: ClassVar[Mapping[str, str]] = NOTHING
-    conservative: ClassVar[bool] = True
-
-    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh force [N], equation (3), and zero."""
-        mesh, slope = bladder.braid.mesh(pressure, strain)
-        return Pull(mesh, 0.0 * mesh, slope, 0.0 * slope)
-
-    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
-        """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
-        cot2, r0 = bladder.braid.cot2, bladder.braid.radius
-        P = where(pressure > 0, pressure, _A_LITTLE)  # C1/P is 0/0 without pressure
-        held = 1 + cot2 + offset(P) / (np.pi * r0**2 * P)
-        return 1 - sqrt(held / (3 * cot2))
 
 
 def solved_free_strain(

@@ -27,9 +27,9 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from .._arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
-from .._math import root, series, still
-from .._types import Batch, BatchLike, BoolBatch
+from ..._arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
+from ..._math import root, series, still
+from ..._types import Batch, BatchLike, BoolBatch
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
@@ -128,6 +128,7 @@ def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
 def _early_moment(c: Batch) -> Batch:
     """A moment that is surely reached [-]: of a compression before the peak, and too low."""
     xi, per_xi = _EARLY, c * (1 - _EARLY) ** 4 / (1 + _EARLY)
+    # 1.5 is more than h, which is at most 1/(1 - ξ), and so leaves too little that bows
     return 0.5 * xi * sqrt(per_xi / (1.5 + xi * per_xi) / (1 - xi) ** 3)
 
 

@@ -1,4 +1,4 @@
-r"""Hyperelastic bladder materials: the energy of a stretched wall, and named ones.
+r"""Mooney-Rivlin rubber: the energy of a stretched wall in two constants.
 
 An incompressible wall stretched by $\lambda_1$ along the axis and $\lambda_2$ around it
 stores, per volume of material (Mooney-Rivlin),
@@ -11,57 +11,46 @@ $$I_1 = \lambda_1^2 + \lambda_2^2 + \lambda_3^2, \qquad
 Its Young's modulus for small strains is $E = 6 (C_{10} + C_{01})$. Buckling and collapse
 use a modulus of their own, which may be measured apart from the two constants.
 
-**Source:** Klute and Hannaford (2000) for the energy and for latex; Kim, Mazzoleni and
-Bryant (2021), section 3.4, for the silicone's modulus [R3].
+**Source:** Klute and Hannaford (2000).
 """
 
-import abc
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import NamedTuple
-
-import equinox as eqx
-
-from .._checks import within
-from .._limits import size
-from .._methods import Module
-from .._types import Batch, BatchLike, Values
+from ..._checks import within
+from ..._constant import POSITIVE, Constant
+from ..._types import Batch, BatchLike, Values
+from .material_law import AbstractMaterial, Slopes
 
 
-class Slopes(NamedTuple):
-    """First and second derivatives of an energy density [J/m³] by $p = \\lambda_1^2$ and
-    $q = \\lambda_2^2$.
-    """
+LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
 
-    p: Batch
-    q: Batch
-    pp: Batch
-    pq: Batch
-    qq: Batch
-
-
-class AbstractMaterial(Module):
-    """A wall material: an energy for stretching, a modulus and a ratio for bending."""
-
-    youngs_modulus: eqx.AbstractVar[Batch]
-    poisson_ratio: eqx.AbstractVar[Batch]
-
-    @abc.abstractmethod
-    def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
-        """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
-
-    @abc.abstractmethod
-    def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+_C10 = Constant(
+    "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
+    "of the bladder's rubber, C10", "Klute and Hannaford (2000)",
+)  # fmt: skip
+_C01 = Constant(
+    # many rubbers have next to none
+    "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
+    "of the bladder's rubber, C01", "Klute and Hannaford (2000)",
+)  # fmt: skip
+_E = Constant(
+    # gels have 10 Pa, no bladder is stiffer than a hard plastic, 10 GPa; the softest silicones
+    # have 20 kPa, polyethylene film 500 MPa
+    "youngs_modulus", "E", "pressure", (10.0, 5e3, 1e9, 1e10), POSITIVE, None,
+    "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
+)  # fmt: skip
+# no fit moves it: of rubber it is known
+_NU = Constant(
+    "poisson_ratio", r"\nu", "number", (0.0, 0.0, 0.5, 0.5), None, 0.5,
+    "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
+)  # fmt: skip
 
 
 class MooneyRivlin(AbstractMaterial):
     """The two-constant rubber of equation (W)."""
 
-    c10: Batch
-    c01: Batch
-    youngs_modulus: Batch
-    poisson_ratio: Batch
+    c10: Batch = _C10.told()
+    c01: Batch = _C01.told()
+    youngs_modulus: Batch = _E.told()
+    poisson_ratio: Batch = _NU.told()
 
     def __init__(
         self, c10: Values, c01: Values, youngs_modulus: Values = None, poisson_ratio: Values = 0.5
@@ -75,12 +64,13 @@ class MooneyRivlin(AbstractMaterial):
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
         """
-        self.c10 = size(c10, "c10")
-        self.c01 = size(c01, "c01")
+        self.c10 = _C10.checked(c10)
+        self.c01 = _C01.checked(c01)
         modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
-        self.youngs_modulus = size(modulus, "youngs_modulus")
+        self.youngs_modulus = _E.checked(modulus)
+        low, *_, high = _NU.bounds
         closed = (True, True)
-        self.poisson_ratio = within(poisson_ratio, 0.0, 0.5, "poisson_ratio", "-", closed=closed)
+        self.poisson_ratio = within(poisson_ratio, low, high, _NU.name, "-", closed=closed)
 
     @classmethod
     def from_youngs_modulus(
@@ -95,8 +85,8 @@ class MooneyRivlin(AbstractMaterial):
 
         **Returns:** the material [-] with $6 (C_{10} + C_{01}) = E$.
         """
-        E = size(youngs_modulus, "youngs_modulus")
-        share = _LATEX_C10 / (_LATEX_C10 + _LATEX_C01)
+        E = _E.checked(youngs_modulus)
+        share = LATEX_C10 / (LATEX_C10 + LATEX_C01)
         return cls(share * E / 6, (1 - share) * E / 6, E, poisson_ratio)
 
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
@@ -119,17 +109,3 @@ class MooneyRivlin(AbstractMaterial):
             pq=a * s**2 + b,
             qq=2 * v**2 * (a * s + b * v),
         )
-
-
-_LATEX_C10, _LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
-
-# The library's default: Klute and Hannaford's latex, E = 1.34 MPa.
-LATEX = MooneyRivlin(c10=_LATEX_C10, c01=_LATEX_C01)
-
-# The paper gives its silicone's modulus (1.78 MPa, uniaxial) but not its constants. 0.75
-# times latex meets its two statements on free strain and collapse within its figures [R3].
-SILICONE_KIM2021 = MooneyRivlin(c10=88.8e3, c01=79.3e3, youngs_modulus=1.78e6)
-
-MATERIALS: Mapping[str, MooneyRivlin] = MappingProxyType(
-    {"latex": LATEX, "silicone_kim2021": SILICONE_KIM2021}
-)

@@ -22,39 +22,30 @@ force has a vertical tangent. **Source:** Kothera, Jangid, Sirohi and Wereley (2
 anew; where it differs is on the theory page.
 """
 
-from collections.abc import Mapping
 from typing import ClassVar
 
-import equinox as eqx
 import numpy as np
 
-from .._arrays import sqrt, where
-from .._checks import one_of
-from .._math import guarded
-from .._types import Batch, BatchLike
-from .bladder import Bladder
-from .ideal import NOTHING, AbstractTension, Offset, Pull, solved_free_strain
-
-
-PRESSURE_TERMS = ("inner_radius", "ideal")
+from ..._arrays import sqrt, where
+from ..._constant import Switch
+from ..._math import guarded
+from ..._types import Batch, BatchLike
+from ..bladder import Bladder
+from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
 
 
 class Kothera2009(AbstractTension):
     """Braid, bore and thinning wall in equilibrium, equation (K)."""
 
     name: ClassVar[str] = "kothera2009"
-    parameters: ClassVar[Mapping[str, str]] = NOTHING
+    title: ClassVar[str] = "Kothera"
+    source: ClassVar[str] = "Kothera, Jangid, Sirohi and Wereley (2009)"
+    linear_in_pressure: ClassVar[bool] = True
+    free: ClassVar[tuple[str, ...]] = ("youngs_modulus", *SIZES)
 
-    pressure_term: str = eqx.field(static=True)
-
-    def __init__(self, pressure_term: str = "inner_radius"):
-        """**Arguments:**
-
-        - `pressure_term`: "inner_radius", as published, or "ideal", as virtual work has it [-].
-
-        **Raises:** `ValueError` for another.
-        """
-        self.pressure_term = one_of(pressure_term, PRESSURE_TERMS, "pressure_term")
+    pressure_term: str = Switch(
+        "pressure_term", ("inner_radius", "ideal"), "as published, or as virtual work has it"
+    ).field()
 
     @property
     def conservative(self) -> bool:

@@ -47,7 +47,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from .._arrays import (
+from ..._arrays import (
     both,
     cos,
     isfinite,
@@ -63,15 +63,16 @@ from .._arrays import (
     total,
     where,
 )  # fmt: skip
-from .._math import elliptic, guarded, jacobi, polynomial, root, still
-from .._types import Batch, BatchLike, BoolBatch
-from .column import ROUNDING, AbstractBuckling, Centerline, Column, Push
-from .ideal import Pull
+from ..._domain import LARGEST_STRAIN
+from ..._math import elliptic, guarded, jacobi, polynomial, root, still
+from ..._types import Batch, BatchLike, BoolBatch
+from ..column import ROUNDING, Centerline, Column
+from ..tension.tension_law import Pull
+from .buckling_law import AbstractBuckling, Push
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
 _EULER = np.pi**2 / 4  # G where it begins to bend
-_FARTHEST = 0.6  # strain, the end of the model's domain
 _LOOKS = 32  # cells in which the first onset is looked for
 _CELLS = 24  # of the curve, in which it is looked for where it turns back
 _SECANTS = 4  # to where the curve, or its load, turns: known to 1e-12 by then
@@ -82,6 +83,7 @@ class Elastica(AbstractBuckling):
     """Bending and contraction from one potential, nothing fitted: (E1) to (E6)."""
 
     name: ClassVar[str] = "elastica"
+    source: ClassVar[str] = "derived here, the elastica after Love (1927)"
 
     def branch(self, column: Column) -> "_Branch":
         """The onset [-], and the curve (E6) from there down to the free strain."""
@@ -156,11 +158,12 @@ class Elastica(AbstractBuckling):
         """
         here, eps = still(column), still(strain + 0.0 * column.free_strain)
         crossed = 0.0 * eps
-        for curve in (here.branch.curve, _curve(here, _top(here.branch.onset), _FARTHEST)):
+        for curve in (here.branch.curve, _curve(here, _top(here.branch.onset), LARGEST_STRAIN)):
             past = [over(end.strain, eps) > eps for end in curve]
             for one, other in pairwise(past):
                 crossed = crossed + total(where(one != other, 1.0, 0.0))
         straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
+        # counts are whole numbers: more than the one that is followed
         return both(crossed + straight > 1.5, eps > here.free_strain)
 
 
@@ -249,14 +252,15 @@ def _onset(column: Column) -> Batch:
     """First strain [-] at which the straight muscle buckles; inf where it never does."""
     here = still(column)
     free = here.free_strain
-    span = maximum(_FARTHEST - free, 1e-3)
+    # a free strain past the domain's end would leave cells of no length
+    span = maximum(LARGEST_STRAIN - free, 1e-3)
     # squares: a slender muscle buckles just past its free strain
     rank = nodes(np.arange(float(_LOOKS)), free)
     one, other = (free + span * ((rank + i) / _LOOKS) ** 2 for i in (0.0, 1.0))
     # a load that rises and falls again within a cell may be large enough in between
     curve = _cut(here, one, other, lambda at: at.load_slope)
     half = _first(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
-    ever = both(half.found, free < _FARTHEST)
+    ever = both(half.found, free < LARGEST_STRAIN)
     target = where(ever, _EULER, 0.0)
     strain = root(_short_of, (column, target), half.start, half.stop, half.middle)
     return where(ever, strain, np.inf)
@@ -271,7 +275,7 @@ def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
 
 def _top(onset: Batch) -> Batch:
     """Where the branch begins [-]; the end of the domain where it doesn't."""
-    return guarded(isfinite(onset), onset, _FARTHEST)
+    return guarded(isfinite(onset), onset, LARGEST_STRAIN)
 
 
 def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Batch]) -> _Curve:
@@ -318,7 +322,7 @@ def _followed(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
     """Whether the muscle is bent at `strain` [-], and its arc's strain [-]."""
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
-    eps = guarded(bent, strain, _FARTHEST)
+    eps = guarded(bent, strain, LARGEST_STRAIN)
     wanted = still(eps)
     half = _first(curve, *(over(end.strain, wanted) >= wanted for end in curve[1:]))
     arc = root(_behind, (column, eps), half.stop, half.start, half.middle)
@@ -331,6 +335,7 @@ class _Fits:
     def __init__(self):
         # somewhat beyond both ends, where searches may look
         low, high = -0.03, _ENDS_MEET + 0.02
+        # Chebyshev's points, many more than the degree asks for, so that nothing is aliased
         m = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(200) + 0.5) / 200)
         integrals = elliptic(m)
         K, E = integrals.K, integrals.E
@@ -347,7 +352,7 @@ class _Fits:
 
     def chord(self, load: Batch) -> tuple[Batch, Batch]:
         """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
-        bends = load <= _EULER * (1 + 1e-12)
+        bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
         inside = maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
         chord, slope = polynomial(self._chord, _even(inside, _EULER))
         return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)

@@ -24,24 +24,23 @@ $$F = F'_{mesh} + F_{bladder}(\varepsilon_f) - F'_b. \tag{27}$$
 times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2.
 """
 
-from collections.abc import Mapping
-from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 
-from .._arrays import cos, spread, sqrt, where
-from .._types import Batch, BatchLike, BoolBatch
-from .column import AbstractBuckling, Centerline, Column, Push
-from .elastica import Elastica
+from ..._arrays import cos, spread, sqrt, where
+from ..._types import Batch, BatchLike, BoolBatch
+from ..column import Centerline, Column
+from ..tension.tension_law import Pull
+from .buckling_law import AbstractBuckling, Push
 from .fixed_mode import compression_at_moment, left_over, left_over_slope, unshortened
-from .ideal import Pull
 
 
 class Kim2021(AbstractBuckling):
     """The paper's law: a fixed mode shape and equivalent springs, equations (8)-(16)."""
 
     name: ClassVar[str] = "kim2021"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
 
     def branch(self, column: Column) -> Pull:
         """What the tension law says at the free strain [N]."""
@@ -109,8 +108,3 @@ def _slenderness(column: Column) -> Batch:
 def _moment_unit(column: Column) -> Batch:
     """What $\\hat m$ counts, $4\\pi EI/L_{fs}$ [N·m]."""
     return 4 * np.pi * column.bending_stiffness / column.free_length
-
-
-BUCKLING_LAWS: Mapping[str, type[AbstractBuckling]] = MappingProxyType(
-    {law.name: law for law in (Kim2021, Elastica)}
-)

@@ -1,0 +1,82 @@
+"""What a buckling law is: the state of a compressed muscle at a strain.
+
+A law past the free strain takes a muscle at one pressure as a column. It gives the state at a
+strain: the force in its components, the deflection and the largest moment, and where that moment
+reaches a given one.
+"""
+
+import abc
+from typing import Any, NamedTuple
+
+from ..._types import Batch, BatchLike, BoolBatch
+from ..column import Centerline, Column
+from ..law import AbstractLaw
+
+
+class Push(NamedTuple):
+    """A state past the free strain: its force in components, negative where it pushes, and the
+    force's slope in strain, all [N]; the strain of its arc [-], whether it is straight.
+    """
+
+    mesh: Batch
+    bladder: Batch
+    bending: Batch
+    slope: Batch
+    arc_strain: Batch
+    straight: BoolBatch
+
+
+class Buckled(NamedTuple):
+    """A state past the free strain: forces [N], deflection [m], largest moment [N·m]."""
+
+    mesh: Batch
+    bladder: Batch
+    bending: Batch
+    deflection: Batch
+    moment: Batch
+    arc_strain: Batch
+    straight: BoolBatch
+
+
+class AbstractBuckling(AbstractLaw):
+    """A law for the muscle between its free strain and its collapse."""
+
+    def solved(self, column: Column) -> Column:
+        """The column with its `branch` [-]."""
+        return column._replace(branch=self.branch(column))
+
+    @abc.abstractmethod
+    def branch(self, column: Column) -> Any:
+        """What depends on pressure alone, solved for once [-]."""
+
+    @abc.abstractmethod
+    def push(self, column: Column, strain: BatchLike) -> Push:
+        """The force at `strain` [-], at or past the free strain. Elementwise."""
+
+    @abc.abstractmethod
+    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Deflection [m] and largest moment [N·m] at `strain` [-]. Elementwise."""
+
+    @abc.abstractmethod
+    def onset(self, column: Column) -> Batch:
+        """Strain [-] at which the muscle bows out; inf where it never does."""
+
+    @abc.abstractmethod
+    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+        """First strain [-] at which the largest moment is `moment` [N·m]; inf if never."""
+
+    @abc.abstractmethod
+    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
+        """Centerline [m] at `strain` [-], `points` points on a new last axis."""
+
+    @abc.abstractmethod
+    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
+        """Whether other equilibria exist at `strain` [-] beside the one followed."""
+
+    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
+        """Forces, deflection and moment at `strain` [-], at or past the free strain."""
+        push, (deflection, moment) = self.push(column, strain), self.bow(column, strain)
+        return Buckled(
+            push.mesh, push.bladder, push.bending, deflection, moment,
+            push.arc_strain, push.straight,
+        )  # fmt: skip

@@ -1,0 +1,74 @@
+r"""What a post-collapse law is: two clamped halves and a hinge that push the ends apart.
+
+After collapse two clamped halves meet at a hinge, $y_c = y_{c,max} (1 - \cos(\pi z/L))$ (22),
+whose stiffness $k_r = E I_r/(2\theta_r t_0)$, $I_r = \pi r_0 t_0^3/4$ (23), makes its moment
+$M_h = 2\theta_r k_r$ a constant, so that its force is $M_h/\sqrt{x (L_{fs} - x)}$ [R11]:
+
+$$F_c = B(x) + \frac{M_h}{\sqrt{x (L_{fs} - x)}}. \tag{25}$$
+
+The first term, the halves' bending, has the units of a moment in print; three readings
+$B$ are offered by name [R10]. The muscle goes over to it at the rate $\beta$,
+
+$$F = -F_c + (F(\varepsilon_c) + F_c) e^{-\beta (\varepsilon - \varepsilon_c)}. \tag{26}$$
+
+**Sign:** moments and $F_c$ positive, $F_c$ pushes the ends apart.
+**Source:** Kim, Mazzoleni and Bryant (2021), 3.3.
+"""
+
+import abc
+
+import equinox as eqx
+import numpy as np
+
+from ..._arrays import cos, minimum, spread, sqrt
+from ..._types import Batch, BatchLike
+from ..bladder import Bladder
+from ..column import Centerline, Column
+from ..law import AbstractLaw
+
+
+def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
+    """The folded wall's constant moment $M_h = \\pi E r_0 t_0^2/4$ [N·m], (23) [R11]."""
+    return np.pi / 4 * youngs_modulus * bladder.braid.radius * bladder.wall_thickness**2
+
+
+class AbstractPostCollapse(AbstractLaw):
+    """A reading of (25): two clamped halves and a hinge that push the ends apart."""
+
+    slope_factor: eqx.AbstractClassVar[float]
+
+    @abc.abstractmethod
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
+
+    def force(self, column: Column, hinge: BatchLike, strain: Batch) -> Batch:
+        """$F_c$ [N] at a `strain` [-] past the free strain, (25); `hinge` is $M_h$ [N·m]."""
+        return self.push(column, hinge, (strain - column.free_strain) * column.rest_length)[0]
+
+    def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
+        """The same [N] at a `compression` $x$ [m], and its slope [N/m]."""
+        x, rest = compression, column.free_length - compression
+        halves, slope = self.halves(column, x)
+        folded = hinge / sqrt(x * rest)
+        return halves + folded, slope - 0.5 * folded * (1 / x - 1 / rest)
+
+    def deflection(self, column: Column, strain: Batch) -> Batch:
+        """$y_{c,max}$ [m] at `strain` [-], from the slope at the hinge, $\\pi y_{c,max}/L$."""
+        x = (strain - column.free_strain) * column.rest_length
+        return self.slope_factor / np.pi * sqrt(x * (column.free_length - x))
+
+    def shape(self, column: Column, strain: Batch, points: int) -> Centerline:
+        """Centerline [m] of (22), mirrored at the hinge, at `strain` [-]."""
+        y_max = self.deflection(column, strain)
+        along = np.linspace(0.0, 1.0, points)
+        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
+        # below the axis, as (8) is drawn
+        y = -spread(y_max) * (1 - cos(np.pi * minimum(along, 1 - along)))
+        return Centerline(z=chord * along, y=y)
+
+
+def bent_halves(column: Column, x: Batch) -> tuple[Batch, Batch]:
+    """$EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N] at a compression of `x` [m], and its slope."""
+    EI, L = column.bending_stiffness, column.free_length
+    unit = EI * np.pi**2 / (L - x) ** 3
+    return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
