@@ -233,6 +233,20 @@ def test_a_folder_with_something_else_in_it_is_kept(refused, folder, tmp_path):
     assert "thesis.txt" in refused(folder / "d.csv", "--muscle", TEN, "--out", "mine")
 
 
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("pressure,strain,force [N]", "or give --unit pressure='kPa'."),
+        ("pressure [kN],strain,force [N]", "or give --unit pressure='kPa'."),
+        ("pressure [kPa],strain,F=x [N]", "name it with --column force='F=x [N]' if it is one of"),
+        ("force 1 [N],force 2 [N],strain", "--column"),
+    ],
+)
+def test_what_a_record_doesnt_say_is_asked_for_as_an_option(refused, tmp_path, header, said):
+    (tmp_path / "x.csv").write_text(f"{header}\n100,0.1,1\n")
+    assert said in refused("x.csv", "--muscle", TEN)
+
+
 def test_a_record_that_cant_be_is_one_line(refused, tmp_path):
     (tmp_path / "x.csv").write_text("pressure [kPa],length [mm],force [N]\n100,nan,1\n")
     said = refused("x.csv", "--muscle", TEN)

@@ -118,7 +118,8 @@ def on_length(data: Grid, record: Record, muscle: Muscle) -> Grid:
 
 
 def _enough(data: Grid, free: Sequence[Parameter]) -> None:
-    readings = int(np.sum(np.asarray(data.count) > 0))
+    there = np.asarray(data.count) > 0
+    readings = int(np.sum(there))
     if readings < len(free):
         raise Refused(
             "record",
@@ -126,6 +127,8 @@ def _enough(data: Grid, free: Sequence[Parameter]) -> None:
             None,
             "measure more points, or free fewer parameters",
         )
+    if not np.any(np.asarray(data.force)[there]):
+        raise Refused("record", "holds no force but 0 N", None, "check the column of forces")
 
 
 def _centered(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:

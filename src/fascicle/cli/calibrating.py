@@ -1,6 +1,5 @@
 """What `fascicle calibrate` does between its options and its results: read, then fit."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from ..calibrate.beginning import Prior
     from ..calibrate.calibration import Calibration
     from ..muscle import Muscle
+    from ..records.asking import Asked
     from ..records.record import Record
 
 TUNING = "tuning"  # among what is to be fitted: the paper's way
@@ -147,6 +147,7 @@ def _parts(muscle: "Muscle") -> dict[str, Any]:
 def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]:
     """The record, and what was assumed of it."""
     from ..records import join, load
+    from ..records.asking import Asked
 
     given = {
         "units": reading.units,
@@ -162,10 +163,10 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         nonlocal assumed
         try:
             return load(path, rest_length=rest, **given)
-        except ValueError:
-            if rest is not None:
+        except Asked as error:
+            if error.argument != "rest_length":
                 raise
-        # a length or displacement in a file that names no rest length; else it fails again
+        # a length or displacement in a file that names no rest length
         record = load(path, rest_length=length, **given)
         assumed = True
         return record
@@ -173,9 +174,9 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     with refusing():
         try:
             record = join([one(path) for path in reading.paths])
-        except ValueError as error:
-            raise ValueError(_as_options(str(error))) from None
-        record = replace(record, notes=tuple(_as_options(note) for note in record.notes))
+        except Asked as error:
+            raise ValueError(f"{error.before}{_option(error)}{error.after}") from None
+        record = replace(record, notes=tuple(map(_as_typed, record.notes)))
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     if not assumed:
@@ -185,12 +186,16 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     )
 
 
-def _as_options(text: str) -> str:
-    """What is to be given, said as this command's options."""
-    text = re.sub(r'columns \{"(\w+)": "([^"]*)"\}', r"--column \1='\2'", text)
-    text = re.sub(r'units \{"(\w+)": "([^"]*)"\}', r"--unit \1='\2'", text)
-    text = text.replace("give clipped_at_zero = true", "give --clipped-at-zero")
-    return text.replace("give rest_length", "give --rest-length")
+def _option(asked: "Asked") -> str:
+    """What is to be given, as this command's option."""
+    name = {"columns": "--column", "units": "--unit", "rest_length": "--rest-length"}[
+        asked.argument
+    ]
+    return f"{name} {asked.role}='{asked.value}'" if asked.role else name
+
+
+def _as_typed(note: str) -> str:
+    return note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
 
 
 def _check(search: Search) -> None:

@@ -1,4 +1,8 @@
-"""From a `Muscle` or a `Bundle` to a TOML file that reads back to the same bits."""
+"""From a `Muscle` or a `Bundle` to a TOML file that reads back to the same bits.
+
+Lines are put together here: each number is text with its unit before any TOML is, and tomlkit has
+no inline tables spaced as people write them.
+"""
 
 import json
 import os

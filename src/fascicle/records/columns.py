@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from .._refused import Refused
+from .asking import Asked
 from .spelling import bare, factor, is_unit
 from .table import Table
 
@@ -98,9 +99,9 @@ def choose(
             taken.add(place)
     for role in ("pressure", "force"):
         if role not in found:
-            raise ValueError(_missing(table, where, role, found))
+            raise _missing(table, where, role, found)
     if not any(role in found for role in POSITIONS):
-        raise ValueError(_missing(table, where, "length", found))
+        raise _missing(table, where, "length", found)
     found = {role: _with_unit(table, column, units.get(role)) for role, column in found.items()}
     notes = [column.told() for column in found.values()]
     notes += [
@@ -217,10 +218,8 @@ def _with_unit(table: Table, column: Column, given: str | None) -> Column:
             unit = "s"
         else:
             best = _SPELLED[column.role]
-            raise ValueError(
-                f"{where}: no unit: write it in the header, such as `{header} [{best}]`, or give"
-                f' units {{"{column.role}": "{best}"}}.'
-            )
+            how = f"{where}: no unit: write it in the header, such as `{header} [{best}]`, or give "
+            raise Asked(how, "units", column.role, best, ".")
     try:
         by = factor(unit or "", dimension)
     except ValueError as error:
@@ -229,10 +228,8 @@ def _with_unit(table: Table, column: Column, given: str | None) -> Column:
             unit, by = "", 1.0
         else:
             best = _SPELLED.get(column.role, "%")
-            raise ValueError(
-                f"{where}: {error}: write it in the header, such as `[{best}]`, or give"
-                f' units {{"{column.role}": "{best}"}}.'
-            ) from None
+            how = f"{where}: {error}: write it in the header, such as `[{best}]`, or give "
+            raise Asked(how, "units", column.role, best, ".") from None
     longer = column.role in {"strain", "displacement"} and any(
         set(name.split()) & _LONGER for name, _ in parts
     )
@@ -246,21 +243,19 @@ def _several(table: Table, role: str, places: Sequence[int]) -> ValueError:
         return ValueError(
             f"{where}: column `{names[0]}` is there {len(names)} times: rename or delete one."
         )
-    return ValueError(
-        f"{where}: several columns could be {role}, {_listed(names)}: choose one with"
-        f' columns {{"{role}": "{names[0]}"}}.'
-    )
+    how = f"{where}: several columns could be {role}, {_listed(names)}: choose one with "
+    return Asked(how, "columns", role, names[0], ".")
 
 
-def _missing(table: Table, where: str, role: str, found: Mapping[str, Column]) -> str:
+def _missing(table: Table, where: str, role: str, found: Mapping[str, Column]) -> ValueError:
     what = "length, strain or displacement" if role == "length" else role
     taken = {column.place for column in found.values()}
     left = [name for i, name in enumerate(table.header) if name and i not in taken]
+    none = f"{where}: no column of {what} found: "
     if not left:
-        hint = f"add it, such as `{role} [{_SPELLED[role]}]`"
-    else:
-        hint = f'name it with columns {{"{role}": "{left[0]}"}} if it is one of {_listed(left)}'
-    return f"{where}: no column of {what} found: {hint}."
+        return ValueError(f"{none}add it, such as `{role} [{_SPELLED[role]}]`.")
+    after = f" if it is one of {_listed(left)}."
+    return Asked(f"{none}name it with ", "columns", role, left[0], after)
 
 
 def _listed(names: Sequence[str]) -> str:

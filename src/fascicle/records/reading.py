@@ -12,6 +12,7 @@ import numpy as np
 
 from .._refused import Refused
 from ..units import parse, pretty
+from .asking import Asked
 from .columns import POSITIONS, Column, check_roles, choose
 from .plausible import Fault, check_force, check_pressure, check_strain
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
@@ -164,10 +165,12 @@ def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str
     rest, told = _rest_length(table, given, dict(remarks))
     position = chosen[next(role for role in POSITIONS if role in chosen)]
     if rest is None and position.role != "strain":
-        raise ValueError(
-            f"{source}, line {table.line}, column `{position.header}`: a {position.role} needs the"
-            ' rest length: give rest_length, or write rest_length = "300 mm" in'
-            f" {Path(name).stem or 'its'}.toml beside it."
+        where = f"{source}, line {table.line}, column `{position.header}`"
+        raise Asked(
+            f"{where}: a {position.role} needs the rest length: give ",
+            "rest_length",
+            after=', or write rest_length = "300 mm" in'
+            f" {Path(name).stem or 'its'}.toml beside it.",
         )
     words = [chosen[role] for role in ("branch", "clipped") if role in chosen]
     numbers = [column for column in chosen.values() if column not in words]

@@ -1,5 +1,8 @@
 """Pictures that tell about a mark when the mouse is on it: SVG drawn by hand, and ten lines of
 script in the page. Without the script a browser still shows each mark's title.
+
+By hand, since a page is to be sent around and read for years: Bokeh brings 1.27 MB of script to
+each, where a page has 0.5 MB in all, and shows nothing where scripts are off or cut out.
 """
 
 from collections.abc import Mapping, Sequence

@@ -326,6 +326,13 @@ def test_fewer_readings_than_parameters_are_refused():
         fit(record, NOMINAL, NAMES)
 
 
+def test_forces_that_are_all_zero_are_refused():
+    record = clipped()
+    nothing = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
+    with pytest.raises(fs.Refused, match="`record` holds no force but 0 N: check the column"):
+        fit(nothing, NOMINAL, NAMES)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_priors_that_no_muscle_can_have_are_refused(name):
     # past the neutral angle; inside the wall

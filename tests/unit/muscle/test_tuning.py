@@ -199,4 +199,9 @@ def test_a_pressure_past_the_table_is_told():
     with pytest.warns(UserWarning, match=r"measured up to 210 kPa.*got 220 kPa"):
         tuning.warn_beyond(jnp.asarray([1e5, 2.2e5]))
     fs.Tuning().warn_beyond(1e6)
+    # floats that need no check are answered at once, but not these
+    muscle = fs.Muscle.from_dimensions(*SIZES, tuning=tuning)
+    muscle.force(2.1e5, 0.05)
+    with pytest.warns(UserWarning, match=r"got 220 kPa"):
+        muscle.force(2.2e5, 0.05)
     jax.jit(lambda P: (tuning.warn_beyond(P), P)[1])(9e5)
