@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
+    from .bundle import schemes as schemes
     from .describe import example as example
     from .describe import examples as examples
     from .describe import load as load
@@ -53,6 +54,7 @@ _HOMES = {
     "recruitment": "bundle",
     "reversal": "bundle",
     "save": "describe",
+    "schemes": "bundle",
 }
 
 __all__ = [
@@ -72,6 +74,7 @@ __all__ = [
     "recruitment",
     "reversal",
     "save",
+    "schemes",
 ]
 
 

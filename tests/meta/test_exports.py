@@ -5,6 +5,7 @@ import fascicle
 EXPORTS = [
     "Bundle", "MooneyRivlin", "MotorUnit", "Muscle", "Tuning", "calibrate", "design", "energetics",
     "example", "examples", "load", "materials", "records", "recruitment", "reversal", "save",
+    "schemes",
 ]  # fmt: skip
 
 

@@ -99,9 +99,7 @@ def depths(curves: Curves, muscles: int, most: int) -> Float[np.ndarray, "a n"]:
     return falls
 
 
-def overlaps(
-    curves: Curves, muscles: int, most: int, scheme: str
-) -> Float[np.ndarray, "a n after"]:
+def overlaps(curves: Curves, muscles: int, most: int, held: bool) -> Float[np.ndarray, "a n after"]:
     """Widest overlap of the states $(a, n)$ and $(a + n, n')$.
 
     **Arguments:**
@@ -109,7 +107,7 @@ def overlaps(
     - `curves`: of the muscle [-].
     - `muscles`: how many a design has [-].
     - `most`: size of the table [-].
-    - `scheme`: of recruitment [-].
+    - `held`: whether the $a$ muscles before are held at full supply, else all share a pressure [-].
 
     **Returns:** the overlap for each $(a, n, n')$ [N]; 0 where there are no such states.
     """
@@ -122,10 +120,10 @@ def overlaps(
     m = np.arange(which.size) - np.repeat(np.cumsum(after) - after, after) + 1
 
     def edges(before: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if scheme == "batch":
+        if not held:
             before, own = 0 * before, before + own
-        held = before * full + (muscles - before - own) * none
-        return held + own * curves.least, held + own * curves.largest
+        others = before * full + (muscles - before - own) * none
+        return others + own * curves.least, others + own * curves.largest
 
     for some in _parts(a.size, full.size):
         first, own, more = (x[some][:, None] for x in (a, n, m))
