@@ -154,7 +154,16 @@ def test_derivatives_are_those_of_differences():
         plain = (pressures(np.asarray(at) + step) - pressures(np.asarray(at) - step)) / (2 * h[i])
         # differences of what is found to some 1e-9 N
         assert_allclose(exact[:, i], plain, rtol=1e-5, atol=1e-2)
-    assert_allclose(jax.jit(pressures)(at), pressures(np.asarray(at)), rtol=1e-9, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_compiled_it_is_the_same():
+    bundle = unlike()
+    force, strain = jnp.array([150.0, 30.0, -4.0, 5e3]), jnp.array([0.05, 0.15, 0.2, 0.1])
+    compiled = jax.jit(lambda F, eps: fs.recruitment.recruit(bundle, F, eps))(force, strain)
+    plain = fs.recruitment.recruit(bundle, np.asarray(force), np.asarray(strain))
+    assert_allclose(compiled.pressures, plain.pressures, rtol=1e-9, atol=1e-3)
+    assert compiled.status.tolist() == plain.status.tolist()
 
 
 @pytest.mark.parametrize("alike", [True, False])

@@ -42,7 +42,7 @@ def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
     kept: list[int] = []
     which = []
     for i, thing in enumerate(things):
-        same = (k for k, j in enumerate(kept) if _equal(thing, things[j]))
+        same = (k for k, j in enumerate(kept) if equal(thing, things[j]))
         which.append(next(same, len(kept)))
         if which[-1] == len(kept):
             kept.append(i)
@@ -68,7 +68,10 @@ def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:
     return [any(leaf is table for table in tables) for leaf in leaves]
 
 
-def _equal(a: Any, b: Any) -> bool:
+def equal(a: Any, b: Any) -> bool:
+    """Whether two modules are of the same parts and numbers, NumPy's or JAX's [-]; what is traced
+    can't be looked at, and equals itself alone.
+    """
     if a is b:
         return True
     (these, structure), (those, other) = jax.tree.flatten(a), jax.tree.flatten(b)

@@ -36,7 +36,7 @@ from .._tiles import rows
 from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
 from ..muscle.entry import HIGHEST_PRESSURE
-from .alike import stacked
+from .alike import equal, stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
 from .scheme import AbstractScheme, scheme_of
@@ -55,6 +55,12 @@ class MotorUnit(Module):
             raise ValueError(f"`muscle` must be a Muscle, got {muscle!r}.")
         whole(count, "count")
         self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
+
+    def __eq__(self, other: object) -> bool:
+        """Whether `other` [-] has as many of the same muscle."""
+        return isinstance(other, MotorUnit) and equal(self, other)
+
+    __hash__ = Module.__hash__
 
 
 class Equilibria(NamedTuple):
@@ -106,6 +112,12 @@ class Bundle(Module):
         if supply_pressure is not None:
             self.supply_pressure = _pressure(supply_pressure, "supply_pressure")
         self.scheme = scheme_of(scheme)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether `other` [-] has the same units, supply, scheme and distance of plates."""
+        return isinstance(other, Bundle) and equal(self, other)
+
+    __hash__ = Module.__hash__
 
     @property
     def length(self) -> Batch:

@@ -91,9 +91,9 @@ def solve(bank: Bank, force: Numbers, strain: Numbers, which: Any = None) -> Fou
     demands, states = len(strain), bank.states if which is None else 1
     at_work = library(force, strain, bank.supply)
     held, ends = bank.held(strain)[0], bank.ends(strain)
-    state = np.tile(np.arange(states), demands)
+    state = at_work.asarray(np.tile(np.arange(states), demands))
     if which is not None:
-        every, state = np.arange(demands), which
+        every, state = np.arange(demands), at_work.asarray(which)
         held, ends = held[every, which][:, None], ends[every, which]
     wanted = (force[:, None] - held).reshape(-1)
     lanes = Lanes(bank, wanted, at_work.repeat(strain, states), state, states)

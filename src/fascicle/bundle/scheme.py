@@ -118,12 +118,14 @@ class Free(AbstractScheme):
         return [State(full=(), throttled=range(units))]
 
 
-def scheme_of(scheme: AbstractScheme | str, what: str = "scheme") -> AbstractScheme:
+def scheme_of(
+    scheme: AbstractScheme | str | type[AbstractScheme], what: str = "scheme"
+) -> AbstractScheme:
     """A scheme by its name, or the one that is given.
 
     **Arguments:**
 
-    - `scheme`: one of `SCHEMES` by name, or an object [-].
+    - `scheme`: one of `SCHEMES` by name, or an object [-]; a class is refused.
     - `what`: the argument that it is given for [-].
 
     **Returns:** the scheme [-].
