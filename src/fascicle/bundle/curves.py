@@ -239,7 +239,7 @@ def bank(
     if states.independent:
         # each unit by itself: what sets of them give is put together later
         each, none = np.eye(len(places), dtype=bool), np.zeros((len(places),) * 2, bool)
-        masks, counted = (each, none, none), (each.any(axis=0), each.any(axis=0))
+        masks, counted = (each, none, none), (np.diag(each), np.diag(each))
     throttled, no, full = (x.astype(float) @ kinds for x in masks)
     members = [{column[i] for i in np.flatnonzero(row)} for row in masks[0]]
     alone = None

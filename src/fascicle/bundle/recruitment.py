@@ -37,7 +37,7 @@ from .curves import Bank, bank
 from .free import freed, freely_carried
 from .inverse import Recruited, Solutions, carried, recruited
 from .scheme import AbstractScheme, scheme_of
-from .states import states_of
+from .states import common, states_of
 from .tables import unit_tables
 from .volumes import unit_volume_change
 
@@ -183,8 +183,7 @@ def overlap(space: Space) -> Overlap:
     shape = (len(pairs), len(space.strain))
     low, high = np.full(shape, np.nan), np.full(shape, np.nan)
     for row, (i, j) in enumerate(pairs):
-        bottom = np.maximum(np.maximum(space.low[i - 1], space.low[j - 1]), 0.0)
-        top = np.minimum(space.high[i - 1], space.high[j - 1])
+        bottom, top = common(*((space.low[k - 1], space.high[k - 1]) for k in (i, j)))
         # regions that share an edge alone don't overlap: it is the same sum, rounded
         there = top - bottom > 1e-9 * np.abs(space.high).max()
         low[row, there], high[row, there] = bottom[there], top[there]

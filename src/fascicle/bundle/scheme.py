@@ -37,7 +37,7 @@ class AbstractScheme(ABC):
 
     @abstractmethod
     def states(self, units: int) -> Sequence[State]:
-        """The states of a bundle of so many `units` [-], in the order of recruitment."""
+        """The states [-] of a bundle of so many `units` [-], in the order of recruitment."""
 
     @property
     def about(self) -> str:
@@ -91,7 +91,7 @@ class Orderly(AbstractScheme):
     name = "orderly"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state for each of the `units` [-]."""
+        """A state [-] for each of the `units` [-]."""
         return [State(full=range(k), throttled=(k,)) for k in range(units)]
 
 
@@ -102,7 +102,7 @@ class Batch(AbstractScheme):
     name = "batch"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state for each of the `units` [-]."""
+        """A state [-] for each of the `units` [-]."""
         return [State(full=(), throttled=range(k + 1)) for k in range(units)]
 
 
@@ -114,7 +114,7 @@ class Free(AbstractScheme):
     independent = True
 
     def states(self, units: int) -> Sequence[State]:
-        """One state, in which each of the `units` [-] has a pressure of its own."""
+        """One state [-], in which each of the `units` [-] has a pressure of its own."""
         return [State(full=(), throttled=range(units))]
 
 

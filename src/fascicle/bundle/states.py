@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
-from .._arrays import library, where
+from .._arrays import library, maximum, minimum, where
 from .._types import Numbers
 from .scheme import AbstractScheme
 
@@ -228,6 +228,16 @@ class States(NamedTuple):
         if self.single:
             return values[..., self.leading]
         return values @ self.throttled.T.astype(float)
+
+
+def common(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers]) -> tuple[Numbers, Numbers]:
+    """Between which forces two states overlap, at zero and above.
+
+    **Arguments:** `one`, `other`: least and largest force of each [N].
+
+    **Returns:** both ends [N]; the first is the larger where they don't overlap.
+    """
+    return maximum(maximum(one[0], other[0]), 0.0), minimum(one[1], other[1])
 
 
 @cache

@@ -12,7 +12,8 @@ from jaxtyping import Array, Float
 
 from .._types import Numbers, Whole
 from ..bundle.scheme import Orderly
-from ..bundle.states import States, states_of
+from ..bundle.states import States, common, states_of
+from .first_zero import first_push, share
 from .outcome import Demand, existing, states_for
 from .rows import Rows
 from .table import Resolution, Table, sizes_at
@@ -107,8 +108,8 @@ def _depth(
 def _overlap(edges: tuple[Array, Array], there: Array) -> Array:
     """Of each state with the next that is `there` [-]; `edges` [N]."""
     low, high = edges
-    bottom = jnp.maximum(jnp.maximum(low[:-1], low[1:]), 0.0)
-    height = jnp.max(jnp.minimum(high[:-1], high[1:]) - bottom, axis=-1, initial=0.0)
+    bottom, top = common((low[:-1], high[:-1]), (low[1:], high[1:]))
+    height = jnp.max(top - bottom, axis=-1, initial=0.0)
     return jnp.max(jnp.where(there[1:], height, 0.0), initial=0.0)
 
 
@@ -117,12 +118,6 @@ def first_zeros(force: Float[Array, "*any strain"], top: Float[Array, ""]) -> Fl
 
     Linear between strains; `top` where it doesn't vanish before.
     """
-    pushes = (force <= 0).at[..., 0].set(False).at[..., -1].set(True)
-    j = jnp.argmax(pushes, axis=-1)
-    right = jnp.take_along_axis(force, j[..., None], axis=-1)[..., 0]
-    left = jnp.take_along_axis(force, j[..., None] - 1, axis=-1)[..., 0]
-    # the last of all may still pull by rounding: it is the zero itself
-    right = jnp.minimum(right, 0.0)
-    drop = left - right
-    share = jnp.where(left > 0, left / jnp.where(drop > 0, drop, 1.0), 0.0)
-    return top * (j - 1 + share) / (force.shape[-1] - 1)
+    j = first_push(force)
+    left, right = (jnp.take_along_axis(force, j[..., None] + i, axis=-1)[..., 0] for i in (-1, 0))
+    return top * (j - 1 + share(left, right)) / (force.shape[-1] - 1)
