@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
+    from .bundle import schemes as schemes
     from .describe import example as example
     from .describe import examples as examples
     from .describe import load as load
@@ -66,6 +67,7 @@ _HOMES = {
     "recruitment": "bundle",
     "reversal": "bundle",
     "save": "describe",
+    "schemes": "bundle",
     "tension": "muscle",
 }
 
@@ -92,6 +94,7 @@ __all__ = [
     "recruitment",
     "reversal",
     "save",
+    "schemes",
     "tension",
 ]
 

@@ -5,7 +5,8 @@ import fascicle
 EXPORTS = [
     "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
     "buckling", "calibrate", "collapse", "design", "energetics", "example", "examples", "load",
-    "materials", "post_collapse", "records", "recruitment", "reversal", "save", "tension",
+    "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes",
+    "tension",
 ]  # fmt: skip
 
 

@@ -160,10 +160,12 @@ def test_what_reaches_is_what_the_oracle_says_reaches(alike):
             assert got["not_reached"] < 1e-6
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("alike", [True, False])
-def test_batch_recruitment(alike):
-    for design, supply, task in random_designs(31 + alike, 5, alike):
+@pytest.mark.parametrize(
+    ("alike", "count"),
+    [(True, 1), (False, 1), *(pytest.param(x, 5, marks=pytest.mark.slow) for x in (True, False))],
+)
+def test_batch_recruitment(alike, count):
+    for design, supply, task in random_designs(31 + alike, count, alike):
         compare(design, supply, task, alike, COARSE, "batch")
 
 

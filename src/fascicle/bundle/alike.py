@@ -7,7 +7,6 @@ import jax
 import numpy as np
 
 from .._arrays import library
-from .._checks import concrete
 from ..muscle import Muscle
 
 
@@ -42,7 +41,7 @@ def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
     kept: list[int] = []
     which = []
     for i, thing in enumerate(things):
-        same = (k for k, j in enumerate(kept) if _equal(thing, things[j]))
+        same = (k for k, j in enumerate(kept) if thing == things[j])
         which.append(next(same, len(kept)))
         if which[-1] == len(kept):
             kept.append(i)
@@ -66,13 +65,3 @@ def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:
     """Which of a muscle's leaves [-] are tables, whose last axis is their own."""
     tables = (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)
     return [any(leaf is table for table in tables) for leaf in leaves]
-
-
-def _equal(a: Any, b: Any) -> bool:
-    if a is b:
-        return True
-    (these, structure), (those, other) = jax.tree.flatten(a), jax.tree.flatten(b)
-    return structure == other and all(
-        x is y or (concrete(x, y) and np.array_equal(np.asarray(x), np.asarray(y)))
-        for x, y in zip(these, those, strict=True)
-    )

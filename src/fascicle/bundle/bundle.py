@@ -28,7 +28,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._arrays import library, spread, where
-from .._checks import as_given, concrete, finite, one_of, within
+from .._checks import as_given, concrete, finite, within
 from .._domain import HIGHEST_PRESSURE
 from .._evaluate import at_rest, evaluate
 from .._limits import whole
@@ -40,10 +40,8 @@ from ..muscle import Muscle
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
+from .scheme import AbstractScheme, scheme_of
 from .zeros import carried, first_zero, loaded, zeros
-
-
-SCHEMES = ("orderly", "batch")
 
 
 class MotorUnit(Module):
@@ -75,21 +73,21 @@ class Bundle(Module):
 
     motor_units: tuple[MotorUnit, ...]
     supply_pressure: Batch | None
-    scheme: str = eqx.field(static=True)
+    scheme: AbstractScheme = eqx.field(static=True)
     plate_distance: Batch | None
 
     def __init__(
         self,
         motor_units: Sequence[MotorUnit],
         supply_pressure: Values = None,
-        scheme: str = "orderly",
+        scheme: AbstractScheme | str = "orderly",
         length: Values = None,
     ):
         """**Arguments:**
 
         - `motor_units`: in the order of recruitment [-], at least one.
         - `supply_pressure`: the supply's gauge pressure [Pa], if it is known.
-        - `scheme`: "orderly" or "batch" [-].
+        - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
         - `length`: the distance between the plates at rest [m]; left out, the muscles' length,
           which must then be the same for all. It is `None` in the field of that distance
           wherever all muscles are as long.
@@ -108,7 +106,7 @@ class Bundle(Module):
         self.supply_pressure = None
         if supply_pressure is not None:
             self.supply_pressure = _pressure(supply_pressure, "supply_pressure")
-        self.scheme = one_of(scheme, SCHEMES, "scheme")
+        self.scheme = scheme_of(scheme)
 
     @property
     def length(self) -> Batch:

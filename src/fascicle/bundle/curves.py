@@ -23,6 +23,7 @@ from .._types import Numbers
 from ..muscle import Muscle
 from .alike import stacked, taken
 from .plates import muscle_strain, plate_strain
+from .states import States
 
 
 _FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
@@ -109,7 +110,8 @@ class Kinks(NamedTuple):
 class Bank(NamedTuple):
     """A bundle's kinds of muscle, and how many of each [-] a state has: `throttled`, at `no` and
     at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
-    throttle one.
+    throttle one. `counted`: which states' beginnings and ends are solutions of their own [-]. Where
+    units are independent each is a state by itself.
     """
 
     rows: tuple[Kinds, ...]
@@ -120,6 +122,7 @@ class Bank(NamedTuple):
     kinks: tuple["Kinks", ...]
     supply: Numbers
     resistance: bool
+    counted: tuple[np.ndarray, np.ndarray]
 
     @property
     def states(self) -> int:
@@ -217,11 +220,12 @@ def bank(
     places: Sequence[int],
     length: Numbers | None,
     supply: Numbers,
-    scheme: str,
+    states: States,
     resistance: bool,
 ) -> Bank:
     """The bank of a bundle whose units have `counts` of the `muscles` at `places`; `length`:
-    between its plates [m], where that isn't the muscles' own; `supply` $P_s$ [Pa].
+    between its plates [m], where that isn't the muscles' own; `supply` $P_s$ [Pa]; `states` of the
+    scheme [-].
     """
     groups = stacked(muscles)
     rows = tuple(
@@ -230,17 +234,19 @@ def bank(
     order = [i for row, _ in groups for i in row]
     column = [order.index(place) for place in places]
 
-    unit, state = np.arange(len(places)), np.arange(len(places))[:, None]
-    active = unit <= state if scheme == "batch" else unit == state
-    full = np.zeros_like(active) if scheme == "batch" else unit < state
     kinds = np.eye(len(order))[np.array(column)] * library(*counts).stack(counts)[:, None]
-    throttled, no, full = (x.astype(float) @ kinds for x in (active, unit > state, full))
-    members = [{column[i] for i in np.flatnonzero(row)} for row in active]
+    masks, counted = (states.throttled, states.unfed, states.full), states.counted
+    if states.independent:
+        # each unit by itself: what sets of them give is put together later
+        each, none = np.eye(len(places), dtype=bool), np.zeros((len(places),) * 2, bool)
+        masks, counted = (each, none, none), (np.diag(each), np.diag(each))
+    throttled, no, full = (x.astype(float) @ kinds for x in masks)
+    members = [{column[i] for i in np.flatnonzero(row)} for row in masks[0]]
     alone = None
     if all(len(one) == 1 for one in members):
         alone = np.array([one.pop() for one in members])
     kinks = tuple(_kinks(row, supply) for row in rows)
-    return Bank(rows, throttled, no, full, alone, kinks, supply, resistance)
+    return Bank(rows, throttled, no, full, alone, kinks, supply, resistance, counted)
 
 
 def _kinks(row: Kinds, supply: Numbers) -> Kinks:

@@ -1,7 +1,7 @@
 r"""The inverse: the pressures that give a force at a strain.
 
-In recruitment state $k$ one throttled pressure $p$ is free, so a demanded force $F_d$ asks
-for the roots of
+In recruitment state $k$ one throttled pressure $p$ is free (`free` tells of schemes whose units
+are independent), so a demanded force $F_d$ asks for the roots of
 
 $$F_k(p, \varepsilon) = F_d, \qquad 0 \le p \le P_s, \quad k = 1 \dots n. \tag{B9}$$
 
@@ -10,10 +10,11 @@ more at a low pressure than at none, so that the force falls with pressure befor
 All of them are found, as crossings of the states' curves, and one is chosen.
 
 *Efficiency.* The fluid energy (29), $P_s \sum n_i (V_i(\varepsilon) - V_i(0))$ over the
-active units, doesn't depend on the throttled pressure, and the active units of a state are
-among those of the next. While a muscle's volume grows with contraction the lowest state is
-the cheapest; within it, the lowest pressure is taken. At $\varepsilon \le 0$, where
-volumes shrink or stay, the lowest state is taken as well, for want of an order.
+active units, doesn't depend on the throttled pressure, and in orderly and batch recruitment the
+active units of a state are among those of the next. While a muscle's volume grows with
+contraction the lowest state is the cheapest; within it, the lowest pressure is taken. At
+$\varepsilon \le 0$, where volumes shrink or stay, the lowest state is taken as well, for want of
+an order. Where a scheme feeds other units in a later state, the energies are compared.
 
 *Derivatives.* The pressure chosen is a root of (B9) and has its implicit derivative, where
 it moves smoothly: not where two solutions meet, and not where the choice changes.
@@ -31,6 +32,7 @@ from .._math import guarded, still
 from .._types import AnyArray, Numbers
 from .curves import Bank
 from .levels import Found, solve
+from .states import States
 
 
 REACHED, ABOVE, BELOW = 0, 1, 2
@@ -51,6 +53,7 @@ class Recruited(NamedTuple):
     counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is
     above what is reachable there, 2 below: then all this is the nearest reachable force's.
     `stable`: the force falls with strain at these pressures. `solutions`, and their `count`.
+    `unit`: the one that is throttled, the first of them, counted from 1.
     """
 
     pressures: Numbers
@@ -60,10 +63,17 @@ class Recruited(NamedTuple):
     stable: Bool[AnyArray, "*points"]
     solutions: Solutions
     count: Int[AnyArray, "*points"]
+    unit: Int[AnyArray, "*points"]
 
 
 def recruited(
-    live: Bank, force: Numbers, strain: Numbers, present: Numbers | None = None, *, scheme: str
+    live: Bank,
+    force: Numbers,
+    strain: Numbers,
+    present: Numbers | None = None,
+    taken: Numbers | None = None,
+    *,
+    states: States,
 ) -> Recruited:
     """Equation (B9) solved.
 
@@ -73,21 +83,25 @@ def recruited(
     - `force`: demanded [N], one for each `strain`.
     - `strain`: the bundle's contractions [-].
     - `present`: pressures now [Pa], units last, or None.
-    - `scheme`: "orderly" or "batch" [-].
+    - `taken`: by each unit since rest [m³], units last; or None where states feed more and more.
+    - `states`: of the scheme [-].
 
     **Returns:** what to do for each demand [-].
     """
     fixed, f, eps = still((live, force, strain))
     at_work = library(f, eps, fixed.supply)
     found = solve(fixed, f, eps)
-    units, met = fixed.states, found.met
+    met = found.met
     reached = found.count > 0
 
     cost = where(met, np.arange(met.shape[1]) + 0.0, np.inf)  # they are in this order already
     if present is not None:
-        every = _pressures(found.state, found.level, fixed.supply, units, scheme)
+        every = states.pressures(found.state, found.level, fixed.supply)
         apart = at_work.sum((every - still(present)[:, None]) ** 2, axis=-1)
         cost = where(met, apart, np.inf)
+    elif taken is not None:
+        fed = at_work.maximum(still(taken), 0.0) @ states.fed.T.astype(float)
+        cost = where(met, at_work.take_along_axis(fed, found.state, axis=1), np.inf)
     taken = at_work.argmin(cost, axis=1)[:, None]
     state, level = (
         where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
@@ -96,7 +110,7 @@ def recruited(
     there, slope, firm = _at_ends(fixed, found, state, level, eps)
     level, there = _live(live, force, strain, state, level, reached, there)
     return Recruited(
-        pressures=_pressures(state, level, live.supply, units, scheme),
+        pressures=states.pressures(state, level, live.supply),
         state=state + 1,
         force=there,
         status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
@@ -107,11 +121,12 @@ def recruited(
             stable=firm,
         ),
         count=found.count,
+        unit=at_work.asarray(states.leading)[state] + 1,
     )
 
 
 def carried(
-    live: Bank, force: Numbers, strain: Numbers, found: Recruited, *, scheme: str
+    live: Bank, force: Numbers, strain: Numbers, found: Recruited, *, states: States
 ) -> Recruited:
     """What was found without derivatives, with them.
 
@@ -121,16 +136,16 @@ def carried(
     - `force`: demanded [N], one for each `strain`.
     - `strain`: the bundle's contractions [-].
     - `found`: for them [-].
-    - `scheme`: "orderly" or "batch" [-].
+    - `states`: of the scheme [-].
 
     **Returns:** the same [-].
     """
     state, at_work = found.state - 1, library(found.pressures)
-    level = at_work.take_along_axis(found.pressures, state[:, None], axis=1)[:, 0]
+    level = at_work.take_along_axis(found.pressures, found.unit[:, None] - 1, axis=1)[:, 0]
     reached = found.status == REACHED
     level = level / still(live.supply)
     level, there = _live(live, force, strain, state, level, reached, found.force)
-    pressures = _pressures(state, level, live.supply, live.states, scheme)
+    pressures = states.pressures(state, level, live.supply)
     return found._replace(pressures=pressures, force=there)
 
 
@@ -181,15 +196,3 @@ def _live(
     short = where(moves, force - given, 0.0)
     moved = level + (short - still(short)) / guarded(moves, slope)
     return moved, where(reached, force + still(there - force), given)
-
-
-def _pressures(
-    state: Int[AnyArray, "*points"], level: Numbers, supply: Numbers, units: int, scheme: str
-) -> Numbers:
-    """Pressures [Pa] of all units, on a new last axis; `state` counts from 0."""
-    at_work = library(state, level, supply)
-    state, level = (at_work.asarray(x)[..., None] for x in (state, level))
-    unit, P = np.arange(units), level * supply
-    if scheme == "batch":
-        return where(unit <= state, P, 0.0)
-    return where(unit < state, supply, where(unit == state, P, 0.0))

@@ -47,15 +47,19 @@ class Found(NamedTuple):
 
 
 class Lanes(NamedTuple):
-    """A curve for every demand and state: what it is to give [N], at which strain [-]."""
+    """A curve for every demand and state: what it is to give [N], at which strain [-], in which
+    `state` [-]; `each` demand has so many [-].
+    """
 
     bank: Bank
     wanted: Numbers
     strain: Numbers
+    state: Any
+    each: int
 
     def terms(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
         """How far its parts are above what is wanted [N], and their slopes by level [N]."""
-        value, slope = self.bank.terms(lane % self.bank.states, level, self.strain[lane])
+        value, slope = self.bank.terms(self.state[lane], level, self.strain[lane])
         short, at_work = self._short(lane, level), library(value)
         return tuple(
             at_work.concatenate(parts, axis=-1) for parts in ((value, short), (slope, 0.0 * short))
@@ -63,7 +67,7 @@ class Lanes(NamedTuple):
 
     def values(self, lane: Any, level: Numbers) -> Numbers:
         """The same without slopes, at half the cost."""
-        value = self.bank.values(lane % self.bank.states, level, self.strain[lane])
+        value = self.bank.values(self.state[lane], level, self.strain[lane])
         return library(value).concatenate([value, self._short(lane, level)], axis=-1)
 
     def sums(self, lane: Any, level: Numbers) -> tuple[Numbers, Numbers]:
@@ -80,14 +84,20 @@ class Lanes(NamedTuple):
         return library(level, wanted).broadcast_to(wanted, (*level.shape, 1))
 
 
-def solve(bank: Bank, force: Numbers, strain: Numbers) -> Found:
-    """All levels of all states at which the bundle's force is `force` [N] at `strain` [-]."""
-    demands, states = len(strain), bank.states
+def solve(bank: Bank, force: Numbers, strain: Numbers, which: Any = None) -> Found:
+    """All levels of all states at which the bundle's force is `force` [N] at `strain` [-]; of each
+    demand's own state alone where it is said `which` [-] that is: it is the only one then.
+    """
+    demands, states = len(strain), bank.states if which is None else 1
     at_work = library(force, strain, bank.supply)
-    held, _ = bank.held(strain)
+    held, ends = bank.held(strain)[0], bank.ends(strain)
+    state = at_work.asarray(np.tile(np.arange(states), demands))
+    if which is not None:
+        every, state = np.arange(demands), at_work.asarray(which)
+        held, ends = held[every, which][:, None], ends[every, which]
     wanted = (force[:, None] - held).reshape(-1)
-    lanes = Lanes(bank, wanted, at_work.repeat(strain, states))
-    ends = bank.ends(strain).reshape(demands * states, -1)
+    lanes = Lanes(bank, wanted, at_work.repeat(strain, states), state, states)
+    ends = ends.reshape(demands * states, -1)
     stretches = sides(lanes, ends, _INSET)
     close = EXACT + _ROUNDING * absolute(wanted)
     looked = cut(lanes, stretches, stretches.may_cross)
@@ -96,10 +106,11 @@ def solve(bank: Bank, force: Numbers, strain: Numbers) -> Found:
     met_high = absolute(stretches.value_high[:, -1]) <= close
     lane, level, met = _crossed(lanes, close, _ends_apart(looked, met_low, met_high))
     # a later state without pressure is an earlier one, which has counted it
+    begins, finishes = (at_work.asarray(one)[state] for one in bank.counted)
     every = np.arange(demands * states)
     lane = at_work.concatenate([lane, every, every])
     level = at_work.concatenate([level, 0.0 * wanted, 1.0 + 0.0 * wanted])
-    met = at_work.concatenate([met, met_low & (every % states == 0), met_high])
+    met = at_work.concatenate([met, met_low & begins, met_high & finishes])
     order = at_work.argsort(where(met, lane + 0.5 * level, np.inf))
     total = at_work.sum(met)
     if at_work is np:
@@ -131,8 +142,8 @@ def _ends_apart(looked: Cut, low: Any, high: Any) -> Cut:
 
 def _crossed(lanes: Lanes, close: Numbers, looked: Cut) -> tuple[Any, Numbers, Any]:
     """Crossings by lane and level [-], and which of them are solutions rather than jumps."""
-    demands = len(lanes.wanted) // lanes.bank.states
-    found = changes(looked, demands * (ROOM * lanes.bank.states + 2))
+    demands = len(lanes.wanted) // lanes.each
+    found = changes(looked, demands * (ROOM * lanes.each + 2))
 
     def refined(lane: Any, *of: Any) -> tuple[Numbers, Numbers]:
         return _met(lanes, lane, close[lane], *of)
@@ -185,7 +196,7 @@ def _met(
 
 def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]:
     """The level [-] nearest to each demand, its state and miss [N]; of use where none is met."""
-    states, at_work = lanes.bank.states, library(lanes.wanted)
+    states, at_work = lanes.each, library(lanes.wanted)
     demands = len(count)
     if at_work is np and np.all(count > 0):
         return np.zeros(demands), np.zeros(demands, int), np.zeros(demands)

@@ -1,9 +1,10 @@
 r"""Recruitment: which motor units are active at which pressure, and what that reaches.
 
-In recruitment state $k$ the units $1 \dots k$ are active. *Orderly* recruitment holds
-$1 \dots k-1$ at supply pressure and throttles unit $k$ between zero and it; *batch*
-recruitment gives all of $1 \dots k$ one pressure. As the throttled pressure goes from zero
-to the supply's, a state sweeps a region of the force-strain space. The force isn't
+A scheme says which units are held at supply pressure in recruitment state $k$ and which
+are throttled: *orderly* recruitment holds $1 \dots k-1$ and throttles unit $k$, *batch*
+recruitment gives all of $1 \dots k$ one pressure, *free* recruitment has one state, in
+which each unit has a pressure of its own. As the throttled pressure goes from zero to the
+supply's, a state sweeps a region of the force-strain space. The force isn't
 monotone in that pressure where resistance counts, so a region's edges are the least and
 the largest force over all pressures, and regions of different states overlap: points that
 two states reach. `recruit` is the way back, from a force to the pressures that give it.
@@ -13,14 +14,16 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from .._arrays import given, library
 from .._checks import as_given, concrete, finite, one_of, within
@@ -30,9 +33,14 @@ from .._limits import plausible
 from .._refused import Refused
 from .._types import Numbers, Values
 from .alike import unlike
-from .bundle import SCHEMES, Bundle
+from .bundle import Bundle
 from .curves import Bank, bank
+from .free import freed, freely_carried
 from .inverse import Recruited, Solutions, carried, recruited
+from .scheme import AbstractScheme, scheme_of
+from .states import common, states_of
+from .tables import unit_tables
+from .volumes import unit_volume_change
 
 
 PREFERENCES = ("efficiency", "nearest")
@@ -95,31 +103,34 @@ class Overlap:
 
 
 def pressures_of(
-    state: int, level: Values, supply_pressure: Values, units: int, scheme: str = "orderly"
+    state: int,
+    level: Values,
+    supply_pressure: Values,
+    units: int,
+    scheme: AbstractScheme | str = "orderly",
 ) -> Float[np.ndarray, "*levels unit"]:
     """Pressures of all units in a recruitment state.
 
     **Arguments:**
 
-    - `state`: how many units are active [-], 1 to `units`.
+    - `state`: which [-], counted from 1.
     - `level`: the throttled pressure [Pa]: of unit `state` in orderly recruitment, of all
       active units in batch recruitment. Any shape.
     - `supply_pressure`: of the units before it in orderly recruitment [Pa].
     - `units`: number of motor units [-].
-    - `scheme`: "orderly" or "batch" [-].
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; all units of free
+      recruitment have the one `level` here.
 
     **Returns:** pressures [Pa], units on a new last axis.
 
     **Raises:** `ValueError` for a state that doesn't exist or an unknown scheme.
     """
-    if not 1 <= state <= units:
-        raise Refused("state", f"must lie in [1, {units}]", state)
-    one_of(scheme, SCHEMES, "scheme")
+    states = states_of(scheme_of(scheme), units)
+    if not 1 <= state <= states.size:
+        raise Refused("state", f"must lie in [1, {states.size}]", state)
+    throttled, full = states.throttled[state - 1], states.full[state - 1]
     level = np.asarray(level, dtype=float)[..., None]
-    place = np.arange(1, units + 1)
-    if scheme == "batch":
-        return np.where(place <= state, level, 0.0)
-    return np.where(place < state, float(supply_pressure), np.where(place == state, level, 0.0))
+    return np.where(throttled, level, np.where(full, float(supply_pressure), 0.0))
 
 
 def space(
@@ -128,7 +139,7 @@ def space(
     levels: Values = 7,
     strain: Values = None,
     resistance: bool = True,
-    scheme: str | None = None,
+    scheme: AbstractScheme | str | None = None,
 ) -> Space:
     """The force-strain space of every recruitment state.
 
@@ -140,14 +151,14 @@ def space(
       zero to the supply's.
     - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
     - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
 
     **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
 
     **Raises:** `ValueError` where no supply pressure is known or a value is off.
     """
-    supply, scheme = supply_of(bundle, supply_pressure), scheme or bundle.scheme
-    one_of(scheme, SCHEMES, "scheme")
+    supply = supply_of(bundle, supply_pressure)
+    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
     if np.ndim(levels) == 0:
         levels = np.linspace(0.0, supply, int(levels))
     levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
@@ -156,11 +167,10 @@ def space(
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
     strain = np.asarray(strain, dtype=float)
     fine = np.linspace(0.0, supply, _LEVELS)
-    region = state_forces(bundle, supply, fine, strain, resistance, scheme)
-    curves = state_forces(bundle, supply, levels, strain, resistance, scheme)
-    low = np.minimum(region.min(axis=1), curves.min(axis=1))
-    high = np.maximum(region.max(axis=1), curves.max(axis=1))
-    return Space(scheme, supply, strain, levels, curves, low, high)
+    states = states_of(scheme, len(bundle.motor_units))
+    region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)
+    curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
+    return Space(scheme.name, supply, strain, levels, curves, *states.edges(*region))
 
 
 def overlap(space: Space) -> Overlap:
@@ -174,8 +184,7 @@ def overlap(space: Space) -> Overlap:
     shape = (len(pairs), len(space.strain))
     low, high = np.full(shape, np.nan), np.full(shape, np.nan)
     for row, (i, j) in enumerate(pairs):
-        bottom = np.maximum(np.maximum(space.low[i - 1], space.low[j - 1]), 0.0)
-        top = np.minimum(space.high[i - 1], space.high[j - 1])
+        bottom, top = common(*((space.low[k - 1], space.high[k - 1]) for k in (i, j)))
         # regions that share an edge alone don't overlap: it is the same sum, rounded
         there = top - bottom > 1e-9 * np.abs(space.high).max()
         low[row, there], high[row, there] = bottom[there], top[there]
@@ -188,7 +197,7 @@ def recruit(
     force: Values,
     strain: Values,
     supply: Values = None,
-    scheme: str | None = None,
+    scheme: AbstractScheme | str | None = None,
     prefer: str = "efficiency",
     *,
     present: Values = None,
@@ -202,7 +211,7 @@ def recruit(
     - `force`: the demanded pulling force [N].
     - `strain`: the bundle's contraction [-]; broadcasts against `force`.
     - `supply`: the supply's pressure [Pa], one for all; left out, the bundle's own.
-    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
     - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
       "nearest" for the one whose pressures are nearest to `present` [-].
     - `present`: the pressures now [Pa], units on the last axis; the rest broadcasts.
@@ -214,12 +223,17 @@ def recruit(
     **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
     "nearest" without `present`.
     """
-    scheme = one_of(scheme or bundle.scheme, SCHEMES, "scheme")
+    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
     one_of(prefer, PREFERENCES, "prefer")
     F, eps = as_given(force, finite(force, "force", "N")), bundle._strain(strain)
     P = _supply(bundle, supply)
     now = None
     if prefer == "nearest":
+        if scheme.independent:
+            raise ValueError(
+                f"`prefer` must be 'efficiency' with scheme {scheme.name!r}, got 'nearest': its"
+                " units' pressures are free, so what is nearest isn't one of a few solutions."
+            )
         if present is None:
             raise Refused(
                 "present",
@@ -245,17 +259,27 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
         np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
     )
     at_work, units = library(*arrays), len(bundle.motor_units)
-    flat = [at_work.broadcast_to(x, shape).reshape(-1) for x in (force, strain)]
-    flat += [at_work.broadcast_to(now, (*shape, units)).reshape(-1, units) for now in present]
+    flat = {"force": force, "strain": strain}
+    flat = {key: at_work.broadcast_to(x, shape).reshape(-1) for key, x in flat.items()}
+    for now in present:
+        flat["present"] = at_work.broadcast_to(now, (*shape, units)).reshape(-1, units)
     curves = _bank(bundle, supply, scheme, resistance)
-    step = max(1, flat[0].size)
+    count = flat["force"].size
+    step = max(1, count)
     if at_work is np and bundle.is_numpy:
         many = step * LOOKS * units > COMPILE_ABOVE
         step = _LARGE_PART if many else _PART
         curves = curves.for_many() if many else curves
+    states = states_of(scheme, units)
+    search: Callable[..., Recruited] = partial(recruited, states=states)
+    if states.independent:
+        search = partial(freed, states=states, alike=unlike(bundle.motor_units)[1])
+    if states.independent or not states.nested:
+        # what each unit takes in decides which of them are fed
+        flat["taken"] = unit_volume_change(bundle, flat["strain"])
     parts = [
-        recruited(curves, *(x[start : start + step] for x in flat), scheme=scheme)
-        for start in range(0, max(1, flat[0].size), step)
+        search(curves, **{key: x[start : start + step] for key, x in flat.items()})
+        for start in range(0, max(1, count), step)
     ]
     whole = parts[0] if len(parts) == 1 else _joined(parts)
     return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
@@ -269,7 +293,9 @@ def _carried(
     curves, shape = _bank(bundle, supply, scheme, resistance), found.state.shape
     F, eps = (jnp.broadcast_to(x, shape).reshape(-1) for x in (force, strain))
     flat = jax.tree.map(lambda x: x.reshape((-1, *x.shape[len(shape) :])), found)
-    whole = carried(curves, F, eps, flat, scheme=scheme)
+    states = states_of(scheme, len(bundle.motor_units))
+    carry = freely_carried if states.independent else partial(carried, states=states)
+    whole = carry(curves, F, eps, flat)
     return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), whole)
 
 
@@ -287,7 +313,7 @@ def _joined(parts: list[Recruited]) -> Recruited:
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *wide)
 
 
-def _bank(bundle: Bundle, supply: Numbers, scheme: str, resistance: bool) -> Bank:
+def _bank(bundle: Bundle, supply: Numbers, scheme: AbstractScheme, resistance: bool) -> Bank:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
     key = (scheme, resistance)
     kept = bundle.store.setdefault("banks", {})
@@ -296,77 +322,32 @@ def _bank(bundle: Bundle, supply: Numbers, scheme: str, resistance: bool) -> Ban
     muscles = [unit.muscle for unit in bundle.motor_units]
     few, places = unlike(muscles)
     counts = [unit.count for unit in bundle.motor_units]
-    made = bank([muscles[i] for i in few], counts, places, bundle.plate_distance, supply, *key)
+    states = states_of(scheme, len(muscles))
+    rows = [muscles[i] for i in few]
+    made = bank(rows, counts, places, bundle.plate_distance, supply, states, resistance)
     if bundle.is_numpy and given(supply):
         kept[key] = (supply, made)
     return made
-
-
-def state_forces(
-    bundle: Bundle,
-    supply_pressure: float,
-    levels: Float[np.ndarray, " level"],
-    strain: Float[np.ndarray, " strain"],
-    resistance: bool,
-    scheme: str,
-) -> Float[np.ndarray, "state level strain"]:
-    """Force of every state; one table of each unit's force serves all of them.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: the supply's [Pa].
-    - `levels`: throttled pressures [Pa].
-    - `strain`: contractions [-].
-    - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-].
-
-    **Returns:** forces [N], with state, level and strain axes.
-    """
-    few, places = distinct(bundle)
-    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None] * np.ones(len(few.motor_units))
-    table = np.asarray(few.unit_forces(pressures, strain, resistance))[..., places]
-    throttled, off, full = table[:-2], table[-2], table[-1]
-    return add_up(throttled, off, full, scheme)
-
-
-def distinct(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
-    """The unlike units of a bundle, so that equal ones needn't be evaluated twice.
-
-    **Arguments:** `bundle`: the bundle [-].
-
-    **Returns:** a bundle of its unlike units alone, and which of them each unit is [-].
-    """
-    kept, places = unlike(bundle.motor_units)
-    different = [bundle.motor_units[i] for i in kept]
-    return Bundle(different, length=bundle.plate_distance), np.array(places)
 
 
 def add_up(
     throttled: Float[np.ndarray, "level *points unit"],
     off: Float[np.ndarray, "*points unit"],
     full: Float[np.ndarray, "*points unit"],
-    scheme: str,
+    scheme: AbstractScheme | str,
 ) -> Float[np.ndarray, "state level *points"]:
-    """Sum over units in every state of what each gives throttled, off and at full supply.
+    """Sum over units in every state of what each gives throttled, off and at full supply, (B10).
 
     **Arguments:**
 
     - `throttled`: each unit's force [N] or work [J] at every throttled level, units last.
     - `off`: its force [N] or work [J] at no pressure.
     - `full`: its force [N] or work [J] at supply pressure.
-    - `scheme`: "orderly" or "batch" [-].
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
 
     **Returns:** sums, [N] or [J], states on a new first axis.
     """
-    states = []
-    for k in range(throttled.shape[-1]):
-        if scheme == "orderly":
-            active = throttled[..., k] + full[..., :k].sum(axis=-1)
-        else:
-            active = throttled[..., : k + 1].sum(axis=-1)
-        states.append(active + off[..., k + 1 :].sum(axis=-1))
-    return np.stack(states)
+    return states_of(scheme_of(scheme), throttled.shape[-1]).sums(throttled, off, full)
 
 
 def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from .._refused import Refused
 from ..bundle import Bundle, recruitment
+from ..bundle.scheme import scheme_of
 from ..describe.results import Variable
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
@@ -151,7 +152,7 @@ def bundle_space(
     - `levels`: throttled pressures [Pa], or `None`.
     - `strains`: a rising list [-], or `None`.
     - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-], or `None`.
+    - `scheme`: by name [-], or `None` for the bundle's own.
 
     **Returns:** variables by name, and the space itself [-].
     """
@@ -202,7 +203,7 @@ def bundle_recruit(
     - `forces`: demanded, a list [N].
     - `strains`: a list [-].
     - `supply_pressure`: [Pa]; `None` for the bundle's own.
-    - `scheme`: "orderly" or "batch" [-], or `None`.
+    - `scheme`: by name [-], or `None` for the bundle's own.
     - `resistance`: whether units past their own free strain push back [-].
 
     **Returns:** variables by name [-]; `solution_pressure` is NaN where there are fewer.
@@ -218,7 +219,7 @@ def bundle_recruit(
     )
     most = max(int(found.count.max()), 1)
     every = recruitment.Solutions(*(each[..., :most] for each in found.solutions))
-    throttled = np.take_along_axis(found.pressures, found.state[..., None] - 1, axis=-1)[..., 0]
+    throttled = np.take_along_axis(found.pressures, found.unit[..., None] - 1, axis=-1)[..., 0]
     dims = ("demand", "strain")
     of_each, of_unit = (*dims, "solution"), (*dims, "motor_unit")
     reached = "0 reached, 1 demand above what is reachable, 2 below: then the nearest"
@@ -236,6 +237,11 @@ def bundle_recruit(
         "solution_state": Variable(of_each, every.state, "-", "of each solution, else 0"),
         "solution_stable": Variable(of_each, every.stable, "-", "of each solution"),
     }
+
+
+def is_free(bundle: Bundle, scheme: str | None) -> bool:
+    """Whether a `bundle`'s units have a pressure each, by its own `scheme` or by this one [-]."""
+    return (bundle.scheme if scheme is None else scheme_of(scheme)).independent
 
 
 def bundle_efficiency(
@@ -257,7 +263,7 @@ def bundle_efficiency(
     - `forces`: a list [N], or `None`.
     - `strains`: a rising list [-], or `None`.
     - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-], or `None`.
+    - `scheme`: by name [-], or `None` for the bundle's own.
 
     **Returns:** variables by name, and the maps themselves [-].
     """

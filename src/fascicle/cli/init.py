@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..bundle.scheme import listed
 from .options import Replace, complete_target
 from .outputs import say
 from .problems import UserError, refusing
@@ -42,12 +43,12 @@ transition_rate = 25             # how fast the force falls once the bladder has
 # Several of them between two plates; muscles that share a pressure are a motor unit.
 # [bundle]
 # supply_pressure = "413.7 kPa"
-# scheme = "orderly"                   # or "batch"
+# scheme = "orderly"                   # or {schemes}
 # [[bundle.motor_unit]]
 # count = 1
 # [[bundle.motor_unit]]
 # count = 4
-"""
+""".replace("{schemes}", listed('"', 1))
 
 
 def run(

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from ..bundle.scheme import SCHEMES, listed
+
 
 def complete_target(incomplete: str) -> list[str]:
     """Named examples and muscle files that begin so [-]."""
@@ -93,8 +95,8 @@ Scheme = Annotated[
     str | None,
     typer.Option(
         "--scheme",
-        help="orderly or batch, instead of the bundle's own.",
-        autocompletion=lambda: ["orderly", "batch"],
+        help=f"{listed()}, instead of the bundle's own.",
+        autocompletion=lambda: list(SCHEMES),
         show_default=False,
     ),
 ]

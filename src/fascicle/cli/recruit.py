@@ -56,13 +56,17 @@ def run(
     check_grid(len(forces), len(strains))
     outputs = Outputs(as_json, as_csv, out, None, overwrite, "--overwrite")
     bundle = read_bundle(file)
-    from .compute import bundle_recruit
+    from .compute import bundle_recruit, is_free
 
     with refusing():
         variables = bundle_recruit(
             bundle, forces, strains, supply_pressure, scheme, not no_resistance
         )
-    outputs.give(variables, lambda: _table(variables), title=f"Recruitment of {file}")
+    outputs.give(
+        variables,
+        lambda: _table(variables, is_free(bundle, scheme)),
+        title=f"Recruitment of {file}",
+    )
     status = variables["status"].values
     if missed := int((status != 0).sum()):
         fall_short(
@@ -71,7 +75,7 @@ def run(
         )
 
 
-def _table(variables: Any) -> None:
+def _table(variables: Any, free: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     places = decimals(force for row in values["force"] for force in row)
     rows, unreached = [], []
@@ -87,6 +91,10 @@ def _table(variables: Any) -> None:
     heads = ["demand N", "strain", "state", *(f"P{unit + 1} kPa" for unit in range(units))]
     caption = "u: unstable, the force rises with strain there"
     show("Recruitment", [*heads, "force N", "other solutions"], rows, caption)
+    if free:
+        print(
+            "Of all pressures that give it, those that take least fluid; the others aren't listed."
+        )
     for line in unreached:
         print(line)
 

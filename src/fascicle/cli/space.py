@@ -48,11 +48,14 @@ def run(
             bundle, supply_pressure, pressures, strains, not no_resistance, scheme
         )
     outputs.give(
-        variables, lambda: _table(variables), lambda: _figure(space), title=f"Space of {file}"
+        variables,
+        lambda: _table(variables, len(bundle.motor_units)),
+        lambda: _figure(space),
+        title=f"Space of {file}",
     )
 
 
-def _table(variables: Any) -> None:
+def _table(variables: Any, units: int) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     strains, high, low = values["strain"], values["high"], values["low"]
     places = decimals(force for row in high for force in row)
@@ -70,6 +73,8 @@ def _table(variables: Any) -> None:
     heads = ["strain", *(f"state {i + 1}" for i in range(len(high)))]
     show(f"Force in N that each state reaches ({values['scheme']} recruitment)", heads, rows)
     if not values["overlap_states"]:
+        if units > 1:
+            print("One state reaches all of it: nothing overlaps.")
         return
     rows = []
     for pair, area, bottom, top in zip(

@@ -1,5 +1,8 @@
 """The commented task file that `fascicle init --task` writes, an example to run as it is."""
 
+from ..bundle.scheme import listed
+
+
 TASK_TEMPLATE = """\
 # A task file of fascicle: `fascicle design FILE` finds the bundle. Quantities carry units.
 format = 1
@@ -13,7 +16,7 @@ example = "pick_and_place_arm"   # or "sit_to_stand_knee", "walking_ankle"; thei
 # weight = [6, 3, 1]             # how much each counts in a mean: all must be reached;
                                  # or time = ["0 s", "0.5 s", "1.2 s"]
 supply_pressure = "413.7 kPa"
-scheme = "orderly"               # or "batch"
+scheme = "orderly"               # or {schemes}
 fluid = "air"                    # or "liquid"
 
 [design]
@@ -54,4 +57,4 @@ valves = { at_most = 5 }
 # braid_angle = "1 deg"
 # draws = 200
 # calibrated = true              # and constants as sure as the muscle file's calibration is
-"""
+""".replace("{schemes}", listed('"', 1))

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from .._checks import one_of
 from .._refused import Refused
 from ..bundle import Bundle
-from ..bundle.bundle import SCHEMES
+from ..bundle.scheme import scheme_of
 from ..design.catalog import Catalog
 from ..design.examples import example_task
 from ..design.limits import Limit, checked
@@ -146,7 +146,7 @@ def _task(section: TaskSection, place: Place) -> Task:
             raise place.refuse((others[0],), "an example has its own, drop this key or `example`.")
         with place.naming():
             made = example_task(section.example, supply)
-            scheme = one_of(section.scheme or made.scheme, SCHEMES, "scheme")
+            scheme = scheme_of(section.scheme or made.scheme)
             return replace(
                 made, scheme=scheme, fluid=one_of(section.fluid or "air", FLUIDS, "fluid")
             )

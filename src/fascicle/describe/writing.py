@@ -14,6 +14,7 @@ import numpy as np
 from .._constant import Constant
 from .._refused import Refused
 from ..bundle import Bundle
+from ..bundle.scheme import name_of
 from ..muscle import Muscle
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
@@ -178,7 +179,7 @@ def _bundle(bundle: Bundle) -> list[str]:
         lines.append(
             f"supply_pressure = {_quantity(bundle.supply_pressure, 'pressure', 'supply_pressure')}"
         )
-    lines.append(f"scheme = {json.dumps(bundle.scheme)}")
+    lines.append(f"scheme = {json.dumps(name_of(bundle.scheme))}")
     if bundle.plate_distance is not None:
         lines.append(f"length = {_quantity(bundle.plate_distance, 'length', 'length')}")
     for unit, index in zip(bundle.motor_units, which, strict=True):

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from .judging import evaluate as evaluate
     from .limits import Limit as Limit
     from .objectives import OBJECTIVES as OBJECTIVES
+    from .objectives import objective as objective
+    from .outcome import Outcome as Outcome
     from .pareto import hypervolume as hypervolume
     from .pareto import non_dominated as non_dominated
     from .searching import search as search
@@ -28,6 +30,7 @@ _HOMES = {
     "Designs": "designs",
     "Limit": "limits",
     "OBJECTIVES": "objectives",
+    "Outcome": "outcome",
     "Product": "catalog",
     "Space": "space",
     "Task": "task",
@@ -36,6 +39,7 @@ _HOMES = {
     "example_task": "examples",
     "hypervolume": "pareto",
     "non_dominated": "pareto",
+    "objective": "objectives",
     "partitions": "splits",
     "search": "searching",
 }
@@ -45,6 +49,7 @@ __all__ = [
     "Designs",
     "Limit",
     "OBJECTIVES",
+    "Outcome",
     "Product",
     "Space",
     "Task",
@@ -53,6 +58,7 @@ __all__ = [
     "example_task",
     "hypervolume",
     "non_dominated",
+    "objective",
     "partitions",
     "search",
 ]

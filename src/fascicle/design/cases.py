@@ -24,10 +24,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._domain import LARGEST_STRAIN
-from ..bundle.recruitment import add_up
+from ..bundle.scheme import AbstractScheme
+from ..bundle.states import states_of
 from ..muscle import Muscle
 from .designs import Designs
-from .outcome import MET, Demand
+from .outcome import MET, MOST_SETS, Demand
 from .rows import Rows
 from .table import SHARED, UNLIKE, highest, tabulated
 from .task import Task
@@ -42,7 +43,8 @@ Points = Float[np.ndarray, " point"]
 @dataclass(frozen=True, eq=False)
 class Cases:
     """Load cases of a `task` for a bundle of `length` [m]: the `largest` force that it gives at
-    each [N]; the `state` that meets it, counted from 0, and its throttled `pressure` [Pa]; the
+    each [N]; the `state` that meets it, counted from 0, and its throttled `pressure` [Pa], of free
+    units that of the last one fed; the
     `content` [m³] of each unit there: of air in normal volume, of liquid what flows in.
     """
 
@@ -106,25 +108,69 @@ def cases(designs: Designs, place: int, task: Task) -> Cases:
     bench = Bench.of(designs, place)
     for muscle in bench.muscles:
         muscle.tuning.warn_beyond(task.supply_pressure)
-    strain = task.strain_of(bench.length)
+    strain, supply = task.strain_of(bench.length), task.supply_pressure
     parts = [
-        bench.states(task.supply_pressure, np.minimum(strain[rows], LARGEST_STRAIN), task.scheme)
+        _used(bench, supply, strain[rows], task.force[rows], task.scheme)
         for rows in _blocks(len(task))
     ]
-    force = np.concatenate(parts, axis=-1)
-    largest = _bounded(force.max(axis=(0, 1)), strain)
-    covers = (force.min(axis=1) - MET <= task.force) & (task.force <= force.max(axis=1) + MET)
-    met = np.any(covers, axis=0) & (largest - task.force >= -MET)
-    state = np.where(met, np.argmax(covers, axis=0), len(force) - 1)
-    every = np.arange(len(task))
-    share = np.where(met, _first_level(force[state, :, every], task.force, bench.level), 1.0)
-    pressure = share * task.supply_pressure
-    unit = np.arange(len(bench.counts))
-    throttled = state[:, None] == unit if task.scheme == "orderly" else unit <= state[:, None]
-    fed = unit <= state[:, None]
-    own = np.where(throttled, pressure[:, None], np.where(fed, task.supply_pressure, 0.0))
-    content = np.where(fed, bench.counts * bench.content(own, strain, task.fluid), 0.0)
-    return Cases(task, bench.length, largest, state, pressure, content)
+    largest, state, fed, own, share = (np.concatenate(x) for x in zip(*parts, strict=True))
+    content = np.where(fed, bench.counts * bench.content(own * supply, strain, task.fluid), 0.0)
+    return Cases(task, bench.length, largest, state, share * supply, content)
+
+
+def _used(
+    bench: "Bench", supply: float, strain: Points, demanded: Points, scheme: AbstractScheme
+) -> tuple[np.ndarray, ...]:
+    """The largest force at each strain [N], the state used, which units it feeds, their pressures
+    over the supply's and the throttled one's [-].
+    """
+    eps, units = np.minimum(strain, LARGEST_STRAIN), len(bench.counts)
+    table = bench.table(supply, eps)
+    sets, owner = states_of(scheme, units).sets(most=MOST_SETS)
+    low, high = sets.edges(*table)
+    largest = _bounded(high.max(axis=0), strain)
+    covers = (low - MET <= demanded) & (demanded <= high + MET)
+    met = np.any(covers, axis=0) & (largest - demanded >= -MET)
+    cost = np.arange(sets.size, dtype=float)[:, None]  # the lowest state
+    if not sets.nested:
+        taken = np.maximum(
+            bench.counts * bench.content(np.zeros((len(eps), units)), eps, "liquid"), 0.0
+        )
+        cost = sets.fed.astype(float) @ taken.T
+    taken_set = np.where(met, np.argmin(np.where(covers, cost, np.inf), axis=0), sets.size - 1)
+    held, throttled = sets.full[taken_set], sets.throttled[taken_set]
+    fed = held | throttled
+    if sets.independent:
+        share, own = _shares(bench, table, held, throttled, demanded)
+    else:
+        force = sets.sums(*table)[taken_set, :, np.arange(len(strain))]
+        share = _first_level(force, demanded, bench.level)
+        own = np.where(throttled, share[:, None], held)
+    # what isn't reached is as near as can be with all that it feeds at full supply
+    own = np.where(met[:, None], own, fed)
+    return largest, owner[taken_set], fed, own, np.where(met, share, 1.0)
+
+
+def _shares(
+    bench: "Bench",
+    table: tuple[np.ndarray, ...],
+    held: np.ndarray,
+    fed: np.ndarray,
+    demanded: Points,
+) -> tuple[Points, Float[np.ndarray, "point unit"]]:
+    """The last fed unit's level [-] and all units', as `bundle.free` has them."""
+    each, none, full = table
+    base = np.where(held, full, none).sum(axis=1)
+    more = (demanded >= base)[:, None]
+    place = np.where(more, each.argmax(axis=0), each.argmin(axis=0))
+    extreme = np.take_along_axis(each, place[None], axis=0)[0]
+    last = fed.shape[1] - 1 - np.argmax(fed[:, ::-1], axis=1)
+    throttled = np.arange(fed.shape[1]) == last[:, None]
+    others = np.where(held, full, np.where(fed, extreme, none))
+    rest = demanded - np.where(throttled, 0.0, others).sum(axis=1)
+    share = _first_level(each[:, np.arange(len(last)), last].T, rest, bench.level)
+    own = np.where(held, 1.0, np.where(fed, bench.level[place], 0.0))
+    return share, np.where(throttled, share[:, None], own)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,23 +228,20 @@ class Bench:
         rows = [np.asarray(m.tuning.pressures) for m in self.muscles if m.tuning.pressures.size > 1]
         return min((float(row.max()) for row in rows), default=np.inf)
 
-    def states(
-        self, supply: float, strain: Points, scheme: str
-    ) -> Float[np.ndarray, "state level point"]:
-        """Force of the bundle [N] in every state at each level.
+    def table(self, supply: float, strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Force of each unit, its muscles together, as a bundle's states add them up.
 
         **Arguments:**
 
         - `supply`: its pressure [Pa].
         - `strain`: contractions [-], none above 0.6.
-        - `scheme`: of recruitment [-].
 
-        **Returns:** forces [N].
+        **Returns:** forces [N], with level, point and unit axes; at no and at full pressure.
         """
         each = self.counts * self.units(supply, strain)
-        return add_up(each, each[0], each[-1], scheme)
+        return each, each[0], each[-1]
 
-    def largest(self, supply: float, strain: Points, scheme: str) -> Points:
+    def largest(self, supply: float, strain: Points, scheme: AbstractScheme) -> Points:
         """Largest force that any state gives [N].
 
         **Arguments:**
@@ -209,14 +252,14 @@ class Bench:
 
         **Returns:** forces [N]; none that pulls, where the laws don't reach so far.
         """
-        reached = np.minimum(strain, LARGEST_STRAIN)
-        if scheme == "orderly" or len(self.muscles) == 1:
+        reached, states = np.minimum(strain, LARGEST_STRAIN), states_of(scheme, len(self.counts))
+        if states.apart or len(self.muscles) == 1:
             none = np.zeros(strain.shape)
             demand = Demand(none, reached, none, np.float64(supply), scheme, by_stroke=False)
             table = tabulated(self._rows, demand, (), self.level).take(self.which)
-            return _bounded(np.max(highest(self.counts, table, scheme), axis=0), strain)
+            return _bounded(np.max(highest(self.counts, table, states), axis=0), strain)
         parts = [
-            self.states(supply, reached[rows], scheme).max(axis=(0, 1))
+            states.edges(*self.table(supply, reached[rows]))[1].max(axis=0)
             for rows in _blocks(len(strain))
         ]
         return _bounded(np.concatenate(parts), strain)

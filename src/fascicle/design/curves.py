@@ -12,7 +12,9 @@ from jaxtyping import Float, Int
 
 from .._evaluate import COMPILE_ABOVE
 from .._types import Numbers
+from ..bundle.states import common
 from ..muscle.piecewise import Pressurized
+from .first_zero import first_push, share
 from .rows import Rows
 from .table import Resolution, run
 
@@ -89,19 +91,17 @@ def depths(curves: Curves, muscles: int, most: int) -> Float[np.ndarray, "a n"]:
             """The bundle's force where the throttled muscles give `curve`."""
             return first * force[-1][at] + own * curve + unfed * force[0][at]  # noqa: B023
 
-        right = _first(total(curves.least, places[None]))[:, None]
+        right = first_push(total(curves.least, places[None]))[:, None]
         ahead, behind = (total(force[:, at[:, 0]].T, at) for at in (right - 1, right))
-        share = np.where((behind <= 0) | (right == places[-1]), _share(ahead, behind), 1.0)
-        unfed_right = _first(total(force[0], places[None]))[:, None]
-        begun = _share(*(total(force[0][at], at) for at in (unfed_right - 1, unfed_right)))
-        fall = (unfed_right + begun)[:, 0] - (right[:, 0] + share.min(axis=1))
+        shares = np.where((behind <= 0) | (right == places[-1]), share(ahead, behind), 1.0)
+        unfed_right = first_push(total(force[0], places[None]))[:, None]
+        begun = share(*(total(force[0][at], at) for at in (unfed_right - 1, unfed_right)))
+        fall = (unfed_right + begun)[:, 0] - (right[:, 0] + shares.min(axis=1))
         falls[a[some], n[some]] = curves.top * fall / places[-1]
     return falls
 
 
-def overlaps(
-    curves: Curves, muscles: int, most: int, scheme: str
-) -> Float[np.ndarray, "a n after"]:
+def overlaps(curves: Curves, muscles: int, most: int, held: bool) -> Float[np.ndarray, "a n after"]:
     """Widest overlap of the states $(a, n)$ and $(a + n, n')$.
 
     **Arguments:**
@@ -109,7 +109,7 @@ def overlaps(
     - `curves`: of the muscle [-].
     - `muscles`: how many a design has [-].
     - `most`: size of the table [-].
-    - `scheme`: of recruitment [-].
+    - `held`: whether the $a$ muscles before are held at full supply, else all share a pressure [-].
 
     **Returns:** the overlap for each $(a, n, n')$ [N]; 0 where there are no such states.
     """
@@ -122,37 +122,21 @@ def overlaps(
     m = np.arange(which.size) - np.repeat(np.cumsum(after) - after, after) + 1
 
     def edges(before: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if scheme == "batch":
+        if not held:
             before, own = 0 * before, before + own
-        held = before * full + (muscles - before - own) * none
-        return held + own * curves.least, held + own * curves.largest
+        others = before * full + (muscles - before - own) * none
+        return others + own * curves.least, others + own * curves.largest
 
     for some in _parts(a.size, full.size):
         first, own, more = (x[some][:, None] for x in (a, n, m))
-        (low, high), (next_low, next_high) = edges(first, own), edges(first + own, more)
-        bottom = np.maximum(np.maximum(low, next_low), 0.0)
-        width = np.max(np.minimum(high, next_high) - bottom, axis=1)
+        bottom, top = common(edges(first, own), edges(first + own, more))
+        width = np.max(top - bottom, axis=1)
         widths[a[some], n[some], m[some]] = np.maximum(width, 0.0)
     return widths
 
 
 def _force(at: Pressurized, strain: Numbers) -> Numbers:
     return at.force(strain)[0]
-
-
-def _first(force: Float[np.ndarray, "some strain"]) -> Int[np.ndarray, " some"]:
-    """The first strain after rest at which a force [N] doesn't pull; the last, if none."""
-    pushes = force <= 0
-    pushes[:, 0], pushes[:, -1] = False, True
-    return pushes.argmax(axis=1)
-
-
-def _share(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """How far from the left to the right [-] a force [N] vanishes, linear between."""
-    # the last of all may still pull by rounding: it is the zero itself
-    right = np.minimum(right, 0.0)
-    drop = left - right
-    return np.where(left > 0, left / np.where(drop > 0, drop, 1.0), 0.0)
 
 
 def _transitions(muscles: int, before: int) -> tuple[Counted, Counted]:

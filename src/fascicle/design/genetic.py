@@ -23,7 +23,7 @@ from . import checkpoint as checkpoints
 from .catalog import Catalog, cheapest
 from .checkpoint import Kept
 from .designs import Designs, of_sizes
-from .judging import Values, evaluate, sizes_of
+from .judging import Values, evaluate, of_one_number, sizes_of
 from .limits import Limits, checked, within_limits
 from .objectives import needs
 from .outcome import Demand
@@ -200,13 +200,15 @@ def _judged(
     population: int,
 ) -> Values:
     """Objectives of a generation in one call; a short one is filled up."""
-    designs = coding.designs(genomes)
-    rows = np.minimum(np.arange(max(population, len(genomes))), len(genomes) - 1)
-    values = unlike_objectives(
-        coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names),
-        among=_GENERATIONS * population,
-    )  # fmt: skip
-    return dict(zip(names, np.asarray(values)[:, : len(genomes)], strict=True))
+    values = np.empty((len(names), len(genomes)))
+    for places, designs in of_one_number(coding.designs(genomes), demand.scheme):
+        rows = np.minimum(np.arange(max(population, len(designs))), len(designs) - 1)
+        found = unlike_objectives(
+            coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names),
+            among=_GENERATIONS * population,
+        )  # fmt: skip
+        values[:, places] = np.asarray(found)[:, : len(designs)]
+    return dict(zip(names, values, strict=True))
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:

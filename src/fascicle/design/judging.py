@@ -6,22 +6,25 @@ bits at most; the same call gives the same bits.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from .._evaluate import COMPILE_ABOVE
 from .._methods import numbers
 from .._refused import Refused
+from ..bundle.scheme import AbstractScheme
+from ..bundle.states import extends
 from ..muscle import Muscle
 from .designs import Designs
-from .objectives import known, needs
-from .outcome import Demand
+from .objectives import check_turns, known, needs
+from .outcome import Demand, states_for
 from .rows import Rows
 from .shared import Prepared, all_prepared, shared_objectives
 from .task import Task
-from .unlike import Sizes, unlike_objectives
+from .unlike import Sizes, unlike_objectives, whole_law
 
 
 _LARGEST, _LEAST = 4096, 16  # designs in a batch of one muscle's
@@ -51,13 +54,27 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int
     **Raises:** `ValueError` for an unknown objective, and designs off the model's domain.
     """
     names = known(objectives)
+    check_turns(names, task.scheme)
     _check(designs)
     values = np.full((len(names), len(designs)), np.nan)
-    demand = Demand.of(task)
+    for rows, some in of_one_number(designs, task.scheme):
+        values[:, rows] = _evaluated(some, task, names, max(among, len(designs)))
+    return dict(zip(names, values, strict=True))
+
+
+def _evaluated(
+    designs: Designs, task: Task, names: tuple[str, ...], among: int
+) -> Float[np.ndarray, "objective design"]:
+    values = np.full((len(names), len(designs)), np.nan)
+    demand, asked, units = Demand.of(task), needs(names), designs.counts.shape[1]
+    states = states_for(demand.scheme, units)
+    # what one muscle's designs share is made for states that grow, with no gap between them
+    grows = states.in_turn or states.together
+    alike = designs.alike & (states.joined and (grows or "curves" not in asked))
     share = max(1.0, among / max(1, len(designs)))
     many = len(designs) * len(task) * share > _COMPILE_ABOVE
     of_kind: dict[int, list[tuple[np.ndarray, int]]] = {}
-    for group in groups(designs):
+    for group in groups(designs, alike):
         of_kind.setdefault(int(designs.kind[group[1]]), []).append(group)
     for kind, drawing in enumerate(map(numbers, designs.drawings.values())):
         found = of_kind.get(kind, [])
@@ -69,18 +86,18 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int
             ):
                 large = many and len(rows) * len(task) > _LARGE
                 values[:, rows] = _of_one_muscle(one, designs.counts[rows], demand, names, large)
-        (rows,) = np.nonzero(~designs.alike & (designs.kind == kind))
+        (rows,) = np.nonzero(~alike & (designs.kind == kind))
         for start in range(0, len(rows), _LARGEST_UNLIKE):
             block = rows[start : start + _LARGEST_UNLIKE]
-            asked, full = needs(names), block
-            if "curves" in asked or demand.scheme != "orderly":
+            full = block
+            if whole_law(demand, units, asked):
                 full = _filled(block, _power(len(block), _LEAST, _LARGEST_UNLIKE))
             part = unlike_objectives(
                 drawing, sizes_of(designs, full), demand, names=names, needs=asked,
                 among=int(len(rows) * share),
             )  # fmt: skip
             values[:, block] = np.asarray(part)[:, : len(block)]
-    return dict(zip(names, values, strict=True))
+    return values
 
 
 def _prepared(
@@ -98,7 +115,10 @@ def _prepared(
     # one size of tables for all groups, and few of them for all calls
     most = -(-int(designs.counts.sum(axis=1).max()) // _STEP) * _STEP
     rows = Rows(drawing, designs.length[place], *own)
-    return all_prepared(rows, totals.tolist(), demand, most, needs(names), compiling=compiling)
+    return all_prepared(
+        rows, totals.tolist(), demand, most, needs(names), compiling=compiling,
+        units=designs.counts.shape[1],
+    )  # fmt: skip
 
 
 def _of_one_muscle(
@@ -120,14 +140,19 @@ def _of_one_muscle(
     return values
 
 
-def groups(designs: Designs) -> list[tuple[np.ndarray, int]]:
+def groups(
+    designs: Designs, alike: Bool[np.ndarray, " design"] | None = None
+) -> list[tuple[np.ndarray, int]]:
     """Designs of one muscle and as many of it: the indices of each group, and its first [-].
 
-    **Arguments:** `designs`: any [-].
+    **Arguments:**
+
+    - `designs`: any [-].
+    - `alike`: those that are meant [-]; left out, all whose muscles are alike.
 
     **Returns:** the groups [-], in the order of their first designs.
     """
-    (rows,) = np.nonzero(designs.alike)
+    (rows,) = np.nonzero(designs.alike if alike is None else alike)
     if not rows.size:
         return []
     first = (x[rows, 0] for x in (designs.radius, designs.wall, designs.angle))
@@ -147,9 +172,37 @@ def sizes_of(designs: Designs, rows: np.ndarray) -> Sizes:
     return Sizes(*(jnp.asarray(x) for x in arrays))
 
 
-def size_of(designs: Designs, place: int) -> Sizes:
-    """The sizes of one design, without an axis for designs; `designs` and `place` [-]."""
-    return Sizes(*(leaf[0] for leaf in sizes_of(designs, np.array([place]))))
+def size_of(designs: Designs, place: int, scheme: AbstractScheme) -> Sizes:
+    """The sizes of one design, without an axis for designs; `designs`, `place` and the `scheme` of
+    its recruitment [-].
+    """
+    ((_, one),) = of_one_number(designs.take(np.array([place])), scheme)
+    return Sizes(*(leaf[0] for leaf in sizes_of(one, np.array([0]))))
+
+
+def of_one_number(
+    designs: Designs, scheme: AbstractScheme
+) -> list[tuple[Int[np.ndarray, " some"], Designs]]:
+    """Designs as they can be judged together.
+
+    **Arguments:**
+
+    - `designs`: any [-].
+    - `scheme`: of recruitment [-].
+
+    **Returns:** places and designs [-]: all, or those of each number of units where the scheme
+    doesn't take one of fewer units as the beginning of one of more.
+    """
+    most = designs.counts.shape[1]
+    if scheme.independent or extends(scheme, most):
+        return [(np.arange(len(designs)), designs)]
+    found = []
+    for units in np.unique(designs.units).tolist():
+        (rows,) = np.nonzero(designs.units == units)
+        some = designs.take(rows)
+        cut = {key: getattr(some, key)[:, :units] for key in ("counts", "radius", "wall", "angle")}
+        found.append((rows, replace(some, **cut)))
+    return found
 
 
 def _check(designs: Designs) -> None:

@@ -11,17 +11,22 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Numbers, Whole
-from .outcome import Demand
+from ..bundle.scheme import Orderly
+from ..bundle.states import States, common, states_of
+from .first_zero import first_push, share
+from .outcome import Demand, existing, states_for
 from .rows import Rows
 from .table import Resolution, Table, sizes_at
 
 
 class Looked(NamedTuple):
     """The units' `table`, the largest force of each state at the task's points, `high` [N], and
-    where asked for the `depth` of reversal [-] and the `overlap` [N].
+    the least, `low`, where gaps are between states; where asked for the `depth` of reversal [-] and
+    the `overlap` [N].
     """
 
     table: Table
+    low: Numbers | None
     high: Numbers
     depth: Numbers | None
     overlap: Numbers | None
@@ -43,6 +48,7 @@ def at_every_level(
     **Returns:** it, JAX's [-].
     """
     muscle, there = rows.muscle, n > 0
+    states = states_for(demand.scheme, len(n))
     pressure = jnp.asarray(resolution.level)[:, None, None] * demand.supply
     at = muscle._law().at(pressure + 0.0 * rows.length)
     top = jnp.max(jnp.where(there, at.column.free_strain[-1, 0], 0.0))
@@ -60,8 +66,8 @@ def at_every_level(
         unfed = jax.tree.map(lambda x: x[0, 0] if jnp.shape(x)[:2] == levels else x, at)
         radius, bulge = sizes_at(muscle, unfed, jnp.max(demanded) + 0.0 * rows.length)
     if "curves" in needs:
-        depth = _depth(n, curves, top)
-        overlap = _overlap(n, curves, demand.scheme)
+        depth = _depth(n, curves, top, states)
+        overlap = _overlap(_edges(n, curves, states), existing(demand.scheme, there))
     table = Table(
         unfed=points[:, 0].T,
         full=points[:, -1].T,
@@ -72,41 +78,39 @@ def at_every_level(
         radius=radius,
         bulge=bulge,
     )
-    return Looked(table, _edges(n, points, demand.scheme)[1], depth, overlap)
+    low, high = _edges(n, points, states)
+    return Looked(table, None if states.joined else low, high, depth, overlap)
 
 
-def _held(n: Array, force: Float[Array, "unit level *point"]) -> Float[Array, "unit *point"]:
-    """Force [N] of the units before each one at full supply and of those after it unfed."""
-    full, none = (n * force[:, row].T for row in (-1, 0))
-    before = jnp.cumsum(full, axis=-1) - full
-    after = jnp.sum(none, axis=-1, keepdims=True) - jnp.cumsum(none, axis=-1)
-    return (before + after).T
+def _units_last(n: Array, force: Float[Array, "unit level point"]) -> tuple[Array, Array, Array]:
+    """Force of each unit [N] at every level, and at no and at full pressure."""
+    every = jnp.moveaxis(n[:, None, None] * force, 0, -1)
+    return every, every[0], every[-1]
 
 
-def _edges(n: Array, force: Array, scheme: str) -> tuple[Array, Array]:
+def _edges(n: Array, force: Array, states: States) -> tuple[Array, Array]:
     """Least and largest force [N] of every state."""
-    weighed = n[:, None, None] * force
-    if scheme == "orderly":
-        throttled, held = weighed, _held(n, force)
-    else:
-        throttled, none = jnp.cumsum(weighed, axis=0), weighed[:, 0]
-        held = jnp.sum(none, axis=0) - jnp.cumsum(none, axis=0)
-    return held + jnp.min(throttled, axis=1), held + jnp.max(throttled, axis=1)
+    return states.edges(*_units_last(n, force))
 
 
-def _depth(n: Array, curves: Float[Array, "unit level strain"], top: Array) -> Array:
-    force = _held(n, curves)[:, None] + n[:, None, None] * curves
+def _depth(
+    n: Array, curves: Float[Array, "unit level strain"], top: Array, states: States
+) -> Array:
+    """Unit after unit in the order of recruitment, whatever pressures a state shares."""
+    n, curves = n[states.order], curves[states.order]
+    force = states_of(Orderly(), n.size).sums(*_units_last(n, curves))
     zeros = first_zeros(force, top)
     falls = zeros[:, 0] - jnp.min(zeros, axis=1)
     later = (jnp.arange(n.size) > 0) & (n > 0)
     return jnp.max(jnp.where(later, falls, 0.0))
 
 
-def _overlap(n: Array, curves: Float[Array, "unit level strain"], scheme: str) -> Array:
-    low, high = _edges(n, curves, scheme)
-    bottom = jnp.maximum(jnp.maximum(low[:-1], low[1:]), 0.0)
-    height = jnp.max(jnp.minimum(high[:-1], high[1:]) - bottom, axis=-1, initial=0.0)
-    return jnp.max(jnp.where(n[1:] > 0, height, 0.0), initial=0.0)
+def _overlap(edges: tuple[Array, Array], there: Array) -> Array:
+    """Of each state with the next that is `there` [-]; `edges` [N]."""
+    low, high = edges
+    bottom, top = common((low[:-1], high[:-1]), (low[1:], high[1:]))
+    height = jnp.max(top - bottom, axis=-1, initial=0.0)
+    return jnp.max(jnp.where(there[1:], height, 0.0), initial=0.0)
 
 
 def first_zeros(force: Float[Array, "*any strain"], top: Float[Array, ""]) -> Float[Array, "*any"]:
@@ -114,12 +118,6 @@ def first_zeros(force: Float[Array, "*any strain"], top: Float[Array, ""]) -> Fl
 
     Linear between strains; `top` where it doesn't vanish before.
     """
-    pushes = (force <= 0).at[..., 0].set(False).at[..., -1].set(True)
-    j = jnp.argmax(pushes, axis=-1)
-    right = jnp.take_along_axis(force, j[..., None], axis=-1)[..., 0]
-    left = jnp.take_along_axis(force, j[..., None] - 1, axis=-1)[..., 0]
-    # the last of all may still pull by rounding: it is the zero itself
-    right = jnp.minimum(right, 0.0)
-    drop = left - right
-    share = jnp.where(left > 0, left / jnp.where(drop > 0, drop, 1.0), 0.0)
-    return top * (j - 1 + share) / (force.shape[-1] - 1)
+    j = first_push(force)
+    left, right = (jnp.take_along_axis(force, j[..., None] + i, axis=-1)[..., 0] for i in (-1, 0))
+    return top * (j - 1 + share(left, right)) / (force.shape[-1] - 1)

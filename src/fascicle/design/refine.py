@@ -81,7 +81,7 @@ def refined(
     sense = one_of(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
     demand, one = Demand.of(task), designs.take(np.array([place]))
     drawing = list(designs.drawings.values())[int(one.kind[0])]
-    sizes = size_of(one, 0)
+    sizes = size_of(one, 0, demand.scheme)
     low, high, first = _box(sizes, bounds)
     begun = float(evaluate(one, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
@@ -225,5 +225,6 @@ def _placed(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str,
 
 
 def _designed(one: Designs, sizes: Sizes) -> Designs:
-    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in ("radius", "wall", "angle")}
+    keys = ("counts", "radius", "wall", "angle")
+    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in keys}
     return replace(one, length=np.asarray(sizes.length)[None], **arrays)

@@ -25,7 +25,7 @@ from ..records.fabrication import Scatter
 from .designs import Designs
 from .judging import size_of
 from .limits import Limits, within_limits
-from .objectives import judged, known, needs
+from .objectives import check_turns, judged, known, needs
 from .outcome import Demand
 from .pareto import directed, non_dominated
 from .reach import demanding
@@ -111,6 +111,7 @@ def spread(
     """
     limits = demanding(limits)
     names = known([*objectives, *limits])
+    check_turns(names, task.scheme)
     drawing = _only(designs)
     generator = np.random.default_rng(seed)
     units = designs.counts.shape[1]
@@ -121,7 +122,12 @@ def spread(
     values = np.empty((len(names), len(designs), draws))
     for place in range(len(designs)):
         values[:, place] = drawn_objectives(
-            kinds, size_of(designs, place), scales, demand, names=names, needs=needs(names)
+            kinds,
+            size_of(designs, place, demand.scheme),
+            scales,
+            demand,
+            names=names,
+            needs=needs(names),
         )
     by_name = dict(zip(names, values, strict=True))
     met = within_limits({k: v.ravel() for k, v in by_name.items()}, limits)
@@ -153,15 +159,16 @@ def drawn_objectives(
 
     **Returns:** them, a row for each name, in its unit [SI].
     """
+    units = sizes.radius.size
 
     def one(drawn: tuple[Muscle, Scales]) -> Array:
         kind, by = drawn
         own = Sizes(
             sizes.counts,
             sizes.length * by.length,
-            sizes.radius * by.radius,
-            sizes.wall * by.wall,
-            jnp.clip(sizes.angle + by.angle, 1e-3, _LARGEST_ANGLE),
+            sizes.radius * by.radius[:units],
+            sizes.wall * by.wall[:units],
+            jnp.clip(sizes.angle + by.angle[:units], 1e-3, _LARGEST_ANGLE),
         )
         return judged(unlike_outcome(kind, own, demand, needs, resolution), names)
 
@@ -202,6 +209,7 @@ def sensitivities(
     from .._checks import one_of
 
     names, drawing = known(objectives), _only(designs)
+    check_turns(names, task.scheme)
     for name in ranges:
         one_of(name, VARIED, "ranges")
     problem = {
@@ -212,7 +220,7 @@ def sensitivities(
     # without second orders a sample takes as many again as there are names, and two
     drawn = sample.sample(problem, samples, calc_second_order=False, seed=seed)
     factor = dict(zip(ranges, drawn.T, strict=True))
-    count, units = len(drawn), designs.counts.shape[1]
+    count, demand = len(drawn), Demand.of(task)
     kinds = _repeated(drawing, count)
     for name in set(_MATERIAL) & set(factor):
         kinds = eqx.tree_at(
@@ -220,8 +228,8 @@ def sensitivities(
             kinds,
             getattr(kinds.material, name) * jnp.asarray(factor[name]),
         )
-    one, each = np.ones(count), np.ones((count, units))
-    sizes = size_of(designs, place)
+    sizes = size_of(designs, place, demand.scheme)
+    one, each = np.ones(count), np.ones((count, sizes.radius.size))
     angle = (factor.get("braid_angle", one) - 1)[:, None] * np.asarray(sizes.angle)
     scales = Scales(
         jnp.asarray(factor.get("length", one)),
@@ -229,7 +237,6 @@ def sensitivities(
         jnp.asarray(factor.get("wall_thickness", one)[:, None] * each),
         jnp.asarray(angle),
     )
-    demand = Demand.of(task)
     values = np.asarray(
         drawn_objectives(kinds, sizes, scales, demand, names=names, needs=needs(names))
     )

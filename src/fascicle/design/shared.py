@@ -16,10 +16,11 @@ import numpy as np
 
 from .._arrays import library, where
 from .._types import Numbers, Whole
+from ..bundle.states import states_of
 from ..muscle import Muscle
 from .curves import Curves, curves_of, depths, overlaps
 from .objectives import judged
-from .outcome import Demand, Outcome, visited
+from .outcome import Demand, Outcome, existing, states_for, visited
 from .packing import bowed_diameter
 from .rows import Rows
 from .table import SHARED, Resolution, Table, run, tabulated
@@ -72,6 +73,7 @@ def all_prepared(
     needs: tuple[str, ...],
     resolution: Resolution = SHARED,
     compiling: bool = False,
+    units: int | None = None,
 ) -> list[Prepared]:
     """What compositions share, of several muscles.
 
@@ -84,6 +86,7 @@ def all_prepared(
     - `needs`: "size", "curves", both or nothing [-].
     - `resolution`: of levels and strains [-].
     - `compiling`: whether the muscles' laws are compiled [-].
+    - `units`: that a design may have [-]; left out, as many as muscles.
 
     **Returns:** what is shared, of each [-].
     """
@@ -96,7 +99,8 @@ def all_prepared(
         depth = overlap = None
         if curves is not None:
             depth = depths(curves, N, most)
-            overlap = overlaps(curves, N, most, demand.scheme)
+            held = states_of(demand.scheme, units or most).in_turn
+            overlap = overlaps(curves, N, most, held)
         found.append(Prepared(table.take(i), N, depth, overlap))
     return found
 
@@ -131,16 +135,25 @@ def _objectives(known: Prepared, counts: Whole, demand: Demand, names: tuple[str
 def shared_outcome(known: Prepared, counts: Whole, demand: Demand) -> Outcome:
     """What compositions of one muscle do; arguments as of `shared_objectives` [-]."""
     n = counts.T
-    fed = n.cumsum(axis=0)
     table, N = known.table, known.muscles
-    a = fed - n if demand.scheme == "orderly" else 0 * n
-    throttled = n if demand.scheme == "orderly" else fed
+    states = states_for(demand.scheme, len(n))
+    at_full, throttled = (mask.astype(int) @ n for mask in (states.full, states.throttled))
+    fed = at_full + throttled
     full, none, largest = (x[:, None] for x in (table.full, table.unfed, table.largest))
     # not stacked: states are looked at in turn, and needn't be written to memory
-    high = [a[k] * full + (N - fed[k]) * none + throttled[k] * largest for k in range(n.shape[0])]
-    visit = visited(demand, table.length, high, n > 0)
-    # few units: a sum over them is faster than to look the state up
-    active = sum(where(visit.state >= k, n[k], 0) for k in range(n.shape[0]))
+    high = [
+        at_full[k] * full + (N - fed[k]) * none + throttled[k] * largest for k in range(states.size)
+    ]
+    there, at_work = existing(demand.scheme, n > 0), library(counts, full)
+    if states.nested:
+        visit = visited(demand, table.length, high, there)
+        # few states: a sum over them is faster than to look the state up
+        before = at_work.concatenate([0 * fed[:1], fed[:-1]])
+        active = sum(where(visit.state >= k, (fed - before)[k], 0) for k in range(states.size))
+    else:
+        # all take the same volume: the fewest muscles take the least
+        visit = visited(demand, table.length, high, there, cost=1.0 * fed[:, None])
+        active = at_work.take_along_axis(fed, visit.state, axis=0)
     size = None
     if table.radius is not None and table.bulge is not None:
         radii = library(counts, table.radius).broadcast_to(table.radius, counts.shape)
@@ -156,18 +169,23 @@ def shared_outcome(known: Prepared, counts: Whole, demand: Demand) -> Outcome:
         blocked=n * table.blocked,
         units=(n > 0).sum(axis=0),
         size=size,
-        depth=_deepest(known.depth, fed - n, n),
-        overlap=_widest(known.overlap, fed - n, n),
+        depth=_deepest(known.depth, n[states.order]),
+        overlap=_widest(known.overlap, where(there, fed, 0)),
     )
 
 
-def _deepest(table: Numbers | None, a: Whole, n: Whole) -> Numbers | None:
+def _deepest(table: Numbers | None, n: Whole) -> Numbers | None:
+    """Of units `n` [-] in the order of their recruitment."""
     # 0 for no muscles throttled, and for none before them
-    return None if table is None else table[a, n].max(axis=0)
+    return None if table is None else table[n.cumsum(axis=0) - n, n].max(axis=0)
 
 
-def _widest(table: Numbers | None, a: Whole, n: Whole) -> Numbers | None:
+def _widest(table: Numbers | None, fed: Whole) -> Numbers | None:
+    """Of states that feed so many muscles, `fed` [-], each more than the one before it."""
     if table is None:
         return None
-    after = library(n).concatenate([n[1:], 0 * n[:1]])
+    at_work = library(fed)
+    a = at_work.concatenate([0 * fed[:1], fed[:-1]])
+    n = at_work.maximum(fed - a, 0)
+    after = at_work.concatenate([n[1:], 0 * n[:1]])
     return table[a, n, after].max(axis=0)

@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 from .._arrays import maximum, minimum, most, nodes, stack, where
 from .._evaluate import COMPILE_ABOVE, compiled
 from .._types import Numbers, Whole
+from ..bundle.states import States
 from ..muscle import Muscle
 from ..muscle.column import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
@@ -102,23 +103,22 @@ def tabulated(
     return table._replace(full=full, largest=largest)
 
 
-def highest(n: Whole, table: Table, scheme: str) -> list[Numbers]:
+def highest(n: Whole, table: Table, states: States) -> list[Numbers]:
     """Largest force of each state.
 
     **Arguments:**
 
     - `n`: muscles in each unit, on the first axis [-].
     - `table`: of a muscle of each unit, points ahead of units [-].
-    - `scheme`: of recruitment [-]; where it is "batch", the units must be alike.
+    - `states`: of the scheme [-]; where two units share a pressure, they must be alike.
 
     **Returns:** forces [N], of each state in turn.
     """
     full, unfed, largest = (n * x for x in (table.full, table.unfed, table.largest))
     found = []
-    for k in range(len(n)):
-        first = k if scheme == "orderly" else 0
-        held = full[:, :first].sum(axis=1) + unfed[:, k + 1 :].sum(axis=1)
-        found.append(held + largest[:, first : k + 1].sum(axis=1))
+    for at_full, throttled, none in zip(states.full, states.throttled, states.unfed, strict=True):
+        held = full[:, _run(at_full)].sum(axis=1) + unfed[:, _run(none)].sum(axis=1)
+        found.append(held + largest[:, _run(throttled)].sum(axis=1))
     return found
 
 
@@ -173,6 +173,15 @@ def sizes_at(
     # deepest where it collapses, if it does before, else at the end
     stops = stack([largest_strain, minimum(unfed.collapse, largest_strain)])
     return muscle.braid.radius_at(largest_strain), most(unfed.deflection(stops))
+
+
+def _run(mask: Bool[np.ndarray, " unit"]) -> Any:
+    """The places that are marked [-]: a slice if they follow one another, which copies nothing."""
+    places = np.flatnonzero(mask)
+    if not places.size:
+        return slice(0, 0)
+    first, last = int(places[0]), int(places[-1])
+    return slice(first, last + 1) if last - first + 1 == places.size else places
 
 
 def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:

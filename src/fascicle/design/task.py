@@ -8,7 +8,7 @@ Weights say how much a load case counts in a mean. None is so small that the bun
 reach it: see `reach`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from .._checks import one_of, within
 from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from .._limits import plausible
 from .._refused import Refused
-from ..bundle.bundle import SCHEMES
+from ..bundle.scheme import AbstractScheme, Orderly, scheme_of
 
 
 _LONGEST_STROKE = 10.0  # m
@@ -39,12 +39,16 @@ class Task:
     strain: Points | None
     weight: Points
     supply_pressure: float
-    scheme: str = "orderly"
+    scheme: AbstractScheme = field(default_factory=Orderly)
     name: str = "task"
     source: str = ""
     stroke: Points | None = None
     time: Points | None = None
     fluid: str = "air"
+
+    def __post_init__(self):
+        # `replace` may be given a name; the object equals it
+        object.__setattr__(self, "scheme", scheme_of(self.scheme))
 
     @classmethod
     def of(
@@ -53,7 +57,7 @@ class Task:
         strain: Any,
         supply_pressure: float,
         weight: Any = None,
-        scheme: str = "orderly",
+        scheme: AbstractScheme | str = "orderly",
         name: str = "task",
         source: str = "",
         stroke: Any = None,
@@ -68,7 +72,7 @@ class Task:
           `None` where the stroke is given.
         - `supply_pressure`: the supply's gauge pressure [Pa].
         - `weight`: how much each point counts [-]; left out, all the same.
-        - `scheme`: "orderly" or "batch" [-].
+        - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
         - `name`: what it is [-].
         - `source`: where the figures come from [-].
         - `stroke`: how much shorter the bundle is then [m], instead of `strain`.
@@ -120,10 +124,9 @@ class Task:
             supply_pressure, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", closed=(False, True)
         )
         plausible(supply, "supply_pressure")
-        one_of(scheme, SCHEMES, "scheme")
         one_of(fluid, FLUIDS, "fluid")
         eps, s = (travel, None) if stroke is None else (None, travel)
-        return cls(F, eps, w, float(supply), scheme, name, source, s, fluid=fluid)
+        return cls(F, eps, w, float(supply), scheme_of(scheme), name, source, s, fluid=fluid)
 
     @classmethod
     def in_time(

@@ -20,7 +20,7 @@ from .._types import Numbers, Whole
 from ..muscle import Muscle
 from .levels import at_every_level
 from .objectives import judged
-from .outcome import Demand, Outcome, visited
+from .outcome import Demand, Outcome, existing, states_for, visited
 from .packing import bowed_diameter
 from .rows import Rows
 from .table import UNLIKE, Resolution, Table, filled_up, highest, run, tabulated
@@ -66,7 +66,7 @@ def unlike_objectives(
 
     **Returns:** them, a row for each name, in its unit [SI].
     """
-    if "curves" in needs or demand.scheme != "orderly":
+    if whole_law(demand, np.shape(sizes.counts)[-1], needs):
         return _at_every_level(
             drawing, sizes, demand, names=names, needs=needs, resolution=resolution
         )
@@ -86,10 +86,25 @@ def unlike_objectives(
     return values
 
 
+def whole_law(demand: Demand, units: int, needs: tuple[str, ...]) -> bool:
+    """Whether designs of so many units have to be looked at at every level.
+
+    **Arguments:**
+
+    - `demand`: the task's [-].
+    - `units`: of the designs [-].
+    - `needs`: beyond the task's points [-].
+
+    **Returns:** whether [-].
+    """
+    states = states_for(demand.scheme, units)
+    return "curves" in needs or not (states.apart and states.joined)
+
+
 def _objectives(
     table: Table, counts: Whole, length: Numbers, demand: Demand, names: tuple[str, ...]
 ) -> Numbers:
-    high = highest(counts, table, demand.scheme)
+    high = highest(counts, table, states_for(demand.scheme, len(counts)))
     return judged(_outcome(counts, table, high, length, demand), names)
 
 
@@ -126,8 +141,8 @@ def unlike_outcome(
     """
     rows = Rows(drawing, sizes.length + 0.0 * sizes.radius, *sizes[2:])
     n = sizes.counts
-    table, high, depth, overlap = at_every_level(rows, n, demand, needs, resolution)
-    return _outcome(n, table, high, sizes.length, demand, depth, overlap)
+    table, low, high, depth, overlap = at_every_level(rows, n, demand, needs, resolution)
+    return _outcome(n, table, high, sizes.length, demand, low, depth, overlap)
 
 
 def _outcome(
@@ -136,15 +151,26 @@ def _outcome(
     high: Sequence[Numbers] | Numbers,
     length: Numbers,
     demand: Demand,
+    low: Numbers | None = None,
     depth: Numbers | None = None,
     overlap: Numbers | None = None,
 ) -> Outcome:
-    """Of the `table` of units and the largest force `high` of each state [N]; designs last."""
+    """Of the `table` of units and the largest force `high` of each state [N], and their least where
+    gaps are between them; designs last.
+    """
     there, axes = n > 0, np.ndim(n) - 1
-    visit = visited(demand, length, high, there)
-    at_work = library(visit.state)
-    unit = at_work.arange(len(n)).reshape((-1,) + (1,) * axes)
-    taken = where(unit <= visit.state[:, None], n * table.volume, 0.0).sum(axis=1)
+    states, volume = states_for(demand.scheme, len(n)), n * table.volume
+    at_work, exist = library(volume), existing(demand.scheme, there)
+    if states.nested:
+        visit = visited(demand, length, high, exist, low)
+        first = states.first.reshape((-1,) + (1,) * axes)
+        fed = first <= visit.state[:, None]
+    else:
+        # what flows back counts as nothing, as a set that feeds more isn't cheaper
+        cost = at_work.moveaxis(at_work.maximum(volume, 0.0), 1, -1) @ states.fed.T.astype(float)
+        visit = visited(demand, length, high, exist, low, at_work.moveaxis(cost, -1, 0))
+        fed = at_work.moveaxis(at_work.asarray(states.fed)[visit.state], -1, 1)
+    taken = where(fed, volume, 0.0).sum(axis=1)
     size = None
     if table.radius is not None and table.bulge is not None:
         bulge = where(there, table.bulge, 0.0).max(axis=0)

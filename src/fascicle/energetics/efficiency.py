@@ -20,10 +20,12 @@ from .._checks import one_of
 from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle
-from ..bundle.bundle import SCHEMES
-from ..bundle.recruitment import add_up, distinct, supply_of
+from ..bundle.recruitment import supply_of
+from ..bundle.scheme import AbstractScheme, scheme_of
+from ..bundle.states import states_of
+from ..bundle.tables import distinct
+from ..bundle.volumes import unit_volume_change
 from .paths import unit_work_along
-from .work import unit_volume_change
 
 
 PATHS = ("isobaric", "isotonic")
@@ -58,7 +60,7 @@ def efficiency_map(
     force: Values = None,
     strain: Values = None,
     resistance: bool = True,
-    scheme: str | None = None,
+    scheme: AbstractScheme | str | None = None,
 ) -> EfficiencyMap:
     """Efficiency over the force-strain space.
 
@@ -70,17 +72,22 @@ def efficiency_map(
     - `force`: forces [N]; left out, 80 even ones up to the blocked force of all units.
     - `strain`: positive strains [-]; left out, multiples of 1/375 to the free strain.
     - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
 
     **Returns:** an `EfficiencyMap`: efficiencies [-] over forces [N] and strains [-].
 
     **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
     """
-    supply, scheme = supply_of(bundle, supply_pressure), scheme or bundle.scheme
-    one_of(scheme, SCHEMES, "scheme")
+    supply = supply_of(bundle, supply_pressure)
+    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
     one_of(path, PATHS, "path")
-    units = len(bundle.motor_units)
+    if path == "isobaric" and scheme.independent:
+        raise ValueError(
+            f"`path` must be 'isotonic' with scheme {scheme.name!r}, got 'isobaric': at one force"
+            " and strain its units' pressures, and so the work on the way, may be any of many."
+        )
     few, places = distinct(bundle)
+    states, owner = states_of(scheme, len(bundle.motor_units)).sets(places.tolist())
     full = np.full(len(few.motor_units), supply)
     if force is None:
         blocked = np.asarray(few.unit_forces(full, 0.0))[places]
@@ -96,30 +103,30 @@ def efficiency_map(
     levels = np.linspace(0.0, supply, _LEVELS)
     pressures = np.r_[levels, 0.0][:, None] * np.ones(len(few.motor_units))
     forces = np.asarray(few.unit_forces(pressures[:, None, :], strain, resistance))[..., places]
-    states_force = add_up(forces[:-1], forces[-1], forces[-2], scheme)
-    fed = np.tri(units)[:, None, :] * np.asarray(unit_volume_change(few, strain))[..., places]
-    energy = supply * fed.sum(axis=-1)  # state, strain
+    table = (forces[:-1], forces[-1], forces[-2])
+    taken = np.asarray(unit_volume_change(few, strain))[..., places]
+    energy = supply * (states.fed.astype(float) @ taken.T)  # state, strain
     if path == "isobaric":
         works = np.asarray(unit_work_along(few, pressures, strain, resistance))[..., places]
-        states_work = add_up(works[:-1], works[-1], works[-2], scheme)
+        reached = states.sums(*table), states.sums(works[:-1], works[-1], works[-2])
     else:
-        states_work = None
+        reached = states.edges(*table)
 
     best, state = (
         np.full((force.size, strain.size), np.nan),
         np.zeros((force.size, strain.size), int),
     )
-    for k in range(units):
+    for k, (first, second) in enumerate(zip(*reached, strict=True)):
         work = force[:, None] * strain * float(bundle.length)
-        if states_work is not None:
-            work = _best_work(states_force[k], states_work[k], force)
+        if path == "isobaric":
+            work = _best_work(first, second, force)
         else:
-            low, high = states_force[k].min(axis=0), states_force[k].max(axis=0)
+            low, high = first, second
             work = np.where((low <= force[:, None]) & (force[:, None] <= high), work, np.nan)
         better = np.fmax(best, work / energy[k]) != best
         better &= np.isfinite(work)
         best = np.where(better, work / energy[k], best)
-        state = np.where(better, k + 1, state)
+        state = np.where(better, owner[k] + 1, state)
     return EfficiencyMap(path, force, strain, best, state)
 
 
@@ -128,7 +135,7 @@ def average_efficiency(
     supply_pressure: Values = None,
     path: str = "isobaric",
     resistance: bool = True,
-    scheme: str | None = None,
+    scheme: AbstractScheme | str | None = None,
 ) -> float:
     """Mean efficiency over the force-strain space that the bundle reaches [R18].
 
@@ -138,7 +145,7 @@ def average_efficiency(
     - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
     - `path`: "isobaric" or "isotonic" [-].
     - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: "orderly" or "batch" [-]; left out, the bundle's own.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
 
     **Returns:** efficiency [-].
 

@@ -13,11 +13,15 @@ import numpy as np
 from .._refused import Refused
 from .._types import Values
 from ..bundle import Bundle, MotorUnit
+from ..bundle.scheme import AbstractScheme
 from ..muscle import Muscle
 
 
 def constant_cross_section(
-    muscle: Muscle, units: int, supply_pressure: Values = None, scheme: str = "orderly"
+    muscle: Muscle,
+    units: int,
+    supply_pressure: Values = None,
+    scheme: AbstractScheme | str = "orderly",
 ) -> Bundle:
     """A muscle's section split evenly into motor units of one muscle each.
 
@@ -26,7 +30,7 @@ def constant_cross_section(
     - `muscle`: the single equivalent motor unit's, of radius $R$ [-].
     - `units`: $N$ [-], at least 1.
     - `supply_pressure`: the bundle's [Pa], if it is known.
-    - `scheme`: "orderly" or "batch" [-].
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
 
     **Returns:** a bundle [-] of $N$ units.
 

@@ -21,7 +21,7 @@ from .._arrays import library, maximum, minimum, nodes, total, where
 from .._evaluate import evaluate
 from .._types import Batch, Numbers, PerUnit, Values
 from ..bundle.bundle import Bundle, pressurized
-from ..bundle.plates import muscle_strain
+from ..bundle.volumes import unit_volume_change
 from ..muscle.piecewise import Pressurized
 
 
@@ -63,29 +63,6 @@ def unit_work(
     P, eps = bundle._pressures(pressures), bundle._strain(strain)
     points = int(np.size(P) * np.size(eps)) * 4 * len(_NODES)
     return evaluate(_unit_work, bundle, P, eps, points=points, static=(bool(resistance),))
-
-
-def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
-    """Fluid taken in by each motor unit from rest length on.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `strain`: contraction [-].
-
-    **Returns:** $n_i (V_i(\\varepsilon) - V_i(0))$ [m³], motor units on the last axis.
-    """
-    rests, ends = [0.0] * len(bundle.motor_units), [strain] * len(bundle.motor_units)
-    if bundle.ratios is not None:
-        eps = bundle._strain(strain)
-        ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
-        rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
-        ends = [muscle_strain(ratio, eps) for ratio in ratios]
-    taken = [
-        unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
-        for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
-    ]
-    return library(*taken).stack(taken, axis=-1)
 
 
 def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:

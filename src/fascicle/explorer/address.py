@@ -14,7 +14,7 @@ from typing import Any
 from .._checks import within
 from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from .._refused import Refused
-from ..bundle.bundle import SCHEMES
+from ..bundle.scheme import SCHEMES
 from ..describe import dumps, example, examples, loads
 from ..energetics import PATHS
 from ..units import exact, parse
@@ -218,7 +218,7 @@ _READERS: Mapping[str, Callable[[View, str, Any], View]] = {
     "file": _packed,
     "supply": _supply,
     "units": _units,
-    "scheme": _one_of("scheme", SCHEMES),
+    "scheme": _one_of("scheme", tuple(SCHEMES)),
     "pressure": lambda view, text, _: replace(view, pressure=_gauge(text)),
     "strain": _strain,
     "pressures": _pressures,

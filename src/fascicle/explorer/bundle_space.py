@@ -111,7 +111,12 @@ def ways(
         np.asarray(part)
         for part in (found.solutions.state, found.solutions.pressure, found.solutions.stable)
     )
-    for state, level, falls in zip(states, levels, stable, strict=True):
+    nearest = tuple(map(float, np.asarray(found.pressures)))
+    if bundle.scheme.independent:
+        # one of a continuum: the cheapest
+        states = states[:0]
+        out = [Way(int(found.state), nearest, bool(found.stable))]
+    for state, level, falls in zip(states, levels, stable, strict=False):
         if state > 0:
             all_pressures = recruitment.pressures_of(
                 int(state), float(level), float(supply), units, bundle.scheme
@@ -121,7 +126,6 @@ def ways(
     if status == 0:
         return out, ""
     side = "above" if status == 1 else "below"
-    nearest = tuple(map(float, np.asarray(found.pressures)))
     given = float(found.force) / float(DIMENSIONS["force"].factors[unit])
     remark = f"{side} what is reachable at this strain: the nearest force is {given:.4g} {unit}."
     return [Way(int(found.state), nearest, bool(found.stable))], remark

@@ -8,7 +8,7 @@ from bokeh.events import Tap
 
 from .._checks import within
 from .._domain import HIGHEST_PRESSURE
-from ..bundle.bundle import SCHEMES
+from ..bundle.scheme import SCHEMES
 from .background import Latest
 from .bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
 from .bundle_units import UnitRows
@@ -72,7 +72,7 @@ class BundleView(Tab):
     def draw(self, view: View) -> None:
         """Show a `view` [-]."""
         self._silent = True
-        self._scheme.value = view.scheme
+        self._scheme.value = str(view.scheme)
         self._resistance.value = view.resistance
         self._silent = False
         self._supply.show(view.supply, view.shown["pressure"])

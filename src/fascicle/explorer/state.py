@@ -120,7 +120,7 @@ def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> Vi
         base,
         units=units,
         supply=supply,
-        scheme=found.scheme,
+        scheme=found.scheme.name,
         distance=None if found.plate_distance is None else float(found.plate_distance),
         pressure=min(base.pressure, supply),
         pressures=(supply,) * len(units),

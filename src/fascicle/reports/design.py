@@ -5,6 +5,7 @@ from html import escape
 import numpy as np
 
 from ..bundle.recruitment import Space, overlap
+from ..bundle.states import states_of
 from ..describe import dumps
 from ..design.cases import Bench
 from ..design.objectives import OBJECTIVES
@@ -231,13 +232,14 @@ def _plane(page: Page, found: Found, place: int, summary: Summary) -> None:
         pulls = np.any(bench.units(supply, strain)[-1] > 0, axis=-1)
         end = float(strain[min(int(np.sum(pulls)), _STRAINS - 1)])
     strain = np.linspace(0.0, end, _STRAINS)
-    force = bench.states(supply, strain, task.scheme)
+    table, states = bench.table(supply, strain), states_of(task.scheme, len(bench.counts))
+    force = states.sums(*table)
     level = np.linspace(0.0, supply, _CURVES)
     # between two levels, where the muscle pulls, the force is linear in pressure
     rows = np.array([np.argmin(np.abs(bench.level * supply - x)) for x in level])
     plane = Space(
-        task.scheme, supply, strain, bench.level[rows] * supply, force[:, rows],
-        force.min(axis=1), force.max(axis=1),
+        task.scheme.name, supply, strain, bench.level[rows] * supply, force[:, rows],
+        *states.edges(*table),
     )  # fmt: skip
     figure = draw_task(
         plane, overlap(plane), task.force, task.strain_of(cases.length), task.weight, cases.reached

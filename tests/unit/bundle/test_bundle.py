@@ -214,3 +214,19 @@ def test_refuses_what_can_not_be(build, message):
 def test_refuses_muscles_of_unlike_length_where_nothing_says_how_far_apart_the_plates_are():
     with pytest.raises(ValueError, match=r"`length` say how far apart the plates are"):
         fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER))])
+
+
+def test_bundles_are_equal_by_what_they_are():
+    """Whether made anew, used before, or of JAX's numbers; not where one thing differs."""
+
+    def made(count=2, supply=4e5, scheme="orderly", length=None):
+        units = [fs.MotorUnit(fs.example("kim2021_figure_6"), n) for n in (1, count)]
+        return fs.Bundle(units, supply, scheme, length)
+
+    one, other = made(), made()
+    one.free_strain([4e5, 0.0])
+    assert (one == other) is True and (one != other) is False
+    assert one == jax.tree.map(jnp.asarray, other) and one.motor_units[0] == other.motor_units[0]
+    others = [made(3), made(supply=3e5), made(supply=None), made(scheme="batch"), made(length=0.13)]
+    for unlike in (*others, fs.Bundle(one.motor_units[:1], 4e5), one.motor_units[0], "x"):
+        assert (one == unlike) is False and (one != unlike) is True

@@ -91,9 +91,12 @@ def check(seed: int, scheme: str, count: int, part: int = 0) -> int:
     return len(crossings)
 
 
-@pytest.mark.parametrize("scheme", ["orderly", pytest.param("batch", marks=pytest.mark.slow)])
-def test_none_is_missed(scheme):
-    assert check(0, scheme, 100) > 50
+@pytest.mark.parametrize(
+    ("scheme", "count"),
+    [("orderly", 100), ("batch", 12), pytest.param("batch", 100, marks=pytest.mark.slow)],
+)
+def test_none_is_missed(scheme, count):
+    assert check(0, scheme, count) > count / 2
 
 
 @pytest.mark.slow

@@ -5,7 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle.recruitment import distinct, overlap, pressures_of, space
+from fascicle.bundle.recruitment import overlap, pressures_of, space
+from fascicle.bundle.tables import distinct
 
 
 SUPPLY = 413.7e3

@@ -49,7 +49,7 @@ def test_every_depth(curves):
 @pytest.mark.parametrize("scheme", ["orderly", "batch"])
 def test_every_overlap(curves, scheme):
     one = curves[0]
-    found = overlaps(one, N, 8, scheme)
+    found = overlaps(one, N, 8, held=scheme == "orderly")
     full, none = one.force[-1], one.force[0]
 
     def state(before, own):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
 from fascicle.design.judging import sizes_of
 from fascicle.design.objectives import judged
@@ -81,6 +82,21 @@ def test_unlike_units(muscle, task):
     bundle = other.bundle(0, task)
     supply = np.full(2, task.supply_pressure)
     assert_allclose(values["largest_force"], bundle.force(supply, 0.0), rtol=1e-9)
+    assert values["valves"] == [2]
+    found = fs.recruitment.recruit(bundle, task.force, task.strain)
+    reached = found.status == 0
+    assert reached.tolist() == [True, True, True, False]
+    assert_allclose(values["not_reached"], (task.weight * ~reached).sum() / task.weight.sum())
+    fed = np.arange(2) < found.state[:, None]
+    taken = (fed * fs.energetics.unit_volume_change(bundle, task.strain)).sum(axis=1)
+    work = task.force * task.strain * float(bundle.length)
+    share = np.where(reached, work / (task.supply_pressure * taken), 0.0)
+    assert_allclose(values["mean_efficiency"], np.average(share, weights=task.weight), rtol=1e-9)
+    # two side by side, at the task's largest strain, and the deeper bow of either up to there
+    muscles, steps = [unit.muscle for unit in bundle.motor_units], np.linspace(0, 0.2, 401)
+    width = sum(float(one.braid.radius_at(0.2)) for one in muscles)
+    bow = max(float(one.deflection(0.0, steps).max()) for one in muscles)
+    assert_allclose(values["envelope"], 2 * (width + bow), rtol=1e-3)
 
 
 def test_unknown_objectives_and_designs_that_can_not_be(five, task):

@@ -1,0 +1,29 @@
+"""Fluid that the motor units of a bundle take in while it contracts."""
+
+from .._arrays import library
+from .._types import PerUnit, Values
+from .bundle import Bundle
+from .plates import muscle_strain
+
+
+def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
+    """Fluid taken in by each motor unit from rest length on.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `strain`: contraction [-].
+
+    **Returns:** $n_i (V_i(\\varepsilon) - V_i(0))$ [m³], motor units on the last axis.
+    """
+    rests, ends = [0.0] * len(bundle.motor_units), [strain] * len(bundle.motor_units)
+    if bundle.ratios is not None:
+        eps = bundle._strain(strain)
+        ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
+        rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
+        ends = [muscle_strain(ratio, eps) for ratio in ratios]
+    taken = [
+        unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
+        for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
+    ]
+    return library(*taken).stack(taken, axis=-1)

@@ -1,0 +1,190 @@
+"""Schemes: lists of states, taken by name or as objects, and what is made of them."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle.bundle.scheme import (
+    SCHEMES,
+    AbstractScheme,
+    Batch,
+    Free,
+    Orderly,
+    State,
+    name_of,
+    scheme_of,
+)
+from fascicle.bundle.states import States, extends, states_of
+from fascicle.design import Designs, Task, evaluate
+
+
+SUPPLY = 413.7e3
+thin, thick = (
+    fs.Muscle.from_dimensions(0.127, r, 0.25 * r, math.radians(33), "silicone_kim2021")
+    for r in (5e-3, 9e-3)
+)
+three = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(thick), fs.MotorUnit(thin, 2)], SUPPLY)
+
+
+class LastFirst(AbstractScheme):
+    """From the last unit to the first."""
+
+    name = "last first"
+
+    def states(self, units):
+        return [State(full=range(k + 1, units), throttled=[k]) for k in reversed(range(units))]
+
+
+class OneOrAll(AbstractScheme):
+    """One unit throttled, or that one held and all others together; a gap lies between."""
+
+    name = "one or all"
+
+    def states(self, units):
+        return [State([], [0]), State(range(units - 1), [units - 1])]
+
+
+def test_the_two_of_the_paper():
+    orderly, batch = (states_of(scheme, 3) for scheme in (Orderly(), Batch()))
+    assert orderly.throttled.tolist() == np.eye(3, dtype=bool).tolist()
+    assert orderly.full.tolist() == np.tri(3, k=-1, dtype=bool).tolist()
+    assert batch.throttled.tolist() == np.tri(3, dtype=bool).tolist() and not batch.full.any()
+    assert orderly.in_turn and batch.together and orderly.joined and batch.joined
+    assert extends(Orderly(), 5) and extends(Batch(), 5) and not extends(LastFirst(), 3)
+    assert states_of(Free(), 3).size == 1 and states_of(Free(), 3).sets()[0].size == 7
+    # of four alike none, one, … are fed: which ones doesn't matter
+    assert states_of(Free(), 4).sets([0] * 4)[0].size == 4
+
+
+def test_a_scheme_equals_and_prints_as_its_name():
+    assert three.scheme == "orderly" == str(three.scheme) == f"{three.scheme}"
+    assert three.scheme == Orderly() != Batch() and three.scheme != "batch"
+    assert {"orderly": 1}[three.scheme] == 1 and repr(LastFirst()) == "LastFirst()"
+    for kept in (copy.deepcopy(three), copy.copy(three)):
+        assert kept == three and kept.scheme == "orderly"
+    assert Task.of([1.0], [0.1], SUPPLY, scheme="batch").scheme == "batch"
+
+
+def test_one_of_the_users_own_everywhere():
+    """From the last to the first is orderly recruitment of the bundle turned around."""
+    turned = fs.Bundle(three.motor_units[::-1], SUPPLY)
+    mine = three.replace(scheme=LastFirst())
+    force, strain = np.array([15.0, 60.0, 150.0, 400.0]), 0.1
+    own, other = (fs.recruitment.recruit(one, force, strain) for one in (mine, turned))
+    assert_allclose(own.pressures, other.pressures[:, ::-1], rtol=1e-9)
+    assert_array_equal(own.state, other.state)
+    assert_array_equal(own.unit, 4 - other.unit)
+    by_argument = fs.recruitment.recruit(three, force, strain, scheme=LastFirst())
+    assert_array_equal(own.pressures, by_argument.pressures)
+    grid = [0.0, 0.1, 0.2]
+    assert_allclose(
+        fs.recruitment.space(mine, strain=grid).high,
+        fs.recruitment.space(turned, strain=grid).high, rtol=1e-12,
+    )  # fmt: skip
+    for path in fs.energetics.PATHS:
+        assert fs.energetics.average_efficiency(mine, path=path) == pytest.approx(
+            fs.energetics.average_efficiency(turned, path=path), rel=1e-9
+        )
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_designs_are_judged_by_it(alike):
+    """Also designs of fewer units than others, which begin with another state."""
+    counts = [(1, 2, 3), (3, 1, 0), (4, 0, 0)]
+    back = [(3, 2, 1), (1, 3, 0), (4, 0, 0)]
+    made, turned = (Designs.of(thin, rows) for rows in (counts, back))
+    if not alike:
+        made, turned = made.take(np.array([0])), turned.take(np.array([0]))
+        made.radius[:], turned.radius[:] = [[4e-3, 6e-3, 5e-3]], [[5e-3, 6e-3, 4e-3]]
+    names = ["mean_energy", "margin", "mean_efficiency", "valves"]
+    names += ["reversal_depth", "overlap_width"] if alike else []
+    force, strain = [20.0, 60.0, 120.0], [0.15, 0.1, 0.05]
+    own = evaluate(made, Task.of(force, strain, SUPPLY, scheme=LastFirst()), names)
+    other = evaluate(turned, Task.of(force, strain, SUPPLY), names)
+    for name in names:
+        # shared tables and a design's own are of unlike resolution where curves are asked for
+        assert_allclose(own[name], other[name], rtol=1e-9, atol=1e-9)
+
+
+def test_a_gap_between_states_is_none_that_is_reached():
+    bundle = three.replace(scheme=OneOrAll())
+    (low, high) = (
+        getattr(fs.recruitment.space(bundle, strain=[0.1]), x)[:, 0] for x in ("low", "high")
+    )
+    assert high[0] < low[1]
+    between = 0.5 * (high[0] + low[1])
+    found = fs.recruitment.recruit(bundle, [between, 0.5 * high[0], 0.5 * (low[1] + high[1])], 0.1)
+    assert found.status.tolist() == [1 if found.force[0] < between else 2, 0, 0]
+    task = Task.of([between, 0.5 * high[0]], [0.1, 0.1], SUPPLY, scheme=OneOrAll())
+    designs = Designs.of(thin, [(1, 2, 3)])
+    design = designs.bundle(0, task)
+    edges = fs.recruitment.space(design, strain=[0.1])
+    asked = Task.of([0.5 * (edges.high[0, 0] + edges.low[1, 0])], [0.1], SUPPLY, scheme=OneOrAll())
+    values = evaluate(designs, asked, ["not_reached", "shortfall", "margin"])
+    half = 0.5 * (edges.low[1, 0] - edges.high[0, 0])
+    assert values["not_reached"] == 1 and half > 0
+    assert_allclose(values["shortfall"], half, rtol=1e-6)
+    assert_allclose(values["margin"], -half, rtol=1e-6)
+
+
+def test_a_file_holds_what_it_can_name(tmp_path):
+    fs.save(three.replace(scheme="free"), str(tmp_path / "free.toml"))
+    assert fs.load(str(tmp_path / "free.toml")).scheme == Free()
+    with pytest.raises(ValueError, match="`scheme` 'last first' is an object of Python's"):
+        fs.save(three.replace(scheme=LastFirst()), str(tmp_path / "mine.toml"))
+    assert not (tmp_path / "mine.toml").exists()
+    assert name_of(Batch()) == "batch" and scheme_of("batch") is SCHEMES["batch"]
+
+
+@pytest.mark.parametrize(
+    ("states", "text"),
+    [
+        ([], "has no state for 3 motor units"),
+        ([State([], [])], "must throttle a unit in state 1"),
+        ([State([0], [0])], "name each once"),
+        ([State([], [3])], "must name units of 0 to 2 in state 1"),
+    ],
+)
+def test_states_that_can_not_be(states, text):
+    class Wrong(AbstractScheme):
+        name = "wrong"
+
+        def states(self, units):
+            return states[:units]
+
+    with pytest.raises(ValueError, match=text):
+        fs.recruitment.recruit(three, 10.0, 0.1, scheme=Wrong())
+
+
+def test_what_is_no_scheme():
+    with pytest.raises(ValueError, match="got the class LastFirst: write"):
+        scheme_of(LastFirst)
+    with pytest.raises(ValueError, match="did you mean 'orderly'"):
+        three.replace(scheme="ordrly")
+    with pytest.raises(ValueError, match="is another scheme's"):
+
+        @fs.schemes.register
+        class Mine(LastFirst):
+            name = "batch"
+
+
+def test_sums_and_edges_are_those_of_each_state():
+    random = np.random.default_rng(0)
+    throttled = random.normal(size=(7, 4, 3))
+    for scheme in SCHEMES.values():
+        states: States = states_of(scheme, 3)
+        sums = states.sums(throttled, throttled[0], throttled[-1])
+        for k, state in enumerate(scheme.states(3)):
+            own = list(state.throttled)
+            off = [u for u in range(3) if u not in {*state.full, *own}]
+            held = throttled[-1][:, list(state.full)].sum(1) + throttled[0][:, off].sum(1)
+            assert_allclose(sums[k], held + throttled[:, :, own].sum(axis=2), atol=1e-12)
+            low, high = (edge[k] for edge in states.edges(throttled, throttled[0], throttled[-1]))
+            if scheme.independent:
+                assert_allclose(low, held + throttled[:, :, own].min(axis=0).sum(axis=1))
+            else:
+                assert_allclose([low, high], [sums[k].min(axis=0), sums[k].max(axis=0)])
