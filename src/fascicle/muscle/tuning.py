@@ -97,7 +97,8 @@ class Tuning(Module):
             highest = self.hinge_stiffness_at(HIGHEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
                 raise ValueError(
-                    "`hinge_stiffness_slope` must leave the factor positive up to 1 MPa,"
+                    "`hinge_stiffness_slope` must leave the factor positive up to"
+                    f" {HIGHEST_PRESSURE / 1e6:g} MPa,"
                     f" got a factor of {np.min(np.asarray(highest)):g} there."
                 )
             plausible(highest, "hinge_stiffness_factor")
