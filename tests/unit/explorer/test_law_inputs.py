@@ -14,7 +14,7 @@ def page():
     """A muscle's inputs, and their session."""
     session = Session(view_of(fs.example("kim2021_figure_6"), "six"))
     inputs = MuscleInputs(session, LIGHT)
-    session.watch(lambda before, after: inputs.show(after))
+    session.watch(lambda _, after: inputs.show(after))
     inputs.show(session.view)
     return inputs, session
 
