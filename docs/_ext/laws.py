@@ -43,7 +43,7 @@ def _row(one: Any) -> str:
         names = " or ".join(f'`"{option}"`' for option in one.options)
         return f'{one.about} | `"{one.options[0]}"` | {names}'
     _, low, high, _ = one.bounds
-    default, low, high = (pretty(x, one.dimension) for x in (one.default, low, high))
+    default, low, high = (pretty(x, one.dimension, 6) for x in (one.default, low, high))
     symbol = f"${one.symbol}$, " if one.symbol else ""
     source = f"; {one.source}" if one.source else ""
     return f"{symbol}{one.about}{source} | {default} | {low} to {high}"

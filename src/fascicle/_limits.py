@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._checks import concrete, finite, positive
+from ._domain import HIGHEST_PRESSURE
 from ._refused import Refused
 from ._types import Batch, Values
 
@@ -58,7 +59,8 @@ RANGES: Mapping[str, Range] = MappingProxyType({
     "c1": Range("N", -1e6, -1e5, 1e5, 1e6),  # the largest muscles pull 6 kN
     # muscles in one motor unit: beyond a thousand it is rather a slip, whatever memory holds
     "count": Range("-", 1.0, 1.0, 1e3, 1e6),
-    "supply_pressure": Range("Pa", 1.0, 1e3, 1e6, 1e6),  # a pascal is a tenth of a mm of water
+    # a pascal is a tenth of a mm of water
+    "supply_pressure": Range("Pa", 1.0, 1e3, HIGHEST_PRESSURE, HIGHEST_PRESSURE),
 })  # fmt: skip
 
 

@@ -99,7 +99,7 @@ class Tuning(Module):
             if not np.all(np.asarray(highest) > 0):
                 raise Refused(
                     "hinge_stiffness_slope",
-                    "must leave the factor positive up to 1 MPa",
+                    f"must leave the factor positive up to {HIGHEST_PRESSURE / 1e6:g} MPa",
                     np.min(np.asarray(highest)),
                     shown=f"a factor of {np.min(np.asarray(highest)):g} there",
                 )
