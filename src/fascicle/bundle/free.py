@@ -10,7 +10,9 @@ so of all sets that reach a demand the one is taken whose units take in least, o
 units, and of these the earlier ones. None of its units could be left out. So all of them but the
 last are at the pressure at which they pull most, or resist most where less than $F_0$ is demanded,
 and the last is throttled, at the lowest pressure that meets the demand. There are infinitely many
-others; the one is told.
+others; the one is told. Where the last unit's force jumps past what it should
+give (collapse for good ends at some pressure), one before it is throttled instead; what that
+doesn't meet either is told as not reached. Compiled, the last alone is tried.
 
 *Derivatives* are those of the throttled unit's pressure, and of the supply's, at which others are;
 a unit that resists most at a pressure between is held there.
@@ -33,6 +35,7 @@ from .states import States
 
 
 _SEEN = 5  # levels at which forces are looked at to know their size
+_CLOSE = 1e-9  # of 1 N and the force: `EXACT` of one unit, and the rounding of a sum
 _BEYOND = 100.0  # times that, and 10 N: no muscle gives as much, and 1e-13 of it is no force
 
 
@@ -42,7 +45,8 @@ def freed(
     strain: Numbers,
     taken: Numbers,
     *,
-    states: States,
+    sets: States,
+    owner: np.ndarray,
     alike: Sequence[int],
 ) -> Recruited:
     """The cheapest pressures for each demand.
@@ -53,7 +57,8 @@ def freed(
     - `force`: demanded [N], one for each `strain`.
     - `strain`: the bundle's contractions [-].
     - `taken`: by each unit since rest [m³], units last.
-    - `states`: of the scheme [-].
+    - `sets`: of units that may be fed [-].
+    - `owner`: the state that each belongs to [-].
     - `alike`: which kind each unit is of [-].
 
     **Returns:** what to do for each demand [-].
@@ -65,7 +70,6 @@ def freed(
     none, full, least, most, at_least, at_most = (
         x[:, np.array(alike)] for x in _limits(fixed, few, eps)
     )
-    sets, owner = states.sets(alike)
     chosen = sets.throttled.T.astype(float)
     base = full @ sets.full.T.astype(float) + none @ (~sets.full).T.astype(float)
     low, high = base + (least - none) @ chosen, base + (most - none) @ chosen
@@ -86,12 +90,21 @@ def freed(
     level = where(held, 1.0, where(fed, where(more, at_most, at_least), 0.0))
     given = where(held, full, where(fed, where(more, most, least), none))
     unit = units - 1 - at_work.argmax(fed[:, ::-1], axis=1)
+    begun, close = level, _CLOSE * (1 + at_work.abs(f))
+    level, there, slope = _throttled(fixed, begun, given, unit, target, eps)
+    if at_work is np:  # where the last unit's force jumps past what it should give, one before it
+        for _ in range(units - 1):
+            earlier = fed & (np.arange(units) < unit[:, None])
+            missed = reached & (np.abs(there - f) > close) & earlier.any(axis=1)
+            again = np.flatnonzero(missed)
+            if not len(again):
+                break
+            unit[again] = units - 1 - np.argmax(earlier[again, ::-1], axis=1)
+            some = (x[again] for x in (begun, given, unit, target, eps))
+            level[again], there[again], slope[again] = _throttled(fixed, *some)
+    # and what none of them meets isn't called reached
+    reached = reached & (at_work.abs(there - f) <= close)
     throttled = np.arange(units) == unit[:, None]
-    rest = target - at_work.sum(where(throttled, 0.0, given), axis=1)
-    found = solve(fixed, rest, eps, unit)
-    lowest = where(found.count > 0, found.level[:, 0], found.nearest)
-    level = where(throttled, lowest[:, None], level)
-    there, slope = _forces(fixed, level, eps)
     state = at_work.asarray(owner)[taken_set]
     level, there = _live(live, force, strain, level, throttled, reached, there)
     stable = slope < 0
@@ -100,7 +113,7 @@ def freed(
         pressures=level * live.supply,
         state=state + 1,
         force=there,
-        status=where(reached, REACHED, where(f > target, ABOVE, BELOW)),
+        status=where(reached, REACHED, where(f > still(there), ABOVE, BELOW)),
         stable=stable,
         solutions=Solutions(
             pressure=where(reached, own * fixed.supply, np.nan)[:, None],
@@ -121,6 +134,21 @@ def freely_carried(live: Bank, force: Numbers, strain: Numbers, found: Recruited
     reached = found.status == REACHED
     level, there = _live(live, force, strain, level, throttled, reached, found.force)
     return found._replace(pressures=level * live.supply, force=there)
+
+
+def _throttled(
+    bank: Bank, level: Numbers, given: Numbers, unit: Any, target: Numbers, strain: Numbers
+) -> tuple[Numbers, Numbers, Numbers]:
+    """The levels [-] with that of one `unit` changed so that all together give the `target` [N],
+    the lowest that does or the nearest to it; their force [N] and its slope in `strain` [N].
+    `given`: what each unit gives at its `level` [N].
+    """
+    this = np.arange(level.shape[1]) == unit[:, None]
+    rest = target - library(given).sum(where(this, 0.0, given), axis=1)
+    found = solve(bank, rest, strain, unit)
+    lowest = where(found.count > 0, found.level[:, 0], found.nearest)
+    level = where(this, lowest[:, None], level)
+    return level, *_forces(bank, level, strain)
 
 
 def _limits(bank: Bank, units: Sequence[int], strain: Numbers) -> tuple[Numbers, ...]:

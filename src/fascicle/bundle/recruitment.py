@@ -46,6 +46,7 @@ from .volumes import unit_volume_change
 PREFERENCES = ("efficiency", "nearest")
 _LEVELS = 241  # pressures over which a region's edges are taken
 _PART, _LARGE_PART = 2**12, 2**14  # demands at once, where a law is compiled for them the second
+_SETS = 2**22  # of a set of units and a demand at once: some 0.2 GB
 LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
 Forces = Float[np.ndarray, "state strain"]
 
@@ -273,7 +274,11 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     states = states_of(scheme, units)
     search: Callable[..., Recruited] = partial(recruited, states=states)
     if states.independent:
-        search = partial(freed, states=states, alike=unlike(bundle.motor_units)[1])
+        alike = unlike(bundle.motor_units)[1]
+        sets, owner = states.sets(alike)
+        search = partial(freed, sets=sets, owner=owner, alike=alike)
+        if at_work is np:
+            step = max(1, min(step, _SETS // sets.size))
     if states.independent or not states.nested:
         # what each unit takes in decides which of them are fed
         flat["taken"] = unit_volume_change(bundle, flat["strain"])
