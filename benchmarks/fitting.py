@@ -20,10 +20,10 @@ from scipy.optimize import brentq, least_squares
 from timing import Measured, Row, run
 
 import fascicle as fs
-from fascicle.calibrate.grid import grid
-from fascicle.calibrate.parameters import FACTORS, coordinates, put, values
-from fascicle.calibrate.problem import Problem
-from fascicle.calibrate.solving import solve
+from fascicle.calibrate.data.grid import grid
+from fascicle.calibrate.problem.parameters import FACTORS, coordinates, put, values
+from fascicle.calibrate.problem.residuals import Problem
+from fascicle.calibrate.problem.solving import solve
 from fascicle.records import VirtualDynamometer
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fascicle as fs
-from fascicle.calibrate.fitting import fit
+from fascicle.calibrate.fits.fitting import fit
 from fascicle.plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled, to_bytes
 from fascicle.records import VirtualDynamometer
 

@@ -6,9 +6,8 @@ fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE
 it, and be warned once.
 """
 
-import importlib
-
-from ._float64 import switch_on
+from .core.float64 import switch_on
+from .core.lazy import lazily
 
 
 switch_on()
@@ -19,16 +18,16 @@ if TYPE_CHECKING:
     from . import design as design
     from . import energetics as energetics
     from . import records as records
-    from ._refused import Refused as Refused
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
-    from .describe import example as example
-    from .describe import examples as examples
-    from .describe import load as load
-    from .describe import save as save
+    from .core.refused import Refused as Refused
+    from .files import example as example
+    from .files import examples as examples
+    from .files import load as load
+    from .files import save as save
     from .muscle import Constant as Constant
     from .muscle import MooneyRivlin as MooneyRivlin
     from .muscle import Muscle as Muscle
@@ -50,7 +49,7 @@ _HOMES = {
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
-    "Refused": "_refused",
+    "Refused": "core.refused",
     "Switch": "muscle",
     "Tuning": "muscle",
     "buckling": "muscle",
@@ -58,15 +57,15 @@ _HOMES = {
     "collapse": "muscle",
     "design": "",
     "energetics": "",
-    "example": "describe",
-    "examples": "describe",
-    "load": "describe",
+    "example": "files",
+    "examples": "files",
+    "load": "files",
     "materials": "muscle",
     "post_collapse": "muscle",
     "records": "",
     "recruitment": "bundle",
     "reversal": "bundle",
-    "save": "describe",
+    "save": "files",
     "schemes": "bundle",
     "tension": "muscle",
 }
@@ -99,22 +98,20 @@ __all__ = [
 ]
 
 
+_WENT = {"describe": "files"} | {
+    f"describe.{old}": new
+    for old, new in {
+        "atomic": "core.atomic",
+        "calibrated": "files.calibrated",
+        "results": "results.labelled",
+    }.items()
+}
+
+_found, __dir__ = lazily(__name__, {**_HOMES, "__version__": ""}, _WENT)
+
+
 def __getattr__(name: str) -> object:
-    if name == "__version__":
-        globals()[name] = _version()
-        return globals()[name]
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = _HOMES[name]
-    if not home:
-        return importlib.import_module(f".{name}", __name__)
-    value = getattr(importlib.import_module(f".{home}", __name__), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOMES, "__version__"})
+    return _version() if name == "__version__" else _found(name)
 
 
 def _version() -> str:

@@ -19,7 +19,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from ._refused import Refused
+from .core.refused import Refused
 
 
 MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory

@@ -10,7 +10,7 @@ import pytest
 import fascicle as fs
 from fascicle import records
 from fascicle.cli import main
-from fascicle.describe import provenance
+from fascicle.files import provenance
 
 
 TEN = "kim2021_slenderness_10"

@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 from fascicle.bundle import recruitment
 from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.cli.startup import cache_folder
-from fascicle.describe import example, example_text, examples, load
 from fascicle.energetics.efficiency import efficiency_map
+from fascicle.files import example, example_text, examples, load
 from fascicle.reproduce.claims import Claim, Criterion
 
 
@@ -308,7 +308,7 @@ def test_control_c_is_quiet(fascicle, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fascicle.describe.named.example_text", interrupted)
+    monkeypatch.setattr("fascicle.files.named.example_text", interrupted)
     assert fascicle("muscles", SIX) == (130, "", "")
 
 

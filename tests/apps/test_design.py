@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.describe import results
+from fascicle.results import labelled as results
 
 
 TASK = """format = 1
@@ -199,8 +199,8 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
 
 @pytest.mark.parametrize("example", ["pick_and_place_arm", "sit_to_stand_knee", "walking_ankle"])
 def test_the_template_does_its_task(fascicle, tmp_path, example):
-    from fascicle.describe.task import load_task
-    from fascicle.design.searching import search
+    from fascicle.design.searches.exhaustive import search
+    from fascicle.files.task import load_task
 
     assert fascicle("init", "--task")[0] == 0
     path = tmp_path / "task.toml"

@@ -105,7 +105,7 @@ def test_a_sweep_that_is_stopped_says_how_it_goes_on(fascicle, monkeypatch, tmp_
         raise error
 
     (tmp_path / "task.toml").write_text(TASK)
-    monkeypatch.setattr("fascicle.design.sweep.sweep", stopped)
+    monkeypatch.setattr("fascicle.design.sweeps.running.sweep", stopped)
     code, out, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert (code, out) == (1 if error.errno is None else 2, "") and err.count("\n") == 1
     assert "finished blocks are kept in swept-task, --resume goes on with them" in err
@@ -201,7 +201,7 @@ def test_memory_that_was_not_foreseen(fascicle, monkeypatch, error):
     def full(*_):
         raise error
 
-    monkeypatch.setattr("fascicle.describe.named.example_text", full)
+    monkeypatch.setattr("fascicle.files.named.example_text", full)
     code, _, err = fascicle("muscles", SIX)
     assert code == 2 and err.count("\n") == 1
     assert (
@@ -215,7 +215,7 @@ def test_a_bug_is_one_line_that_says_so_and_can_be_looked_into(fascicle, monkeyp
     def broken(*_):
         raise KeyError("x")
 
-    monkeypatch.setattr("fascicle.describe.named.example_text", broken)
+    monkeypatch.setattr("fascicle.files.named.example_text", broken)
     code, _, err = fascicle("muscles", SIX)
     assert code == 70 and err.count("\n") == 1
     assert "KeyError: 'x'. That is a bug in fascicle" in err and "FASCICLE_TRACEBACK=1" in err

@@ -16,7 +16,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.describe import dumps, load, loads
+from fascicle.files import dumps, load, loads
 
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -274,7 +274,7 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
 
 
 def test_reversal_and_efficiency_show_what_the_library_gives(visit):
-    from fascicle.explorer.reversal_curves import split_curves, through
+    from fascicle.explorer.curves.reversal_curves import split_curves, through
 
     page = visit("?tab=reversal&splits=1-4&supply=344.7kPa")
     shown = source(page, "reversal_resisted")
@@ -316,7 +316,7 @@ def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
 
 
 def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
-    from fascicle.explorer.address import pack
+    from fascicle.explorer.parts.address import pack
 
     page = visit(f"?file={pack('a.' * 15_000 + 'a = 1')}&strain=0.2")
     assert "nested too deep" in page.get_by_role("alert").first.inner_text()
@@ -324,7 +324,7 @@ def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
 
 
 def test_a_name_is_shown_with_every_sign(visit):
-    from fascicle.explorer.address import pack
+    from fascicle.explorer.parts.address import pack
 
     page = visit(f"?file={pack(dumps(MUSCLE))}&name=%3Cb%3Ea%E2%80%AEb%3C/b%3E")
     page.get_by_text("<b>a\\u202eb</b>", exact=True).wait_for()

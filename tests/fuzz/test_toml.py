@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mutations import mutated
 
-from fascicle.cli.task_template import TASK_TEMPLATE
-from fascicle.describe import dumps, example_text, loads
-from fascicle.describe.task import loads_task
+from fascicle.cli.commands.task_template import TASK_TEMPLATE
+from fascicle.files import dumps, example_text, loads
+from fascicle.files.task import loads_task
 
 
 MUSCLES = [

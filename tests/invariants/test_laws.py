@@ -15,8 +15,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle._dual import Dual
-from fascicle.calibrate.parameters import PARAMETERS
+from fascicle.calibrate.problem.parameters import PARAMETERS
+from fascicle.core.dual import Dual
 from fascicle.muscle import LAWS
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS

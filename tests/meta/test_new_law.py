@@ -118,7 +118,7 @@ plain = muscle.replace(tension="toy2026")
 fs.save(plain, "toy.toml")
 assert 'tension = "toy2026"' in Path("toy.toml").read_text()
 assert fs.load("toy.toml") == plain
-from fascicle.describe import loads
+from fascicle.files import loads
 for wrong, said in (("friction = 3", "friction = 3: `friction` must be a pressure"),
                     ("loss = -1", "loss = -1: `loss` must be positive"),
                     ("los = 1", 'tension.los: unknown key, did you mean "loss"?')):
@@ -142,9 +142,9 @@ for line in ('tension = { law = "toy2027", loss = "0.005 kPa", friction = "0.01 
     assert line in text.splitlines(), text
 assert fs.load("toy.toml") == other
 assert other.collapse_moment(1e5) == 1.5 * 0.07
-from fascicle.calibrate.parameters import named
+from fascicle.calibrate.problem.parameters import named
 assert [one.dimension for one in named(["gap", "given"], other)] == ["length", "moment"]
-from fascicle.describe import loads
+from fascicle.files import loads
 for wrong, said in (("law = 'toy_bow', gap = 3", "buckling.gap = 3: `gap` must be a length"),
                     ("law = 'kim2021', gap = '1 mm'", "not a parameter of kim2021"),
                     ("law = 'toy_bow', gap = '-3 mm'", "`gap` must be positive")):
@@ -173,10 +173,10 @@ assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
 """,
     "explorer": """
 from dataclasses import replace
-from fascicle.explorer.law_inputs import LawInputs
-from fascicle.explorer.look import LIGHT
-from fascicle.explorer.laws import alternatives
-from fascicle.explorer.muscle_inputs import MuscleInputs
+from fascicle.explorer.tabs.law_inputs import LawInputs
+from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.curves.laws import alternatives
+from fascicle.explorer.tabs.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
 assert "tension:toy2026" in alternatives(muscle.replace(tension="ideal"))
 session = Session(view_of(muscle, "toy"))
@@ -237,7 +237,7 @@ def test_a_new_law_is_found_everywhere(reader, copy, tmp_path):
 
 def test_the_commands_take_it_by_name(copy, tmp_path):
     env = os.environ | {"PYTHONPATH": str(copy)}
-    text = (ROOT / "src/fascicle/describe/examples/kim2021_figure_6.toml").read_text()
+    text = (ROOT / "src/fascicle/files/examples/kim2021_figure_6.toml").read_text()
     text = text.replace('tension = "klute_hannaford"', 'tension = { law = "toy2026", loss = 0.6 }')
     (tmp_path / "toy.toml").write_text(text, encoding="utf-8")
     asked = ["force", "toy.toml", "--pressure", "100kPa", "--strain", "0.1", "--json"]

@@ -3,7 +3,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from fascicle._checks import concrete, finite, one_of, positive, within
+from fascicle.core.checks import concrete, finite, one_of, positive, within
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle import _evaluate
-from fascicle._arrays import sin, where
-from fascicle._evaluate import evaluate
-from fascicle._methods import Module
+from fascicle.core import evaluate as _evaluate
+from fascicle.core.arrays import sin, where
+from fascicle.core.evaluate import evaluate
+from fascicle.core.modules import Module
 
 
 class Spring(Module):

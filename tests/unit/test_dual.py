@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle._arrays import least, most, nodes, spread, stack, total, where
-from fascicle._dual import _RULES, Dual, seeded, slopes_of
+from fascicle.core.arrays import least, most, nodes, spread, stack, total, where
+from fascicle.core.dual import _RULES, Dual, seeded, slopes_of
 
 
 ONE = [rule for rule in _RULES if rule.nin == 1]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle._limits import RANGES, signed, size
+from fascicle.core.limits import RANGES, signed, size
 
 
 SIX = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}

@@ -6,7 +6,7 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle._math import elliptic, guarded, jacobi, polynomial, root, series, still
+from fascicle.core.roots import elliptic, guarded, jacobi, polynomial, root, series, still
 
 
 def residual(theta, x):

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 import fascicle as fs
-from fascicle._methods import Module, kept
+from fascicle.core.modules import Module, kept
 
 
 class Counted(Module):

@@ -2,8 +2,8 @@ import time
 
 import pytest
 
-from fascicle._nesting import DEEPEST, check_depth
-from fascicle.describe import dumps, example, examples, loads
+from fascicle.core.nesting import DEEPEST, check_depth
+from fascicle.files import dumps, example, examples, loads
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ import pytest
 
 import fascicle as fs
 from fascicle import Refused, units
-from fascicle._refused import Refused as Base
-from fascicle.describe.places import Place
+from fascicle.core.refused import Refused as Base
+from fascicle.files.places import Place
 
 
 def refused(run):

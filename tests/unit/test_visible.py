@@ -1,6 +1,6 @@
 import pytest
 
-from fascicle._visible import revealed, visible
+from fascicle.core.visible import revealed, visible
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,11 @@ from oracle_muscle import LATEX, SILICONE, Muscle, Tuning, free_strain
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.comparing import left_out_errors
-from fascicle.calibrate.grid import grid
-from fascicle.calibrate.parameters import named
-from fascicle.calibrate.problem import Problem
-from fascicle.calibrate.solving import solve
+from fascicle.calibrate.data.grid import grid
+from fascicle.calibrate.fits.comparing import left_out_errors
+from fascicle.calibrate.problem.parameters import named
+from fascicle.calibrate.problem.residuals import Problem
+from fascicle.calibrate.problem.solving import solve
 from fascicle.records import load
 from fascicle.records.record import Record
 

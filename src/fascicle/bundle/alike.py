@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from .._arrays import library
+from ..core.arrays import library
 from ..muscle import Muscle
 
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from .._arrays import library, spread
-from .._domain import LARGEST_STRAIN
-from .._types import Numbers, Whole
+from ..core.arrays import library, spread
+from ..core.domain import LARGEST_STRAIN
+from ..core.types import Numbers, Whole
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
 

@@ -27,20 +27,20 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._arrays import library, spread, where
-from .._checks import as_given, concrete, finite, within
-from .._domain import HIGHEST_PRESSURE
-from .._evaluate import at_rest, evaluate
-from .._limits import whole
-from .._methods import Module, kept, renewed
-from .._refused import Refused
-from .._tiles import rows
-from .._types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
+from ..core.arrays import library, spread, where
+from ..core.checks import as_given, concrete, finite, within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.evaluate import at_rest, evaluate
+from ..core.limits import whole
+from ..core.modules import Module, kept, renewed
+from ..core.refused import Refused
+from ..core.tiles import rows
+from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..muscle import Muscle
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
-from .scheme import AbstractScheme, scheme_of
+from .schemes import AbstractScheme, scheme_of
 from .zeros import carried, first_zero, loaded, zeros
 
 

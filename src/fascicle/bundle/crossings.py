@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._arrays import library, maximum, minimum, running_most, sqrt, where
-from .._types import AnyArray, Numbers
+from ..core.arrays import library, maximum, minimum, running_most, sqrt, where
+from ..core.types import AnyArray, Numbers
 from .lists import listed, worked
 
 

@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from .._arrays import library
-from .._types import BoolBatch
+from ..core.arrays import library
+from ..core.types import BoolBatch
 
 
 _LEAST_BLOCK, _LARGEST_BLOCK = 64, 512  # entries worked on at once

@@ -15,11 +15,11 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import as_given, concrete, within
-from .._domain import LARGEST_STRAIN
-from .._limits import size
-from .._refused import Refused
-from .._types import Batch, Values
+from ..core.checks import as_given, concrete, within
+from ..core.domain import LARGEST_STRAIN
+from ..core.limits import size
+from ..core.refused import Refused
+from ..core.types import Batch, Values
 from ..muscle import Muscle
 from ..muscle.entry import lowest_strain
 

@@ -25,19 +25,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._arrays import given, library
-from .._checks import as_given, concrete, finite, one_of, within
-from .._domain import HIGHEST_PRESSURE
-from .._evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
-from .._limits import plausible
-from .._refused import Refused
-from .._types import Numbers, Values
+from ..core.arrays import given, library
+from ..core.checks import as_given, concrete, finite, one_of, within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
+from ..core.limits import plausible
+from ..core.refused import Refused
+from ..core.types import Numbers, Values
 from .alike import unlike
 from .bundle import Bundle
-from .curves import Bank, bank
-from .free import freed, freely_carried
-from .inverse import Recruited, Solutions, carried, recruited
-from .scheme import AbstractScheme, scheme_of
+from .recruit.curves import Bank, bank
+from .recruit.free import freed, freely_carried
+from .recruit.inverse import Recruited, Solutions, carried, recruited
+from .schemes import AbstractScheme, scheme_of
 from .states import common, states_of
 from .tables import unit_tables
 from .volumes import unit_volume_change

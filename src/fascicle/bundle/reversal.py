@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from .._checks import within
-from .._refused import Refused
-from .._types import Values
+from ..core.checks import within
+from ..core.refused import Refused
+from ..core.types import Values
 from .bundle import Bundle
 from .plates import muscle_strain
 from .recruitment import pressures_of, supply_of

@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
-from .._arrays import library, maximum, minimum, where
-from .._types import Numbers
-from .scheme import AbstractScheme
+from ..core.arrays import library, maximum, minimum, where
+from ..core.types import Numbers
+from .schemes import AbstractScheme
 
 
 MOST_SETS = 4095  # of units that are fed: all of twelve unlike units

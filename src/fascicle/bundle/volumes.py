@@ -1,7 +1,7 @@
 """Fluid that the motor units of a bundle take in while it contracts."""
 
-from .._arrays import library
-from .._types import PerUnit, Values
+from ..core.arrays import library
+from ..core.types import PerUnit, Values
 from .bundle import Bundle
 from .plates import muscle_strain
 

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._arrays import isfinite, library, maximum, minimum, where
-from .._math import finished, searched, still
-from .._types import AnyArray, Numbers
+from ..core.arrays import isfinite, library, maximum, minimum, where
+from ..core.roots import finished, searched, still
+from ..core.types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
 from .lists import put, ranked

@@ -3,43 +3,36 @@
 Names are looked up when they are asked for, so that the command line's help loads no JAX.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
-    from .beginning import Prior as Prior
-    from .calibration import Calibration as Calibration
-    from .calibration import Estimate as Estimate
-    from .choosing import Candidate as Candidate
-    from .comparing import compare as compare
-    from .comparing import compare_tension as compare_tension
-    from .finding import Choice as Choice
-    from .finding import find as find
-    from .fitting import fit as fit
-    from .posterior import sample as sample
-    from .profiling import profiles as profiles
-
-_HOMES = {
-    "Calibration": "calibration",
-    "Candidate": "choosing",
-    "Choice": "finding",
-    "Estimate": "calibration",
-    "Prior": "beginning",
-    "compare": "comparing",
-    "compare_tension": "comparing",
-    "find": "finding",
-    "fit": "fitting",
-    "profiles": "profiling",
-    "sample": "posterior",
-}
+    from .after.calibration import Calibration as Calibration
+    from .after.calibration import Estimate as Estimate
+    from .after.posterior import Posterior as Posterior
+    from .after.posterior import sample as sample
+    from .after.profiling import Profile as Profile
+    from .after.profiling import profiles as profiles
+    from .fits.choosing import Candidate as Candidate
+    from .fits.comparing import Row as Row
+    from .fits.comparing import compare as compare
+    from .fits.comparing import compare_tension as compare_tension
+    from .fits.finding import Choice as Choice
+    from .fits.finding import find as find
+    from .fits.fitting import fit as fit
+    from .problem.beginning import Prior as Prior
 
 __all__ = [
     "Calibration",
     "Candidate",
     "Choice",
     "Estimate",
+    "Posterior",
     "Prior",
+    "Profile",
+    "Row",
     "compare",
     "compare_tension",
     "find",
@@ -48,12 +41,54 @@ __all__ = [
     "sample",
 ]
 
+_HOMES = {
+    "Calibration": "after.calibration",
+    "Candidate": "fits.choosing",
+    "Choice": "fits.finding",
+    "Estimate": "after.calibration",
+    "Posterior": "after.posterior",
+    "Prior": "problem.beginning",
+    "Profile": "after.profiling",
+    "Row": "fits.comparing",
+    "compare": "fits.comparing",
+    "compare_tension": "fits.comparing",
+    "find": "fits.finding",
+    "fit": "fits.fitting",
+    "profiles": "after.profiling",
+    "sample": "after.posterior",
+}
+_WENT = {
+    "alternatives": "calibrate.problem.alternatives",
+    "beginning": "calibrate.problem.beginning",
+    "calibration": "calibrate.after.calibration",
+    "candidates": "calibrate.fits.candidates",
+    "causes": "calibrate.after.causes",
+    "choosing": "calibrate.fits.choosing",
+    "comparing": "calibrate.fits.comparing",
+    "discrepancy": "calibrate.after.discrepancy",
+    "finding": "calibrate.fits.finding",
+    "fitting": "calibrate.fits.fitting",
+    "grid": "calibrate.data.grid",
+    "judging": "calibrate.after.judging",
+    "leaving_out": "calibrate.after.leaving_out",
+    "linear": "calibrate.problem.linear",
+    "misfit": "calibrate.problem.misfit",
+    "parameters": "calibrate.problem.parameters",
+    "posterior": "calibrate.after.posterior",
+    "problem": "calibrate.problem.residuals",
+    "profiling": "calibrate.after.profiling",
+    "pulling": "calibrate.data.pulling",
+    "readings": "calibrate.data.readings",
+    "reference": "calibrate.data.reference",
+    "regression": "calibrate.data.regression",
+    "remainder": "calibrate.after.remainder",
+    "resisting": "calibrate.fits.resisting",
+    "searching": "calibrate.problem.searching",
+    "solving": "calibrate.problem.solving",
+    "taking": "calibrate.data.taking",
+    "trends": "calibrate.after.trends",
+    "tuned": "calibrate.problem.tuned",
+    "uncertainty": "calibrate.problem.uncertainty",
+}
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _HOMES, _WENT)

@@ -15,24 +15,24 @@ from typing import Annotated
 
 import typer
 
-from .._visible import visible
-from .bundle import run as bundle
-from .calibrate import run as calibrate
-from .design import run as design
-from .efficiency import run as efficiency
-from .explore import run as explore
-from .export import run as export
-from .force import run as force
-from .free_strain import run as free_strain
-from .init import run as init
+from ..core.visible import visible
+from .commands.bundle import run as bundle
+from .commands.calibrate import run as calibrate
+from .commands.design import run as design
+from .commands.efficiency import run as efficiency
+from .commands.explore import run as explore
+from .commands.export import run as export
+from .commands.force import run as force
+from .commands.free_strain import run as free_strain
+from .commands.init import run as init
+from .commands.muscles import run as muscles
+from .commands.record import run as record
+from .commands.recruit import run as recruit
+from .commands.reproduce import run as reproduce
+from .commands.space import run as space
+from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
-from .muscles import run as muscles
 from .problems import UserError, too_large
-from .record import run as record
-from .recruit import run as recruit
-from .reproduce import run as reproduce
-from .space import run as space
-from .sweep import run as sweep
 
 
 _LONGEST = 600  # characters of a message

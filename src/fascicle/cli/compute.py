@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from .._refused import Refused
 from ..bundle import Bundle, recruitment
-from ..bundle.scheme import scheme_of
-from ..describe.results import Variable
+from ..bundle.schemes import scheme_of
+from ..core.refused import Refused
 from ..energetics.efficiency import efficiency_map
 from ..muscle import Muscle
+from ..results.labelled import Variable
 from .memory import check_memory, of_efficiency, of_equilibria, of_recruitment, of_space
 
 

@@ -24,7 +24,7 @@ def read_target(target: str) -> Any:
 
     **Returns:** a `Muscle` or a `Bundle` [-].
     """
-    from ..describe import examples
+    from ..files import examples
 
     try:
         found = Path(target).exists()
@@ -39,7 +39,7 @@ def read_target(target: str) -> Any:
         shown = shown if len(shown) < 200 else f"{shown[:100]}…"
         raise UserError(f"{shown}: {what}" + (f", {hint}" if near or not looks_like_path else "."))
     prepare()
-    from ..describe import example, load
+    from ..files import example, load
 
     with refusing():
         return load(target) if found else example(target)

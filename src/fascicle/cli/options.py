@@ -6,12 +6,12 @@ from typing import Annotated
 
 import typer
 
-from ..bundle.scheme import SCHEMES, listed
+from ..bundle.schemes import SCHEMES, listed
 
 
 def complete_target(incomplete: str) -> list[str]:
     """Named examples and muscle files that begin so [-]."""
-    from ..describe import examples
+    from ..files import examples
 
     folder, slash, _ = incomplete.rpartition("/")
     files: list[str] = []

@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._visible import visible
+from ..core.visible import visible
 from .problems import UserError, refusing
 
 
 if TYPE_CHECKING:
-    from ..describe.results import Variable
+    from ..results.labelled import Variable
 
 _PICTURES = (".png", ".svg")
 _LONGEST = 2000  # characters of a line
@@ -43,15 +43,15 @@ class Outputs:
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
         self.overwrite, self.flag = overwrite, flag
         if out is not None:
-            from ..describe.ours import check_file
-            from ..describe.results import check_result_path
+            from ..files.ours import check_file
+            from ..results.labelled import check_result_path
 
             with refusing("--out "):
                 check_result_path(out)
                 check_file(out, overwrite, flag)
         if plot is not None:
-            from ..describe.atomic import check_writable
-            from ..describe.ours import check_file
+            from ..core.atomic import check_writable
+            from ..files.ours import check_file
 
             if Path(plot).suffix.lower() not in _PICTURES:
                 raise UserError(f"--plot {plot!r}: its name must end in {', '.join(_PICTURES)}.")
@@ -78,8 +78,8 @@ class Outputs:
         - `json_variables`: what JSON shows, if not just that [-].
         - `title`: what it is [-].
         """
-        from ..describe import results
-        from ..describe.ours import replacing
+        from ..files.ours import replacing
+        from ..results import labelled as results
 
         with refusing():
             if self.out is not None:
@@ -115,7 +115,7 @@ def folder_for(
 
     **Returns:** the folder [-], checked; `None` where nothing is written.
     """
-    from ..describe.ours import check_folder
+    from ..files.ours import check_folder
 
     if out is None and as_json:
         return None
@@ -141,7 +141,7 @@ def save_figure(figure: Any, path: str) -> None:
     - `figure`: matplotlib's [-].
     - `path`: ends in the format's name [-].
     """
-    from ..describe.atomic import write
+    from ..core.atomic import write
     from ..plot import to_bytes
 
     content = to_bytes(figure, Path(path).suffix.lower()[1:])

@@ -28,7 +28,7 @@ def prepare() -> None:
     else:
         _check_platforms()
     with at_once():
-        from ..describe import reading  # noqa: F401 and with it all laws
+        from ..files import reading  # noqa: F401 and with it all laws
     folder = cache_folder()
     if folder is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from .._visible import visible
+from ..core.visible import visible
 
 
 def show(

@@ -3,72 +3,135 @@
 Names are looked up when they are asked for, so that the command line's help loads no JAX.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
-    from .catalog import Catalog as Catalog
-    from .catalog import Product as Product
-    from .designs import Designs as Designs
-    from .examples import example_task as example_task
-    from .judging import evaluate as evaluate
-    from .limits import Limit as Limit
-    from .objectives import OBJECTIVES as OBJECTIVES
-    from .objectives import objective as objective
-    from .outcome import Outcome as Outcome
-    from .pareto import hypervolume as hypervolume
-    from .pareto import non_dominated as non_dominated
-    from .searching import search as search
-    from .space import Space as Space
-    from .splits import compositions as compositions
-    from .splits import partitions as partitions
-    from .task import Task as Task
-
-_HOMES = {
-    "Catalog": "catalog",
-    "Designs": "designs",
-    "Limit": "limits",
-    "OBJECTIVES": "objectives",
-    "Outcome": "outcome",
-    "Product": "catalog",
-    "Space": "space",
-    "Task": "task",
-    "compositions": "splits",
-    "evaluate": "judging",
-    "example_task": "examples",
-    "hypervolume": "pareto",
-    "non_dominated": "pareto",
-    "objective": "objectives",
-    "partitions": "splits",
-    "search": "searching",
-}
+    from .judge.cases import Cases as Cases
+    from .judge.judging import evaluate as evaluate
+    from .judge.limits import Limit as Limit
+    from .judge.objectives import OBJECTIVES as OBJECTIVES
+    from .judge.objectives import objective as objective
+    from .judge.outcome import Outcome as Outcome
+    from .searches.catalog import Catalog as Catalog
+    from .searches.catalog import Product as Product
+    from .searches.exhaustive import Found as Found
+    from .searches.exhaustive import search as search
+    from .searches.genetic import evolve as evolve
+    from .searches.pareto import hypervolume as hypervolume
+    from .searches.pareto import non_dominated as non_dominated
+    from .searches.refine import refined as refined
+    from .searches.remedies import Remedy as Remedy
+    from .searches.robust import Spread as Spread
+    from .searches.robust import sensitivities as sensitivities
+    from .searches.robust import spread as spread
+    from .searches.summary import Summary as Summary
+    from .searches.summary import summary_of as summary_of
+    from .space.designs import Designs as Designs
+    from .space.examples import example_task as example_task
+    from .space.grids import Space as Space
+    from .space.splits import compositions as compositions
+    from .space.splits import partitions as partitions
+    from .space.task import Task as Task
+    from .sweeps.store import Store as Store
+    from .sweeps.study import Study as Study
 
 __all__ = [
+    "Cases",
     "Catalog",
     "Designs",
+    "Found",
     "Limit",
     "OBJECTIVES",
     "Outcome",
     "Product",
+    "Remedy",
     "Space",
+    "Spread",
+    "Store",
+    "Study",
+    "Summary",
     "Task",
     "compositions",
     "evaluate",
+    "evolve",
     "example_task",
     "hypervolume",
     "non_dominated",
     "objective",
     "partitions",
+    "refined",
     "search",
+    "sensitivities",
+    "spread",
+    "summary_of",
 ]
 
+_HOMES = {
+    "Cases": "judge.cases",
+    "Catalog": "searches.catalog",
+    "Designs": "space.designs",
+    "Found": "searches.exhaustive",
+    "Limit": "judge.limits",
+    "OBJECTIVES": "judge.objectives",
+    "Outcome": "judge.outcome",
+    "Product": "searches.catalog",
+    "Remedy": "searches.remedies",
+    "Space": "space.grids",
+    "Spread": "searches.robust",
+    "Store": "sweeps.store",
+    "Study": "sweeps.study",
+    "Summary": "searches.summary",
+    "Task": "space.task",
+    "compositions": "space.splits",
+    "evaluate": "judge.judging",
+    "evolve": "searches.genetic",
+    "example_task": "space.examples",
+    "hypervolume": "searches.pareto",
+    "non_dominated": "searches.pareto",
+    "objective": "judge.objectives",
+    "partitions": "space.splits",
+    "refined": "searches.refine",
+    "search": "searches.exhaustive",
+    "sensitivities": "searches.robust",
+    "spread": "searches.robust",
+    "summary_of": "searches.summary",
+}
+_WENT = {
+    "cases": "design.judge.cases",
+    "catalog": "design.searches.catalog",
+    "checkpoint": "design.searches.checkpoint",
+    "cluster": "design.sweeps.cluster",
+    "curves": "design.judge.curves",
+    "designs": "design.space.designs",
+    "examples": "design.space.examples",
+    "first_zero": "design.judge.first_zero",
+    "genetic": "design.searches.genetic",
+    "judging": "design.judge.judging",
+    "levels": "design.judge.levels",
+    "limits": "design.judge.limits",
+    "objectives": "design.judge.objectives",
+    "outcome": "design.judge.outcome",
+    "packing": "design.space.packing",
+    "pareto": "design.searches.pareto",
+    "reach": "design.judge.reach",
+    "refine": "design.searches.refine",
+    "remedies": "design.searches.remedies",
+    "robust": "design.searches.robust",
+    "rows": "design.space.rows",
+    "searching": "design.searches.exhaustive",
+    "shared": "design.judge.shared",
+    "space": "design.space.grids",
+    "splits": "design.space.splits",
+    "store": "design.sweeps.store",
+    "study": "design.sweeps.study",
+    "summary": "design.searches.summary",
+    "sweep": "design.sweeps.running",
+    "table": "design.judge.table",
+    "task": "design.space.task",
+    "unlike": "design.judge.unlike",
+}
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _HOMES, _WENT)

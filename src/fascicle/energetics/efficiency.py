@@ -16,15 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from .._checks import one_of
-from .._refused import Refused
-from .._types import Values
 from ..bundle import Bundle
 from ..bundle.recruitment import supply_of
-from ..bundle.scheme import AbstractScheme, scheme_of
+from ..bundle.schemes import AbstractScheme, scheme_of
 from ..bundle.states import states_of
 from ..bundle.tables import distinct
 from ..bundle.volumes import unit_volume_change
+from ..core.checks import one_of
+from ..core.refused import Refused
+from ..core.types import Values
 from .paths import unit_work_along
 
 

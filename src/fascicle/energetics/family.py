@@ -10,10 +10,10 @@ $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent mo
 import equinox as eqx
 import numpy as np
 
-from .._refused import Refused
-from .._types import Values
 from ..bundle import Bundle, MotorUnit
-from ..bundle.scheme import AbstractScheme
+from ..bundle.schemes import AbstractScheme
+from ..core.refused import Refused
+from ..core.types import Values
 from ..muscle import Muscle
 
 

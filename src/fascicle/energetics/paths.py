@@ -16,10 +16,10 @@ with 4 where no piece is wider than 1/250.
 import numpy as np
 from jaxtyping import Float
 
-from .._arrays import library, maximum, minimum, nodes, total, where
-from .._evaluate import evaluate
-from .._types import AnyArray, Numbers, Values
 from ..bundle.bundle import Bundle, pressurized
+from ..core.arrays import library, maximum, minimum, nodes, total, where
+from ..core.evaluate import evaluate
+from ..core.types import AnyArray, Numbers, Values
 from ..muscle.piecewise import Pressurized
 
 

@@ -17,11 +17,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from .._arrays import library, maximum, minimum, nodes, total, where
-from .._evaluate import evaluate
-from .._types import Batch, Numbers, PerUnit, Values
 from ..bundle.bundle import Bundle, pressurized
 from ..bundle.volumes import unit_volume_change
+from ..core.arrays import library, maximum, minimum, nodes, total, where
+from ..core.evaluate import evaluate
+from ..core.types import Batch, Numbers, PerUnit, Values
 from ..muscle.piecewise import Pressurized
 
 

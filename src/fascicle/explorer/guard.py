@@ -18,9 +18,9 @@ from urllib.parse import parse_qsl
 from tornado.routing import Matcher, Rule
 from tornado.web import RequestHandler
 
-from .._visible import visible
+from ..core.visible import visible
 from ..reports.page import Page
-from .address import LONGEST
+from .parts.address import LONGEST
 
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

@@ -5,12 +5,12 @@ from urllib.parse import urlencode
 
 import panel as pn
 
-from .._visible import visible
-from ..describe import example, examples, loads
-from .address import to_query
-from .look import Look, widget_css
+from ..core.visible import visible
+from ..files import example, examples, loads
+from .parts.address import to_query
+from .parts.look import Look, widget_css
+from .parts.widgets import Message, choice
 from .state import SHOWN, Session, View, changed, view_of
-from .widgets import Message, choice
 
 
 LARGEST_FILE = 100_000  # bytes of a muscle file

@@ -5,15 +5,15 @@ from typing import Any
 
 import panel as pn
 
-from .bundle_view import BundleView
-from .data_view import DataView
-from .efficiency_view import EfficiencyView
-from .exports import EXPORTS, downloads
 from .header import Header
-from .look import Look, look_of, widget_css
-from .muscle_view import MuscleView
-from .reversal_view import ReversalView
+from .parts.exports import EXPORTS, downloads
+from .parts.look import Look, look_of, widget_css
 from .state import TABS, Session, View
+from .tabs.bundle import BundleView
+from .tabs.data import DataView
+from .tabs.efficiency import EfficiencyView
+from .tabs.muscle import MuscleView
+from .tabs.reversal import ReversalView
 
 
 _TITLES = {"muscle": "Muscle", "bundle": "Bundle", "reversal": "Reversal",
@@ -105,7 +105,7 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
 
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
-    from ..describe import example, examples, load
+    from ..files import example, examples, load
     from .state import view_of
 
     name = target if isinstance(target, str) else "muscle"

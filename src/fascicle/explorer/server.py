@@ -9,11 +9,11 @@ from typing import Any
 
 import panel as pn
 
-from .address import from_query
-from .browser import attach
 from .guard import EVERYWHERE, LOOPBACK, guard, names_of
-from .look import look_of, page_css
 from .page import build, opening
+from .parts.address import from_query
+from .parts.browser import attach
+from .parts.look import look_of, page_css
 from .state import Session, View
 from .stopping import Stop
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import equinox as eqx
 
-from .._refused import Refused
 from ..bundle import Bundle, MotorUnit
-from ..describe import dumps
+from ..core.refused import Refused
+from ..files import dumps
 from ..muscle import Muscle
 
 

@@ -10,12 +10,12 @@ import re
 from pathlib import Path
 from typing import Any
 
-from .._checks import concrete
-from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from .._refused import Refused
-from .._types import Values
 from ..bundle import Bundle
 from ..bundle.alike import unlike
+from ..core.checks import concrete
+from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
+from ..core.refused import Refused
+from ..core.types import Values
 from ..muscle import Muscle
 from ..muscle.entry import lowest_strain
 from .template import header, source

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .._arrays import register
+from ..core.arrays import register
 
 
 _FUNCTIONS = {

@@ -16,10 +16,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import concrete
-from .._evaluate import COMPILE_ABOVE, compiled, evaluate
-from .._methods import Module, numbers
-from .._types import Batch, Values
+from ..core.checks import concrete
+from ..core.evaluate import COMPILE_ABOVE, compiled, evaluate
+from ..core.modules import Module, numbers
+from ..core.types import Batch, Values
 from .column import Centerline
 from .entry import centerline_points, strained
 from .piecewise import Pressurized, Response

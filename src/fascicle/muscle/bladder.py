@@ -16,8 +16,8 @@ to the braid. **Source:** Klute and Hannaford (2000); Kim, Mazzoleni and Bryant 
 
 import numpy as np
 
-from .._methods import Module
-from .._types import Batch, BatchLike
+from ..core.modules import Module
+from ..core.types import Batch, BatchLike
 from .braid import Braid
 from .materials.material_law import AbstractMaterial
 

@@ -23,9 +23,9 @@ printed there without the factor 3 of $3\lambda^2/\tan^2\alpha_0$ [R1]: see the 
 
 import numpy as np
 
-from .._arrays import arccos, cos, sqrt, tan
-from .._methods import Module
-from .._types import Batch, BatchLike
+from ..core.arrays import arccos, cos, sqrt, tan
+from ..core.modules import Module
+from ..core.types import Batch, BatchLike
 
 
 class Braid(Module):

@@ -6,7 +6,7 @@ $EI$ and axial stiffness $EA$ between clamped ends, whose tension law goes on as
 
 from typing import Any, NamedTuple
 
-from .._types import Batch, BatchLike
+from ..core.types import Batch, BatchLike
 from .tension.tension_law import Pull
 from .tuning import TunedTension
 

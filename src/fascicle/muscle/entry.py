@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from .._checks import as_given, concrete, one_of, within
-from .._domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
-from .._limits import tilted
-from .._refused import Refused
-from .._types import Batch, Values
+from ..core.checks import as_given, concrete, one_of, within
+from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
+from ..core.limits import tilted
+from ..core.refused import Refused
+from ..core.types import Batch, Values
 from .tuning import Tuning
 
 

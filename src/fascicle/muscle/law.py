@@ -14,8 +14,8 @@ from typing import Any, ClassVar, TypeVar
 
 import equinox as eqx
 
-from .._constant import Constant, Switch
-from .._methods import Module
+from ..core.constant import Constant, Switch
+from ..core.modules import Module
 
 
 class Declared(Module):

@@ -15,13 +15,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from .._checks import concrete
-from .._evaluate import evaluate
-from .._limits import size, slender
-from .._methods import Module, kept, renewed
-from .._refused import Refused
-from .._tiles import fields
-from .._types import Batch, Values
+from ..core.checks import concrete
+from ..core.evaluate import evaluate
+from ..core.limits import size, slender
+from ..core.modules import Module, kept, renewed
+from ..core.refused import Refused
+from ..core.tiles import fields
+from ..core.types import Batch, Values
 from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid

@@ -26,10 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._arrays import both, either, expm1, no, spread, stack, where
-from .._math import guarded
-from .._methods import Module
-from .._types import Batch, BoolBatch, IntBatch
+from ..core.arrays import both, either, expm1, no, spread, stack, where
+from ..core.modules import Module
+from ..core.roots import guarded
+from ..core.types import Batch, BoolBatch, IntBatch
 from .buckling.buckling_law import AbstractBuckling
 from .collapse.collapse_law import AbstractCollapse
 from .column import ROUNDING, Centerline, Column

@@ -5,7 +5,7 @@ They stand in a module, since what was compiled for a function is found again by
 
 from typing import Any
 
-from .._types import Batch
+from ..core.types import Batch
 from .column import Centerline
 from .piecewise import Response
 

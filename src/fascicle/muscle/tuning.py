@@ -29,13 +29,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._arrays import along_table, spread, where
-from .._checks import concrete, finite, within
-from .._domain import HIGHEST_PRESSURE
-from .._limits import plausible, signed, size
-from .._methods import Module
-from .._refused import Refused
-from .._types import AnyArray, Batch, BatchLike, Symbol, Values
+from ..core.arrays import along_table, spread, where
+from ..core.checks import concrete, finite, within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.limits import plausible, signed, size
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import AnyArray, Batch, BatchLike, Symbol, Values
 from .bladder import Bladder
 from .tension.tension_law import AbstractTension, Pull
 

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .._refused import Refused
 from ..bundle import Bundle
+from ..core.refused import Refused
 from ..muscle import Muscle
 from .components import components_legend, components_of, draw_components
 from .style import (

@@ -4,16 +4,22 @@ Names are looked up when they are asked for, so that a record's shape can be had
 pandas, and a file can be read without JAX.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
     from .averaging import Averaged as Averaged
     from .averaging import averaged as averaged
+    from .dynamometer import Sweeps as Sweeps
     from .dynamometer import VirtualDynamometer as VirtualDynamometer
+    from .fabrication import Scatter as Scatter
     from .loops import Loop as Loop
     from .loops import loop_of as loop_of
+    from .pairs import Pairs as Pairs
+    from .pairs import agreements as agreements
+    from .pairs import fabricated_pairs as fabricated_pairs
     from .reading import load as load
     from .reading import loads as loads
     from .record import Record as Record
@@ -24,32 +30,20 @@ if TYPE_CHECKING:
     from .writing import dumps as dumps
     from .writing import write as write
 
-_HOMES = {
-    "Averaged": "averaging",
-    "Loop": "loops",
-    "Record": "record",
-    "Run": "splitting",
-    "Source": "record",
-    "VirtualDynamometer": "dynamometer",
-    "averaged": "averaging",
-    "dumps": "writing",
-    "join": "record",
-    "load": "reading",
-    "loads": "reading",
-    "loop_of": "loops",
-    "runs": "splitting",
-    "write": "writing",
-}
-
 __all__ = [
     "Averaged",
     "Loop",
+    "Pairs",
     "Record",
     "Run",
+    "Scatter",
     "Source",
+    "Sweeps",
     "VirtualDynamometer",
+    "agreements",
     "averaged",
     "dumps",
+    "fabricated_pairs",
     "join",
     "load",
     "loads",
@@ -58,12 +52,26 @@ __all__ = [
     "write",
 ]
 
+_HOMES = {
+    "Averaged": "averaging",
+    "Loop": "loops",
+    "Pairs": "pairs",
+    "Record": "record",
+    "Run": "splitting",
+    "Scatter": "fabrication",
+    "Source": "record",
+    "Sweeps": "dynamometer",
+    "VirtualDynamometer": "dynamometer",
+    "agreements": "pairs",
+    "averaged": "averaging",
+    "dumps": "writing",
+    "fabricated_pairs": "pairs",
+    "join": "record",
+    "load": "reading",
+    "loads": "reading",
+    "loop_of": "loops",
+    "runs": "splitting",
+    "write": "writing",
+}
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _HOMES)

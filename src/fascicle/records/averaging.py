@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .._refused import Refused
+from ..core.refused import Refused
 from .record import DOWN, UNKNOWN, UP, Record
 from .splitting import Run, runs
 

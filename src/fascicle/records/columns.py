@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .._refused import Refused
+from ..core.refused import Refused
 from .asking import Asked
 from .spelling import bare, factor, is_unit
 from .table import Table

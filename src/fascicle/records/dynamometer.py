@@ -27,10 +27,10 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._checks import within
-from .._domain import HIGHEST_PRESSURE
-from .._refused import Refused
-from .._types import Batch, BatchLike, Values
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.refused import Refused
+from ..core.types import Batch, BatchLike, Values
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
 from .fabrication import Scatter

@@ -13,7 +13,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
-from .._checks import within
+from ..core.checks import within
 from ..muscle import Muscle
 
 

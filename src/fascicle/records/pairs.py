@@ -20,10 +20,10 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from .._checks import within
-from .._domain import HIGHEST_PRESSURE
-from .._types import AnyArray, Values
 from ..bundle import Bundle, MotorUnit
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.types import AnyArray, Values
 from ..muscle import Muscle
 from .fabrication import Scatter
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .._refused import Refused
+from ..core.refused import Refused
 from ..units import parse, pretty
 from .asking import Asked
 from .columns import POSITIONS, Column, check_roles, choose

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._refused import Refused
+from ..core.refused import Refused
 
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop

@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .._toml import tables
+from ..core.toml import tables
 from ..units import parse
 from .columns import check_roles
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from .._refused import Refused
+from ..core.refused import Refused
 from .levels import held, noise, smoothed
 from .record import DOWN, UNKNOWN, UP, Record
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..calibrate.calibration import Calibration, Estimate
-from ..calibrate.judging import hysteresis
-from ..calibrate.profiling import Profile
-from ..calibrate.trends import ALPHA
-from ..describe.calibrated import laws_of
+from ..calibrate.after.calibration import Calibration, Estimate
+from ..calibrate.after.judging import hysteresis
+from ..calibrate.after.profiling import Profile
+from ..calibrate.after.trends import ALPHA
+from ..files.calibrated import laws_of
 from ..plot.style import to_bytes
 from ..units import pretty
 from .page import Page, prose
@@ -22,9 +22,9 @@ from .page import Page, prose
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibrate.comparing import Row
-    from ..calibrate.finding import Choice
-    from ..calibrate.posterior import Posterior
+    from ..calibrate.after.posterior import Posterior
+    from ..calibrate.fits.comparing import Row
+    from ..calibrate.fits.finding import Choice
 
 _INCH = 0.0254  # m
 _TITLES = {

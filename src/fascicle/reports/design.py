@@ -6,13 +6,13 @@ import numpy as np
 
 from ..bundle.recruitment import Space, overlap
 from ..bundle.states import states_of
-from ..describe import dumps
-from ..design.cases import Bench
-from ..design.objectives import OBJECTIVES
-from ..design.reach import SHARES, may_miss
-from ..design.robust import Spread
-from ..design.searching import Found
-from ..design.summary import Summary
+from ..design.judge.cases import Bench
+from ..design.judge.objectives import OBJECTIVES
+from ..design.judge.reach import SHARES, may_miss
+from ..design.searches.exhaustive import Found
+from ..design.searches.robust import Spread
+from ..design.searches.summary import Summary
+from ..files import dumps
 from ..plot.style import to_bytes
 from ..plot.task import task as draw_task
 from ..units import pretty

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._domain import HIGHEST_PRESSURE
-from .._refused import Refused
-from ..calibrate.calibration import Calibration
-from ..calibrate.grid import grid, trimmed
-from ..calibrate.linear import linear
-from ..calibrate.profiling import Profile
-from ..calibrate.pulling import force_of, strain_of, untuned
-from ..calibrate.uncertainty import NORMAL
+from ..calibrate.after.calibration import Calibration
+from ..calibrate.after.profiling import Profile
+from ..calibrate.data.grid import grid, trimmed
+from ..calibrate.data.pulling import force_of, strain_of, untuned
+from ..calibrate.problem.linear import linear
+from ..calibrate.problem.uncertainty import NORMAL
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.refused import Refused
 from ..muscle import Muscle
 from ..plot import calibration as plot
 from ..plot import profiles as plot_profiles
@@ -26,7 +26,7 @@ from ..units import DIMENSIONS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibrate.posterior import Posterior
+    from ..calibrate.after.posterior import Posterior
 
 _PLACES = 161  # of a curve, so close that a kink looks like one
 _NO_PRESSURE = 0.01  # of the highest: below, nothing is read

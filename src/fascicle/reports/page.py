@@ -8,7 +8,7 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from .._visible import revealed
+from ..core.visible import revealed
 
 
 _STYLE = """

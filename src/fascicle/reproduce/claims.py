@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from .._refused import Refused
+from ..core.refused import Refused
 
 
 KINDS: Mapping[str, str] = MappingProxyType({

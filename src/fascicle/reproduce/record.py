@@ -7,10 +7,10 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from ..describe import results
-from ..describe.atomic import write
-from ..describe.results import Variable
+from ..core.atomic import write
 from ..plot import to_bytes
+from ..results import labelled as results
+from ..results.labelled import Variable
 from .claims import Claim
 
 

@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle import curves, recruitment
+from fascicle.bundle import recruitment
+from fascicle.bundle.recruit import curves
 from fascicle.bundle.recruitment import pressures_of, recruit
 
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.bundle.scheme import (
+from fascicle.bundle.schemes import (
     SCHEMES,
     AbstractScheme,
     Batch,

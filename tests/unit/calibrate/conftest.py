@@ -8,14 +8,14 @@ import pytest
 from jaxtyping import Array, Float
 
 import fascicle as fs
-from fascicle.calibrate.calibration import Calibration
-from fascicle.calibrate.grid import Grid, Table
-from fascicle.calibrate.linear import linear
-from fascicle.calibrate.parameters import PARAMETERS
-from fascicle.calibrate.problem import Problem, Vector
-from fascicle.calibrate.solving import solve
-from fascicle.calibrate.taking import taken
-from fascicle.calibrate.uncertainty import Conclusion
+from fascicle.calibrate.after.calibration import Calibration
+from fascicle.calibrate.data.grid import Grid, Table
+from fascicle.calibrate.data.taking import taken
+from fascicle.calibrate.problem.linear import linear
+from fascicle.calibrate.problem.parameters import PARAMETERS
+from fascicle.calibrate.problem.residuals import Problem, Vector
+from fascicle.calibrate.problem.solving import solve
+from fascicle.calibrate.problem.uncertainty import Conclusion
 from fascicle.records.record import Record
 
 

@@ -6,12 +6,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.calibrate import Prior, compare, compare_tension, comparing, fit
-from fascicle.calibrate.alternatives import collapse_named
-from fascicle.calibrate.comparing import Row, left_out_errors, ranked, row
-from fascicle.calibrate.fitting import fitted
-from fascicle.calibrate.grid import grid
-from fascicle.calibrate.reference import SAROSI_DMSP_20_200N, refitted, sarosi
+from fascicle.calibrate import Prior, compare, compare_tension, fit
+from fascicle.calibrate.data.grid import grid
+from fascicle.calibrate.data.reference import SAROSI_DMSP_20_200N, refitted, sarosi
+from fascicle.calibrate.fits import comparing
+from fascicle.calibrate.fits.comparing import Row, left_out_errors, ranked, row
+from fascicle.calibrate.fits.fitting import fitted
+from fascicle.calibrate.problem.alternatives import collapse_named
 from fascicle.muscle.collapse import Kim2021Collapse
 from fascicle.records.record import Record
 

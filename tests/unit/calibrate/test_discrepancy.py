@@ -6,10 +6,10 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.discrepancy import sizes, widening
-from fascicle.calibrate.remainder import Remainder
-from fascicle.calibrate.trends import looked
-from fascicle.calibrate.uncertainty import NORMAL
+from fascicle.calibrate.after.discrepancy import sizes, widening
+from fascicle.calibrate.after.remainder import Remainder
+from fascicle.calibrate.after.trends import looked
+from fascicle.calibrate.problem.uncertainty import NORMAL
 from fascicle.records.record import Record
 
 
@@ -115,7 +115,7 @@ def test_the_size_is_what_was_put_in():
 
 
 def _left(made):
-    from fascicle.calibrate.remainder import remainder
+    from fascicle.calibrate.after.remainder import remainder
 
     of = made.taken.gathered
     every = made.problem.whole(made.coordinates)

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import find, fit
-from fascicle.calibrate.choosing import Candidate, Trial, chosen, reasons
+from fascicle.calibrate.fits.choosing import Candidate, Trial, chosen, reasons
 from fascicle.records.record import Record
 
 

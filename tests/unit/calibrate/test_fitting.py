@@ -6,8 +6,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, fit
-from fascicle.calibrate.uncertainty import NORMAL
-from fascicle.describe.calibrated import provenance_of
+from fascicle.calibrate.problem.uncertainty import NORMAL
+from fascicle.files.calibrated import provenance_of
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
 
@@ -348,8 +348,8 @@ def test_a_wide_prior_is_still_a_prior():
 
 
 def test_a_slope_may_fall_beforehand():
-    from fascicle.calibrate.beginning import _centered
-    from fascicle.calibrate.parameters import named
+    from fascicle.calibrate.problem.beginning import _centered
+    from fascicle.calibrate.problem.parameters import named
 
     falling = {"hinge_stiffness_slope": Prior(-1e-7, 1e-6)}
     free = named(["hinge_stiffness_slope"], DRAWN)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fascicle.calibrate.grid import LONGEST, gathered, grid, level_of, trimmed
+from fascicle.calibrate.data.grid import LONGEST, gathered, grid, level_of, trimmed
 from fascicle.records.record import Record
 
 

@@ -5,8 +5,15 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.calibrate.parameters import CONSTANTS, FACTORS, PARAMETERS, coordinates, named, put
-from fascicle.calibrate.parameters import values as values_of
+from fascicle.calibrate.problem.parameters import (
+    CONSTANTS,
+    FACTORS,
+    PARAMETERS,
+    coordinates,
+    named,
+    put,
+)
+from fascicle.calibrate.problem.parameters import values as values_of
 from fascicle.muscle.tension import TENSION_LAWS
 
 

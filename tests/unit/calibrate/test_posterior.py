@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.calibrate.linear import linear
-from fascicle.calibrate.posterior import _Target, sample
+from fascicle.calibrate.after.posterior import _Target, sample
+from fascicle.calibrate.problem.linear import linear
 
 
 pytest.importorskip("numpyro")

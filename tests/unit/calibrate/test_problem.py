@@ -6,10 +6,10 @@ from scipy.optimize import least_squares
 from scipy.stats import norm
 
 import fascicle as fs
-from fascicle.calibrate.grid import Grid
-from fascicle.calibrate.misfit import LOSSES
-from fascicle.calibrate.parameters import named
-from fascicle.calibrate.problem import Problem
+from fascicle.calibrate.data.grid import Grid
+from fascicle.calibrate.problem.misfit import LOSSES
+from fascicle.calibrate.problem.parameters import named
+from fascicle.calibrate.problem.residuals import Problem
 
 
 muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.calibrate.profiling import CRITICAL, profiles
-from fascicle.calibrate.uncertainty import NORMAL
+from fascicle.calibrate.after.profiling import CRITICAL, profiles
+from fascicle.calibrate.problem.uncertainty import NORMAL
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.calibrate.grid import Grid
-from fascicle.calibrate.readings import (
+from fascicle.calibrate.data.grid import Grid
+from fascicle.calibrate.data.readings import (
     free_strain_of,
     read,
     smooth_free_strain,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fascicle.calibrate import solving
-from fascicle.calibrate.grid import Grid
-from fascicle.calibrate.problem import Problem
-from fascicle.calibrate.solving import (
+from fascicle.calibrate.data.grid import Grid
+from fascicle.calibrate.problem import solving
+from fascicle.calibrate.problem.residuals import Problem
+from fascicle.calibrate.problem.solving import (
     BROKE,
     CONVERGED,
     STEPS,

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import binom, f
 
-from fascicle.calibrate.remainder import Remainder
-from fascicle.calibrate.trends import ALPHA, looked
+from fascicle.calibrate.after.remainder import Remainder
+from fascicle.calibrate.after.trends import ALPHA, looked
 
 
 K = 4

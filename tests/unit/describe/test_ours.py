@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from fascicle.describe import ours
+from fascicle.files import ours
 
 
 def write(path, text="ours"):

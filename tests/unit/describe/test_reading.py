@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fascicle.bundle import Bundle
-from fascicle.describe import example, example_text, examples, load, loads
+from fascicle.files import example, example_text, examples, load, loads
 from fascicle.muscle import Muscle
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.materials import SILICONE_KIM2021

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fascicle.describe import results
-from fascicle.describe.results import Variable
+from fascicle.results import labelled as results
+from fascicle.results.labelled import Variable
 
 
 FORCE = np.array([[1.5, np.nan], [-2.0, 0.1], [3.0, 4.0]])

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.describe.drawn import drawn
-from fascicle.describe.task import load_task, loads_task
+from fascicle.files.drawn import drawn
+from fascicle.files.task import load_task, loads_task
 
 
 PLAIN = """format = 1

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fascicle.bundle import Bundle, MotorUnit
-from fascicle.describe import dumps, example, examples, load, loads, save
+from fascicle.files import dumps, example, examples, load, loads, save
 from fascicle.muscle import Muscle, Tuning
 from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS

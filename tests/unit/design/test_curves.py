@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.design.curves import curves_of, depths, overlaps
-from fascicle.design.levels import first_zeros
-from fascicle.design.rows import Rows
-from fascicle.design.table import Resolution
+from fascicle.design.judge.curves import curves_of, depths, overlaps
+from fascicle.design.judge.levels import first_zeros
+from fascicle.design.judge.table import Resolution
+from fascicle.design.space.rows import Rows
 
 
 SUPPLY, N = 413.7e3, 6

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design.pareto import directed, hypervolume, non_dominated
+from fascicle.design.searches.pareto import directed, hypervolume, non_dominated
 
 
 def plain_front(points):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.limits import within_limits
-from fascicle.design.reach import demanding, enough, may_miss, others
+from fascicle.design.judge.limits import within_limits
+from fascicle.design.judge.reach import demanding, enough, may_miss, others
 
 
 def test_all_is_demanded_if_nothing_is_said():

@@ -3,7 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fascicle.design.splits import compositions, label, partitions, read
+from fascicle.design.space.splits import compositions, label, partitions, read
 
 
 def plain(rows):

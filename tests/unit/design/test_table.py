@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.outcome import Demand
-from fascicle.design.rows import Rows, sized
-from fascicle.design.table import Resolution, tabulated
+from fascicle.design.judge.outcome import Demand
+from fascicle.design.judge.table import Resolution, tabulated
+from fascicle.design.space.rows import Rows, sized
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS

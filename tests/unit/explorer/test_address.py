@@ -8,10 +8,17 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle._visible import visible
-from fascicle.describe import dumps
-from fascicle.explorer.address import LONGEST, from_query, pack, parse_splits, to_query, unpack
+from fascicle.core.visible import visible
+from fascicle.explorer.parts.address import (
+    LONGEST,
+    from_query,
+    pack,
+    parse_splits,
+    to_query,
+    unpack,
+)
 from fascicle.explorer.state import Session, Unit, view_of
+from fascicle.files import dumps
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -126,7 +133,7 @@ def test_whatever_breaks_in_a_link_the_page_opens(monkeypatch):
     def broken(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("fascicle.explorer.address.loads", broken)
+    monkeypatch.setattr("fascicle.explorer.parts.address.loads", broken)
     found, refused = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
     assert refused == ["link: `file` can't be read."]
     assert found.path == "isotonic"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.exports import EXPORTS, data, escaped
-from fascicle.explorer.measured import LARGEST_FILE, MOST_ROWS, beside, read
+from fascicle.explorer.curves.measured import LARGEST_FILE, MOST_ROWS, beside, read
+from fascicle.explorer.parts.exports import EXPORTS, data, escaped
 from fascicle.explorer.state import view_of
 
 
@@ -40,7 +40,7 @@ def test_the_python_of_the_data_runs_beside_its_file(tuned, tmp_path, monkeypatc
     assert ("fit(record" in text) == (tuned is not None)
     if tuned is not None:  # a fit takes a minute: here its result
         made = SimpleNamespace(muscle=tuned)
-        monkeypatch.setattr("fascicle.calibrate.fitting.fit", lambda *_, **__: made)
+        monkeypatch.setattr("fascicle.calibrate.fits.fitting.fit", lambda *_, **__: made)
     monkeypatch.chdir(tmp_path)
     exec(compile(text, "data.py", "exec"), {})  # noqa: S102 what is tested
     assert (tmp_path / "data.csv").read_bytes() == export.content("csv")
@@ -52,7 +52,7 @@ def test_pictures_and_datasets_parse(tmp_path):
     assert ET.fromstring(export.content("svg")).tag.endswith("svg")  # noqa: S314 ours
     assert export.content("png").startswith(b"\x89PNG")
     (tmp_path / "m.nc").write_bytes(export.content("nc"))
-    from fascicle.describe.results import read as read_result
+    from fascicle.results.labelled import read as read_result
 
     found = read_result(tmp_path / "m.nc")
     assert found["force"].attrs["units"] == "N"

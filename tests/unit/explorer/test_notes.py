@@ -8,10 +8,10 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle.reversal import Reversal
-from fascicle.explorer.address import from_query
-from fascicle.explorer.muscle_curves import picture, strips, widest
-from fascicle.explorer.notes import branches, equilibria, notes
-from fascicle.explorer.reversal_curves import POINTS, Split, through
+from fascicle.explorer.curves.muscle_curves import picture, strips, widest
+from fascicle.explorer.curves.reversal_curves import POINTS, Split, through
+from fascicle.explorer.parts.address import from_query
+from fascicle.explorer.parts.notes import branches, equilibria, notes
 from fascicle.explorer.state import TABS, Unit, view_of
 
 
@@ -112,9 +112,9 @@ def test_a_link_cannot_ask_for_more_than_the_supply():
 
 
 def test_other_laws_are_drawn_at_once():
-    from fascicle.explorer.look import LIGHT
-    from fascicle.explorer.muscle_view import MuscleView
+    from fascicle.explorer.parts.look import LIGHT
     from fascicle.explorer.state import Session
+    from fascicle.explorer.tabs.muscle import MuscleView
 
     law = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28), buckling="elastica")
     view = MuscleView(Session(replace(SIX, muscle=law)), LIGHT)

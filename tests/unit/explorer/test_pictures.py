@@ -7,11 +7,11 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle import reversal
-from fascicle.explorer import bundle_space, efficiency_maps, reversal_curves
-from fascicle.explorer.laws import alternative, alternatives
-from fascicle.explorer.muscle_curves import FAMILY, picture, widest
+from fascicle.explorer.curves import bundle_space, efficiency_maps, reversal_curves
+from fascicle.explorer.curves.laws import alternative, alternatives
+from fascicle.explorer.curves.muscle_curves import FAMILY, picture, widest
+from fascicle.explorer.curves.tube import AROUND, RINGS, quads, solid
 from fascicle.explorer.state import Unit, scaled, view_of
-from fascicle.explorer.tube import AROUND, RINGS, quads, solid
 from fascicle.muscle import LAWS
 
 

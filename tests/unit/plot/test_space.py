@@ -2,8 +2,8 @@ import numpy as np
 
 from fascicle.bundle import Bundle, MotorUnit
 from fascicle.bundle.recruitment import overlap, space
-from fascicle.describe import example
 from fascicle.energetics import efficiency_map
+from fascicle.files import example
 from fascicle.muscle import Muscle
 from fascicle.plot import to_bytes
 from fascicle.plot.maps import efficiency

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fascicle import plot
-from fascicle.describe import example
+from fascicle.files import example
 from fascicle.muscle import Muscle
 from fascicle.plot.style import SINGLE, in_kilopascals, new_figure
 

@@ -7,18 +7,18 @@ import pytest
 
 import fascicle as fs
 from fascicle import units
-from fascicle.calibrate.calibration import Calibration
-from fascicle.calibrate.comparing import Row
-from fascicle.calibrate.linear import Linear
-from fascicle.calibrate.parameters import coordinates, named
-from fascicle.calibrate.posterior import Posterior
-from fascicle.calibrate.problem import Problem
-from fascicle.calibrate.profiling import Profile
-from fascicle.calibrate.solving import Solutions
-from fascicle.calibrate.taking import taken
-from fascicle.calibrate.uncertainty import Conclusion
-from fascicle.describe import provenance
-from fascicle.describe.calibrated import provenance_of
+from fascicle.calibrate.after.calibration import Calibration
+from fascicle.calibrate.after.posterior import Posterior
+from fascicle.calibrate.after.profiling import Profile
+from fascicle.calibrate.data.taking import taken
+from fascicle.calibrate.fits.comparing import Row
+from fascicle.calibrate.problem.linear import Linear
+from fascicle.calibrate.problem.parameters import coordinates, named
+from fascicle.calibrate.problem.residuals import Problem
+from fascicle.calibrate.problem.solving import Solutions
+from fascicle.calibrate.problem.uncertainty import Conclusion
+from fascicle.files import provenance
+from fascicle.files.calibrated import provenance_of
 from fascicle.records import Record, Source
 from fascicle.reports.calibration import report
 from fascicle.reports.fitted import figures, fitted_of, profiled_of, read_of

@@ -3,10 +3,10 @@ import csv
 import numpy as np
 import pytest
 
-from fascicle.describe import results
-from fascicle.describe.results import Variable
 from fascicle.plot import free_strain
 from fascicle.reproduce.record import Record, tables, write_record
+from fascicle.results import labelled as results
+from fascicle.results.labelled import Variable
 
 
 RECORD = Record(

@@ -8,7 +8,7 @@ reaches a given one.
 import abc
 from typing import Any, NamedTuple
 
-from ..._types import Batch, BatchLike, BoolBatch
+from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..law import AbstractLaw
 

@@ -47,7 +47,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..._arrays import (
+from ...core.arrays import (
     both,
     cos,
     isfinite,
@@ -63,9 +63,9 @@ from ..._arrays import (
     total,
     where,
 )  # fmt: skip
-from ..._domain import LARGEST_STRAIN
-from ..._math import elliptic, guarded, jacobi, polynomial, root, still
-from ..._types import Batch, BatchLike, BoolBatch
+from ...core.domain import LARGEST_STRAIN
+from ...core.roots import elliptic, guarded, jacobi, polynomial, root, still
+from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
 from .buckling_law import AbstractBuckling, Push

@@ -27,9 +27,9 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..._arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
-from ..._math import root, series, still
-from ..._types import Batch, BatchLike, BoolBatch
+from ...core.arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
+from ...core.roots import root, series, still
+from ...core.types import Batch, BatchLike, BoolBatch
 
 
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end

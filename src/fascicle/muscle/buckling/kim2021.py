@@ -28,8 +28,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._arrays import cos, spread, sqrt, where
-from ..._types import Batch, BatchLike, BoolBatch
+from ...core.arrays import cos, spread, sqrt, where
+from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..tension.tension_law import Pull
 from .buckling_law import AbstractBuckling, Push

@@ -5,7 +5,7 @@ r"""Brazier's collapse moment of a tube without pressure, whose section ovalises
 
 from typing import ClassVar
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse, tube_moment
 

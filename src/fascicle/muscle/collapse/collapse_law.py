@@ -14,9 +14,9 @@ import abc
 import equinox as eqx
 import numpy as np
 
-from ..._arrays import sqrt
-from ..._constant import Constant
-from ..._types import Batch, BatchLike
+from ...core.arrays import sqrt
+from ...core.constant import Constant
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..law import AbstractLaw
 

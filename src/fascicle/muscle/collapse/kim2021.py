@@ -5,7 +5,7 @@ r"""The default collapse moment: (17) as printed, which made the paper's figures
 
 from typing import ClassVar
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse, tube_moment
 

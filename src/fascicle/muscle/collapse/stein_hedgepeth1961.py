@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse
 

@@ -5,7 +5,7 @@ r"""Wood's collapse moment of a pressurized tube: (17) with the cube of $r_0/t_0
 
 from typing import ClassVar
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse, tube_moment
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import equinox as eqx
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..law import Declared
 
 

@@ -14,9 +14,9 @@ use a modulus of their own, which may be measured apart from the two constants.
 **Source:** Klute and Hannaford (2000).
 """
 
-from ..._checks import within
-from ..._constant import POSITIVE, Constant
-from ..._types import Batch, BatchLike, Values
+from ...core.checks import within
+from ...core.constant import POSITIVE, Constant
+from ...core.types import Batch, BatchLike, Values
 from .material_law import AbstractMaterial, Slopes
 
 

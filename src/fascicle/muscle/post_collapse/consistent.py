@@ -5,7 +5,7 @@ r"""A reading of (25) whose halves are inextensible, as (10) has it [R10].
 
 from typing import ClassVar
 
-from ..._types import Batch
+from ...core.types import Batch
 from ..column import Column
 from .post_collapse_law import AbstractPostCollapse, bent_halves
 

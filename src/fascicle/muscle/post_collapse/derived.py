@@ -5,7 +5,7 @@ r"""The default reading of (25): the term that (24) leads to [R10].
 
 from typing import ClassVar
 
-from ..._types import Batch
+from ...core.types import Batch
 from ..column import Column
 from .post_collapse_law import AbstractPostCollapse, bent_halves
 

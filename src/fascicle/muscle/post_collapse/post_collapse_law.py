@@ -20,8 +20,8 @@ import abc
 import equinox as eqx
 import numpy as np
 
-from ..._arrays import cos, minimum, spread, sqrt
-from ..._types import Batch, BatchLike
+from ...core.arrays import cos, minimum, spread, sqrt
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..column import Centerline, Column
 from ..law import AbstractLaw

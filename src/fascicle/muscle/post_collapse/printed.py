@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._types import Batch
+from ...core.types import Batch
 from ..column import Column
 from .post_collapse_law import AbstractPostCollapse
 

@@ -15,8 +15,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._arrays import sqrt, where
-from ..._types import Batch, BatchLike
+from ...core.arrays import sqrt, where
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import SIZES, AbstractTension, Offset, Pull
 

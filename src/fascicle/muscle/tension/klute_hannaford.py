@@ -12,7 +12,7 @@ Bryant (2021), section 2.
 
 from typing import ClassVar
 
-from ..._types import Batch, BatchLike
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
 

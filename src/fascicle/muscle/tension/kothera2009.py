@@ -26,10 +26,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._arrays import sqrt, where
-from ..._constant import Switch
-from ..._math import guarded
-from ..._types import Batch, BatchLike
+from ...core.arrays import sqrt, where
+from ...core.constant import Switch
+from ...core.roots import guarded
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
 

@@ -16,9 +16,9 @@ factors restore.
 
 from typing import ClassVar
 
-from ..._checks import positive
-from ..._constant import POSITIVE, Constant
-from ..._types import Batch, BatchLike, Values
+from ...core.checks import positive
+from ...core.constant import POSITIVE, Constant
+from ...core.types import Batch, BatchLike, Values
 from ..bladder import Bladder
 from ..braid import Braid
 from .ideal import Ideal

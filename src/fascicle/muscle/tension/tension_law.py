@@ -19,9 +19,9 @@ from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 
-from ..._arrays import cos, maximum, minimum, sqrt
-from ..._math import root
-from ..._types import Batch, BatchLike
+from ...core.arrays import cos, maximum, minimum, sqrt
+from ...core.roots import root
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..law import AbstractLaw
 

@@ -19,11 +19,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..._arrays import exp
-from ..._checks import concrete
-from ..._constant import POSITIVE, Constant, signed
-from ..._refused import Refused
-from ..._types import Batch, BatchLike
+from ...core.arrays import exp
+from ...core.checks import concrete
+from ...core.constant import POSITIVE, Constant, signed
+from ...core.refused import Refused
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .ideal import Ideal
 from .tension_law import AbstractTension, Offset, Pull

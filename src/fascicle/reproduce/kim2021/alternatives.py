@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...plot.style import (
     BLACK,
     BLUE,
@@ -21,6 +20,7 @@ from ...plot.style import (
     new_figure,
     styled,
 )
+from ...results.labelled import Variable
 from ..record import Record
 from . import setting
 from .variants import LEVELS, PAPER, Variant, all_variants, variant

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...describe.results import Variable
 from ...plot.shapes import draw_states
 from ...plot.style import in_kilopascals
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...plot.shapes import dimension, guide, label
 from ...plot.style import BLACK, BLUE, DOUBLE, GRAY, VERMILION, in_kilopascals, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...plot.shapes import dimension, guide, label
 from ...plot.style import in_kilopascals, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...plot.components import Components, components_legend, draw_components
 from ...plot.style import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
 from ..record import Record
 from . import setting

@@ -4,9 +4,9 @@ import equinox as eqx
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...muscle import Muscle
 from ...plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

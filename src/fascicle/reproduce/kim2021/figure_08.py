@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...bundle.recruitment import pressures_of
-from ...describe.results import Variable
 from ...plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

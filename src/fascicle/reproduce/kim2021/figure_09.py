@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 
 from ...bundle.recruitment import Overlap, Space, overlap, space
-from ...describe.results import Variable
 from ...plot.space import spaces
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...bundle import Bundle
-from ...describe.results import Variable
 from ...energetics import EfficiencyMap, constant_cross_section, efficiency_map
 from ...muscle import Muscle
 from ...plot.components import components_of
 from ...plot.maps import draw_efficiency
 from ...plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

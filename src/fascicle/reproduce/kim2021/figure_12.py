@@ -4,7 +4,6 @@ import equinox as eqx
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...describe.results import Variable
 from ...muscle import Muscle
 from ...plot.components import Components, components_of
 from ...plot.style import (
@@ -17,6 +16,7 @@ from ...plot.style import (
     pressure_colors,
     styled,
 )
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..record import Record
 from . import setting

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...calibrate.calibration import Calibration
-from ...calibrate.fitting import fit
-from ...describe.results import Variable
+from ...calibrate.after.calibration import Calibration
+from ...calibrate.fits.fitting import fit
 from ...muscle import Muscle
 from ...plot.components import Components
 from ...plot.style import (
@@ -28,6 +27,7 @@ from ...plot.style import (
 )
 from ...records.dynamometer import VirtualDynamometer
 from ...records.record import Record as Measured
+from ...results.labelled import Variable
 from ..record import Record
 from . import setting
 from .figure_12 import NAMES, PRESSURES

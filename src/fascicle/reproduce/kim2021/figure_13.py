@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from ...bundle import Bundle
 from ...bundle.reversal import Reversal, free_strain_curve, reversal
-from ...describe.results import Variable
 from ...muscle import Muscle
 from ...muscle.tension.ideal import Ideal
 from ...plot.curves import draw_free_strain
 from ...plot.style import BLACK, GRAY, SINGLE, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
 from ..record import Record
 from . import setting

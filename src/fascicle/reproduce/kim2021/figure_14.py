@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from ...bundle import Bundle
 from ...bundle.reversal import Reversal, free_strain_curve, reversal
-from ...describe.results import Variable
 from ...plot.style import BLACK, CYCLE, SINGLE, new_figure, styled
+from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
 from ..record import Record
 from . import setting

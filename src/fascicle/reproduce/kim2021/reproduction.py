@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from ...describe.atomic import write_text
+from ...core.atomic import write_text
 from ..claims import Claim
 from ..record import Record, Written, write_record
 from . import (

@@ -10,7 +10,7 @@ import equinox as eqx
 import numpy as np
 
 from ...bundle import Bundle, MotorUnit
-from ...describe import example
+from ...files import example
 from ...muscle import Muscle, Tuning
 from ...muscle.materials import MooneyRivlin
 from ...plot.components import Components, components_of

@@ -1,0 +1,285 @@
+r"""Force curves over the throttled pressure: what a recruitment state can change.
+
+In a recruitment state some units are at no pressure, some at the supply's, and the rest
+share one throttled pressure $p$. Over the level $u = p/P_s$, at one strain, the rest give
+
+$$G_k(u, \varepsilon) = \sum_j w_{kj} F_j(u P_s, \varepsilon), \tag{B8}$$
+
+with $w_{kj}$ muscles of kind $j$ in state $k$. Each unlike muscle is evaluated once for all
+the states and units that have it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ...core.arrays import given, library, maximum, minimum, nodes, running_most, where
+from ...core.evaluate import COMPILE_ABOVE, compiled
+from ...core.tiles import scattered
+from ...core.types import Numbers
+from ...muscle import Muscle
+from ..alike import stacked, taken
+from ..plates import muscle_strain, plate_strain
+from ..states import States
+
+
+_FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
+_STEP = 1e-7  # of the level: for slopes that only guide a search
+_TABLE = (np.arange(513) / 512) ** 2  # levels, dense where free strain and collapse change fastest
+_BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
+
+
+class Kinds(NamedTuple):
+    """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
+    the plates are apart; `which` of them [-] are meant, all of them where left out. Beyond
+    `at_once` points [-] their law is compiled.
+    """
+
+    muscles: Muscle
+    ratios: Numbers | None
+    size: int
+    which: Any = None
+    at_once: int = COMPILE_ABOVE
+
+    def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
+        unless some are picked.
+        """
+        ratios = self.ratios
+        if ratios is not None and np.ndim(ratios) > 0 and self.which is not None:
+            ratios = ratios[self.which]
+        own = strain if ratios is None else muscle_strain(ratios, strain)
+        value, slope = self._evaluated(pressure, own)
+        return value, slope if ratios is None else slope * ratios
+
+    def kinks(self, pressure: Numbers) -> Numbers:
+        """Strains of the bundle [-] at which they have kinks, on a new first axis."""
+        kinks = self.muscles._law().at(pressure).kinks
+        return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
+
+    def picked(self, place: Any) -> "Kinds":
+        """Those at `place` [-], as many as it has."""
+        return self._replace(which=minimum(maximum(place, 0), self.size - 1))
+
+    def _evaluated(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        muscles, which = self.muscles, self.which
+        if muscles.is_numpy and given(pressure, strain):
+            kinds = np.arange(self.size) if which is None else which
+            shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
+            if math.prod(shape) > self.at_once:
+                laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
+                found = scattered(compiled(_force), muscles, *laid)
+                return tuple(x.reshape(shape) for x in found)
+        if which is not None:
+            muscles = taken(muscles, which)
+        return muscles._law().at(pressure).force(strain)
+
+
+def _force(muscles: Muscle, which: Any, pressure: Numbers, strain: Numbers) -> tuple:
+    return taken(muscles, which)._law().at(pressure).force(strain)
+
+
+class Kinks(NamedTuple):
+    """At which levels the force of a row's muscles has kinks: the `levels` [-] at which they are,
+    over `strain` [-], kink, place and kind; those `given` [-] by its tuning, whatever the strain.
+    """
+
+    levels: Numbers
+    strain: Numbers
+    given: Numbers
+
+    def at(self, strain: Numbers) -> Numbers:
+        """Those levels at each `strain` [-], kinds and kinks on new last axes."""
+        at_work = library(strain, self.levels)
+        found = [
+            [
+                at_work.interp(strain, risen[:, kind], place[:, kind])
+                for kind in range(len(self.given))
+            ]
+            for risen, place in zip(self.strain, self.levels, strict=True)
+        ]
+        moving = at_work.moveaxis(at_work.stack([at_work.stack(one) for one in found]), -1, 0)
+        fixed = at_work.broadcast_to(self.given, (len(strain), *self.given.shape))
+        every = at_work.concatenate([at_work.swapaxes(moving, 1, 2), fixed], axis=-1)
+        return minimum(maximum(every, 0.0), 1.0)
+
+
+class Bank(NamedTuple):
+    """A bundle's kinds of muscle, and how many of each [-] a state has: `throttled`, at `no` and
+    at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
+    throttle one. `counted`: which states' beginnings and ends are solutions of their own [-]. Where
+    units are independent each is a state by itself.
+    """
+
+    rows: tuple[Kinds, ...]
+    throttled: Numbers
+    no: Numbers
+    full: Numbers
+    alone: np.ndarray | None
+    kinks: tuple["Kinks", ...]
+    supply: Numbers
+    resistance: bool
+    counted: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def states(self) -> int:
+        """How many states there are [-]."""
+        return len(self.throttled)
+
+    def for_many(self) -> "Bank":
+        """The same for so many demands that a compiled law is worth its compiling."""
+        return self._replace(rows=tuple(row._replace(at_once=_FEW) for row in self.rows))
+
+    def forces(self, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force [N] of one muscle of each kind and its slope in strain [N], at `level` [-] and
+        `strain` [-], kinds last.
+        """
+        at_work = library(level, strain, self.supply)
+        P, eps = ((at_work.asarray(x) + 0.0)[..., None] for x in (level * self.supply, strain))
+        found = [self._kept(row.force(P, eps)) for row in self.rows]
+        return tuple(at_work.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+
+    def held(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """What the units that a state doesn't throttle give [N] at each `strain` [-], states
+        last, and its slope in strain [N].
+        """
+        return tuple(
+            none @ self.no.T + full @ self.full.T
+            for none, full in self.forces(nodes((0.0, 1.0), strain) + 0.0 * strain, strain)
+        )
+
+    def state_force(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-], and its slope
+        in strain [N].
+        """
+        at_work = library(level, strain, self.supply)
+        of_level = at_work.stack([0.0 * level, level, 1.0 + 0.0 * level]) + 0.0 * strain
+        shares = at_work.stack([self.no[state], self.throttled[state], self.full[state]])
+        return tuple(
+            at_work.sum(shares * part, axis=(0, -1)) for part in self.forces(of_level, strain)
+        )
+
+    def values(self, state: Any, level: Numbers, strain: Numbers) -> Numbers:
+        """Forces [N] of the kinds that a `state` throttles at `level` [-], places along a second
+        axis, and `strain` [-]; kinds last.
+        """
+        if self.alone is None:
+            found, _ = self.forces(level, strain[:, None])
+            return self.throttled[state][:, None, :] * found
+        total, first = 0.0, 0
+        kind = library(state).asarray(self.alone)[state]
+        for row in self.rows:
+            place = kind - first
+            here = row.picked(place[:, None])
+            found, _ = self._kept(here.force(level * self.supply, strain[:, None]))
+            inside = (place >= 0) & (place < row.size)
+            total = total + where(inside[:, None], found, 0.0)
+            first += row.size
+        return (self.throttled[state, kind][:, None] * total)[..., None]
+
+    def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """The same forces [N] and their slopes by level [N]."""
+        step = where(level < 0.5, _STEP, -_STEP)
+        both = self.values(state, library(level).concatenate([level, level + step], axis=1), strain)
+        value, moved = both[:, : level.shape[1]], both[:, level.shape[1] :]
+        return value, (moved - value) / step[..., None]
+
+    def ends(self, strain: Numbers) -> Numbers:
+        """Levels [-] between which each state's curve is smooth at each `strain` [-], rising along
+        a last axis, states ahead of it.
+        """
+        at_work = library(strain, self.supply)
+        found = [kinks.at(strain) for kinks in self.kinks]
+        most = max(one.shape[2] for one in found)
+        # a kind has as many kinks as its tuning has rows: the others' are all at the end
+        more = [((0, 0), (0, 0), (0, most - one.shape[2])) for one in found]
+        padded = (at_work.pad(x, n, constant_values=1.0) for x, n in zip(found, more, strict=True))
+        kinks = at_work.concatenate(tuple(padded), axis=1)
+        if self.alone is None:
+            every = kinks.reshape(len(strain), 1, -1)
+            own = at_work.broadcast_to(every, (len(strain), self.states, every.shape[-1]))
+        else:
+            own = kinks[:, self.alone]
+        fixed = at_work.broadcast_to(
+            at_work.asarray([0.0, *_BETWEEN, 1.0]), (*own.shape[:2], 2 + len(_BETWEEN))
+        )
+        return at_work.sort(at_work.concatenate([own, fixed], axis=-1), axis=-1)
+
+    def _kept(self, found: tuple[Numbers, Numbers]) -> tuple[Numbers, Numbers]:
+        if self.resistance:
+            return found
+        return tuple(where(found[0] > 0, x, 0.0) for x in found)
+
+
+def bank(
+    muscles: Sequence[Muscle],
+    counts: Sequence[Any],
+    places: Sequence[int],
+    length: Numbers | None,
+    supply: Numbers,
+    states: States,
+    resistance: bool,
+) -> Bank:
+    """The bank of a bundle whose units have `counts` of the `muscles` at `places`; `length`:
+    between its plates [m], where that isn't the muscles' own; `supply` $P_s$ [Pa]; `states` of the
+    scheme [-].
+    """
+    groups = stacked(muscles)
+    rows = tuple(
+        Kinds(one, None if length is None else length / one.length, len(row)) for row, one in groups
+    )
+    order = [i for row, _ in groups for i in row]
+    column = [order.index(place) for place in places]
+
+    kinds = np.eye(len(order))[np.array(column)] * library(*counts).stack(counts)[:, None]
+    masks, counted = (states.throttled, states.unfed, states.full), states.counted
+    if states.independent:
+        # each unit by itself: what sets of them give is put together later
+        each, none = np.eye(len(places), dtype=bool), np.zeros((len(places),) * 2, bool)
+        masks, counted = (each, none, none), (np.diag(each), np.diag(each))
+    throttled, no, full = (x.astype(float) @ kinds for x in masks)
+    members = [{column[i] for i in np.flatnonzero(row)} for row in masks[0]]
+    alone = None
+    if all(len(one) == 1 for one in members):
+        alone = np.array([one.pop() for one in members])
+    kinks = tuple(_kinks(row, supply) for row in rows)
+    return Bank(rows, throttled, no, full, alone, kinks, supply, resistance, counted)
+
+
+def _kinks(row: Kinds, supply: Numbers) -> Kinks:
+    """The kinks of a row's muscles between no pressure and `supply` [Pa].
+
+    Free strain, onset and collapse come later the higher the pressure; from some level on the
+    last two come never, and the force jumps there: then the two levels of the table are given
+    between which that happens.
+    """
+    at_work = library(supply, *jax.tree.leaves(row.muscles))
+    levels = at_work.asarray(_TABLE)[:, None] * at_work.ones(row.size)
+    strain = row.kinks(levels * supply)
+    there = at_work.isfinite(strain)
+    last = at_work.argmin(there, axis=1) - 1  # of those before the first that is not
+    jumps = ~at_work.all(there, axis=1) & (last >= 0)
+    place = np.arange(len(_TABLE))[:, None]
+    beyond = (place > last[:, None]) & jumps[:, None]
+    ends = [at_work.asarray(_TABLE)[maximum(last + i, 0)][:, None] for i in (0, 1)]
+    found = [where(beyond, end, levels) for end in ends]
+    # rounding apart from the last that was seen, so that all larger strains lie beyond it
+    known = where(there & ~beyond, strain, -np.inf)
+    risen = running_most(where(beyond, -np.inf, known), 1)
+    return Kinks(
+        at_work.concatenate(found), at_work.concatenate([risen, risen]), _given(row, supply)
+    )
+
+
+def _given(row: Kinds, supply: Numbers) -> Numbers:
+    """Levels [-] at which the tuning's tables have kinks, a row for each kind."""
+    tuning = row.muscles.tuning
+    at_work = library(supply, tuning.pressures, tuning.dead_band)
+    band = at_work.asarray(tuning.dead_band)[..., None]
+    # the first row of a table is at zero, where the dead band ends
+    return at_work.broadcast_to(
+        (tuning.pressures + band) / supply, (row.size, tuning.pressures.shape[-1])
+    )

@@ -1,0 +1,198 @@
+r"""The inverse: the pressures that give a force at a strain.
+
+In recruitment state $k$ one throttled pressure $p$ is free (`free` tells of schemes whose units
+are independent), so a demanded force $F_d$ asks for the roots of
+
+$$F_k(p, \varepsilon) = F_d, \qquad 0 \le p \le P_s, \quad k = 1 \dots n. \tag{B9}$$
+
+There may be several, in one state and in several: past its free strain a muscle resists
+more at a low pressure than at none, so that the force falls with pressure before it rises.
+All of them are found, as crossings of the states' curves, and one is chosen.
+
+*Efficiency.* The fluid energy (29), $P_s \sum n_i (V_i(\varepsilon) - V_i(0))$ over the
+active units, doesn't depend on the throttled pressure, and in orderly and batch recruitment the
+active units of a state are among those of the next. While a muscle's volume grows with
+contraction the lowest state is the cheapest; within it, the lowest pressure is taken. At
+$\varepsilon \le 0$, where volumes shrink or stay, the lowest state is taken as well, for want of
+an order. Where a scheme feeds other units in a later state, the energies are compared.
+
+*Derivatives.* The pressure chosen is a root of (B9) and has its implicit derivative, where
+it moves smoothly: not where two solutions meet, and not where the choice changes.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ...core.arrays import library, where
+from ...core.roots import guarded, still
+from ...core.types import AnyArray, Numbers
+from ..states import States
+from .curves import Bank
+from .levels import Found, solve
+
+
+REACHED, ABOVE, BELOW = 0, 1, 2
+
+
+class Solutions(NamedTuple):
+    """All solutions on the last axis, by state and pressure: the throttled `pressure` [Pa],
+    the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
+    """
+
+    pressure: Float[AnyArray, "*points solution"]
+    state: Int[AnyArray, "*points solution"]
+    stable: Bool[AnyArray, "*points solution"]
+
+
+class Recruited(NamedTuple):
+    """What to do for a demanded force. `pressures` [Pa], units on the last axis; `state`,
+    counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is
+    above what is reachable there, 2 below: then all this is the nearest reachable force's.
+    `stable`: the force falls with strain at these pressures. `solutions`, and their `count`.
+    `unit`: the one that is throttled, the first of them, counted from 1.
+    """
+
+    pressures: Numbers
+    state: Int[AnyArray, "*points"]
+    force: Float[AnyArray, "*points"]
+    status: Int[AnyArray, "*points"]
+    stable: Bool[AnyArray, "*points"]
+    solutions: Solutions
+    count: Int[AnyArray, "*points"]
+    unit: Int[AnyArray, "*points"]
+
+
+def recruited(
+    live: Bank,
+    force: Numbers,
+    strain: Numbers,
+    present: Numbers | None = None,
+    taken: Numbers | None = None,
+    *,
+    states: States,
+) -> Recruited:
+    """Equation (B9) solved.
+
+    **Arguments:**
+
+    - `live`: the bundle's curves [-].
+    - `force`: demanded [N], one for each `strain`.
+    - `strain`: the bundle's contractions [-].
+    - `present`: pressures now [Pa], units last, or None.
+    - `taken`: by each unit since rest [m³], units last; or None where states feed more and more.
+    - `states`: of the scheme [-].
+
+    **Returns:** what to do for each demand [-].
+    """
+    fixed, f, eps = still((live, force, strain))
+    at_work = library(f, eps, fixed.supply)
+    found = solve(fixed, f, eps)
+    met = found.met
+    reached = found.count > 0
+
+    cost = where(met, np.arange(met.shape[1]) + 0.0, np.inf)  # they are in this order already
+    if present is not None:
+        every = states.pressures(found.state, found.level, fixed.supply)
+        apart = at_work.sum((every - still(present)[:, None]) ** 2, axis=-1)
+        cost = where(met, apart, np.inf)
+    elif taken is not None:
+        fed = at_work.maximum(still(taken), 0.0) @ states.fed.T.astype(float)
+        cost = where(met, at_work.take_along_axis(fed, found.state, axis=1), np.inf)
+    taken = at_work.argmin(cost, axis=1)[:, None]
+    state, level = (
+        where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
+        for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
+    )
+    there, slope, firm = _at_ends(fixed, found, state, level, eps)
+    level, there = _live(live, force, strain, state, level, reached, there)
+    return Recruited(
+        pressures=states.pressures(state, level, live.supply),
+        state=state + 1,
+        force=there,
+        status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
+        stable=slope < 0,
+        solutions=Solutions(
+            pressure=where(met, found.level * fixed.supply, np.nan),
+            state=where(met, found.state + 1, 0),
+            stable=firm,
+        ),
+        count=found.count,
+        unit=at_work.asarray(states.leading)[state] + 1,
+    )
+
+
+def carried(
+    live: Bank, force: Numbers, strain: Numbers, found: Recruited, *, states: States
+) -> Recruited:
+    """What was found without derivatives, with them.
+
+    **Arguments:**
+
+    - `live`: the bundle's curves [-].
+    - `force`: demanded [N], one for each `strain`.
+    - `strain`: the bundle's contractions [-].
+    - `found`: for them [-].
+    - `states`: of the scheme [-].
+
+    **Returns:** the same [-].
+    """
+    state, at_work = found.state - 1, library(found.pressures)
+    level = at_work.take_along_axis(found.pressures, found.unit[:, None] - 1, axis=1)[:, 0]
+    reached = found.status == REACHED
+    level = level / still(live.supply)
+    level, there = _live(live, force, strain, state, level, reached, found.force)
+    pressures = states.pressures(state, level, live.supply)
+    return found._replace(pressures=pressures, force=there)
+
+
+def _at_ends(
+    fixed: Bank, found: Found, state: Any, level: Numbers, strain: Numbers
+) -> tuple[Numbers, Numbers, Any]:
+    """Force [N] in the `state` and at the `level` [-] taken, its slope in strain [N], and which of
+    the solutions are stable.
+    """
+    if library(level) is np:  # only those that there are
+        owner, slot = np.nonzero(found.met)
+        states = np.concatenate([state, found.state[owner, slot]])
+        levels = np.concatenate([level, found.level[owner, slot]])
+        force, slope = fixed.state_force(states, levels, np.concatenate([strain, strain[owner]]))
+        firm, count = np.zeros(found.met.shape, bool), len(state)
+        firm[owner, slot] = slope[count:] < 0
+        return force[:count], slope[:count], firm
+    at_work = library(level)
+    states, levels = (
+        at_work.concatenate([own[:, None], x], axis=1)
+        for own, x in ((state, found.state), (level, found.level))
+    )
+    every = at_work.broadcast_to(strain[:, None], levels.shape)
+    flat = (x.reshape(-1) for x in (states, levels, every))
+    force, slope = (x.reshape(levels.shape) for x in fixed.state_force(*flat))
+    return force[:, 0], slope[:, 0], found.met & (slope[:, 1:] < 0)
+
+
+def _live(
+    live: Bank,
+    force: Numbers,
+    strain: Numbers,
+    state: Any,
+    level: Numbers,
+    reached: Any,
+    there: Numbers,
+) -> tuple[Numbers, Numbers]:
+    """The `level` [-] found and the force [N] that it gives `there`, with their derivatives."""
+    if library(force, strain, live.supply, level) is np:
+        return level, there
+    fixed, eps = still((live, strain))
+    given, _ = live.state_force(state, level, strain)
+    _, slope = jax.jvp(
+        lambda u: fixed.state_force(state, u, eps)[0], (level,), (jnp.ones_like(level),)
+    )
+    # it is met already: Newton's step carries derivatives alone
+    moves = reached & (slope != 0)
+    short = where(moves, force - given, 0.0)
+    moved = level + (short - still(short)) / guarded(moves, slope)
+    return moved, where(reached, force + still(there - force), given)

@@ -1,0 +1,1 @@
+"""What a fit found: how sure it is, and what it leaves."""

@@ -1,0 +1,184 @@
+"""What of a record goes into a fit, and what became of the rest: all of it is counted."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...records.record import UNKNOWN, Record
+from .grid import LONGEST, Gathered, Grid, gathered, trimmed
+
+
+_SMALL = 0.1  # of a level's largest force: what noise may be where a gauge reads none
+_NOISE = 0.02  # of the largest force, the same
+_IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """A record as it is fitted.
+
+    - `record`: the readings that are fitted [-], their branches told apart where they can be.
+    - `gathered`: where each of them went [-].
+    - `read`: how many readings were read [-].
+    - `left_out`: how many of these are not fitted, by the reason why [-].
+    - `slack`: how many small forces among clipped ones were taken for clipped as well [-].
+    """
+
+    record: Record
+    gathered: Gathered
+    read: int
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    slack: int = 0
+
+    @property
+    def data(self) -> Grid:
+        """The tables of a fit [-]."""
+        return self.gathered.data
+
+    @property
+    def clipped(self) -> int:
+        """Readings that only say "not above" [-]."""
+        return int(np.sum(self.record.censored))
+
+    @property
+    def pulls(self) -> bool:
+        """Whether all that was measured pulls: the tension law is all that is needed [-]."""
+        force = self.record.force[~self.record.censored]
+        return bool(force.size and np.min(force) > 0)
+
+    def counts(self) -> dict[str, int]:
+        """Readings by what became of them [-]."""
+        return {
+            "read": self.read,
+            **{f"left out: {why}": count for why, count in self.left_out.items()},
+            "clipped": self.clipped,
+            "clipped as noise": self.slack,
+            "averaged": self.gathered.averaged,
+            "means": self.gathered.means,
+            "pressures": int(self.gathered.level.max()) + 1,
+        }
+
+    def words(self) -> list[str]:
+        """The same in sentences [-]."""
+        lines = [f"{self.read} readings read"]
+        lines += [f"{count} left out: {why}" for why, count in self.left_out.items()]
+        if not self.left_out:
+            lines[0] += ", none left out"
+        if self.clipped:
+            lines.append(f"{self.clipped} clipped: they only say that the force was not above zero")
+        if self.slack:
+            lines.append(
+                f"{self.slack} of these are small forces past the strain from which the others of"
+                " their pressure are clipped: taken for noise"
+            )
+        made = self.gathered
+        if made.averaged:
+            lines.append(
+                f"{made.averaged} averaged into {made.means} means for the fit, in steps of strain,"
+                " each way by itself; errors are those of all readings"
+            )
+        levels, seen = int(made.level.max()) + 1, np.unique(self.record.pressure).size
+        if seen > levels:
+            lines.append(f"{seen} pressures gathered into {levels} levels")
+        return lines
+
+    def errors(self, force: np.ndarray, strain: np.ndarray) -> np.ndarray:
+        """Measured less fitted force of each reading [N], NaN where it is clipped; from the model's
+        `force` [N] at the tables' places, which lie at this `strain` of the record [-].
+        """
+        record, made = self.record, self.gathered
+        place = made.level, made.place
+        at = force[place]
+        if made.averaged:
+            slopes = _slopes(force, strain, np.asarray(self.data.count))
+            at = at + (record.strain - strain[place]) * slopes[place]
+        return np.where(record.censored, np.nan, record.force - at)
+
+
+def taken(record: Record) -> Taken:
+    """What of a `record` [-] is fitted: readings of a record in time that belong to sweeps, without
+    the ramps between them.
+    """
+    branches, ramps = _branches(record)
+    read, left_out = len(record), {}
+    if record.time is not None and 0 < np.sum(ramps) < len(record) / 2:
+        left_out = {"on ramps between sweeps": int(np.sum(ramps))}
+        note = f"{np.sum(ramps)} readings of ramps between sweeps left out of the fit"
+        record, branches = record.only(~ramps, note), branches[~ramps]
+    record = replace(record, branch=branches)
+    return Taken(record, gathered(record), read, left_out)
+
+
+def pulling_of(of: Taken, longest: int = LONGEST) -> Taken:
+    """The same as a gauge would have `taken` it that only pulls, for the tension law alone: pushes
+    are clipped at zero, and so is the noise that such a gauge reads past a free strain; at most
+    `longest` readings [-] at a pressure.
+    """
+    record = of.record
+    below = (record.force <= 0) & ~record.censored
+    slack = _slack(of, record.censored | below)
+    if not np.any(below | slack) and longest == LONGEST:
+        return of
+    gone = record.censored | below | slack
+    clipped = replace(record, force=np.where(gone, 0.0, record.force), censored=gone)
+    return replace(
+        of, record=clipped, gathered=gathered(clipped, longest), slack=int(np.sum(slack))
+    )
+
+
+def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
+    """Readings that aren't `clipped` [-], but lie where most others of their level are, and are
+    small: a force that falls with strain is gone once it has gone.
+    """
+    force, strain = of.record.force, of.record.strain
+    out, top = np.zeros(force.size, dtype=bool), float(np.max(force))
+    idle = of.record.pressure < _IDLE * float(np.max(of.record.pressure))
+    order = np.lexsort((strain, of.gathered.level))
+    for points in np.split(order, np.flatnonzero(np.diff(of.gathered.level[order])) + 1):
+        gone = clipped[points]
+        if np.all(gone) or not (np.any(gone) or idle[points[0]]):
+            continue
+        # where the level ends to pull: most before it do, and most beyond it don't
+        right = np.concatenate([[0], np.cumsum(~gone)]) + np.concatenate(
+            [np.cumsum(gone[::-1])[::-1], [0]]
+        )
+        ends = 0 if idle[points[0]] else int(np.argmax(right))
+        small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
+        out[points] = (np.arange(points.size) >= ends) & ~gone & small
+    return out
+
+
+def shown(table: np.ndarray, data: Grid) -> np.ndarray:
+    """Of a `table` of places [any] those of `trimmed` data [-]."""
+    rows, columns = np.shape(trimmed(data).count)
+    return np.asarray(table)[:rows, :columns]
+
+
+def _branches(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Branches as the record tells them, or as its sweeps turn [-]; and which are on ramps."""
+    from ...records.splitting import runs
+
+    branches, ramps = record.branch.copy(), np.zeros(len(record), dtype=bool)
+    told = bool(np.any(branches != UNKNOWN))
+    for run in runs(record):
+        ramps[run.points] = run.kind == "mixed"
+        if not told and run.kind != "mixed":
+            branches[run.points] = run.branch
+    return branches, ramps
+
+
+def _slopes(force: np.ndarray, strain: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """How the model's force [N] changes with strain [-] from one place of a level to the next."""
+    out = np.zeros(force.shape)
+    for row in range(len(force)):
+        places = np.flatnonzero(count[row] > 0)
+        places = places[np.argsort(strain[row, places], kind="stable")]
+        x = strain[row, places]
+        # the means of both branches may lie a rounding apart
+        apart = np.concatenate([[True], np.diff(x) > 1e-6 * np.ptp(x)]) if x.size else []
+        kept = places[apart]
+        if kept.size > 1:
+            slope = np.gradient(force[row, kept], strain[row, kept])
+            out[row, places] = np.interp(x, strain[row, kept], slope)
+    return out

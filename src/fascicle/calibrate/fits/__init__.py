@@ -1,0 +1,1 @@
+"""The fit itself, and the choice among several."""

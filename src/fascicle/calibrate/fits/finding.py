@@ -1,0 +1,206 @@
+"""Finding the fit: what a record can tell is tried, and chosen by readings that were left out.
+
+Where a muscle pulls, the tension law is all of the model, so what is free of it is chosen there
+first, on the record as a gauge that only pulls would have seen it. Tried are the muscle as given,
+sets of its constants, and the paper's tuning. Where the record shows what resists, the best set
+and the paper's tuning are then fitted with the factors on all that resists, to all readings.
+
+A candidate is judged by its error at pressures that it did not see. Of those that are no worse
+than the best the one with the fewest constants is taken: what the data don't ask for isn't
+fitted.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core.checks import one_of
+from ...muscle import Muscle
+from ...records.record import Record
+from ..after.calibration import Calibration, largest_force
+from ..after.leaving_out import folds, without
+from ..data.grid import WEIGHTS, Grid
+from ..data.pulling import force_of, untuned
+from ..data.readings import read, tables_of
+from ..data.taking import Taken, pulling_of, taken
+from ..problem.beginning import STARTS, Prior, Search, begun, on_length
+from ..problem.linear import linear
+from ..problem.misfit import LOSSES
+from ..problem.parameters import named
+from ..problem.searching import places_of, settled
+from .candidates import longer, sets
+from .choosing import (
+    AS_GIVEN,
+    TUNING,
+    Candidate,
+    Trial,
+    chosen,
+    differences,
+    marked,
+    reasons,
+    trial,
+)
+from .fitting import fitted
+from .resisting import FACTOR_NAMES, resisting
+
+
+_LONGEST = 64  # readings at a pressure while candidates are tried
+_STARTS = 2  # places each begins from, beside where the one before it ended
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The calibration that was found for a record: `made`; the `candidates` it was chosen from;
+    and the `reasons`, a line each.
+    """
+
+    made: Calibration
+    candidates: tuple[Candidate, ...] = ()
+    reasons: tuple[str, ...] = ()
+
+
+def find(
+    record: Record,
+    muscle: Muscle,
+    priors: Mapping[str, Prior] | None = None,
+    *,
+    loss: str = "linear",
+    weights: str = "uniform",
+    starts: int = STARTS,
+    seed: int = 0,
+    tell: Callable[[str], object] = lambda _: None,
+) -> Choice:
+    """Find out what a record can tell of a muscle, and fit that.
+
+    **Arguments:**
+
+    - `record`: what was measured [-].
+    - `muscle`: sizes, laws and constants to begin with [-].
+    - `priors`: what is known of some constants beforehand [-]; these are always free.
+    - `loss`, `weights`, `starts`, `seed`: as `fit` [-].
+    - `tell`: is told what is being done [-].
+
+    **Returns:** the choice, with all that was tried [-].
+
+    **Raises:** `ValueError` as `fit`.
+    """
+    of, given = taken(record), dict(priors or {})
+    search = Search(loss, weights, starts, seed, whole=False)
+    one_of(loss, LOSSES, "loss")
+    one_of(weights, WEIGHTS, "weights")
+    if given:
+        named(list(given), muscle)  # refuses what no muscle has
+    tell("trying what the record can tell")
+    trials, noise = _tension(pulling_of(of, _LONGEST), muscle, given, search)
+    if not trials:  # nothing pulls: the fit says what is missing
+        return Choice(fitted(of, muscle, None, None, replace(search, whole=True)))
+    if of.pulls:
+        best = chosen(trials, noise, loss)
+        tell("fitting")
+        names = None if best.candidate.method == "tuning" else best.candidate.names
+        told = {name: prior for name, prior in given.items() if name in (names or ())}
+        made = fitted(of, muscle, names, told, search)
+        return Choice(made, marked(trials, best), reasons(trials, best))
+    tell("fitting what resists")
+    search = replace(search, whole=True)
+    best = chosen([one for one in trials if one.candidate.method == "constants"], noise, loss)
+    last, fits = resisting(of, muscle, given, search, best.candidate.names)
+    end = chosen(last, noise, loss)
+    told = (
+        f"Where the muscle pulls {best.candidate.label} is best.",
+        *differences(trials, best),
+        *reasons(last, end),
+    )
+    every = (*marked(trials, best), *marked(last, end))
+    return Choice(fits[last.index(end)], every, told)
+
+
+def _tension(
+    of: Taken, muscle: Muscle, given: Mapping[str, Prior], search: Search
+) -> tuple[list[Trial], float]:
+    """What can be free where the muscle pulls, each with its left-out error; and the noise of a
+    reading [N], 0 where it can't be seen.
+    """
+    measured = int(np.sum(of.data.uncensored))
+    if not measured:
+        return [], 0.0
+    always = [name for name in given if name not in FACTOR_NAMES]
+    trials, near = [], {}
+
+    def tried(names: tuple[str, ...]) -> None:
+        if len(names) < measured:
+            told = {name: prior for name, prior in given.items() if name in names}
+            begin = replace(search, near=dict(near), starts=min(search.starts, _STARTS))
+            trials.append(_constants(of, muscle, names, told, begin, near))
+
+    for names in sets(muscle, always):
+        tried(names)
+    noise = read(muscle, on_length(of.data, of.record, muscle)).noise
+    for names in longer(chosen(trials, noise, search.loss).candidate.names):
+        tried(names)
+    # a tuning has no place for what is known of constants
+    tuning = [] if always else _tuning(of, muscle, search.loss)
+    return [*trials[:1], *tuning, *trials[1:]], noise
+
+
+def _constants(
+    of: Taken,
+    muscle: Muscle,
+    names: tuple[str, ...],
+    priors: Mapping[str, Prior],
+    search: Search,
+    near: dict[str, float],
+) -> Trial:
+    """A set of constants; where it ended is noted in `near`, for the next to begin from."""
+    problem, _ = begun(of, muscle, names or ("braid_angle",), priors, search)
+    every = np.asarray(problem.center)
+    if names:
+        problem, _, every, _ = settled(problem, problem.whole(places_of(problem, search)), None)
+        names_there = [one.name for one in problem.fitted]
+        near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
+    else:
+        problem = replace(problem, free=np.zeros(len(problem.parameters), dtype=bool))
+    force = linear(problem, every).force
+    unseen = np.full(force.shape, np.nan) if names else force
+    for fold in folds(problem.data) if names else ():
+        unseen[fold] = without(problem, every, fold)[fold]
+    return _trial(of, names, "constants", len(names), force, unseen, search.loss)
+
+
+def _tuning(of: Taken, muscle: Muscle, loss: str) -> list[Trial]:
+    """The paper's tuning where the muscle pulls, if blocked force and free strain can be read."""
+    data, count = on_length(of.data, of.record, muscle), np.asarray(of.data.count)
+    law, P, strain = untuned(muscle), np.asarray(data.pressure), np.asarray(data.strain)
+
+    def forces(seen: Grid) -> tuple[np.ndarray, int] | None:
+        readings = read(muscle, seen)
+        if not np.any(readings.valid):
+            return None
+        c1, c2 = (x[:, None] for x in tables_of(muscle, readings, P[:, 0]))
+        return c2 * (force_of(law, P, strain)[0] - c1), readings.order + 3
+
+    first = forces(data)
+    if first is None:
+        return []
+    unseen = np.full(count.shape, np.nan)
+    for fold in folds(data):
+        found = forces(replace(data, count=np.where(fold, 0.0, count)))
+        if found is not None:
+            unseen[fold] = found[0][fold]
+    return [_trial(of, (), "tuning", first[1], first[0], unseen, loss)]
+
+
+def _trial(
+    of: Taken,
+    names: tuple[str, ...],
+    method: str,
+    constants: int,
+    force: np.ndarray,
+    unseen: np.ndarray,
+    loss: str,
+) -> Trial:
+    label = ", ".join(names) or (AS_GIVEN if method == "constants" else TUNING)
+    strain, top = np.asarray(of.data.strain), largest_force(of.record)
+    errors, left = of.errors(force, strain), of.errors(unseen, strain)
+    return trial(label, names, method, constants, errors, left, loss, top)

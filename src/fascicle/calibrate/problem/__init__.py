@@ -1,0 +1,1 @@
+"""What is fitted to a record, and how it is solved for."""

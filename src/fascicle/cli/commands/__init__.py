@@ -1,0 +1,1 @@
+"""A command a module: its options, and what it calls and prints."""

@@ -1,0 +1,86 @@
+"""`fascicle free-strain`: where a muscle's or a bundle's force vanishes."""
+
+from typing import Any
+
+from ..inputs import check_grid, is_bundle, read_list, read_states, read_target
+from ..options import (
+    DEFAULT_PRESSURE,
+    AsCsv,
+    AsJson,
+    NoResistance,
+    Out,
+    Plot,
+    Pressures,
+    Replace,
+    Target,
+)
+from ..outputs import Outputs
+from ..problems import UserError, refusing
+from ..states import check_zeros, show_states
+from ..tables import decimals, number, show
+
+
+def run(
+    file: Target,
+    pressure: Pressures = None,
+    no_resistance: NoResistance = False,
+    as_json: AsJson = False,
+    as_csv: AsCsv = False,
+    out: Out = None,
+    plot: Plot = None,
+    overwrite: Replace = False,
+) -> None:
+    """Free strain of a muscle or a bundle.
+
+    With a muscle's blocked force and collapse, or all of a bundle's equilibria.
+    """
+    outputs = Outputs(as_json, as_csv, out, plot, overwrite)
+    found = read_target(file)
+    from ..compute import bundle_equilibria, muscle_free_strain
+
+    if is_bundle(found):
+        states = read_states(pressure, found)
+        check_grid(len(states), len(states[0]))
+        with refusing():
+            variables = bundle_equilibria(found, states, not no_resistance)
+        table = show_states
+    else:
+        if no_resistance:
+            raise UserError("--no-resistance: it is for bundles; a muscle's free strain has none.")
+        text = ",".join(pressure or [DEFAULT_PRESSURE])
+        pressures = read_list(text, "pressure", "--pressure")
+        with refusing():
+            variables = muscle_free_strain(found, pressures)
+        table = _table
+    outputs.give(
+        variables,
+        lambda: table(variables),
+        lambda: _figure(variables),
+        title=f"Free strain of {file}",
+    )
+    check_zeros(variables)
+
+
+def _table(variables: Any) -> None:
+    columns = [variable.values.tolist() for variable in variables.values()]
+    places = [
+        4 if name.endswith("strain") else decimals(column)
+        for name, column in zip(variables, columns, strict=True)
+    ]
+    rows = [
+        [f"{row[0] / 1e3:.6g}", *(number(x, n) for x, n in zip(row[1:], places[1:], strict=True))]
+        for row in zip(*columns, strict=True)
+    ]
+    heads = ["pressure kPa", "free strain", "blocked force N", "collapse strain", "at N m"]
+    show("Free strain, blocked force and collapse", heads, rows)
+
+
+def _figure(variables: Any) -> Any:
+    from ..figures import free_strain
+
+    if "pressure" in variables:
+        return free_strain(variables["pressure"].values, variables["free_strain"].values)
+    # of a bundle, over the pressure that varies most
+    pressures = variables["pressures"].values
+    most = (pressures.max(axis=0) - pressures.min(axis=0)).argmax()
+    return free_strain(pressures[:, most], variables["free_strain"].values)

@@ -1,0 +1,202 @@
+"""An array library's functions, chosen by what they are given.
+
+A law is written once, with these. Numbers and NumPy arrays stay NumPy's, and are answered at
+once; where a JAX array or a tracer is among the arguments the result is JAX's, compiled,
+batched and differentiated as its caller asks. Other libraries (symbols, from which C is
+written) are made known by `register`.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .dual import Dual
+
+
+_PLAIN = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
+_SCALAR = (float, int, np.generic)
+_OTHERS: dict[type, Any] = {}
+
+
+def register(kind: type, functions: Any) -> None:
+    """Let arrays of a `kind` [-] be worked on by `functions` [-], named as NumPy's are."""
+    _OTHERS[kind] = functions
+
+
+def library(*values: Any) -> Any:
+    """The library [-] that computes with all of `values` [-], single arrays or numbers."""
+    found = np
+    for value in values:
+        if type(value) in _PLAIN:
+            continue
+        if isinstance(value, jax.Array):
+            found = jnp
+        elif type(value) in _OTHERS:
+            return _OTHERS[type(value)]
+    return found
+
+
+def given(*values: Any) -> bool:
+    """Whether all `values` [-] are numbers or NumPy's arrays."""
+    return all(type(value) in _PLAIN or isinstance(value, np.generic) for value in values)
+
+
+def where(condition: Any, this: Any, other: Any) -> Any:
+    """Where the `condition` holds `this`, else the `other`, elementwise."""
+    # numbers are decided at once: NumPy's own `where` takes a microsecond and more for them
+    if isinstance(condition, bool | np.bool_) and (
+        isinstance(this, _SCALAR) and isinstance(other, _SCALAR)
+    ):
+        return this if condition else other
+    return library(condition, this, other).where(condition, this, other)
+
+
+# symbols have no `&`, `|` and `~`
+
+
+def both(this: Any, other: Any) -> Any:
+    """Whether two conditions hold, elementwise."""
+    at_work = library(this, other)
+    return at_work.logical_and(this, other) if type(this) in _OTHERS else this & other
+
+
+def either(this: Any, other: Any) -> Any:
+    """Whether one of two conditions holds, elementwise."""
+    at_work = library(this, other)
+    return at_work.logical_or(this, other) if type(this) in _OTHERS else this | other
+
+
+def no(condition: Any) -> Any:
+    """Whether a condition doesn't hold, elementwise."""
+    if type(condition) in _OTHERS:
+        return library(condition).logical_not(condition)
+    return not condition if isinstance(condition, bool) else ~condition
+
+
+def sqrt(x: Any) -> Any:
+    """Square root."""
+    return library(x).sqrt(x)
+
+
+def exp(x: Any) -> Any:
+    """Exponential."""
+    return library(x).exp(x)
+
+
+def expm1(x: Any) -> Any:
+    """Exponential less one, exact near zero."""
+    return library(x).expm1(x)
+
+
+def log(x: Any) -> Any:
+    """Natural logarithm."""
+    return library(x).log(x)
+
+
+def log1p(x: Any) -> Any:
+    """Natural logarithm of one and `x`, exact near zero."""
+    return library(x).log1p(x)
+
+
+def sin(x: Any) -> Any:
+    """Sine of an angle [rad]."""
+    return library(x).sin(x)
+
+
+def cos(x: Any) -> Any:
+    """Cosine of an angle [rad]."""
+    return library(x).cos(x)
+
+
+def tan(x: Any) -> Any:
+    """Tangent of an angle [rad]."""
+    return library(x).tan(x)
+
+
+def arcsin(x: Any) -> Any:
+    """The angle [rad] of a sine."""
+    return library(x).arcsin(x)
+
+
+def arccos(x: Any) -> Any:
+    """The angle [rad] of a cosine."""
+    return library(x).arccos(x)
+
+
+def absolute(x: Any) -> Any:
+    """Size without sign."""
+    return library(x).absolute(x)
+
+
+def minimum(x: Any, y: Any) -> Any:
+    """The smaller of two, elementwise."""
+    return library(x, y).minimum(x, y)
+
+
+def maximum(x: Any, y: Any) -> Any:
+    """The larger of two, elementwise."""
+    return library(x, y).maximum(x, y)
+
+
+def isfinite(x: Any) -> Any:
+    """Whether it is neither infinite nor NaN."""
+    return library(x).isfinite(x)
+
+
+# nodes lie on a first axis of their own, so that everything else broadcasts as it did
+
+
+def nodes(values: Any, like: Any) -> Any:
+    """The `values` on a first axis, ahead of all those that `like` has."""
+    at_work = library(like)
+    if type(like) in _OTHERS:
+        return at_work.asarray(values)
+    return at_work.asarray(values).reshape((-1,) + (1,) * np.ndim(like))
+
+
+def over(x: Any, like: Any) -> Any:
+    """What has nodes on its first axis, laid over all axes that `like` has."""
+    if type(x) in _OTHERS:
+        return x
+    more = np.ndim(like) + 1 - np.ndim(x)
+    return x if more <= 0 else x.reshape(x.shape[:1] + (1,) * more + x.shape[1:])
+
+
+def total(x: Any) -> Any:
+    """Sum over the nodes."""
+    return library(x).sum(x, axis=0)
+
+
+def least(x: Any) -> Any:
+    """The smallest of the nodes."""
+    return library(x).min(x, axis=0)
+
+
+def most(x: Any) -> Any:
+    """The largest of the nodes."""
+    return library(x).max(x, axis=0)
+
+
+def spread(x: Any) -> Any:
+    """`x` with a new last axis, along which a table goes."""
+    if type(x) in _OTHERS:
+        return x
+    return (x if isinstance(x, Dual) else library(x).asarray(x))[..., None]
+
+
+def along_table(x: Any) -> Any:
+    """Sum over that last axis."""
+    return library(x).sum(x, axis=0 if type(x) in _OTHERS else -1)
+
+
+def stack(rows: Any) -> Any:
+    """Several arrays, made equally large, on a new first axis."""
+    at_work = library(*rows)
+    return at_work.stack(at_work.broadcast_arrays(*rows))
+
+
+def running_most(x: Any, axis: int) -> Any:
+    """The largest so far, along an axis."""
+    return jax.lax.cummax(x, axis) if library(x) is jnp else np.maximum.accumulate(x, axis)

@@ -1,0 +1,117 @@
+r"""A constant of a law, declared once, for all who read it.
+
+Constructors check it, files read and write it, fits move it, the explorer has a field for it and
+the docs a row in a table: all from one declaration beside the law's equation,
+
+    force_factor: Batch = Constant(
+        "force_factor", "f_F", "number", (1e-4, 0.1, 10.0, 1e4), POSITIVE, 1.0,
+        "on the force: measured over ideal blocked force", "Meller et al. (2014)",
+    ).field()
+
+A `Switch` is the same for what is chosen by name among few.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import equinox as eqx
+
+from ..units import DIMENSIONS
+from .arrays import exp, log
+from .checks import finite, one_of, positive
+from .limits import Range, plausible
+from .types import Batch, Values
+
+
+class Transform(NamedTuple):
+    """The scale on which a fit moves a constant: the `coordinate` of a value, and the `value`
+    back; whether its interval is `even` about the value, not in the coordinate.
+    """
+
+    coordinate: Callable[[Batch], Batch]
+    value: Callable[[Batch], Batch]
+    even: bool = False
+
+
+POSITIVE = Transform(log, exp)
+
+
+def signed(scale: float) -> Transform:
+    """The scale of a constant of either sign, on which `scale` [SI] is a large step."""
+    return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number of a law.
+
+    - `name`: of the argument and of the key in files [-].
+    - `symbol`: in TeX [-].
+    - `dimension`: a key of `units.DIMENSIONS` [-].
+    - `bounds`: the least that can be, the low and high ends of what is usual, the largest that
+      can be [SI]; it must be positive where the least one is.
+    - `transform`: for fits [-]; `None` where none moves it.
+    - `default`: where it is left out [SI]; `None` where it can't be.
+    - `about`: what it is, in a few words [-].
+    - `source`: author and year [-].
+    """
+
+    name: str
+    symbol: str
+    dimension: str
+    bounds: tuple[float, float, float, float]
+    transform: Transform | None = None
+    default: float | None = None
+    about: str = ""
+    source: str = ""
+
+    @property
+    def range(self) -> Range:
+        """Its bounds with their SI unit [-]."""
+        return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
+
+    def checked(self, value: Values) -> Batch:
+        """A value of it, looked at.
+
+        **Arguments:** `value`: in the SI unit of its dimension [-].
+
+        **Returns:** the same as floats [-].
+
+        **Raises:** `ValueError`, one line, for what can't be; for the unusual there is a warning.
+        """
+        known = self.range
+        check = positive if known.least > 0 else finite
+        return plausible(check(value, self.name, known.unit), self.name, known)
+
+    def field(self) -> Any:
+        """A law's field [-] that is checked as it is set, and tells of its constant."""
+        left_out: dict[str, Any] = {} if self.default is None else {"default": self.default}
+        return eqx.field(converter=self.checked, metadata={"constant": self}, **left_out)
+
+    def told(self) -> Any:
+        """A field [-] that its class checks itself, and tells of its constant."""
+        return eqx.field(metadata={"constant": self})
+
+
+@dataclass(frozen=True)
+class Switch:
+    """What a law lets choose by name: `name` of the argument, its `options`, the first of them
+    where it is left out, what it is `about` and its `source` [-].
+    """
+
+    name: str
+    options: tuple[str, ...]
+    about: str = ""
+    source: str = ""
+
+    def checked(self, value: str) -> str:
+        """Return `value` [-] if it is an option; else `ValueError`, one line."""
+        return one_of(value, self.options, self.name)
+
+    def field(self) -> Any:
+        """A law's field [-] that is checked as it is set, and tells of its switch."""
+        return eqx.field(
+            converter=self.checked, static=True, default=self.options[0],
+            metadata={"switch": self},
+        )  # fmt: skip

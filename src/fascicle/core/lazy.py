@@ -1,0 +1,67 @@
+"""Packages whose names load what they need when they are first used; and names that moved.
+
+The command line's help needs no JAX, laws need no pint: a package says where each of its names
+is at home, and imports nothing for it. A module that went elsewhere is found under its old name,
+by `import` and as an attribute, and warns with the new one until a later version drops it.
+"""
+
+import importlib
+import sys
+import warnings
+from collections.abc import Callable, Mapping
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+
+_WENT: dict[str, str] = {}
+
+
+def lazily(
+    package: str, homes: Mapping[str, str], went: Mapping[str, str] | None = None
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """`__getattr__` and `__dir__` of a package.
+
+    **Arguments:**
+
+    - `package`: its name [-].
+    - `homes`: its names, and in which of its modules each is; for a module itself "" [-].
+    - `went`: modules that it had, and where they are now in fascicle [-].
+
+    **Returns:** the two functions [-].
+    """
+    old = {f"{package}.{name}": f"fascicle.{new}" for name, new in (went or {}).items()}
+    _WENT.update(old)
+    if old and not any(isinstance(finder, _Successors) for finder in sys.meta_path):
+        sys.meta_path.append(_Successors())
+
+    def found(name: str) -> Any:
+        if homes.get(name):
+            return getattr(importlib.import_module(f".{homes[name]}", package), name)
+        if name in homes or f"{package}.{name}" in old:
+            return importlib.import_module(f".{name}", package)
+        raise AttributeError(f"module {package!r} has no attribute {name!r}")
+
+    return found, lambda: sorted({*vars(sys.modules[package]), *homes})
+
+
+class _Successors:
+    """Finds modules that moved, after all other finders, as what hands on to their successors."""
+
+    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
+        """Where a module of that `name` [-] is to be found; `None` for those that never moved."""
+        loader: Any = self
+        return ModuleSpec(name, loader, is_package=True) if name in _WENT else None
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """An empty module [-] of an old name."""
+        return ModuleType(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Let the `module` [-] hand out what its successor has, and say where that is."""
+        successor = _WENT[module.__name__]
+        module.__getattr__ = lambda name: getattr(importlib.import_module(successor), name)
+        # the import system's own frames are skipped, so that the caller's line is shown
+        warnings.warn(
+            f"`{module.__name__}` has moved to `{successor}`.", DeprecationWarning, stacklevel=2
+        )

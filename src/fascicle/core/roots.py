@@ -1,0 +1,226 @@
+r"""Roots, series and elliptic integrals, elementwise, in whatever array library is at work.
+
+A root is searched for with the slope that its residual gives, and without any derivative.
+Two Newton steps from it, $x - f/f'$, carry every derivative up to the third: at the root the
+first makes $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$, and each step doubles the orders
+that are right. So no iteration is ever differentiated, and a law stays a pure function.
+
+**Source:** complete elliptic integrals, the amplitude and Jacobi's epsilon by the
+arithmetic-geometric mean: Abramowitz and Stegun (1964), 16.4 and 17.6.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from .arrays import absolute, arcsin, both, either, library, maximum, minimum, sin, sqrt, where
+from .dual import Dual
+from .types import Batch, BatchLike, BoolBatch
+
+
+_STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
+_WRITTEN_OUT = 18  # where steps can't be counted while they run
+_TINY = 4 * 2.0**-52
+_NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
+_AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
+
+_NEVER_MOVES = frozenset({float, np.float64, np.ndarray})  # looked at before any tree is
+
+Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
+
+
+def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
+    """`value` where `condition`, else a harmless constant with no gradient.
+
+    The inner half of the double `where`: a branch that isn't taken must still be
+    finite, since its gradient is multiplied by zero, and 0 × ∞ is NaN.
+    """
+    return where(condition, value, safe)
+
+
+def root(
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+) -> Batch:
+    """The root of an elementwise `residual` that is positive below it, negative above.
+
+    `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
+    searched for, and two more Newton steps take it to rounding and carry its derivatives.
+    """
+    return finished(residual, theta, searched(residual, *still((theta, low, high, start))))
+
+
+def searched(
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+) -> Batch:
+    """About where the root of an elementwise `residual` is, without derivatives.
+
+    Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection
+    where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
+    right, else to 1e-7.
+    """
+    at_work = library(low, high, start)
+    if at_work is np:
+        # what is asked about may still be JAX's
+        first = residual(theta, start)
+        at_work = library(*first)
+        if at_work is np:
+            return _searched(residual, theta, low, high, start, first)
+    if at_work is jnp:
+        return _searched_compiled(residual, theta, low, high, start)
+    state = _begun(low, high, start)
+    for _ in range(_WRITTEN_OUT):
+        state = _stepped(state, *residual(theta, state.x))
+    return at_work.still(state.x)
+
+
+def finished(residual: Residual, theta: Any, x: Batch) -> Batch:
+    """Two Newton steps from about a root `x`: to rounding, and with its derivatives by `theta`."""
+    return polished(residual, theta, polished(residual, theta, x))
+
+
+def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
+    """One Newton step from a root `x`, which carries its derivatives by `theta`."""
+    value, slope = residual(theta, x)
+    some = slope != 0
+    step = where(some, value / guarded(some, slope), 0.0)  # a flat residual moves no root
+    # a longer step would come from a jump, which has no derivative
+    return where(absolute(step) <= 1e-3 * (1 + absolute(x)), x - step, x)
+
+
+class _Search(NamedTuple):
+    """Where a search is, where it was, its bracket, and whether it has ended.
+
+    Whether it has ended is asked of numbers that are stored: a compiler may evaluate an
+    expression once for each of its uses, and differently in the last bits.
+    """
+
+    x: Batch
+    before: Batch
+    low: Batch
+    high: Batch
+    ended: BoolBatch
+
+
+def _begun(low: BatchLike, high: BatchLike, start: BatchLike) -> _Search:
+    return _Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
+
+
+def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
+    x, before, a, b, ended = search
+    a, b = where(value > 0, x, a), where(value > 0, b, x)
+    sloped = both(slope != 0, absolute(slope) < np.inf)  # bisect where it is flat or vertical
+    step = where(value == 0, 0.0, where(sloped, -value / guarded(sloped, slope), 2 * (b - a)))
+    length = absolute(step)
+    size = 1 + absolute(x)
+    halved = length < 0.5 * absolute(x - before)
+    inside = both(both(x + step >= a, x + step <= b), halved)
+    # within rounding also where it is just outside
+    newton = either(inside, length <= size * _TINY)
+    new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
+    near = either(both(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY)
+    return _Search(where(ended, x, new), x, a, b, either(ended, near))
+
+
+def _searched(
+    residual: Residual,
+    theta: Any,
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    first: tuple[Batch, Batch],
+) -> Batch:
+    value, slope = first
+    low, high, start = (x + 0.0 * value for x in (low, high, start))
+    search = _stepped(_begun(low, high, start), value, slope)
+    for _ in range(_STEPS):
+        if np.all(search.ended):
+            break
+        search = _stepped(search, *residual(theta, search.x))
+    return search.x
+
+
+def _searched_compiled(
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+) -> Batch:
+    shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
+    low, high, start = (
+        jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
+    )
+
+    def step(state: tuple) -> tuple:
+        n, search = state
+        return n + 1, _stepped(search, *residual(theta, search.x))
+
+    def keep_going(state: tuple) -> BoolBatch:
+        n, search = state
+        return (n < _STEPS) & ~jnp.all(search.ended)
+
+    return lax.while_loop(keep_going, step, (0, _begun(low, high, start)))[1].x
+
+
+def still(values: Any) -> Any:
+    """The same `values`, a tree of arrays, without derivatives."""
+    if type(values) in _NEVER_MOVES:
+        return values
+    return jax.tree.map(_stopped, values)
+
+
+def _stopped(x: Any) -> Any:
+    if isinstance(x, Dual):
+        return x.value
+    at_work = library(x)
+    if at_work is np:
+        return x
+    return lax.stop_gradient(x) if at_work is jnp else at_work.still(x)
+
+
+def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batch]:
+    """A polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
+    value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
+    for term in coefficients[-2::-1]:
+        value, slope = value * x + term, slope * x + value
+    return value, slope
+
+
+def series(coefficients: Sequence[float], x: BatchLike) -> Batch:
+    """The sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
+    last, before = 0.0 * x, 0.0 * x
+    for term in coefficients[:0:-1]:
+        last, before = 2 * x * last - before + term, last
+    return x * last - before + coefficients[0]
+
+
+class Elliptic(NamedTuple):
+    """Complete elliptic integrals, and the mean's steps that give the incomplete ones."""
+
+    K: Batch
+    E: Batch
+    means: tuple[Batch, ...]
+    differences: tuple[Batch, ...]
+
+
+def elliptic(m: BatchLike) -> Elliptic:
+    """$K(m)$ and $E(m)$ of parameter $m = k^2$ in [0, 0.9], smooth at $m = 0$."""
+    a, b = 1.0 + 0.0 * m, sqrt(1.0 - m)
+    means, differences, total = [a], [0.0 * m], 0.5 * m
+    for n in range(_AGM_STEPS):
+        a, b, c = (a + b) / 2, sqrt(a * b), (a - b) / 2
+        means.append(a)
+        differences.append(c)
+        total = total + 2**n * c**2
+    K = np.pi / (2 * a)
+    return Elliptic(K, K * (1 - total), tuple(means), tuple(differences))
+
+
+def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
+    r"""Amplitude $\varphi = \mathrm{am}(u)$ and incomplete integral $E(\varphi)$ at $u$."""
+    phase = 2.0**_AGM_STEPS * integrals.means[-1] * u
+    epsilon = u * integrals.E / integrals.K
+    for a, c in zip(integrals.means[:0:-1], integrals.differences[:0:-1], strict=True):
+        epsilon = epsilon + c * sin(phase)
+        phase = (phase + arcsin(c / a * sin(phase))) / 2
+    return phase, epsilon

@@ -1,0 +1,1 @@
+"""What each design does, and how good that is."""

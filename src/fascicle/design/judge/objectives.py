@@ -1,0 +1,235 @@
+"""What a design can be judged by, a function each, of the `Outcome` of many designs at once.
+
+Each is declared where it is written: `OBJECTIVES` has it by name, with unit, the sense in which it
+is better, and what it needs beyond the task's own points; files, searches, results, reports and the
+docs read that. Weights are the task's, over their sum.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+from ...bundle.schemes import AbstractScheme
+from ...core.arrays import stack, where
+from ...core.checks import one_of
+from ...core.refused import Refused
+from ...core.types import Numbers
+from .outcome import Outcome
+
+
+PerDesign = Numbers
+
+
+class Objective(NamedTuple):
+    """A function of an `Outcome`, its unit, the `sense` in which it is better, and what it
+    `needs`: "" for the task's points, "size" for radii and bowing, "curves" for all strains.
+    """
+
+    function: Callable[[Outcome], PerDesign]
+    unit: str
+    sense: str
+    needs: str = ""
+
+    @property
+    def about(self) -> str:
+        """What it is, in a sentence."""
+        return " ".join((self.function.__doc__ or "").split()).split(" [")[0]
+
+
+OBJECTIVES: dict[str, Objective] = {}
+
+
+def objective(
+    unit: str, sense: str, needs: str = ""
+) -> Callable[[Callable[[Outcome], PerDesign]], Callable[[Outcome], PerDesign]]:
+    """Declare a function of an `Outcome` as an objective of its name; a decorator.
+
+    **Arguments:**
+
+    - `unit`: of what it gives [-]: "-", "N", "J", "m" or another that `fascicle.units` has.
+    - `sense`: in which it is better, "min" or "max" [-].
+    - `needs`: beyond the task's points: "size" or "curves" [-].
+
+    **Returns:** the decorator, which gives the function back [-]; the first sentence of its
+    docstring, up to a unit in brackets, is how it is told.
+
+    **Raises:** `ValueError` for a name that is taken, no docstring, an unknown sense or need.
+    """
+    one_of(sense, ("min", "max"), "sense")
+    one_of(needs or "points", ("points", "size", "curves"), "needs")
+
+    def declared(function: Callable[[Outcome], PerDesign]) -> Callable[[Outcome], PerDesign]:
+        name = function.__name__
+        if name in OBJECTIVES:
+            raise ValueError(f"`{name}` is an objective already: choose another name.")
+        if not function.__doc__:
+            raise ValueError(f"`{name}` must have a docstring: it is how reports tell it.")
+        OBJECTIVES[name] = Objective(function, unit, sense, needs)
+        return function
+
+    return declared
+
+
+@objective("-", "max")
+def mean_efficiency(outcome: Outcome) -> PerDesign:
+    r"""Mean over the task of work over fluid energy [-]: $W/E$, $W = F \varepsilon L_0$, (29).
+
+    Isotonic: the demanded force is the load. Points that ask for no work are left out; one
+    that isn't reached counts as 0. `outcome` [-].
+    """
+    works = outcome.work > 0
+    # a divisor where there is nothing to divide; at work the fluid's volume has grown
+    E = where(works, outcome.energy, 1.0)
+    share = where(works & outcome.reached, outcome.work, 0.0) / E
+    counted = where(works, outcome.weight, 0.0)
+    return (counted * share).sum(axis=0) / counted.sum(axis=0)
+
+
+@objective("J", "min")
+def peak_energy(outcome: Outcome) -> PerDesign:
+    """Largest fluid energy that any point of the task takes [J]; `outcome` [-]."""
+    return outcome.energy.max(axis=0)
+
+
+@objective("J", "min")
+def mean_energy(outcome: Outcome) -> PerDesign:
+    """Mean fluid energy of the task's points [J]; `outcome` [-]."""
+    return _mean(outcome, outcome.energy)
+
+
+@objective("-", "min")
+def not_reached(outcome: Outcome) -> PerDesign:
+    """Share of the task that no recruitment state reaches [-]; `outcome` [-]."""
+    return _mean(outcome, where(outcome.reached, 0.0, 1.0))
+
+
+@objective("-", "min")
+def points_not_reached(outcome: Outcome) -> PerDesign:
+    """Share of the task's points that no recruitment state reaches, each as good as any other
+    [-]; `outcome` [-].
+    """
+    return where(outcome.reached, 0.0, 1.0).mean(axis=0)
+
+
+@objective("N", "max")
+def margin(outcome: Outcome) -> PerDesign:
+    """Least force to spare over the task's points [N], negative where one isn't reached; the
+    demanded load could be larger by that everywhere. `outcome` [-].
+    """
+    return outcome.spare.min(axis=0)
+
+
+@objective("N", "min")
+def shortfall(outcome: Outcome) -> PerDesign:
+    """Mean distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    return _mean(outcome, outcome.shortfall)
+
+
+@objective("N", "min")
+def worst_shortfall(outcome: Outcome) -> PerDesign:
+    """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    return outcome.shortfall.max(axis=0)
+
+
+@objective("-", "min")
+def relative_shortfall(outcome: Outcome) -> PerDesign:
+    """Largest shortfall over what is demanded there [-], over the task's largest force where
+    nothing is; `outcome` [-].
+    """
+    F = outcome.force
+    return (outcome.shortfall / where(F > 0, F, F.max())).max(axis=0)
+
+
+@objective("N", "max")
+def largest_force(outcome: Outcome) -> PerDesign:
+    """Blocked force of all units at supply pressure [N]; `outcome` [-]."""
+    return outcome.blocked.sum(axis=0)
+
+
+@objective("N", "min")
+def force_resolution(outcome: Outcome) -> PerDesign:
+    """Largest step of the blocked force from one fully active state to the next [N], which
+    is what full pressure alone can't tell apart; `outcome` [-].
+    """
+    return outcome.blocked.max(axis=0)
+
+
+@objective("-", "min")
+def valves(outcome: Outcome) -> PerDesign:
+    """Number of motor units [-], each with a valve of its own; `outcome` [-]."""
+    return outcome.units.astype(float)
+
+
+@objective("m", "min", "size")
+def envelope(outcome: Outcome) -> PerDesign:
+    """Diameter of the circle around the muscles, contracted to the task's largest strain,
+    with units that aren't fed bowed out as far as any does up to there [m]; `outcome` [-].
+
+    Every unit but a lone one can be unfed while others contract it.
+    """
+    return _asked(outcome.size, "size")
+
+
+@objective("-", "min", "curves")
+def reversal_depth(outcome: Outcome) -> PerDesign:
+    """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
+    ones at the supply's [-]; 0 for a lone unit. `outcome` [-].
+    """
+    return _asked(outcome.depth, "depth")
+
+
+@objective("N", "max", "curves")
+def overlap_width(outcome: Outcome) -> PerDesign:
+    """Largest height in force of what two successive states both reach, at forces of zero and
+    above [N]; `outcome` [-].
+    """
+    return _asked(outcome.overlap, "overlap")
+
+
+def known(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of objectives, checked.
+
+    **Arguments:** `names`: some of `OBJECTIVES` [-].
+
+    **Returns:** them [-], in their order, each once.
+
+    **Raises:** `ValueError` for an unknown one; the nearest is suggested.
+    """
+    return tuple(dict.fromkeys(one_of(name, OBJECTIVES, "objectives") for name in names))
+
+
+def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
+    """Refuse objectives that compare a state with the next, where a scheme has no such turns.
+
+    **Arguments:**
+
+    - `names`: of the objectives [-].
+    - `scheme`: of recruitment [-].
+
+    **Raises:** `ValueError` for the first of them.
+    """
+    for name in names:
+        if scheme.independent and OBJECTIVES[name].needs == "curves":
+            raise ValueError(
+                f"`objectives` can't hold {name!r} with scheme {scheme.name!r}, whose units aren't"
+                " recruited in turn: leave it out, or take another scheme."
+            )
+
+
+def needs(names: Iterable[str]) -> tuple[str, ...]:
+    """What objectives need beyond the task's points; `names` [-] are theirs."""
+    return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
+
+
+def judged(outcome: Outcome, names: Iterable[str]) -> Numbers:
+    """Objectives of an `outcome` [-], a row for each of their `names` [-], in its unit [SI]."""
+    return stack([OBJECTIVES[name].function(outcome) for name in names])
+
+
+def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
+    return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
+
+
+def _asked(values: PerDesign | None, name: str) -> PerDesign:
+    if values is None:
+        raise Refused("outcome", f"holds no `{name}`", None, "ask the kernel for it")
+    return values

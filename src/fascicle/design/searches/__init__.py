@@ -1,0 +1,1 @@
+"""Ways to find the best of a space, and how sure that is."""

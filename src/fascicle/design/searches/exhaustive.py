@@ -1,0 +1,256 @@
+"""All designs of a space judged, what none of them betters, and which to take.
+
+Designs that break a limit are left out of the front, not out of the record; to reach the whole
+task is a limit that every search has. Recommended is the cheapest design that keeps all limits,
+on the front or not. The front's *compromise* is the design whose worst objective, counted from
+the front's best (0) to its worst (1), is least bad; on a tie, the least sum. Where no design
+reaches the task, none is recommended: the *nearest* is told, whose worst point it misses by the
+smallest share of what is demanded there.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..judge.judging import Values, evaluate
+from ..judge.limits import Limit, Limits, checked, within_limits
+from ..judge.reach import SHARES, demanding, others, reaching, recorded
+from ..space.designs import Designs
+from ..space.grids import Space
+from ..space.task import Task
+from .catalog import Catalog, cheapest
+from .pareto import directed, non_dominated
+
+
+_BLOCK = 2**16
+MOST = 20_000_000  # designs of one search: their objectives stay in memory
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search found. `values`: an array for each objective [SI], over all designs that
+    were kept; `index` of these in the space [-], -1 where sizes lie between those it lists;
+    `allowed`: those within the limits, which say what must be reached; `front`: places of those
+    that none betters, best first in the first objective; `cheapest`: the place of the one that is
+    recommended, `None` if there is none; `nearest`: the place of the one that comes nearest to the
+    task, where none reaches it. `all_designs` gives designs by their places. How many were
+    `judged` in all; `extra`: objectives that were asked for beside; the `catalog` they are from.
+    """
+
+    space: Space
+    task: Task
+    senses: dict[str, str]
+    limits: dict[str, Limit]
+    index: Int[np.ndarray, " design"]
+    values: Values
+    allowed: Bool[np.ndarray, " design"]
+    front: Int[np.ndarray, " front"]
+    cheapest: int | None
+    nearest: int | None
+    all_designs: Callable[[Int[np.ndarray, " place"]], Designs]
+    judged: int
+    extra: tuple[str, ...] = ()
+    catalog: Catalog = field(default_factory=Catalog)
+
+    @property
+    def listed(self) -> Int[np.ndarray, " listed"]:
+        """Places [-] of the designs that are told: the front's, then the cheapest if it isn't
+        there.
+        """
+        if self.cheapest is None or self.cheapest in self.front:
+            return self.front
+        return np.append(self.front, self.cheapest)
+
+    @cached_property
+    def designs(self) -> Designs:
+        """The designs that are told [-]."""
+        return self.all_designs(self.listed)
+
+    @property
+    def points(self) -> Float[np.ndarray, "front objective"]:
+        """The front's objectives, turned so that smaller is better [SI]."""
+        return directed(self.values, self.senses)[self.front]
+
+    @property
+    def recommended(self) -> int | None:
+        """Which of the designs that are told is recommended [-]; `None` if there is none."""
+        if self.cheapest is None:
+            return None
+        return int(np.flatnonzero(self.listed == self.cheapest)[0])
+
+    @property
+    def compromise(self) -> int | None:
+        """Which place of the front is the best compromise [-]; `None` if it is empty."""
+        if not self.front.size:
+            return None
+        points = self.points
+        low, high = points.min(axis=0), points.max(axis=0)
+        share = (points - low) / np.where(high > low, high - low, 1.0)
+        return int(np.lexsort((share.sum(axis=1), np.round(share.max(axis=1), 9)))[0])
+
+    @property
+    def reaching(self) -> Bool[np.ndarray, " design"]:
+        """Which designs reach as much of the task as must be [-], whatever other limits they
+        break.
+        """
+        return reaching(self.values, self.limits)
+
+    @property
+    def barred(self) -> dict[str, str]:
+        """Why products must not be used for the task, by the drawing's name [-]."""
+        return self.catalog.barred(self.space.drawings, self.task)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Objectives that were asked for [-], by a sense, a limit or by name; and the margin."""
+        names = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra, "margin"]
+        return tuple(dict.fromkeys(names))
+
+
+def search(
+    space: Space,
+    task: Task,
+    senses: Mapping[str, str] | None = None,
+    limits: Limits | None = None,
+    extra: tuple[str, ...] = (),
+    progress: Callable[[int, int], None] | None = None,
+    catalog: Catalog | None = None,
+) -> Found:
+    """Judge every design of a space.
+
+    **Arguments:**
+
+    - `space`: the designs [-].
+    - `task`: what is demanded [-].
+    - `senses`: "min" or "max" by objective [-]; left out, `USUAL`.
+    - `limits`: on objectives, by name [SI]; `not_reached` is the share of the task that may be
+      missed, by weight and by points. Left out, all of it must be reached.
+    - `extra`: objectives to record that don't make the front [-].
+    - `progress`: told how many designs are done, and of how many [-].
+    - `catalog`: products and prices [-]; left out, none is known.
+
+    **Returns:** what was found [-].
+
+    **Raises:** `ValueError` for unknown objectives and a space too large for one search.
+    """
+    senses = dict(USUAL if senses is None else senses)
+    limits = demanding(limits)
+    names = recorded(senses, limits, extra)
+    checked(senses, limits)
+    size = len(space)
+    if size > MOST:
+        raise ValueError(
+            f"the space holds {size} designs, more than {MOST}: use `fascicle sweep`, or NSGA-II."
+        )
+    blocks = []
+    for start in range(0, size, _BLOCK):
+        index = np.arange(start, min(start + _BLOCK, size))
+        blocks.append(evaluate(space.at(index), task, names, among=size))
+        if progress is not None:
+            progress(int(index[-1]) + 1, size)
+    values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    return concluded(space, task, senses, limits, np.arange(size), values, extra, catalog)
+
+
+def concluded(
+    space: Space,
+    task: Task,
+    senses: Mapping[str, str],
+    limits: Limits,
+    index: Int[np.ndarray, " design"],
+    values: Values,
+    extra: tuple[str, ...] = (),
+    catalog: Catalog | None = None,
+    designs: Designs | None = None,
+    judged: int | None = None,
+) -> Found:
+    """What follows of designs that have been judged: the front, and which to take.
+
+    **Arguments:**
+
+    - `space`: the designs [-].
+    - `task`: what is demanded [-].
+    - `senses`: "min" or "max" by objective [-].
+    - `limits`: on objectives, by name [SI], as of `search`.
+    - `index`: of the designs in the space [-].
+    - `values`: their objectives, by name [SI]; those of `recorded` among them.
+    - `extra`: objectives that were asked for beside [-].
+    - `catalog`: products and prices [-]; left out, none is known.
+    - `designs`: themselves [-], where the space doesn't list them.
+    - `judged`: how many were, in all [-]; left out, these.
+
+    **Returns:** what was found [-].
+    """
+    limits, catalog = demanding(limits), catalog or Catalog()
+
+    def all_designs(places: Int[np.ndarray, " place"]) -> Designs:
+        return space.at(index[places]) if designs is None else designs.take(places)
+
+    permitted = _permitted(space, task, catalog, index)
+    allowed = within_limits(values, limits) & permitted
+    (places,) = np.nonzero(allowed)
+    chosen = cheapest(places, values, all_designs, catalog, space.drawings)
+    near = nearest(values, limits, permitted) if chosen is None and len(index) else None
+    return Found(
+        space, task, dict(senses), limits, index, dict(values), allowed,
+        best_first(values, senses, places), chosen, near, all_designs,
+        len(index) if judged is None else judged, tuple(extra), catalog,
+    )  # fmt: skip
+
+
+def _permitted(
+    space: Space, task: Task, catalog: Catalog, index: Int[np.ndarray, " design"]
+) -> Bool[np.ndarray, " design"]:
+    """Designs of products that may be used so."""
+    barred = catalog.barred(space.drawings, task)
+    kinds = [i for i, name in enumerate(space.drawings) if name in barred]
+    return ~np.isin(space.kind(index), kinds) if kinds else np.ones(len(index), bool)
+
+
+def nearest(
+    values: Values, limits: Limits, permitted: Bool[np.ndarray, " design"] | bool = True
+) -> int:
+    """The design that misses least, of those that keep all else if there are any.
+
+    **Arguments:**
+
+    - `values`: objectives of at least one design, by name [SI].
+    - `limits`: on objectives, by name [SI].
+    - `permitted`: which designs may be used at all [-].
+
+    **Returns:** its place [-].
+    """
+    kept = within_limits(values, others(limits)) & permitted
+    # of those that miss as much, up to rounding, the one with fewer valves
+    keys = (values["valves"], np.round(values["relative_shortfall"], 9), ~kept)
+    return int(np.lexsort(keys)[0])
+
+
+def best_first(
+    values: Values, senses: Mapping[str, str], places: Int[np.ndarray, " place"]
+) -> Int[np.ndarray, " front"]:
+    """Those that none betters, best first in the first objective.
+
+    **Arguments:**
+
+    - `values`: objectives of designs, by name [SI].
+    - `senses`: "min" or "max" by objective [-].
+    - `places`: of the designs that count [-].
+
+    **Returns:** their places [-].
+    """
+    points = directed(values, senses)
+    front = places[non_dominated(points[places])]
+    return front[np.lexsort((front, *points[front].T[::-1]))]
+
+
+# what most tasks are about; depth and resolution tell how well the bundle can be controlled
+USUAL = {
+    "mean_efficiency": "max",
+    "margin": "max",
+    "envelope": "min",
+    "valves": "min",
+}

@@ -1,0 +1,204 @@
+r"""The designs to choose among: numbers of muscles, their splits, their sizes, on grids.
+
+Every design has an index, from which alone it is made: a search can be cut into blocks, and
+a block made again on another machine. Splits run fastest, so that neighbors share a muscle.
+
+**Radius.** By one of three rules: `each` gives a muscle's radius; `cross_section` a radius
+$R$ of one muscle whose section all muscles of a design have together,
+$r_i = f_i R / \sqrt{\sum_j n_j f_j^2}$; `packing` the diameter of the circle that they fill
+side by side at rest. The factors $f_i$ make units unlike; they are 1 unless several are given.
+"""
+
+import math
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import product
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from ...core.checks import one_of, within
+from ...core.limits import RANGES, plausible
+from ...core.refused import Refused
+from ...muscle import Muscle
+from .designs import Designs, of_sizes
+from .packing import packed_radius
+from .splits import compositions, padded, partitions
+
+
+RADIUS_RULES = ("each", "cross_section", "packing")
+SPLITS = ("all", "partitions")
+_MOST_SHAPES = 2_000_000
+
+Floats = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """Designs with muscles of one of the `drawings`, by name [-].
+
+    - `muscles`: numbers of them [-].
+    - `splits`: "all" compositions, "partitions", or the compositions themselves [-].
+    - `radius`: [m], by `radius_rule` [-]: "each", "cross_section" or "packing".
+    - `length`: [m]; `braid_angle`: [rad]; left empty, the drawing's own.
+    - `wall_ratio`: wall thickness over radius [-]; left empty, the drawing's own.
+    - `unit_factors`: of a unit's radius [-]; with several, each unit takes any.
+    - `most_units`: largest number of motor units [-]; `None` for any.
+    """
+
+    drawings: dict[str, Muscle]
+    muscles: tuple[int, ...] = ()
+    splits: str | tuple[tuple[int, ...], ...] = "all"
+    radius: Floats = ()
+    radius_rule: str = "each"
+    length: Floats = ()
+    braid_angle: Floats = ()
+    wall_ratio: Floats = ()
+    unit_factors: Floats = (1.0,)
+    most_units: int | None = None
+
+    def __post_init__(self):
+        """**Raises:** `ValueError` for values off the domain, and a space without a design."""
+        if not self.drawings:
+            raise Refused("drawings", "must hold at least one muscle", None, shown="none")
+        one_of(self.radius_rule, RADIUS_RULES, "radius_rule")
+        if self.radius_rule != "each" and not self.radius:
+            raise Refused("radius", f"must be given with the rule {self.radius_rule!r}, in m", None)
+        for name, unit, low, high in (
+            ("radius", "m", 0.0, RANGES["radius"].largest),
+            ("length", "m", 0.0, RANGES["length"].largest),
+            ("braid_angle", "rad", 0.0, math.acos(1 / math.sqrt(3))),
+            ("wall_ratio", "-", 0.0, 1.0),
+            ("unit_factors", "-", 0.0, 10.0),
+        ):
+            if getattr(self, name):
+                value = within(getattr(self, name), low, high, name, unit)
+                if name in RANGES:
+                    plausible(value, name)
+        if isinstance(self.splits, str):
+            one_of(self.splits, SPLITS, "splits")
+            if not self.muscles:
+                raise Refused(
+                    "muscles", "must hold at least one number of muscles", None, shown="none"
+                )
+        if not len(self._shapes[0]):
+            raise ValueError(
+                f"the space is empty: no split has {self.most_units} motor units or fewer."
+            )
+
+    def __getstate__(self) -> dict:
+        # what is derived is derived again: it can be a thousand times larger. As NumPy's, since a
+        # process that is sent JAX's arrays with each of its blocks grows with each of them
+        state = {field.name: getattr(self, field.name) for field in fields(self)}
+        return state | {"drawings": jax.tree.map(np.asarray, self.drawings)}
+
+    def __len__(self) -> int:
+        return math.prod(map(len, self._grid)) * len(self._shapes[0])
+
+    def at(self, index: Int[np.ndarray, " design"]) -> Designs:
+        """Designs by their index.
+
+        **Arguments:** `index`: from 0 to the space's length [-].
+
+        **Returns:** the designs [-].
+        """
+        counts, factor, scale = self._shapes
+        grid, shape = np.divmod(index, len(counts))
+        kind, *places = np.unravel_index(grid, tuple(map(len, self._grid)))
+        own = np.array([self._own(drawing) for drawing in self.drawings.values()])[kind]
+        # an axis that isn't given takes the drawing's own value
+        length, radius, ratio, angle = (
+            np.where(np.isnan(axis), own[:, i], axis)
+            for i, axis in enumerate(
+                np.asarray(values, float)[place]
+                for values, place in zip(self._grid[1:], places, strict=True)
+            )
+        )
+        sizes = (length, radius * scale[shape], ratio, angle)
+        return of_sizes(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
+
+    def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
+        """Which of the drawings designs are of [-], by their `index` [-]; -1 is of the first."""
+        each = len(self) // len(self.drawings)
+        return np.maximum(index, 0) // each
+
+    def scale(
+        self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
+    ) -> Float[np.ndarray, " design"]:
+        """A design's radius over what its rule counts [-].
+
+        **Arguments:**
+
+        - `counts`: muscles in each unit [-].
+        - `factor`: of each unit's radius [-].
+
+        **Returns:** the ratio [-].
+        """
+        if self.radius_rule == "cross_section":
+            return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
+        if self.radius_rule == "packing" and len(counts):
+            return 0.5 / packed_radius(factor, counts)
+        return np.ones(len(counts))
+
+    @cached_property
+    def _grid(self) -> tuple[tuple, ...]:
+        nan = (math.nan,)
+        return (
+            tuple(range(len(self.drawings))), self.length or nan, self.radius or nan,
+            self.wall_ratio or nan, self.braid_angle or nan,
+        )  # fmt: skip
+
+    @staticmethod
+    def _own(drawing: Muscle) -> Floats:
+        ratio = float(drawing.wall_thickness) / float(drawing.outer_radius)
+        return float(drawing.length), float(drawing.outer_radius), ratio, float(drawing.braid_angle)
+
+    @cached_property
+    def _shapes(
+        self,
+    ) -> tuple[
+        Int[np.ndarray, "shape unit"], Float[np.ndarray, "shape unit"], Float[np.ndarray, " shape"]
+    ]:
+        """Splits with their factors, and the radius over its rule's value."""
+        counts = self._splits()
+        if len(self.unit_factors) == 1:
+            factor = np.full(counts.shape, self.unit_factors[0])
+        else:
+            counts, factor = _with_factors(counts, self.unit_factors)
+        return counts, factor, self.scale(counts, factor)
+
+    def _splits(self) -> Int[np.ndarray, "shape unit"]:
+        if not isinstance(self.splits, str):
+            counts = padded(self.splits)
+        else:
+            make = compositions if self.splits == "all" else partitions
+            widest = max(self.muscles)
+            parts = [make(n) for n in dict.fromkeys(self.muscles)]
+            counts = np.concatenate([np.pad(p, ((0, 0), (0, widest - p.shape[1]))) for p in parts])
+        units = np.sum(counts > 0, axis=1)
+        if self.most_units is not None:
+            counts = counts[units <= self.most_units]
+            counts = counts[:, : max(1, self.most_units)]
+        return counts
+
+
+def _with_factors(
+    counts: Int[np.ndarray, "split unit"], factors: Floats
+) -> tuple[Int[np.ndarray, "shape unit"], Float[np.ndarray, "shape unit"]]:
+    """Each split with each choice of a factor for each of its units."""
+    units = np.sum(counts > 0, axis=1)
+    total = sum(len(factors) ** int(m) for m in units)
+    if total > _MOST_SHAPES:
+        raise Refused(
+            "unit_factors",
+            f"lead to {total} kinds of bundle, more than {_MOST_SHAPES}",
+            None,
+            "take fewer factors, muscles or motor units",
+        )
+    rows, chosen = [], []
+    for row, m in zip(counts, units, strict=True):
+        for choice in product(factors, repeat=int(m)):
+            rows.append(row)
+            chosen.append((*choice, *(choice[:1] * (counts.shape[1] - int(m)))))
+    return np.array(rows), np.array(chosen)

@@ -1,0 +1,1 @@
+"""A search on many workers, that can be stopped and resumed."""

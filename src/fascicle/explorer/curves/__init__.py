@@ -1,0 +1,1 @@
+"""What the tabs draw, as arrays from the laws."""

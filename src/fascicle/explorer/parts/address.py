@@ -1,0 +1,231 @@
+"""A view as an address, and back: a link reproduces what is shown.
+
+An example goes by its name; any other muscle goes into the link itself, as its file, deflated.
+What comes in is data from a stranger: it is bounded, parsed as TOML and by `units`, and
+nothing in it is a path or is run.
+"""
+
+import base64
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ...bundle.schemes import SCHEMES
+from ...core.checks import within
+from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
+from ...core.refused import Refused
+from ...energetics import PATHS
+from ...files import dumps, example, examples, loads
+from ...units import exact, parse
+from ..curves.laws import check_compared
+from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
+
+
+LONGEST = 16_000  # characters of a packed file
+_LARGEST_TEXT = 32_000  # bytes of the file in it: eight unlike tuned muscles take half of that
+_LEFT_OUT = "left-out"  # instead of a file that is larger than that
+
+
+def to_query(view: View) -> dict[str, str]:
+    """The address of a `view` [-]: its query by key [-], all text."""
+    own = any(unit.own is not None for unit in view.units)
+    if own:
+        query = {"file": pack(dumps(view.bundle)), "name": view.name}
+    elif view.name in examples() and _is_example(view):
+        query = {"muscle": view.name}
+    else:
+        query = {"file": pack(dumps(view.muscle)), "name": view.name}
+    if not own:
+        query["units"] = ",".join(
+            f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
+        )
+    query |= {
+        "supply": _tight(view.supply, "pressure"),
+        "scheme": view.scheme,
+        "pressure": _tight(view.pressure, "pressure"),
+        "strain": _tight(view.strain, "strain"),
+        "pressures": ",".join(_tight(P, "pressure") for P in view.pressures),
+        "resistance": "on" if view.resistance else "off",
+        "path": view.path,
+        "splits": ",".join("-".join(map(str, split)) for split in view.splits),
+        "show": ",".join(view.shown[kind] for kind in SHOWN),
+        "tab": view.tab,
+    }
+    if view.compared:
+        query["compare"] = ",".join(view.compared)
+    return query
+
+
+def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
+    """The view that an address asks for.
+
+    **Arguments:**
+
+    - `query`: by key [-]; unknown keys are left alone.
+    - `start`: what is shown where it says nothing [-].
+
+    **Returns:** the view, and a line for each part of the address that was refused [-].
+    """
+    view, refused = start, []
+    for key, read in _READERS.items():
+        text = query.get(key)
+        if text is None:
+            continue
+        try:
+            view = read(view, text, query)
+        except ValueError as error:
+            refused.append(f"link: {error}")
+        except Exception:  # noqa: BLE001 whatever a link holds, the page opens
+            refused.append(f"link: `{key}` can't be read.")
+    if len(view.pressures) != len(view.units):
+        view = replace(view, pressures=(view.supply,) * len(view.units))
+    if max(view.pressure, *view.pressures) > view.supply:
+        limited = tuple(min(P, view.supply) for P in view.pressures)
+        view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
+        if "pressure" in query or "pressures" in query:
+            refused.append(
+                f"link: `pressure` must be at most the supply's, {_tight(view.supply, 'pressure')}."
+            )
+    return view, refused
+
+
+def pack(text: str) -> str:
+    """A file's `text` [-], deflated, in characters that an address may have [-]; or a word that
+    says that it is too large for one.
+    """
+    raw = text.encode()
+    packed = base64.urlsafe_b64encode(zlib.compress(raw, 9)).decode().rstrip("=")
+    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= LONGEST else _LEFT_OUT
+
+
+def unpack(packed: str) -> str:
+    """The text [-] that was `packed` [-]; `ValueError` for anything else."""
+    if packed == _LEFT_OUT:
+        raise Refused("file", "was too large for a link", None, "open the file itself")
+    if len(packed) > LONGEST:
+        raise Refused("file", f"must be at most {LONGEST} characters", len(packed))
+    inflate = zlib.decompressobj()
+    try:
+        raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
+        text = inflate.decompress(raw, _LARGEST_TEXT + 1)
+        if len(text) <= _LARGEST_TEXT and inflate.eof:
+            return text.decode()
+    except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
+        text = b""
+    if len(text) > _LARGEST_TEXT:
+        raise Refused("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
+    raise Refused("file", "is no file that this explorer has packed", None)
+
+
+def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
+    """Bundles to compare [-], from a `text` [-] such as `1+4, 2+3`."""
+    out = []
+    for part in text.replace("-", "+").split(","):
+        try:
+            counts = tuple(int(one) for one in part.split("+"))
+        except ValueError:
+            raise Refused(
+                "splits", "must be like 1+4, 2+3", text[:40], "whole numbers joined by +"
+            ) from None
+        if len(counts) < 2:
+            raise Refused("splits", "must have two motor units or more each", part)
+        check_units(tuple(Unit(count) for count in counts))
+        out.append(counts)
+    if len(out) > 4:
+        raise Refused("splits", "must be four at most", len(out))
+    return tuple(out)
+
+
+def _is_example(view: View) -> bool:
+    known = view_of(example(view.name), view.name)
+    return known.muscle == view.muscle
+
+
+def _tight(value: float, dimension: str) -> str:
+    return exact(value, dimension).replace(" ", "")
+
+
+def _opened(view: View, text: str, query: Mapping[str, str]) -> View:
+    if "file" in query:
+        return view
+    return view_of(example(text), text, view)
+
+
+def _packed(view: View, text: str, query: Mapping[str, str]) -> View:
+    name = query.get("name", "linked")[:60]
+    return view_of(loads(unpack(text), source=name), name, view)
+
+
+def _units(view: View, text: str, _: Mapping[str, str]) -> View:
+    units = []
+    for part in text.split(",")[: MOST_UNITS + 1]:
+        count, _at, size = part.partition("@")
+        try:
+            units.append(Unit(int(count), float(size or 1)))
+        except ValueError:
+            raise Refused("units", "must be like 1,4@0.5", text[:40]) from None
+    check_units(tuple(units))
+    return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
+
+
+def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
+    values = tuple(_gauge(one) for one in text.split(",")[:MOST_UNITS])
+    return replace(view, pressures=values) if len(values) == len(view.units) else view
+
+
+def _gauge(text: str) -> float:
+    value = parse(text, "pressure")
+    return float(within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True)))
+
+
+def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
+    def read(view: View, text: str, _: Mapping[str, str]) -> View:
+        if text not in known:
+            raise Refused(name, f"must be one of {', '.join(known)}", text[:40])
+        return replace(view, **{name: text})
+
+    return read
+
+
+def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
+    value = _gauge(text)
+    if value <= 0:
+        raise Refused("supply", "must be positive", value, shown=f"{value:g} Pa")
+    return replace(view, supply=value)
+
+
+def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
+    value = within(parse(text, "strain"), 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True))
+    return replace(view, strain=float(value))
+
+
+def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
+    units = text.split(",")
+    shown = dict(zip(SHOWN, units, strict=False))
+    if len(units) != len(SHOWN) or any(unit not in SHOWN[kind] for kind, unit in shown.items()):
+        raise Refused("show", "must be units such as kPa,mm,N", text[:40])
+    return replace(view, shown=shown)
+
+
+def _compared(view: View, text: str, _: Mapping[str, str]) -> View:
+    return replace(view, compared=check_compared(tuple(text.split(","))))
+
+
+# in this order: what was opened says how many units there are
+_READERS: Mapping[str, Callable[[View, str, Any], View]] = {
+    "muscle": _opened,
+    "file": _packed,
+    "supply": _supply,
+    "units": _units,
+    "scheme": _one_of("scheme", tuple(SCHEMES)),
+    "pressure": lambda view, text, _: replace(view, pressure=_gauge(text)),
+    "strain": _strain,
+    "pressures": _pressures,
+    "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
+    "path": _one_of("path", PATHS),
+    "splits": lambda view, text, _: replace(view, splits=parse_splits(text)),
+    "show": _shown,
+    "tab": _one_of("tab", TABS),
+    "compare": _compared,
+}

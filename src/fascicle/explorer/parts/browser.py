@@ -1,0 +1,50 @@
+"""What the page does in the browser alone: it says when nobody answers it any more.
+
+A page whose server is gone still looks alive, and a file that is larger than a message may be
+would break the connection without a word.
+"""
+
+from typing import Any
+
+from bokeh.models import CustomJS
+
+from ..curves.measured import LARGEST_FILE
+
+
+_LOST = (
+    "The connection to fascicle is lost: what you see no longer follows. Start it again and load"
+    " this page anew, its address keeps the view."
+)
+_SAY = """
+const say = (id, text) => {
+  document.getElementById(id)?.remove();
+  if (!text) return;
+  const line = document.createElement("div");
+  line.id = id; line.textContent = text; line.setAttribute("role", "alert");
+  line.style.cssText = "position:fixed;inset:0 0 auto 0;z-index:9999;padding:8px 14px;"
+    + "font:14px/1.4 system-ui,'DejaVu Sans',sans-serif;color:#7a0010;background:#fff0f0;"
+    + "border-bottom:2px solid #c1121f";
+  document.body.append(line);
+};
+"""
+_GONE = _SAY + "say('lost', text);"
+_BACK = _SAY + "say('lost', '');"
+_SIZES = (
+    _SAY
+    + """
+const read = FileReader.prototype.readAsDataURL;
+FileReader.prototype.readAsDataURL = function (file) {
+  say("size", "");
+  if (file.size <= largest) return read.call(this, file);
+  say("size", `${(file.name ?? "file").slice(-60)}: a file may have ${largest} bytes here, `
+    + `got ${file.size}: thin it out, or use the command line.`);
+};
+"""
+)
+
+
+def attach(doc: Any) -> None:
+    """Let the page of a Bokeh document [-] say what it can't."""
+    doc.js_on_event("connection_lost", CustomJS(args={"text": _LOST}, code=_GONE))
+    doc.js_on_event("client_reconnected", CustomJS(code=_BACK))
+    doc.js_on_event("document_ready", CustomJS(args={"largest": LARGEST_FILE}, code=_SIZES))

@@ -1,0 +1,285 @@
+"""What a tab gives away: its picture, its data, and the Python that makes both.
+
+The picture is one of `fascicle.plot`, the data are the library's own labelled results. The
+Python is plain text, written for a reader; it is never run here.
+"""
+
+import io
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import panel as pn
+
+from ... import plot
+from ...bundle.recruitment import overlap, space
+from ...core.domain import HIGHEST_PRESSURE
+from ...energetics import efficiency_map
+from ...files import dumps
+from ...muscle import Muscle
+from ...plot.calibration import fit as plot_fit
+from ...plot.maps import efficiency as draw_efficiency
+from ...plot.space import space as draw_space
+from ...plot.style import to_bytes
+from ...records.record import Record
+from ...reports.fitted import beside
+from ...results.labelled import Variable, to_csv, write
+from ..curves.measured import STARTS
+from ..curves.muscle_curves import widest
+from ..state import View
+from .look import Look, widget_css
+
+
+@dataclass(frozen=True)
+class Export:
+    """A tab's data as `variables` by name, its `figure`, and `python` that makes both."""
+
+    stem: str
+    variables: Mapping[str, Variable]
+    figure: Callable[[], Any]
+    python: str
+
+    def content(self, suffix: str) -> bytes:
+        """The bytes of one of its files: `suffix` svg, png, csv, nc or py [-]."""
+        if suffix in ("svg", "png"):
+            return to_bytes(self.figure(), suffix)
+        if suffix == "csv":
+            return to_csv(self.variables).encode()
+        if suffix == "py":
+            return self.python.encode()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, f"{self.stem}.nc")
+            write(self.variables, path, title=self.stem)
+            return path.read_bytes()
+
+
+_HEAD = '''"""Made by `fascicle explore`: writes {stem}.svg and {stem}.csv."""
+
+import numpy as np
+
+from fascicle import plot
+from fascicle.files import loads
+from fascicle.results.labelled import Variable, write
+{imports}
+
+{what} = loads("""
+{toml}""")
+'''
+
+
+def muscle(view: View) -> Export:
+    """The muscle's curve at the chosen pressure, of a `view` [-]."""
+    top, P = widest(view.muscle, view.supply), view.pressure
+    strain = np.linspace(0.0, top, 201)
+    found = view.muscle.response(P, strain)
+    names = ("force", "mesh", "bladder", "bending")
+    variables = {"strain": Variable(("strain",), strain, "-")} | {
+        name: Variable(("strain",), np.asarray(getattr(found, name)), "N") for name in names
+    }
+    python = (
+        _head("muscle", "muscle", dumps(view.muscle))
+        + f"""
+pressure = {P!r}  # Pa
+strain = np.linspace(0.0, {top!r}, 201)
+found = muscle.response(pressure, strain)
+variables = {{"strain": Variable(("strain",), strain, "-")}}
+for name in ("force", "mesh", "bladder", "bending"):
+    variables[name] = Variable(("strain",), np.asarray(getattr(found, name)), "N")
+write(variables, "muscle.csv")
+plot.force_strain(muscle, [pressure], strain).savefig("muscle.svg")
+"""
+    )
+    return Export("muscle", variables, lambda: plot.force_strain(view.muscle, [P], strain), python)
+
+
+def bundle(view: View) -> Export:
+    """The force-strain space of the bundle of a `view` [-]."""
+    made = view.bundle
+    found = space(made, levels=5, resistance=view.resistance)
+    states = np.arange(1, len(found.low) + 1)
+    variables = {
+        "state": Variable(("state",), states, "-"),
+        "strain": Variable(("strain",), found.strain, "-"),
+        "low": Variable(("state", "strain"), found.low, "N"),
+        "high": Variable(("state", "strain"), found.high, "N"),
+    }
+    imports = (
+        "from fascicle.bundle.recruitment import overlap, space\n"
+        "from fascicle.plot.space import space as draw\n"
+    )
+    python = (
+        _head("bundle", "bundle", dumps(made), imports)
+        + f"""
+found = space(bundle, levels=5, resistance={view.resistance})
+variables = {{
+    "state": Variable(("state",), np.arange(1, len(found.low) + 1), "-"),
+    "strain": Variable(("strain",), found.strain, "-"),
+    "low": Variable(("state", "strain"), found.low, "N"),
+    "high": Variable(("state", "strain"), found.high, "N"),
+}}
+write(variables, "bundle.csv")
+draw(found, overlap(found)).savefig("bundle.svg")
+"""
+    )
+    return Export("bundle", variables, lambda: draw_space(found, overlap(found)), python)
+
+
+def reversal(view: View) -> Export:
+    """Free strain against the second unit's pressure, of a `view` [-]."""
+    from ..curves.reversal_curves import POINTS, split_curves
+
+    found = split_curves(view.muscle, view.splits, view.supply)
+    P = found[0].pressure
+    strains = {one.name: one.resisted for one in found}
+    strains |= {f"{one.name}, without resistance": one.free for one in found}
+    variables = {"pressure": Variable(("pressure",), P, "Pa")} | {
+        name: Variable(("pressure",), values, "-") for name, values in strains.items()
+    }
+    imports = (
+        "from fascicle.bundle import Bundle, MotorUnit\n"
+        "from fascicle.bundle.reversal import free_strain_curve\n"
+    )
+    python = (
+        _head("reversal", "muscle", dumps(view.muscle), imports)
+        + f"""
+supply = {view.supply!r}  # Pa
+pressure = np.linspace(0.0, supply, {POINTS})
+bundles = {{
+    " + ".join(map(str, counts)): Bundle([MotorUnit(muscle, n) for n in counts], supply)
+    for counts in {view.splits!r}
+}}
+strains = {{name: free_strain_curve(one, 2, pressure) for name, one in bundles.items()}}
+for name, one in bundles.items():
+    without = free_strain_curve(one, 2, pressure, resistance=False)
+    strains[f"{{name}}, without resistance"] = without
+variables = {{"pressure": Variable(("pressure",), pressure, "Pa")}}
+for name, values in strains.items():
+    variables[name] = Variable(("pressure",), values, "-")
+write(variables, "reversal.csv")
+plot.free_strain(pressure, strains, "P₂").savefig("reversal.svg")
+"""
+    )
+    return Export("reversal", variables, lambda: plot.free_strain(P, strains, "P₂"), python)
+
+
+def efficiency(view: View) -> Export:
+    """The efficiency maps of the bundle of a `view` [-], with resistance and without."""
+    made = view.bundle
+    found = efficiency_map(made, path=view.path)
+    free = efficiency_map(
+        made, path=view.path, resistance=False, force=found.force, strain=found.strain
+    )
+    grid = ("force", "strain")
+    variables = {
+        "force": Variable(("force",), found.force, "N"),
+        "strain": Variable(("strain",), found.strain, "-"),
+        "efficiency": Variable(grid, found.efficiency, "-"),
+        "state": Variable(grid, found.state, "-"),
+        "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
+    }
+    imports = (
+        "from fascicle.energetics import efficiency_map\n"
+        "from fascicle.plot.maps import efficiency as draw\n"
+    )
+    python = (
+        _head("efficiency", "bundle", dumps(made), imports)
+        + f"""
+found = efficiency_map(bundle, path={view.path!r})
+points = {{"force": found.force, "strain": found.strain}}
+free = efficiency_map(bundle, path={view.path!r}, resistance=False, **points)
+grid = ("force", "strain")
+variables = {{
+    "force": Variable(("force",), found.force, "N"),
+    "strain": Variable(("strain",), found.strain, "-"),
+    "efficiency": Variable(grid, found.efficiency, "-"),
+    "state": Variable(grid, found.state, "-"),
+    "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
+}}
+write(variables, "efficiency.csv")
+draw(found).savefig("efficiency.svg")
+"""
+    )
+    return Export("efficiency", variables, lambda: draw_efficiency(found), python)
+
+
+def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clipped: bool) -> Export:
+    """A record beside the muscle, or the one that is tuned to it.
+
+    **Arguments:**
+
+    - `muscle`: the muscle, as it was before it was tuned [-].
+    - `record`: the readings [-].
+    - `tuned`: what they made of the muscle [-], or None.
+    - `name`: of the file they came from [-].
+    - `clipped`: whether forces of zero were taken for clipped ones [-].
+
+    **Returns:** the export [-].
+    """
+    shown = muscle if tuned is None else tuned
+    label = "the muscle" if tuned is None else "tuned"
+    P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
+    variables = {
+        "pressure": Variable(("reading",), record.pressure, "Pa"),
+        "strain": Variable(("reading",), record.strain, "-"),
+        "force": Variable(("reading",), record.force, "N"),
+        "muscle": Variable(("reading",), np.asarray(shown.force(P, record.strain)), "N"),
+    }
+    imports = (
+        "from fascicle import records\n"
+        "from fascicle.calibrate import fit\n"
+        "from fascicle.plot import calibration\n"
+        "from fascicle.reports.fitted import beside\n"
+    )
+    given = f"rest_length={record.rest_length!r}" + (", clipped_at_zero=True" if clipped else "")
+    tune = "" if tuned is None else f"muscle = fit(record, muscle, starts={STARTS}).muscle\n"
+    python = (
+        _head("data", "muscle", dumps(muscle), imports)
+        + f"""
+record = records.load({name!r}, {given})  # beside this script
+{tune}pressure = np.clip(record.pressure, 0.0, {HIGHEST_PRESSURE!r})
+variables = {{
+    "pressure": Variable(("reading",), record.pressure, "Pa"),
+    "strain": Variable(("reading",), record.strain, "-"),
+    "force": Variable(("reading",), record.force, "N"),
+    "muscle": Variable(("reading",), np.asarray(muscle.force(pressure, record.strain)), "N"),
+}}
+write(variables, "data.csv")
+calibration.fit(beside(record, muscle, {label!r})).savefig("data.svg")
+"""
+    )
+    return Export("data", variables, lambda: plot_fit(beside(record, shown, label)), python)
+
+
+EXPORTS: Mapping[str, Callable[[View], Export]] = {
+    "muscle": muscle, "bundle": bundle, "reversal": reversal, "efficiency": efficiency,
+}  # fmt: skip
+_FILES = {"svg": "Picture, SVG", "png": "Picture, PNG", "csv": "Data, CSV",
+          "nc": "Data, netCDF", "py": "Python"}  # fmt: skip
+
+
+def downloads(look: Look, name: str, made: Callable[[], Export]) -> list[Any]:
+    """Buttons [-] that give away what the tab `name` [-] shows, once `made` [-]."""
+
+    def file(suffix: str) -> Any:
+        return io.BytesIO(made().content(suffix))
+
+    return [
+        pn.widgets.FileDownload(
+            label=label, filename=f"{name}.{suffix}", callback=lambda s=suffix: file(s),
+            stylesheets=[widget_css(look)], width=118, margin=(2, 4),
+        )
+        for suffix, label in _FILES.items()
+    ]  # fmt: skip
+
+
+def _head(stem: str, what: str, toml: str, imports: str = "") -> str:
+    # a file's text is data in the script: nothing in it may end the string it stands in
+    return _HEAD.format(stem=stem, what=what, imports=imports, toml=escaped(toml))
+
+
+def escaped(text: str) -> str:
+    """A `text` [-] as it stands between three double quotes in Python."""
+    return text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')

@@ -1,0 +1,85 @@
+"""What a reader must know of what a tab shows, said beside it: no picture tells it by itself."""
+
+import numpy as np
+
+from ..curves.laws import is_tuned
+from ..state import View
+
+
+def notes(view: View, tab: str) -> list[str]:
+    """Remarks on what a tab shows.
+
+    **Arguments:**
+
+    - `view`: what is shown [-].
+    - `tab`: which tab shows it [-].
+
+    **Returns:** sentences [-]; none where the picture is all there is to say.
+    """
+    own = sum(unit.own is not None for unit in view.units)
+    sized = any(unit.size != 1 for unit in view.units)
+    said = []
+    if tab == "muscle" and own:
+        said.append(
+            f"This is the muscle of unit 1. {_units(own)} of the bundle {_has(own)} of its own."
+        )
+    if tab == "reversal" and (own or sized):
+        said.append("All units here are of unit 1's muscle, not of the bundle's several.")
+    if tab == "efficiency" and (own or sized):
+        said.append(
+            "On the right, unit 1's muscle alone is scaled to the section of the whole bundle."
+        )
+    scaled = (tab == "bundle" and sized) or tab == "efficiency"
+    changed = tab == "muscle" and view.name.endswith(", changed")
+    if (scaled or changed) and is_tuned(view.muscle):
+        said.append(
+            "The tuning was measured on a muscle of another size and is kept as it is: how far it"
+            " holds for this one nobody has measured."
+        )
+    return said
+
+
+def equilibria(strain: np.ndarray, stable: np.ndarray) -> str:
+    """Where a bundle rests.
+
+    **Arguments:**
+
+    - `strain`: strains of no force [-], rising.
+    - `stable`: which of them it keeps [-].
+
+    **Returns:** a phrase [-]: its free strain, and what else there is.
+    """
+    if not strain.size:
+        return "none: it pulls at every strain"
+    first, *others = (
+        f"{at:.4f}{'' if kept else ' (not stable)'}"
+        for at, kept in zip(strain, stable, strict=True)
+    )
+    return first + (f"; it also rests at {', '.join(others)}" if others else "")
+
+
+def branches(strain: np.ndarray, several: np.ndarray) -> str:
+    """Where other equilibria exist beside the drawn curve.
+
+    **Arguments:**
+
+    - `strain`: along the curve [-].
+    - `several`: where there are several [-].
+
+    **Returns:** a phrase [-]; empty where the curve is the only one.
+    """
+    there = strain[several]
+    if not there.size:
+        return ""
+    return (
+        f"ε {there[0]:.3f} to {there[-1]:.3f}; drawn is the one that is followed from the free"
+        " strain"
+    )
+
+
+def _units(number: int) -> str:
+    return "Another unit" if number == 1 else f"{number} other units"
+
+
+def _has(number: int) -> str:
+    return "has one" if number == 1 else "have muscles"

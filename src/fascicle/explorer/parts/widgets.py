@@ -1,0 +1,198 @@
+"""Fields and sliders of quantities: text with a unit, and the library's own words beside it."""
+
+import html
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import panel as pn
+
+from ...core.visible import visible
+from ...units import DIMENSIONS, parse
+from .look import Look, widget_css
+
+
+_STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}
+_UNSEEN_LABEL = "label { position: absolute; left: -9999px; }"  # read aloud, not shown
+
+
+class Slider(pn.widgets.FloatSlider):
+    """A slider whose every step counts at once: Panel's own waits 50 ms for the next one."""
+
+    _debounce = 1
+
+
+def factor(unit: str, dimension: str) -> float:
+    """SI value [SI] of one `unit` [-] of a `dimension` [-]."""
+    return float(DIMENSIONS[dimension].factors[unit])
+
+
+def shown(value: float, unit: str, dimension: str, digits: int = 6) -> str:
+    """A `value` [SI] in a `unit` [-], as a field shows it."""
+    return f"{value / factor(unit, dimension):.{digits}g} {unit}".strip()
+
+
+def read(text: str, dimension: str, unit: str, name: str) -> float:
+    """What a field's `text` [-] says [SI]; a bare number is in the `unit` [-] shown.
+
+    **Raises:** `ValueError`, in the library's words.
+    """
+    bare = text.strip()
+    try:
+        float(bare)
+    except ValueError:
+        return parse(bare, dimension, name)
+    return parse(f"{bare} {unit}".strip(), dimension, name)
+
+
+class Message:
+    """A line for what is wrong, right below the field that it is about."""
+
+    def __init__(self, name: str):
+        """**Arguments:** `name`: the field's [-]."""
+        self.name = name
+        self.pane = pn.pane.HTML(
+            "", visible=False, sizing_mode="stretch_width", margin=(0, 8, 4, 8)
+        )
+
+    @property
+    def text(self) -> str:
+        """What it says [-]."""
+        return str(self.pane.object)
+
+    def say(self, text: str) -> None:
+        """Show `text` [-], or nothing where it is empty."""
+        red = "color:#c1121f;background:#fff0f0;border-left:3px solid #c1121f"
+        style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
+        clean = html.escape(visible(text))
+        self.pane.object = f'<div role="alert" style="{style}">{clean}</div>' if text else ""
+        self.pane.visible = bool(text)
+
+
+class Field:
+    """A quantity as text with its unit. What can't be read is said below it."""
+
+    def __init__(
+        self, look: Look, label: str, name: str, dimension: str, set_value: Callable[[float], None]
+    ):
+        """**Arguments:**
+
+        - `look`: the page's [-].
+        - `label`: above it [-].
+        - `name`: of the value, as the library's messages have it [-].
+        - `dimension`: of the value [-].
+        - `set_value`: takes the value [SI]; its `ValueError` is said at the field.
+        """
+        self.name, self._dimension, self._set = name, dimension, set_value
+        self._unit, self._silent = "", False
+        self.input = pn.widgets.TextInput(
+            label=label, stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(2, 8)
+        )
+        self.message = Message(name)
+        self.input.param.watch(self._typed, "value")
+        self.panel = pn.Column(self.input, self.message.pane, margin=0, sizing_mode="stretch_width")
+
+    def show(self, value: float, unit: str) -> None:
+        """Show a `value` [SI] in a `unit` [-]."""
+        self._unit, self._silent = unit, True
+        self.input.value = shown(value, unit, self._dimension)
+        self._silent = False
+        self.message.say("")
+
+    def _typed(self, event: Any) -> None:
+        if self._silent:
+            return
+        try:
+            self._set(read(event.new, self._dimension, self._unit, self.name))
+            self.message.say("")
+        except ValueError as error:
+            self.message.say(str(error))
+
+
+class Dial:
+    """A slider with a field beside it, for one quantity in the unit shown."""
+
+    def __init__(
+        self, look: Look, label: str, name: str, dimension: str, set_value: Callable[[float], None]
+    ):
+        """**Arguments:** those of `Field` [-]."""
+        self._label, self._dimension, self._set = label, dimension, set_value
+        self._unit, self._top, self._silent = "", 1.0, False
+        css = widget_css(look)
+        self.slider = Slider(
+            label=label, start=0, end=1, step=0.01, show_value=False, stylesheets=[css],
+            sizing_mode="stretch_width", margin=(4, 14, 4, 12),
+        )  # fmt: skip
+        self.field = Field(look, f"{label}, typed", name, dimension, self._typed)
+        self.field.input.stylesheets = [css, _UNSEEN_LABEL]
+        self.field.input.width, self.field.panel.width = 92, 108
+        self.field.input.sizing_mode = self.field.panel.sizing_mode = None
+        self.field.input.margin = (8, 0, 0, 8)
+        self.slider.param.watch(self._slid, "value")
+        row = pn.Row(self.slider, self.field.input, margin=0, sizing_mode="stretch_width")
+        self.panel = pn.Column(row, self.field.message.pane, margin=0, sizing_mode="stretch_width")
+
+    def show(self, value: float, unit: str, top: float) -> None:
+        """Show a `value` [SI] of at most `top` [SI] in a `unit` [-]."""
+        scale = factor(unit, self._dimension)
+        step = _STEPS.get(unit, 0.001)
+        end = float(np.ceil(top / scale / step - 1e-9) * step)
+        title = f"{self._label} [{unit or '–'}]"
+        self._silent = True
+        if (unit, end) != (self._unit, self._top):
+            self._unit, self._top = unit, end
+            self.slider.param.update(label=title, start=0, end=end, step=step)
+        at = value / scale
+        if abs(self.slider.value - at) > step / 2:
+            self.slider.value = float(np.clip(at, 0, end))
+        self.field.show(value, unit)
+        self._silent = False
+
+    def _slid(self, event: Any) -> None:
+        if not self._silent:
+            # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa
+            self._take(parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension))
+
+    def _typed(self, value: float) -> None:
+        scale = factor(self._unit, self._dimension)
+        if not 0 <= value <= self._top * scale * (1 + 1e-9):
+            raise ValueError(
+                f"`{self.field.name}` must lie in [0, {self._top:g}]"
+                f" {self._unit or '-'}, got {value / scale:g} {self._unit}.".replace(" .", ".")
+            )
+        self._take(value)
+
+    def _take(self, value: float) -> None:
+        try:
+            self._set(value)
+        except ValueError as error:
+            self.field.message.say(str(error))
+
+
+def choice(look: Look, label: str, options: Mapping[str, str] | Sequence[str], **more: Any) -> Any:
+    """A drop-down list [-] named `label` [-] of `options` [-]."""
+    given: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": (2, 8)} | more
+    options = dict(options) if isinstance(options, Mapping) else list(options)
+    return pn.widgets.Select(label=label, options=options, stylesheets=[widget_css(look)], **given)
+
+
+def button(look: Look, label: str, does: Callable[[], None], **more: Any) -> Any:
+    """A button [-] named `label` [-] that `does` [-] something."""
+    made = pn.widgets.Button(label=label, stylesheets=[widget_css(look)], **more)
+    made.on_click(lambda _: does())
+    return made
+
+
+def heading(text: str) -> Any:
+    """A small title [-]."""
+    style = "font-weight:600;font-size:13px;margin:6px 0 0"
+    return pn.pane.HTML(f'<div style="{style}">{html.escape(text)}</div>', margin=(4, 8, 0, 8))
+
+
+def guarded(message: Message, act: Callable[[], None]) -> None:
+    """Do `act` [-]; a `ValueError` is said in `message` [-]."""
+    try:
+        act()
+        message.say("")
+    except ValueError as error:
+        message.say(str(error))

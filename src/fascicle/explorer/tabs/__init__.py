@@ -1,0 +1,1 @@
+"""The tabs: what each shows, and what can be chosen on it."""

@@ -1,0 +1,266 @@
+"""The bundle's tab: motor units, what they reach together, and the way back from a point."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+import panel as pn
+from bokeh.events import Tap
+
+from ...bundle.schemes import SCHEMES
+from ...core.checks import within
+from ...core.domain import HIGHEST_PRESSURE
+from ..curves.bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
+from ..parts.background import Latest
+from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.notes import equilibria, notes
+from ..parts.solid import Scene
+from ..parts.widgets import Dial, Field, button, choice, factor, heading
+from ..state import Session, View, changed
+from .bundle_units import UnitRows
+from .muscle import table
+from .tab import Tab, status
+
+
+class BundleView(Tab):
+    """Widgets and figures of a bundle."""
+
+    name: ClassVar[str] = "bundle"
+    fields: ClassVar[tuple[str, ...]] = (
+        "muscle", "units", "supply", "scheme", "resistance", "shown", "distance",
+    )  # fmt: skip
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        super().__init__(session, look)
+        self._silent, self._top = False, 0.3
+        self._rows = UnitRows(session, look)
+        self._scheme = choice(look, "Recruitment", list(SCHEMES))
+        self._scheme.param.watch(lambda e: self._set(scheme=e.new), "value")
+        self._resistance = pn.widgets.Checkbox(
+            label="Muscles past their free strain push back", margin=(6, 8),
+            stylesheets=[widget_css(look)],
+        )  # fmt: skip
+        self._resistance.param.watch(lambda e: self._set(resistance=e.new), "value")
+        self._supply = Field(look, "Supply pressure", "supply", "pressure", self._supplied)
+        self._strain = Dial(
+            look, "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
+        )
+        self._draw_figure()
+        self._scene = Scene(look, 350, 330, "bundle")
+        self._numbers = pn.pane.HTML("", margin=(0, 8))
+        self._status = pn.pane.HTML("", margin=(0, 8), height=22)
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
+        self._ways = pn.Column(margin=0, sizing_mode="stretch_width")
+        self._space = Latest(self._show_space, self._failed)
+        self._state = Latest(self._show_state, self._failed)
+        self._way = Latest(self._show_ways, self._failed)
+        left = pn.Column(
+            self._scheme, self._supply.panel, self._resistance, self._rows.panel,
+            width=300, height=590, scroll=True, margin=0,
+        )  # fmt: skip
+        middle = pn.Column(
+            self._notes, self._strain.panel, self._status, pn.pane.Bokeh(self.figure, margin=0),
+            self.message.pane, sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+        right = pn.Column(
+            pn.pane.Bokeh(self._scene.figure, margin=0), self._numbers,
+            heading("Pressures that reach a point (click in the space)"), self._ways,
+            width=356, margin=0,
+        )  # fmt: skip
+        self.panel = pn.Row(left, middle, right, sizing_mode="stretch_width", margin=0)
+
+    def draw(self, view: View) -> None:
+        """Show a `view` [-]."""
+        self._silent = True
+        self._scheme.value = str(view.scheme)
+        self._resistance.value = view.resistance
+        self._silent = False
+        self._supply.show(view.supply, view.shown["pressure"])
+        self._rows.show(view)
+        self._notes.object = status(" ".join(notes(view, "bundle")))
+        self._status.object = status("computing the space")
+        self._space.ask(lambda: shown_space(view.bundle, view.resistance))
+
+    def moved(self, before: View, after: View) -> None:
+        """Follow the sliders of pressure and strain."""
+        if changed(before, after, "pressures"):
+            self._rows.press(after)
+            self._ask_state(after)
+        elif changed(before, after, "strain"):
+            self._strain.show(after.strain, "", self._top)
+            self._ask_state(after)
+
+    def _set(self, **changes: Any) -> None:
+        if not self._silent:
+            self.session.change(**changes)
+
+    def _supplied(self, value: float) -> None:
+        within(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
+        view = self.session.view
+        self.session.change(
+            supply=value,
+            pressures=tuple(min(P, value) for P in view.pressures),
+            pressure=min(view.pressure, value),
+        )
+
+    def _failed(self, text: str) -> None:
+        self._status.object = ""
+        self.message.say(text)
+
+    # the figure
+
+    def _draw_figure(self) -> None:
+        look = self.look
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 600, 500)
+        self.figure = fig
+        empty = {"xs": [], "ys": [], "color": [], "label": []}
+        self._regions = source_of(empty, name="regions")
+        self._levels = source_of({**empty, "width": []})
+        self._shared = source_of({"xs": [], "ys": []}, name="overlap")
+        self.chosen = source_of({"strain": [], "force": []}, name="bundle_force")
+        self._units = source_of(empty)
+        self._zeros = source_of({"x": [], "y": [], "fill": []}, name="zeros")
+        self._here = source_of({"x": [], "y": []})
+        self._asked = source_of({"x": [], "y": []}, name="asked")
+        fig.line([-1, 10], [0, 0], color=look.muted, line_width=1)
+        fig.patches("xs", "ys", source=self._regions, color="color", fill_alpha=0.16,
+                    line_width=1.5, legend_field="label")  # fmt: skip
+        fig.multi_line("xs", "ys", source=self._levels, color="color", line_width="width",
+                       line_alpha=0.7)  # fmt: skip
+        fig.patches("xs", "ys", source=self._shared, fill_alpha=0, line_alpha=0,
+                    hatch_pattern="right_diagonal_line", hatch_color=look.ink, hatch_alpha=0.55,
+                    hatch_scale=9, legend_label="overlap of states")  # fmt: skip
+        fig.multi_line("xs", "ys", source=self._units, color="color", line_width=1.6,
+                       line_dash="dashed", legend_label="each unit, now")  # fmt: skip
+        fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
+                 legend_label="all units, now")  # fmt: skip
+        fig.scatter("x", "y", source=self._zeros, size=10, line_color=look.ink,
+                    fill_color="fill", line_width=2)  # fmt: skip
+        fig.scatter("x", "y", source=self._here, size=13, marker="diamond", color=look.cycle[1],
+                    line_color=look.paper)  # fmt: skip
+        fig.scatter("x", "y", source=self._asked, size=16, marker="cross", color=look.cycle[1],
+                    line_width=3)  # fmt: skip
+        fig.on_event(Tap, self._tapped)
+        legend_style(fig, look)
+
+    def _show_space(self, found: Shown) -> None:
+        view = self.session.view
+        scale, unit = factor(view.shown["force"], "force"), view.shown["force"]
+        space, cycle = found.space, self.look.cycle
+        self._top = max(0.1, float(np.ceil(found.top * 50) / 50))
+        outlines = [space.outline(state + 1) for state in range(len(space.force))]
+        colors = [cycle[i % len(cycle)] for i in range(len(outlines))]
+        self._regions.data = {
+            "xs": [strain for strain, _ in outlines],
+            "ys": [force / scale for _, force in outlines],
+            "color": colors,
+            "label": [f"recruitment state {i + 1}" for i in range(len(outlines))],
+        }
+        lines = [
+            (np.where(row >= 0, row / scale, np.nan), color, 0.5 + 1.2 * k / len(curves))
+            for curves, color in zip(space.force, colors, strict=True)
+            for k, row in enumerate(curves)
+        ]
+        self._levels.data = {
+            "xs": [space.strain] * len(lines),
+            "ys": [line for line, _, _ in lines],
+            "color": [color for _, color, _ in lines],
+            "label": [""] * len(lines),
+            "width": [width for _, _, width in lines],
+        }
+        pairs = [found.overlap.outline(i) for i in range(len(found.overlap.states))]
+        pairs = [(strain, force) for strain, force in pairs if strain.size]
+        self._shared.data = {
+            "xs": [strain for strain, _ in pairs],
+            "ys": [force / scale for _, force in pairs],
+        }
+        high = float(space.high.max()) / scale
+        set_range(self.figure.x_range, 0.0, self._top)
+        set_range(self.figure.y_range, -0.12 * high, 1.06 * high)
+        self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        self._asked.data = {"x": [], "y": []}
+        self._ways.objects = []
+        self.message.say("")
+        self._strain.show(min(view.strain, self._top), "", self._top)
+        self._ask_state(view)
+
+    def _ask_state(self, view: View) -> None:
+        top = self._top
+        strain = min(view.strain, top)
+
+        def compute() -> tuple[Any, ...]:
+            bundle = view.bundle
+            return (
+                view,
+                state_at(bundle, view.pressures, top, view.resistance),
+                force_at(bundle, view.pressures, strain, view.resistance),
+                solids(view, top),
+            )
+
+        self._state.ask(compute)
+
+    def _show_state(self, found: tuple[Any, ...]) -> None:
+        view, state, force, (drawn, owner, places, reach) = found
+        scale, unit = factor(view.shown["force"], "force"), view.shown["force"]
+        cycle = self.look.cycle
+        self._status.object = ""
+        self._units.data = {
+            "xs": [state.strain] * len(state.units),
+            "ys": list(state.units / scale),
+            "color": [cycle[i % len(cycle)] for i in range(len(state.units))],
+            "label": [""] * len(state.units),
+        }
+        self.chosen.data = {"strain": state.strain, "force": state.force / scale}
+        self._zeros.data = {
+            "x": state.zeros, "y": np.zeros(state.zeros.size),
+            "fill": [self.look.ink if one else self.look.paper for one in state.stable],
+        }  # fmt: skip
+        self._here.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
+        shades = [_mixed(cycle[i % len(cycle)], self.look.dark) for i in owner]
+        length = float(view.bundle.length)
+        self._scene.show(drawn, shades, places, max(0.62 * length, 1.2 * reach))
+        inch = view.shown["length"]
+        self._numbers.object = table({
+            "force": f"{force / scale:.4g} {unit}",
+            "free strain": equilibria(state.zeros, state.stable),
+            "envelope's radius": f"{reach / factor(inch, 'length'):.4g} {inch}",
+        })  # fmt: skip
+
+    # the way back
+
+    def _tapped(self, event: Any) -> None:
+        view = self.session.view
+        scale = factor(view.shown["force"], "force")
+        if event.x is None or not 0 <= event.x <= self._top:
+            return
+        with pn.io.unlocked():
+            self._asked.data = {"x": [event.x], "y": [event.y]}
+        self._ways.objects = [pn.pane.HTML(status("looking for pressures"))]
+        strain, force = float(event.x), float(event.y) * scale
+        unit = view.shown["force"]
+        self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance, unit)))
+
+    def _show_ways(self, found: tuple[float, list[Way], str]) -> None:
+        strain, several, remark = found
+        unit = self.session.view.shown["pressure"]
+        scale = factor(unit, "pressure")
+        rows: list[Any] = [pn.pane.HTML(status(remark), margin=(0, 8))] if remark else []
+        for way in several:
+            told = ", ".join(f"{P / scale:.4g}" for P in way.pressures)
+            kept = "" if way.stable else ", not stable"
+            rows.append(
+                button(
+                    self.look, f"state {way.state}: {told} {unit}{kept}",
+                    lambda way=way: self.session.change(pressures=way.pressures, strain=strain),
+                    sizing_mode="stretch_width", margin=(2, 8),
+                )
+            )  # fmt: skip
+        self._ways.objects = rows
+
+
+def _mixed(color: str, dark: bool) -> tuple[int, int, int]:
+    """A unit's `color` [-], lightened so that its fibers can be seen on it."""
+    rgb = [int(color[i : i + 2], 16) for i in (1, 3, 5)]
+    share = 0.3 if dark else 0.6
+    mixed = [round(c + (245 - c) * share) for c in rgb]
+    return mixed[0], mixed[1], mixed[2]

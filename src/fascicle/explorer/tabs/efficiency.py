@@ -1,0 +1,161 @@
+"""The efficiency's tab: maps over the force-strain space, and averages by number of states."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+import panel as pn
+from bokeh.models import ColorBar, HoverTool, LinearColorMapper
+from bokeh.palettes import Cividis256
+
+from ...energetics import PATHS
+from ..curves.efficiency_maps import STATES, Maps, averages, maps
+from ..parts.background import Latest
+from ..parts.look import Look, legend_style, plain_figure, set_range, source_of
+from ..parts.notes import notes
+from ..parts.widgets import choice, factor
+from ..state import Session, View
+from .reversal import grid
+from .tab import Tab, status
+
+
+_SHOWN = {"with resistance": "resisted", "without resistance": "free",
+          "what resistance takes": "difference"}  # fmt: skip
+
+
+class EfficiencyView(Tab):
+    """Widgets and figures of efficiency."""
+
+    name: ClassVar[str] = "efficiency"
+    fields: ClassVar[tuple[str, ...]] = (
+        "muscle", "units", "supply", "scheme", "shown", "path", "distance",
+    )  # fmt: skip
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        super().__init__(session, look)
+        self._silent, self._last = False, None
+        self._path = choice(look, "Path", list(PATHS), width=200, sizing_mode=None)
+        self._path.param.watch(self._along, "value")
+        self._kind = choice(look, "Map", _SHOWN, width=230, sizing_mode=None)
+        self._kind.param.watch(lambda _: self._other_map(), "value")
+        self._draw_figures()
+        self._status = pn.pane.HTML("", margin=(0, 8), height=22)
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
+        self._numbers = pn.pane.HTML("", margin=(0, 8))
+        self._maps = Latest(self._show, self._failed)
+        self._averages = Latest(self._show_averages, self._failed)
+        self.panel = pn.Column(
+            pn.Row(self._path, self._kind, self._numbers, margin=0),
+            self.message.pane, self._notes, self._status,
+            pn.Row(pn.pane.Bokeh(self.figure), pn.pane.Bokeh(self._bars, width=500),
+                   sizing_mode="stretch_width", margin=0),
+            sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+
+    def draw(self, view: View) -> None:
+        """Show a `view` [-]."""
+        self._silent = True
+        self._path.value = view.path
+        self._silent = False
+        self._notes.object = status(" ".join(notes(view, "efficiency")))
+        self._status.object = status("computing the map")
+        self._maps.ask(lambda: maps(view.bundle, view.path))
+
+    def _along(self, event: Any) -> None:
+        if not self._silent:
+            self.session.change(path=event.new)
+
+    def _failed(self, text: str) -> None:
+        self._status.object = ""
+        self.message.say(text)
+
+    def _draw_figures(self) -> None:
+        look = self.look
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 660, 490)
+        self.figure = fig
+        clear = "rgba(0, 0, 0, 0)"
+        self._colors = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=clear)
+        self.image = source_of(
+            {"image": [], "x": [], "y": [], "dw": [], "dh": []}, name="efficiency"
+        )
+        drawn = fig.image(
+            "image", "x", "y", "dw", "dh", source=self.image, color_mapper=self._colors
+        )
+        bar = ColorBar(
+            color_mapper=self._colors, title="Efficiency η [–]", title_text_color=look.ink,
+            major_label_text_color=look.ink, background_fill_color=look.paper, width=12,
+            title_text_font_style="normal",
+        )  # fmt: skip
+        fig.add_layout(bar, "right")
+        fig.add_tools(HoverTool(
+            renderers=[drawn],
+            tooltips=[("η", "@image{0.000}"), ("ε", "$x{0.000}"), ("F", "$y{0.0}")],
+        ))  # fmt: skip
+        self._bars = plain_figure(
+            look,
+            "Motor units in the same cross-section (1: SEMU)",
+            "Average efficiency [–]",
+            500,
+            490,
+        )
+        self._means = {}
+        for resistance, dash, color, marker in (
+            (True, "solid", look.cycle[0], "circle"), (False, "dashed", look.cycle[1], "square"),
+        ):  # fmt: skip
+            source = source_of({"x": [], "y": []}, name=f"average_{resistance}".lower())
+            label = f"with{'' if resistance else 'out'} resistance"
+            self._bars.line("x", "y", source=source, color=color, line_dash=dash, line_width=2.4,
+                            legend_label=label)  # fmt: skip
+            self._bars.scatter("x", "y", source=source, color=color, marker=marker, size=9,
+                               legend_label=label)  # fmt: skip
+            self._means[resistance] = source
+        self._bars.xaxis.ticker = list(STATES)
+        legend_style(self._bars, look, "bottom_right")
+
+    def _show(self, found: Maps) -> None:
+        self._last = found
+        self._show_map()
+        view = self.session.view
+        self.message.say("")
+        with_it, without = found.resisted.average, found.free.average
+        self._numbers.object = grid(
+            ("average efficiency of this bundle", ""),
+            [("with resistance", f"{with_it:.4f}"), ("without", f"{without:.4f}")],
+        )
+        self._status.object = status("computing averages by number of units")
+        self._averages.ask(lambda: averages(view, view.path))
+
+    def _other_map(self) -> None:
+        with pn.io.unlocked():
+            self._show_map()
+
+    def _show_map(self) -> None:
+        found = self._last
+        if found is None:
+            return
+        unit = self.session.view.shown["force"]
+        kind = self._kind.value
+        values = found.difference if kind == "difference" else getattr(found, kind).efficiency
+        strain, force = found.resisted.strain, found.resisted.force / factor(unit, "force")
+        d_strain, d_force = strain[1] - strain[0], force[1] - force[0]
+        largest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
+        least = min(0.0, float(np.nanmin(values))) if np.isfinite(values).any() else 0.0
+        self._colors.update(low=least, high=max(largest, 1e-6))
+        self.image.data = {
+            "image": [np.asarray(values, dtype=np.float32)],
+            "x": [strain[0] - d_strain / 2], "y": [force[0] - d_force / 2],
+            "dw": [strain[-1] - strain[0] + d_strain], "dh": [force[-1] - force[0] + d_force],
+        }  # fmt: skip
+        set_range(self.figure.x_range, 0.0, float(strain[-1] + d_strain))
+        set_range(self.figure.y_range, 0.0, float(force[-1] + d_force))
+        self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+
+    def _show_averages(self, found: dict[bool, np.ndarray]) -> None:
+        for resistance, values in found.items():
+            self._means[resistance].data = {"x": list(STATES), "y": values}
+        low = min(float(values.min()) for values in found.values())
+        high = max(float(values.max()) for values in found.values())
+        room = max(0.1 * (high - low), 0.005)
+        set_range(self._bars.x_range, STATES[0] - 0.3, STATES[-1] + 0.3)
+        set_range(self._bars.y_range, low - room, high + room)
+        self._status.object = ""

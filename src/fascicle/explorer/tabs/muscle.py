@@ -1,0 +1,327 @@
+"""The muscle's tab: its force over strain, taken apart, beside other laws, and itself."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.models import HoverTool, LabelSet
+
+from ...units import pretty
+from ..curves.laws import alternative, alternatives
+from ..curves.muscle_curves import REGIONS, Picture, picture, strips, widest
+from ..curves.tube import solid
+from ..parts.background import Latest
+from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.notes import branches, notes
+from ..parts.solid import Scene
+from ..parts.widgets import Dial, factor, heading
+from ..state import Session, View, changed
+from .muscle_inputs import MuscleInputs
+from .tab import status
+
+
+_TUBE = (214, 232, 245), (120, 160, 190)  # light, dark
+_STRAIGHT = (0, 3)  # regions in which a muscle is
+_FAR = 1e9  # any shown unit: beyond every picture
+_PARTS = (
+    ("mesh", "mesh", "dashed"),
+    ("bladder", "bladder", "dotdash"),
+    ("bending", "bending", "dotted"),
+)
+
+
+class MuscleView:
+    """Widgets and figures of one muscle; `refresh` when its tab is looked at."""
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        self._session, self._look, self._stale = session, look, True
+        self._top, self._above = 0.3, 0.0
+        self._inputs = MuscleInputs(session, look)
+        self._pressure = Dial(look, "Pressure P", "pressure", "pressure", self._set_pressure)
+        self._strain = Dial(
+            look, "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
+        )
+        self._draw()
+        self._scene = Scene(look, 350, 300, "solid")
+        self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
+        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(2, 8))
+        self._play = pn.widgets.Toggle(
+            label="▶ Sweep the strain", stylesheets=[widget_css(look)], margin=(4, 8)
+        )
+        self._timer: Any = None
+        self._play.param.watch(self._sweep, "value")
+        self._compare = pn.widgets.MultiSelect(
+            label="Compare with (Ctrl for several)", size=5, stylesheets=[widget_css(look)],
+            sizing_mode="stretch_width", margin=(2, 8),
+        )  # fmt: skip
+        self._compare.param.watch(self._compared, "value")
+        self._silent = False
+        self._others = Latest(self._show_others, self._inputs.message.say)
+        session.watch(self._changed)
+        turn = pn.widgets.IntSlider(
+            label="Turn the picture, in degrees", start=-180, end=180, value=35,
+            stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
+        )  # fmt: skip
+        turn.param.watch(lambda event: self._scene.turn(event.new, 22.0), "value")
+        left = pn.Column(self._inputs.panel, self._compare, width=262, margin=0)
+        middle = pn.Column(
+            self._notes, self._pressure.panel, self._strain.panel,
+            pn.pane.Bokeh(self.figure, margin=0), sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+        right = pn.Column(
+            pn.pane.Bokeh(self._scene.figure, margin=0), turn, self._play, heading("At this point"),
+            self._numbers, width=356, margin=0,
+        )  # fmt: skip
+        self.panel = pn.Row(left, middle, right, sizing_mode="stretch_width", margin=0)
+
+    # what is told, and what follows
+
+    def refresh(self) -> None:
+        """Draw all of it, if anything changed since it was drawn."""
+        if self._stale:
+            self._stale = False
+            self._all(self._session.view)
+
+    def _changed(self, before: View, after: View) -> None:
+        if after.tab != "muscle":
+            self._stale = True
+            return
+        if self._stale or changed(before, after, "muscle", "units", "supply", "shown", "tab"):
+            self._stale = False
+            self._all(after)
+        elif changed(before, after, "pressure", "strain"):
+            self._picture(after, pressed=changed(before, after, "pressure"))
+        if changed(before, after, "compared"):
+            self._ask_others(after)
+
+    def _all(self, view: View) -> None:
+        self._top, asked = widest(view.muscle, view.supply), view.strain
+        if asked > self._top:
+            self._session.view = view = replace(view, strain=self._top)
+        self._inputs.show(view)
+        self._silent = True
+        options = alternatives(view.muscle)
+        self._compare.options = {key.replace("_", " ").replace(":", ": "): key for key in options}
+        self._compare.value = [key for key in view.compared if key in options]
+        self._silent = False
+        self._picture(view, pressed=True, family=True)
+        if asked > self._top:
+            self._strain.field.message.say(
+                f"`strain` is drawn up to {self._top:g} for this muscle, asked was {asked:g}."
+            )
+        self._notes.object = status(" ".join(notes(view, "muscle")))
+        self._ask_others(view)
+
+    def _picture(self, view: View, pressed: bool, family: bool = False) -> None:
+        found = picture(view.muscle, view.pressure, view.strain, view.supply, self._top)
+        if family:
+            self._family(view, found)
+        if pressed:
+            self._curves(view, found)
+        self._point(view, found)
+
+    # figures
+
+    def _draw(self) -> None:
+        look = self._look
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 620, 500)
+        self.figure = fig
+        self._strips = source_of({"left": [], "right": [], "color": [], "alpha": []}, name="strips")
+        fig.quad("left", "right", _FAR, -_FAR, source=self._strips, fill_color="color",
+                 fill_alpha="alpha", line_color=None)  # fmt: skip
+        names = ("force", *(part for part, _, _ in _PARTS))
+        self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
+        self._families = source_of(
+            {"xs": [], "ys": [], "color": [], "label": [], "x": [], "y": []}, name="family"
+        )
+        self._other = source_of(
+            {"xs": [], "ys": [], "color": [], "dash": [], "label": []}, name="compared"
+        )
+        self._marks = source_of({"x": [], "y": [], "label": [], "below": []}, name="marks")
+        self._here = source_of({"x": [], "y": []}, name="here")
+        self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
+        fig.line([0, 10], [0, 0], color=look.muted, line_width=1)
+        fig.text("x", "y", "label", source=self._names, color=look.muted, text_align="center",
+                 text_font_size="12px", text_baseline="top")  # fmt: skip
+        several = fig.multi_line(
+            "xs", "ys", source=self._families, color="color", line_width=1.2, line_alpha=0.9
+        )
+        fig.text(
+            "x", "y", "label", source=self._families, color="color", text_font_size="11px",
+            x_offset=5, y_offset=-3, text_baseline="bottom",
+        )  # fmt: skip
+        for (part, label, dash), color in zip(_PARTS, look.cycle, strict=False):
+            fig.line("strain", part, source=self.chosen, color=color, line_dash=dash,
+                     line_width=1.8, legend_label=label)  # fmt: skip
+        main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
+                        legend_label="force")  # fmt: skip
+        fig.multi_line("xs", "ys", source=self._other, color="color", line_width=2.4,
+                       line_dash="dash", legend_field="label")  # fmt: skip
+        fig.scatter("x", "y", source=self._marks, size=9, color=look.ink, fill_color=look.paper,
+                    line_width=2)  # fmt: skip
+        fig.add_layout(LabelSet(
+            x="x", y="y", text="label", source=self._marks, x_offset=7, y_offset="below",
+            text_font_size="12px", text_color=look.ink, background_fill_color=look.paper,
+            background_fill_alpha=0.8,
+        ))  # fmt: skip
+        fig.scatter("x", "y", source=self._here, size=13, marker="diamond",
+                    color=look.cycle[1], line_color=look.paper)  # fmt: skip
+        fig.add_tools(
+            HoverTool(renderers=[main], tooltips=[("ε", "$x{0.0000}"), ("F", "$y{0.00}")]),
+            HoverTool(renderers=[several], tooltips=[("P", "@label")]),
+        )
+        legend_style(fig, look, "right")
+
+    def _family(self, view: View, found: Picture) -> None:
+        unit, scale = self._force_unit(view)
+        force = found.force[:-1]
+        in_unit = found.pressure[:-1] / factor(view.shown["pressure"], "pressure")
+        self._families.data = {
+            "xs": list(found.strain[:-1]),
+            "ys": list(force / scale),
+            "color": self._look.pressures(len(force)),
+            "label": [f"{x:.3g} {view.shown['pressure']}" for x in in_unit],
+            "x": [0.0] * len(force),
+            "y": force[:, 0] / scale,
+        }
+        low, high = float(force.min()) / scale, float(force.max()) / scale
+        self._above = high + 0.14 * (high - low)
+        set_range(self.figure.x_range, 0.0, self._top)
+        set_range(self.figure.y_range, low - 0.08 * (high - low), high + 0.16 * (high - low))
+        self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+
+    def _curves(self, view: View, found: Picture) -> None:
+        self._pressure.show(view.pressure, view.shown["pressure"], view.supply)
+        _, scale = self._force_unit(view)
+        parts = {
+            name: getattr(found, name)[-1] / scale
+            for name in ("force", "mesh", "bladder", "bending")
+        }
+        self.chosen.data = {"strain": found.strain[-1], **parts}
+        self._mark(view, found)
+        if self._other.data["xs"]:
+            self._ask_others(view)
+
+    def _mark(self, view: View, found: Picture) -> None:
+        unit, scale = self._force_unit(view)
+        free, blocked = float(found.free_strain[-1]), float(found.blocked[-1])
+        onset = float(found.collapse_strain[-1])
+        collapse = min(onset, self._top)
+        ran = strips(found.strain[-1], found.regions)
+        fills = [(self._look.paper, 0.0), (self._look.cycle[4], 0.14), (self._look.muted, 0.20),
+                 (self._look.cycle[5], 0.14)]  # fmt: skip
+        self._strips.data = {
+            "left": [left for left, _, _ in ran], "right": [right for _, right, _ in ran],
+            "color": [fills[i][0] for _, _, i in ran], "alpha": [fills[i][1] for _, _, i in ran],
+        }  # fmt: skip
+        self._names.data = {
+            "x": [(left + right) / 2 for left, right, _ in ran],
+            "y": [self._above] * len(ran),
+            # a strip too narrow for its name goes without
+            "label": [
+                REGIONS[i] if right - left > 0.12 * self._top else "" for left, right, i in ran
+            ],
+        }
+        x, y = [0.0, free], [blocked / scale, 0.0]
+        labels = [f"blocked {blocked / scale:.4g} {unit}", f"free {free:.4f}"]
+        if onset <= self._top:
+            x.append(collapse)
+            y.append(float(np.interp(collapse, found.strain[-1], found.force[-1])) / scale)
+            labels.append(f"collapse {collapse:.4f}")
+        self._marks.data = {"x": x, "y": y, "label": labels, "below": [6, 6, -22][: len(x)]}
+
+    def _point(self, view: View, found: Picture) -> None:
+        self._strain.show(view.strain, "", self._top)
+        unit, scale = self._force_unit(view)
+        self._here.data = {"x": [view.strain], "y": [found.force_here / scale]}
+        drawn = solid(view.muscle, found, view.strain)
+        length = float(view.muscle.length)
+        reach = max(0.56 * length, 2.0 * drawn.radius)  # a stubby muscle is wider than long
+        self._scene.show([drawn], [_TUBE[self._look.dark]], [(0.0, 0.0, 0.0)], reach)
+        state = REGIONS[found.region] + (", other equilibria exist" if found.several else "")
+        # the volume is a straight muscle's of this length: no law here knows a bent one's
+        fluid = "fluid" if found.region in _STRAIGHT else "fluid, if it were straight"
+        rows = {
+            "force": f"{found.force_here / scale:.4g} {unit}",
+            "state": state,
+            fluid: f"{found.volume * 1e6:.4g} cm³",
+            "braid angle": pretty(drawn.angle, "angle"),
+            "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
+            f" {view.shown['length']}",
+            "bows out": f"{found.deflection / factor(view.shown['length'], 'length'):.4g}"
+            f" {view.shown['length']}",
+            "bending moment": f"{found.moment:.4g} N·m",
+        }
+        if more := branches(found.strain[-1], found.branches):
+            rows["several equilibria"] = more
+        self._numbers.object = table(rows)
+
+    # other laws
+
+    def _compared(self, event: Any) -> None:
+        if not self._silent:
+            self._session.change(compared=tuple(event.new))
+
+    def _ask_others(self, view: View) -> None:
+        keys = [key for key in view.compared if key in alternatives(view.muscle)]
+        top = self._top
+
+        def compute() -> list[tuple[str, np.ndarray, np.ndarray]]:
+            out = []
+            for key in keys:
+                other = alternative(view.muscle, key)
+                found = picture(other, view.pressure, view.strain, view.supply, top)
+                out.append((key, found.strain[-1], found.force[-1]))
+            return out
+
+        if keys:
+            self._others.ask(compute)
+        else:
+            self._show_others([])
+
+    def _show_others(self, found: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
+        _, scale = self._force_unit(self._session.view)
+        cycle = self._look.cycle[3:] + self._look.cycle[:3]
+        self._other.data = {
+            "xs": [strain for _, strain, _ in found],
+            "ys": [force / scale for _, _, force in found],
+            "color": [cycle[i % len(cycle)] for i in range(len(found))],
+            "dash": [""] * len(found),
+            "label": [key.replace("_", " ").replace(":", ": ") for key, _, _ in found],
+        }
+
+    # pressure, and the sweep
+
+    def _set_pressure(self, value: float) -> None:
+        self._session.change(pressure=value)
+
+    def _force_unit(self, view: View) -> tuple[str, float]:
+        unit = view.shown["force"]
+        return unit, factor(unit, "force")
+
+    def _sweep(self, event: Any) -> None:
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+        if event.new and pn.state.curdoc is not None:
+            self._timer = pn.state.add_periodic_callback(self._step, period=120)
+
+    def _step(self) -> None:
+        view = self._session.view
+        if view.tab != "muscle":
+            self._play.value = False
+            return
+        following = view.strain + self._top / 80
+        self._session.change(strain=0.0 if following > self._top else following)
+
+
+def table(rows: dict[str, str]) -> str:
+    """Two columns [-] of what and how much [-]."""
+    cells = "".join(
+        f'<tr><th style="text-align:left;font-weight:400;opacity:.75;padding:1px 14px 1px 0">{what}'
+        f'</th><td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
+        for what, value in rows.items()
+    )
+    return f'<table style="font-size:13.5px;border-collapse:collapse">{cells}</table>'

@@ -1,0 +1,103 @@
+"""What a muscle is: its sizes, material and laws, each refused at its own field."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import panel as pn
+
+from ...core.refused import Refused
+from ...muscle.laws import LAWS
+from ...muscle.materials import MATERIALS
+from ..parts.look import Look
+from ..parts.widgets import Field, Message, choice, heading
+from ..state import Session, View
+from .law_inputs import LawInputs
+
+
+SIZES = {
+    "length": ("Length at rest", "length"),
+    "outer_radius": ("Radius of the bladder", "length"),
+    "wall_thickness": ("Wall thickness", "length"),
+    "braid_angle": ("Braid angle, from the axis", "angle"),
+}
+_OWN = "its own"
+_TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
+
+
+class MuscleInputs:
+    """Fields of a muscle; a change makes another muscle, or says why there is none."""
+
+    def __init__(self, session: Session, look: Look):
+        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+        self._session, self._silent = session, False
+        self.message = Message("muscle")
+        self._fields = {
+            name: Field(look, label, name, dimension, self._sized(name))
+            for name, (label, dimension) in SIZES.items()
+        }
+        self._material = choice(look, "Material", [*MATERIALS, _OWN])
+        self._material.param.watch(self._chose_material, "value")
+        self._laws = {
+            kind: LawInputs(
+                look, _TITLES.get(kind, kind.capitalize()), known, self._becomes(kind),
+                self.message.say,
+            )
+            for kind, known in LAWS.items()
+        }  # fmt: skip
+        self._title = heading("")
+        self.panel = pn.Column(
+            self._title,
+            *(field.panel for field in self._fields.values()),
+            self._material,
+            *(law.panel for law in self._laws.values()),
+            self.message.pane,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def show(self, view: View) -> None:
+        """Show the muscle of a `view` [-]."""
+        self._silent = True
+        muscle = view.muscle
+        for name, field in self._fields.items():
+            length = SIZES[name][1] == "length"
+            field.show(float(getattr(muscle, name)), view.shown["length"] if length else "deg")
+        known = [name for name, one in MATERIALS.items() if one == muscle.material]
+        self._material.value = known[0] if known else _OWN
+        for kind, law in self._laws.items():
+            law.show(getattr(muscle, kind), view.shown)
+        self.message.say("")
+        self._silent = False
+
+    def _sized(self, name: str) -> Callable[[float], None]:
+        def take(value: float) -> None:
+            try:
+                self._become(**{name: value})
+            except ValueError as error:
+                # a rule between two sizes names one of them; the other's field is left alone
+                named = error.argument if isinstance(error, Refused) else name
+                other = self._fields.get(named) if named != name else None
+                if other is not None:
+                    other.message.say(str(error))
+                raise
+
+        return take
+
+    def _chose_material(self, event: Any) -> None:
+        if self._silent or event.new == _OWN:
+            return
+        try:
+            self._become(material=event.new)
+        except ValueError as error:
+            self.message.say(str(error))
+
+    def _becomes(self, kind: str) -> Callable[[Any], None]:
+        return lambda law: self._become(**{kind: law})
+
+    def _become(self, **parts: Any) -> None:
+        view = self._session.view
+        name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
+        after = replace(view, muscle=view.muscle.replace(**parts), name=name)
+        _ = after.bundle  # refused here, where it was typed, if it can't be a bundle any more
+        self._session.become(after)
