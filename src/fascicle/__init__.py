@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .muscle import materials as materials
     from .muscle import post_collapse as post_collapse
     from .muscle import tension as tension
+    from .results import tables as tables
 
     __version__: str
 
@@ -67,6 +68,7 @@ _HOMES = {
     "reversal": "bundle",
     "save": "files",
     "schemes": "bundle",
+    "tables": "results",
     "tension": "muscle",
 }
 
@@ -94,6 +96,7 @@ __all__ = [
     "reversal",
     "save",
     "schemes",
+    "tables",
     "tension",
 ]
 

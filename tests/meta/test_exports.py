@@ -6,7 +6,7 @@ EXPORTS = [
     "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
     "buckling", "calibrate", "collapse", "design", "energetics", "example", "examples", "load",
     "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes",
-    "tension",
+    "tables", "tension",
 ]  # fmt: skip
 
 

@@ -36,6 +36,60 @@ class Variable(NamedTuple):
     source: str = ""
 
 
+class Table(dict[str, Variable]):
+    """Variables by name, in their order; it prints as a list of them."""
+
+    def dataset(self, **attributes: str) -> "xarray.Dataset":
+        """As `xarray` has it.
+
+        **Arguments:** `attributes`: what holds for all: `title`, `source` [-].
+
+        **Returns:** the dataset [-], with unit, meaning and source on each variable.
+        """
+        return dataset(self, **attributes)
+
+    def to_csv(self) -> str:
+        """As CSV [-], a row for each point; what has more dimensions than that is left out."""
+        return to_csv(self)
+
+    def to_json(self) -> str:
+        """As JSON [-]; what isn't finite is null."""
+        return to_json(self)
+
+    def write(self, path: str | os.PathLike[str], **attributes: str) -> None:
+        """Write it, whole or not at all, in the format that the name's end says.
+
+        **Arguments:**
+
+        - `path`: ends in `.nc`, `.zarr`, `.csv` or `.json` [-]; what is there is replaced.
+        - `attributes`: what holds for all: `title`, `source` [-].
+
+        **Raises:** `ValueError` for another ending; `OSError` where it can't be written.
+        """
+        write(self, path, **attributes)
+
+    def __repr__(self) -> str:
+        """A line for each variable: name, unit, dimensions, meaning."""
+        rows = [
+            (
+                name,
+                f"[{one.unit or '-'}]",
+                " × ".join(
+                    f"{dim} {size}"
+                    for dim, size in zip(one.dims, np.shape(one.values), strict=True)
+                ),
+                one.about,
+            )
+            for name, one in self.items()
+        ]
+        widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
+        lines = (
+            "  ".join([*(x.ljust(n) for x, n in zip(row, widths, strict=False)), row[3]]).rstrip()
+            for row in rows
+        )
+        return "\n".join(lines)
+
+
 def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dataset":
     """A labelled dataset of `variables`.
 

@@ -41,12 +41,13 @@ def run(
     bundle = read_bundle(file)
     states = read_states(pressure, bundle)
     check_grid(len(states), len(states[0]), len(strains))
-    from ..compute import bundle_equilibria, bundle_force
+    from ...results.tables import bundle_force
+    from ..compute import bundle_equilibria
 
     with refusing():
         # the zeros take most memory, and refuse what has none
         zeros = bundle_equilibria(bundle, states, not no_resistance)
-        variables = bundle_force(bundle, states, strains, not no_resistance) | zeros
+        variables = {**bundle_force(bundle, states, strains, not no_resistance), **zeros}
     outputs.give(
         variables,
         lambda: _table(variables),
@@ -71,6 +72,6 @@ def _table(variables: Any) -> None:
 
 
 def _figure(bundle: Any, states: list[list[float]], strains: list[float], resistance: bool) -> Any:
-    from ..figures import bundle_force
+    from ...plot.results import bundle_force
 
     return bundle_force(bundle, states, strains, resistance)

@@ -98,6 +98,6 @@ def _table(variables: Any, points: bool) -> None:
 
 
 def _figure(maps: Any) -> Any:
-    from ..figures import efficiency
+    from ...plot.results import efficiency
 
     return efficiency(maps)

@@ -40,7 +40,7 @@ def run(
     check_grid(len(pressures), len(strains))
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     muscle = read_muscle(file, "fascicle bundle")
-    from ..compute import muscle_force
+    from ...results.tables import muscle_force
 
     with refusing():
         variables = muscle_force(muscle, pressures, strains)
@@ -74,6 +74,6 @@ def _table(variables: Any) -> None:
 
 
 def _figure(muscle: Any, pressures: list[float], strains: list[float]) -> Any:
-    from ..figures import muscle_force
+    from ...plot.results import muscle_force
 
     return muscle_force(muscle, pressures, strains)

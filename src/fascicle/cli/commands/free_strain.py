@@ -36,7 +36,8 @@ def run(
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     found = read_target(file)
-    from ..compute import bundle_equilibria, muscle_free_strain
+    from ...results.tables import muscle_free_strain
+    from ..compute import bundle_equilibria
 
     if is_bundle(found):
         states = read_states(pressure, found)
@@ -76,7 +77,7 @@ def _table(variables: Any) -> None:
 
 
 def _figure(variables: Any) -> Any:
-    from ..figures import free_strain
+    from ...plot.results import free_strain
 
     if "pressure" in variables:
         return free_strain(variables["pressure"].values, variables["free_strain"].values)

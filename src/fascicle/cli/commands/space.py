@@ -99,6 +99,6 @@ def _table(variables: Any, units: int) -> None:
 
 
 def _figure(found: Any) -> Any:
-    from ..figures import space
+    from ...plot.results import space
 
     return space(found)

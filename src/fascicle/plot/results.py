@@ -1,18 +1,18 @@
-"""Pictures of what commands compute, in the one style of `fascicle.plot`."""
+"""Pictures of results: forces, recruitment states, efficiencies, as commands draw them."""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from .. import plot
 from ..bundle import Bundle
 from ..bundle.recruitment import Space, overlap
 from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
-from ..plot.style import CYCLE, DOUBLE, GRAY, SINGLE, in_kilopascals, letter, new_figure, styled
-from ..plot.style import force_strain_axes as label_axes
-from .compute import bundle_force as computed_force
+from .curves import bundle_force_strain, force_strain
+from .curves import free_strain as free_strain_curve
+from .style import CYCLE, DOUBLE, GRAY, SINGLE, in_kilopascals, letter, new_figure, styled
+from .style import force_strain_axes as label_axes
 
 
 _POINTS = 301  # along a curve
@@ -21,7 +21,7 @@ _MOST_LABELS = 12
 
 def muscle_force(muscle: Muscle, pressures: list[float], strains: list[float]) -> Figure:
     """Force of `muscle` over the range of `strains` [-], a curve for each of `pressures` [Pa]."""
-    return plot.force_strain(muscle, np.unique(pressures), _smooth(strains))
+    return force_strain(muscle, np.unique(pressures), _smooth(strains))
 
 
 @styled
@@ -34,8 +34,8 @@ def bundle_force(
     """
     eps = _smooth(strains)
     if len(states) == 1:
-        return plot.bundle_force_strain(bundle, states[0], eps, resistance)
-    force = computed_force(bundle, states, eps.tolist(), resistance)["force"].values
+        return bundle_force_strain(bundle, states[0], eps, resistance)
+    force = bundle.force(np.asarray(states)[:, None, :], eps, resistance)
     figure, axes = new_figure(width=SINGLE)
     ax = axes[0, 0]
     label_axes(ax)
@@ -94,7 +94,7 @@ def efficiency(maps: list[EfficiencyMap]) -> Figure:
 def free_strain(pressures: Any, strains: Any) -> Figure:
     """Free `strains` [-] over `pressures` [Pa] of what varies."""
     order = np.argsort(pressures)
-    return plot.free_strain(
+    return free_strain_curve(
         np.asarray(pressures)[order], {"free strain": np.asarray(strains)[order]}
     )
 

@@ -1,0 +1,83 @@
+import importlib
+import sys
+
+import pytest
+
+import fascicle
+
+
+# documented in version 0.1.0, and where they are now
+MOVED = {
+    "bundle.curves.Bank": "bundle.recruit.curves",
+    "bundle.inverse.Recruited": "bundle.recruit.inverse",
+    "bundle.inverse.Solutions": "bundle.recruit.inverse",
+    "calibrate.comparing.Row": "calibrate.fits.comparing",
+    "calibrate.discrepancy.from_trends": "calibrate.after.discrepancy",
+    "calibrate.discrepancy.sizes": "calibrate.after.discrepancy",
+    "calibrate.discrepancy.table": "calibrate.after.discrepancy",
+    "calibrate.misfit.Misfit": "calibrate.problem.misfit",
+    "calibrate.posterior.Posterior": "calibrate.after.posterior",
+    "calibrate.profiling.Profile": "calibrate.after.profiling",
+    "calibrate.readings.free_strain_of": "calibrate.data.readings",
+    "calibrate.readings.read": "calibrate.data.readings",
+    "calibrate.readings.tables": "calibrate.data.readings",
+    "calibrate.reference.sarosi": "calibrate.data.reference",
+    "calibrate.trends.looked": "calibrate.after.trends",
+    "calibrate.uncertainty.conclude": "calibrate.problem.uncertainty",
+    "describe.calibrated.provenance_of": "files.calibrated",
+    "describe.provenance": "files",
+    "describe.results.Variable": "results.labelled",
+    "design.cases.Cases": "design.judge.cases",
+    "design.cases.cases": "design.judge.cases",
+    "design.genetic.evolve": "design.searches.genetic",
+    "design.refine.refined": "design.searches.refine",
+    "design.remedies.Remedy": "design.searches.remedies",
+    "design.remedies.remedies": "design.searches.remedies",
+    "design.robust.Spread": "design.searches.robust",
+    "design.robust.sensitivities": "design.searches.robust",
+    "design.robust.spread": "design.searches.robust",
+    "design.searching.Found": "design.searches.exhaustive",
+    "design.store.Store": "design.sweeps.store",
+    "design.study.Study": "design.sweeps.study",
+    "design.summary.Summary": "design.searches.summary",
+    "design.summary.summary_of": "design.searches.summary",
+    "design.sweep.sweep": "design.sweeps.running",
+}
+
+
+@pytest.fixture
+def anew():
+    """Old names are imported as if for the first time, and forgotten afterwards."""
+    olds = {f"fascicle.{old.rpartition('.')[0]}" for old in MOVED}
+
+    def forget():
+        for old in olds:
+            sys.modules.pop(old, None)
+            parent, _, name = old.rpartition(".")
+            vars(sys.modules.get(parent, fascicle)).pop(name, None)
+
+    forget()
+    yield
+    forget()
+
+
+@pytest.mark.parametrize(("old", "new"), MOVED.items())
+def test_what_moved_is_found_and_says_where_it_is(old, new, anew):
+    module, _, name = old.rpartition(".")
+    with pytest.warns(DeprecationWarning, match=rf"has moved to `fascicle\.{new}`"):
+        found = getattr(importlib.import_module(f"fascicle.{module}"), name)
+    assert found is getattr(importlib.import_module(f"fascicle.{new}"), name)
+
+
+def test_old_modules_are_attributes_too(anew):
+    with pytest.warns(DeprecationWarning, match="has moved to"):
+        assert fascicle.design.genetic.evolve is fascicle.design.evolve
+    with pytest.raises(AttributeError, match="no attribute 'genes'"):
+        fascicle.design.genes  # noqa: B018
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("fascicle.design.genes")
+
+
+def test_packages_list_their_names():
+    assert {"Task", "search", "evolve"} <= set(dir(fascicle.design))
+    assert {"Muscle", "tables", "__version__"} <= set(dir(fascicle))
