@@ -101,7 +101,7 @@ compiled = pytest.mark.parametrize(
 def at(muscles, pressure, strain):
     """Response, kinks, moment and collapse moment, of NumPy's."""
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        law = muscles._law()
+        law = muscles.law
         pressurized = law.at(np.asarray(pressure))
         response, moment = pressurized.response(strain), pressurized.moment(strain)
         return response, pressurized.kinks.T, moment, law.collapse_moment(pressure)
@@ -127,7 +127,7 @@ def slopes_at_once(muscles, pressure, strain):
         done += width
     own, P, eps = jax.tree.unflatten(form, seeded)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        force, _ = own._law().at(P).force(eps)
+        force, _ = own.law.at(P).force(eps)
     return force.value, force.slopes
 
 
@@ -346,7 +346,7 @@ def test_finite_slopes_at_a_hundred_thousand_points(
 def thrust_and_load(muscles, pressure, strain):
     """Whether a muscle is bent, its push, and the elastica's end load $2 M/y$ [N]."""
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        state = muscles.buckling.buckled(muscles._law().at(pressure).column, strain)
+        state = muscles.buckling.buckled(muscles.law.at(pressure).column, strain)
     thrust = -(state.mesh + state.bladder + state.bending)
     load = 2 * state.moment / np.where(state.straight, 1.0, state.deflection)
     return ~state.straight, thrust, load

@@ -37,7 +37,7 @@ def library_bundle(units, **options):
 
 
 def _forces(muscle, pressure, strains):
-    law, braid = muscle._law(), muscle.braid
+    law, braid = muscle.law, muscle.braid
     at = law.at(pressure)
     of_pressure = {
         "free_strain": at.column.free_strain,
@@ -53,7 +53,7 @@ def _forces(muscle, pressure, strains):
 
 
 def _bent(muscle, pressure, strains):
-    at = muscle._law().at(pressure)
+    at = muscle.law.at(pressure)
     return {"moment": at.moment(strains), "deflection": at.deflection(strains)}
 
 

@@ -293,7 +293,7 @@ class Bundle(Module):
 def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
     """`bundle` [-] at `pressures` [Pa], one for each unit on the last axis."""
     groups = tuple(
-        muscles._law().at(pressures[..., np.array(places)]) for places, muscles in bundle.rows
+        muscles.law.at(pressures[..., np.array(places)]) for places, muscles in bundle.rows
     )
     places = tuple(places for places, _ in bundle.rows)
     return Pressurized(groups, places, bundle.counts, bundle.ratios)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .searches.robust import Spread as Spread
     from .searches.robust import sensitivities as sensitivities
     from .searches.robust import spread as spread
+    from .searches.study import Study as Study
     from .searches.summary import Summary as Summary
     from .searches.summary import summary_of as summary_of
     from .space.designs import Designs as Designs
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from .space.splits import partitions as partitions
     from .space.task import Task as Task
     from .sweeps.store import Store as Store
-    from .sweeps.study import Study as Study
 
 __all__ = [
     "Cases",
@@ -82,7 +82,7 @@ _HOMES = {
     "Space": "space.grids",
     "Spread": "searches.robust",
     "Store": "sweeps.store",
-    "Study": "sweeps.study",
+    "Study": "searches.study",
     "Summary": "searches.summary",
     "Task": "space.task",
     "compositions": "space.splits",
@@ -126,7 +126,7 @@ _WENT = {
     "space": "design.space.grids",
     "splits": "design.space.splits",
     "store": "design.sweeps.store",
-    "study": "design.sweeps.study",
+    "study": "design.searches.study",
     "summary": "design.searches.summary",
     "sweep": "design.sweeps.running",
     "table": "design.judge.table",

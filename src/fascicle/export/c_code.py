@@ -115,7 +115,7 @@ def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
 def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
     """Force, its slopes and the kinks as a function of pressure and strain."""
     P, eps = ca.SX.sym("P"), ca.SX.sym("eps")
-    at = muscle._law().at(P)
+    at = muscle.law.at(P)
     F, by_strain = at.force(eps)
     kinks = (at.column.free_strain, at.law.buckling.onset(at.column), at.collapse)
     found = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))

@@ -148,7 +148,7 @@ def at_pressure(muscle: Muscle, pressure: Batch) -> AtPressure:
 
 
 def _state(muscle: Muscle, pressure: Batch) -> Pressurized:
-    return muscle._law().at(pressure)
+    return muscle.law.at(pressure)
 
 
 def _force(at: AtPressure, strain: Batch) -> Batch:

@@ -170,6 +170,13 @@ class Muscle(Module):
         """The bladder inside it [-]."""
         return Bladder(self.braid, self.wall_thickness, self.material)
 
+    @kept
+    def law(self) -> Piecewise:
+        """Equation (27) for its parts [-]: elementwise, and nothing checked."""
+        pull = TunedTension(self.tension, self.bladder, self.tuning)
+        laws = (self.buckling, self.collapse, self.post_collapse)
+        return Piecewise(pull, *laws, self.transition_rate)
+
     @property
     def slenderness(self) -> Batch:
         """Length over diameter at rest, $L_0/(2 r_0)$ [-] [R15]."""
@@ -346,15 +353,6 @@ class Muscle(Module):
         tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
         leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
         return t.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
-
-    @kept
-    def _law_of_it(self) -> Piecewise:
-        pull = TunedTension(self.tension, self.bladder, self.tuning)
-        laws = (self.buckling, self.collapse, self.post_collapse)
-        return Piecewise(pull, *laws, self.transition_rate)
-
-    def _law(self) -> Piecewise:
-        return self._law_of_it
 
 
 def _point(muscle: Muscle, pressure: Values, strain: Values) -> tuple[Any, Any]:

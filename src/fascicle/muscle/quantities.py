@@ -15,37 +15,37 @@ Muscle = Any  # the class, which imports this
 
 def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """Pulling force [N] at `pressure` [Pa] and `strain` [-]."""
-    return muscle._law().at(pressure).force(strain)[0]
+    return muscle.law.at(pressure).force(strain)[0]
 
 
 def stiffness_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """By how much more it pulls a meter longer [N/m] at `pressure` [Pa] and `strain` [-]."""
-    return -muscle._law().at(pressure).force(strain)[1] / muscle.length
+    return -muscle.law.at(pressure).force(strain)[1] / muscle.length
 
 
 def response_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Response:
     """Force in its components [N] at `pressure` [Pa] and `strain` [-]."""
-    return muscle._law().at(pressure).response(strain)
+    return muscle.law.at(pressure).response(strain)
 
 
 def free_strain_of(muscle: Muscle, pressure: Batch) -> Batch:
     """Strain [-] at which the force vanishes at `pressure` [Pa]."""
-    return muscle._law().tension.free_strain(pressure)
+    return muscle.law.tension.free_strain(pressure)
 
 
 def blocked_force_of(muscle: Muscle, pressure: Batch) -> Batch:
     """Force [N] at rest length at `pressure` [Pa]."""
-    return muscle._law().tension.force(pressure, 0.0 * pressure)
+    return muscle.law.tension.force(pressure, 0.0 * pressure)
 
 
 def collapse_moment_of(muscle: Muscle, pressure: Batch) -> Batch:
     """Moment [N·m] of collapse at `pressure` [Pa]."""
-    return muscle._law().collapse_moment(pressure)
+    return muscle.law.collapse_moment(pressure)
 
 
 def collapse_strain_of(muscle: Muscle, pressure: Batch) -> Batch:
     """Strain [-] of collapse at `pressure` [Pa]."""
-    return muscle._law().at(pressure).collapse
+    return muscle.law.at(pressure).collapse
 
 
 def volume_of(muscle: Muscle, strain: Batch) -> Batch:
@@ -60,14 +60,14 @@ def radius_of(muscle: Muscle, strain: Batch) -> Batch:
 
 def deflection_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """How far the axis bows out [m] at `pressure` [Pa] and `strain` [-]."""
-    return muscle._law().at(pressure).deflection(strain)
+    return muscle.law.at(pressure).deflection(strain)
 
 
 def moment_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """Largest bending moment [N·m] at `pressure` [Pa] and `strain` [-]."""
-    return muscle._law().at(pressure).moment(strain)
+    return muscle.law.at(pressure).moment(strain)
 
 
 def shape_of(muscle: Muscle, pressure: Batch, strain: Batch, points: int) -> Centerline:
     """Centerline [m] of `points` [-] at `pressure` [Pa] and `strain` [-]."""
-    return muscle._law().at(pressure).shape(strain, points)
+    return muscle.law.at(pressure).shape(strain, points)

@@ -1,5 +1,6 @@
 import importlib
 import sys
+import warnings
 
 import pytest
 
@@ -38,7 +39,7 @@ MOVED = {
     "design.robust.spread": "design.searches.robust",
     "design.searching.Found": "design.searches.exhaustive",
     "design.store.Store": "design.sweeps.store",
-    "design.study.Study": "design.sweeps.study",
+    "design.study.Study": "design.searches.study",
     "design.summary.Summary": "design.searches.summary",
     "design.summary.summary_of": "design.searches.summary",
     "design.sweep.sweep": "design.sweeps.running",
@@ -64,9 +65,12 @@ def anew():
 @pytest.mark.parametrize(("old", "new"), MOVED.items())
 def test_what_moved_is_found_and_says_where_it_is(old, new, anew):
     module, _, name = old.rpartition(".")
-    with pytest.warns(DeprecationWarning, match=rf"has moved to `fascicle\.{new}`"):
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
         found = getattr(importlib.import_module(f"fascicle.{module}"), name)
     assert found is getattr(importlib.import_module(f"fascicle.{new}"), name)
+    told = [str(one.message) for one in said if one.category is DeprecationWarning]
+    assert f"`fascicle.{module}` has moved to `fascicle.{new}`." in told
 
 
 def test_old_modules_are_attributes_too(anew):

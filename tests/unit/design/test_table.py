@@ -56,7 +56,7 @@ def test_the_largest_force_is_that_of_the_whole_law(laws):
     table = tabulated(rows, Demand.of(task), (), COARSE.level)
     for i in range(12):
         one = sized(*(x if isinstance(x, fs.Muscle) else x[i] for x in rows))
-        force = one._law().at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
+        force = one.law.at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
         # rounding of the forces that are added up
         close = {"rtol": 1e-10, "atol": 1e-9}
         assert_allclose(table.unfed[:, i], force[0], **close)

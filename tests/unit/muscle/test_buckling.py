@@ -18,7 +18,7 @@ L0 = 0.127
 muscle = fs.Muscle.from_dimensions(L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 law = Kim2021()
 P = 34.5e3
-column = muscle._law().at(P).column
+column = muscle.law.at(P).column
 EPS_F, L, EI, EA = (
     float(v)
     for v in (

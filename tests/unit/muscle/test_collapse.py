@@ -75,7 +75,7 @@ def test_hinge_moment():
 
 
 def state(x):
-    column = muscle._law().at(jnp.asarray(34.5e3)).column
+    column = muscle.law.at(jnp.asarray(34.5e3)).column
     eps = column.free_strain + x / L0
     return column, eps, float(column.free_length), float(column.bending_stiffness)
 

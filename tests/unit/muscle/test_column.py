@@ -11,7 +11,7 @@ muscle = fs.Muscle.from_dimensions(
 
 
 def test_column_has_the_muscles_stiffness():
-    column = muscle._law().at(jnp.asarray(1e5)).column
+    column = muscle.law.at(jnp.asarray(1e5)).column
     E = 1.25 * 6 * (118.4e3 + 105.7e3)
     assert_allclose(column.bending_stiffness, E * np.pi / 4 * (6.35e-3**4 - 4.75e-3**4), rtol=1e-14)
     assert_allclose(column.axial_stiffness, E * np.pi * (6.35e-3**2 - 4.75e-3**2), rtol=1e-14)

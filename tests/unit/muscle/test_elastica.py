@@ -20,7 +20,7 @@ muscle = fs.Muscle.from_dimensions(*SIZES, buckling="elastica", collapse=never)
 law = Elastica()
 P = 34.5e3
 with np.errstate(all="ignore"):  # of branches that aren't taken
-    column = muscle._law().at(P).column
+    column = muscle.law.at(P).column
     onset = float(law.onset(column))
 stub = fs.Muscle.from_dimensions(0.027, 6e-3, 1.5e-3, math.radians(27), buckling="elastica")
 
@@ -169,7 +169,7 @@ def test_a_slender_muscle_has_one_equilibrium():
 def test_a_stub_has_several_and_follows_the_first():
     """Bent states m(ε_a) joined to the onset; the strain they need turns back on the way."""
     with np.errstate(all="ignore"):
-        stubs = stub._law().at(0.0).column
+        stubs = stub.law.at(0.0).column
         first = float(law.onset(stubs))
     arc = first + (float(stubs.free_strain) - first) * np.linspace(0, 1, 4001)[1:-1]
     stiffness = float(stubs.bending_stiffness / (stubs.free_length * stubs.rest_length))

@@ -30,7 +30,7 @@ def test_transition_after_collapse(laws):
     eps = strains_after(muscle)
     eps_c = float(muscle.collapse_strain(P))
     at = muscle.response(P, np.full(12, eps_c))
-    column = muscle._law().at(jnp.asarray(P)).column
+    column = muscle.law.at(jnp.asarray(P)).column
     M_h = math.pi / 4 * 1.78e6 * 6.35e-3 * 1.6e-3**2
     F_c = np.asarray(POST_COLLAPSE_LAWS[laws[1]]().force(column, M_h, jnp.asarray(eps)))
     decay = np.exp(-BETA * (eps - eps_c))
@@ -44,7 +44,7 @@ def test_transition_after_collapse(laws):
 @pytest.mark.parametrize("laws", LAWS)
 def test_kinks_are_where_the_slope_jumps(laws):
     muscle = muscles[laws]
-    free, onset, collapse = muscle._law().at(jnp.asarray(P)).kinks
+    free, onset, collapse = muscle.law.at(jnp.asarray(P)).kinks
     # compiled apart, so equal but for rounding
     assert_allclose(
         [free, collapse], [muscle.free_strain(P), muscle.collapse_strain(P)], rtol=1e-13

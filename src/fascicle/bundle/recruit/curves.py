@@ -57,7 +57,7 @@ class Kinds(NamedTuple):
 
     def kinks(self, pressure: Numbers) -> Numbers:
         """Strains of the bundle [-] at which they have kinks, on a new first axis."""
-        kinks = self.muscles._law().at(pressure).kinks
+        kinks = self.muscles.law.at(pressure).kinks
         return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
 
     def picked(self, place: Any) -> "Kinds":
@@ -75,11 +75,11 @@ class Kinds(NamedTuple):
                 return tuple(x.reshape(shape) for x in found)
         if which is not None:
             muscles = taken(muscles, which)
-        return muscles._law().at(pressure).force(strain)
+        return muscles.law.at(pressure).force(strain)
 
 
 def _force(muscles: Muscle, which: Any, pressure: Numbers, strain: Numbers) -> tuple:
-    return taken(muscles, which)._law().at(pressure).force(strain)
+    return taken(muscles, which).law.at(pressure).force(strain)
 
 
 class Kinks(NamedTuple):

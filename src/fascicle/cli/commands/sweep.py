@@ -72,8 +72,8 @@ def run(
     from ..startup import prepare
 
     prepare()
+    from ...design.searches.study import Study
     from ...design.sweeps.running import sweep
-    from ...design.sweeps.study import Study
     from ...files.task import load_task
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)

@@ -56,7 +56,7 @@ def curves_of(rows: Rows, supply: float, resolution: Resolution) -> list[Curves]
         places = np.arange(start, start + _TOGETHER)
         # filled up: what is compiled has as many in every call
         places = np.minimum(places, count - 1) if compiling else places[places < count]
-        law = rows.take((places, None, None)).muscle._law()
+        law = rows.take((places, None, None)).muscle.law
         # free strain and collapse are few searches, which take longer to compile than to do
         at = run(law.at, False)(pressure)
         top = at.column.free_strain[:, -1:]

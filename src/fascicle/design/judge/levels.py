@@ -50,7 +50,7 @@ def at_every_level(
     muscle, there = rows.muscle, n > 0
     states = states_for(demand.scheme, len(n))
     pressure = jnp.asarray(resolution.level)[:, None, None] * demand.supply
-    at = muscle._law().at(pressure + 0.0 * rows.length)
+    at = muscle.law.at(pressure + 0.0 * rows.length)
     top = jnp.max(jnp.where(there, at.column.free_strain[-1, 0], 0.0))
     demanded = jnp.asarray(demand.strain(rows.length[0]))
     strain, count = demanded, demanded.size

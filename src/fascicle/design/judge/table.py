@@ -187,7 +187,7 @@ def _run(mask: Bool[np.ndarray, " unit"]) -> Any:
 def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
     """The table as far as the tension law goes at full pressure: beyond, there is no force."""
     none, muscle = 0.0 * rows.length, rows.muscle
-    strain, law = demand.strain(rows.length) + none, muscle._law()
+    strain, law = demand.strain(rows.length) + none, muscle.law
     unfed, supply = law.at(none), demand.supply + none
     forces = (unfed.force(strain)[0], _pull(law, supply, strain))
     radius = bulge = None
@@ -213,13 +213,13 @@ def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
 def _largest_pull(rows: Rows, pressure: Numbers, strain: Numbers) -> Numbers:
     """Over pressures [Pa] at each `strain` [-], [N]."""
     P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
-    return most(_pull(rows.muscle._law(), P, strain))
+    return most(_pull(rows.muscle.law, P, strain))
 
 
 def _largest_force(rows: Rows, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
     """At the last of the pressures [Pa] and over all of them, at each `strain` [-], [N]."""
     P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
-    force, _ = rows.muscle._law().at(P).force(strain)
+    force, _ = rows.muscle.law.at(P).force(strain)
     return force[-1], most(force)
 
 

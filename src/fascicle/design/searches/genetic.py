@@ -28,12 +28,12 @@ from ..judge.unlike import unlike_objectives
 from ..space.designs import Designs, of_sizes
 from ..space.grids import Space
 from ..space.task import Task
-from ..sweeps.study import Study
 from . import checkpoint as checkpoints
 from .catalog import Catalog, cheapest
 from .checkpoint import Kept
 from .exhaustive import Found, concluded, nearest
 from .pareto import directed, non_dominated
+from .study import Study
 
 
 Genomes = Float[np.ndarray, "design gene"]

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..searches.study import Study
 from .cluster import revive
 from .store import Store
-from .study import Study
 
 
 _AHEAD = 3  # blocks handed to each worker, so that none waits for the next

@@ -25,7 +25,7 @@ import numpy as np
 
 from ..judge.judging import Values
 from ..judge.objectives import OBJECTIVES
-from .study import Study, bits
+from ..searches.study import Study, bits
 
 
 DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
