@@ -28,15 +28,16 @@ from jaxtyping import Float
 from ..core.arrays import given, library
 from ..core.checks import as_given, concrete, finite, one_of, within
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.evaluate import COMPILE_ABOVE, at_rest, compiled, evaluate
+from ..core.evaluate import COMPILE_ABOVE, at_rest, evaluate, traced
 from ..core.limits import plausible
 from ..core.refused import Refused
 from ..core.types import Numbers, Values
 from .alike import unlike
 from .bundle import Bundle
+from .recruit.carried import carried
 from .recruit.curves import Bank, bank
-from .recruit.free import freed, freely_carried
-from .recruit.inverse import Recruited, Solutions, carried, recruited
+from .recruit.free import freed
+from .recruit.inverse import Recruited, Solutions, recruited
 from .schemes import AbstractScheme, scheme_of
 from .states import common, states_of
 from .tables import unit_tables
@@ -249,7 +250,8 @@ def recruit(
     if (rest := at_rest(bundle, *arrays)) is None:
         return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
     found = evaluate(_in_parts, *rest, points=points, static=static)
-    return compiled(_carried, static)(bundle, *arrays[:3], found)
+    points = 2 * np.size(found.pressures)  # a force, and its slope
+    return traced(_carried, bundle, *arrays[:3], found, points=points, static=static)
 
 
 def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
@@ -287,7 +289,10 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
         for start in range(0, max(1, count), step)
     ]
     whole = parts[0] if len(parts) == 1 else _joined(parts)
-    return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
+    whole = jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
+    if at_work is np and bundle.is_numpy:
+        return whole
+    return _carried(bundle, force, strain, supply, whole, scheme, resistance)
 
 
 def _carried(
@@ -295,13 +300,13 @@ def _carried(
 ) -> Recruited:
     """What was found without derivatives, with them."""
     scheme, resistance = static
-    curves, shape = _bank(bundle, supply, scheme, resistance), found.state.shape
-    F, eps = (jnp.broadcast_to(x, shape).reshape(-1) for x in (force, strain))
-    flat = jax.tree.map(lambda x: x.reshape((-1, *x.shape[len(shape) :])), found)
-    states = states_of(scheme, len(bundle.motor_units))
-    carry = freely_carried if states.independent else partial(carried, states=states)
-    whole = carry(curves, F, eps, flat)
-    return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), whole)
+    at_work, units = library(force, strain, found.unit), len(bundle.motor_units)
+    states = states_of(scheme, units)
+    throttled = np.arange(units) == found.unit[..., None] - 1
+    if not states.independent:
+        throttled = at_work.asarray(states.throttled)[found.state - 1]
+    F, eps = (at_work.broadcast_to(x, found.state.shape) for x in (force, strain))
+    return carried(bundle, F, eps, supply, found, throttled, resistance)
 
 
 def _joined(parts: list[Recruited]) -> Recruited:

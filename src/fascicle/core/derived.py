@@ -15,7 +15,7 @@ from jax.core import Tracer
 from jax.dtypes import float0
 
 from .checks import concrete
-from .dual import seeded, slopes_of
+from .dual import Dual, seeded, slopes_of
 from .modules import numbers
 
 
@@ -60,6 +60,15 @@ def derived(law: Callable, compiled: Callable, *things: Any) -> Any:
         return jax.tree.unflatten(form, values), jax.tree.unflatten(form, moves)
 
     return value(*(leaves[i] for i in places))
+
+
+def along(function: Callable, x: Any, direction: Any) -> Any:
+    """How an elementwise `function` of an array `x` changes [any unit] as that moves in a
+    `direction` [-].
+    """
+    if isinstance(x, np.ndarray):
+        return slopes_of(function(Dual(x, direction[..., None])), 1)[..., 0]
+    return jax.jvp(function, (x,), (direction,))[1]
 
 
 def _moved(part: Any, directions: Sequence[Any]) -> Any:

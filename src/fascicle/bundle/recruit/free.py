@@ -21,12 +21,10 @@ a unit that resists most at a pressure between is held there.
 from collections.abc import Sequence
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ...core.arrays import library, maximum, where
-from ...core.roots import guarded, still
+from ...core.roots import still
 from ...core.types import Numbers
 from ..states import States
 from .curves import Bank
@@ -61,7 +59,7 @@ def freed(
     - `owner`: the state that each belongs to [-].
     - `alike`: which kind each unit is of [-].
 
-    **Returns:** what to do for each demand [-].
+    **Returns:** what to do for each demand [-], without derivatives.
     """
     fixed, f, eps, volume = still((live, force, strain, taken))
     at_work = library(f, eps, volume, fixed.supply)
@@ -106,14 +104,13 @@ def freed(
     reached = reached & (at_work.abs(there - f) <= close)
     throttled = np.arange(units) == unit[:, None]
     state = at_work.asarray(owner)[taken_set]
-    level, there = _live(live, force, strain, level, throttled, reached, there)
     stable = slope < 0
-    own = at_work.sum(where(throttled, still(level), 0.0), axis=1)
+    own = at_work.sum(where(throttled, level, 0.0), axis=1)
     return Recruited(
-        pressures=level * live.supply,
+        pressures=level * fixed.supply,
         state=state + 1,
         force=there,
-        status=where(reached, REACHED, where(f > still(there), ABOVE, BELOW)),
+        status=where(reached, REACHED, where(f > there, ABOVE, BELOW)),
         stable=stable,
         solutions=Solutions(
             pressure=where(reached, own * fixed.supply, np.nan)[:, None],
@@ -123,17 +120,6 @@ def freed(
         count=where(reached, 1, 0),
         unit=unit + 1,
     )
-
-
-def freely_carried(live: Bank, force: Numbers, strain: Numbers, found: Recruited) -> Recruited:
-    """What was found without derivatives, with them; arguments as of `freed` [-], and what was
-    `found` [-].
-    """
-    level = found.pressures / still(live.supply)
-    throttled = np.arange(level.shape[1]) == (found.unit - 1)[:, None]
-    reached = found.status == REACHED
-    level, there = _live(live, force, strain, level, throttled, reached, found.force)
-    return found._replace(pressures=level * live.supply, force=there)
 
 
 def _throttled(
@@ -178,27 +164,3 @@ def _forces(live: Bank, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbe
     found = live.state_force(state, level.reshape(-1), at_work.repeat(strain, units))
     force, slope = (at_work.sum(x.reshape(count, units), axis=1) for x in found)
     return force, slope
-
-
-def _live(
-    live: Bank,
-    force: Numbers,
-    strain: Numbers,
-    level: Numbers,
-    throttled: Any,
-    reached: Any,
-    there: Numbers,
-) -> tuple[Numbers, Numbers]:
-    """The levels [-] found and the force [N] that they give `there`, with their derivatives."""
-    if library(force, strain, live.supply, level) is np:
-        return level, there
-    fixed, eps = still((live, strain))
-    given, _ = _forces(live, level, strain)
-    turned = where(throttled, jnp.ones_like(level), 0.0)
-    _, slope = jax.jvp(lambda u: _forces(fixed, u, eps)[0], (level,), (turned,))
-    # it is met already: Newton's step carries derivatives alone
-    moves = reached & (slope != 0)
-    short = where(moves, force - given, 0.0)
-    step = (short - still(short)) / guarded(moves, slope)
-    moved = level + where(throttled, step[:, None], 0.0)
-    return moved, where(reached, force + still(there - force), given)

@@ -22,13 +22,11 @@ it moves smoothly: not where two solutions meet, and not where the choice change
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ...core.arrays import library, where
-from ...core.roots import guarded, still
+from ...core.roots import still
 from ...core.types import AnyArray, Numbers
 from ..states import States
 from .curves import Bank
@@ -86,7 +84,7 @@ def recruited(
     - `taken`: by each unit since rest [m³], units last; or None where states feed more and more.
     - `states`: of the scheme [-].
 
-    **Returns:** what to do for each demand [-].
+    **Returns:** what to do for each demand [-], without derivatives.
     """
     fixed, f, eps = still((live, force, strain))
     at_work = library(f, eps, fixed.supply)
@@ -108,9 +106,8 @@ def recruited(
         for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
     there, slope, firm = _at_ends(fixed, found, state, level, eps)
-    level, there = _live(live, force, strain, state, level, reached, there)
     return Recruited(
-        pressures=states.pressures(state, level, live.supply),
+        pressures=states.pressures(state, level, fixed.supply),
         state=state + 1,
         force=there,
         status=where(reached, REACHED, where(found.miss < 0, ABOVE, BELOW)),
@@ -123,30 +120,6 @@ def recruited(
         count=found.count,
         unit=at_work.asarray(states.leading)[state] + 1,
     )
-
-
-def carried(
-    live: Bank, force: Numbers, strain: Numbers, found: Recruited, *, states: States
-) -> Recruited:
-    """What was found without derivatives, with them.
-
-    **Arguments:**
-
-    - `live`: the bundle's curves [-].
-    - `force`: demanded [N], one for each `strain`.
-    - `strain`: the bundle's contractions [-].
-    - `found`: for them [-].
-    - `states`: of the scheme [-].
-
-    **Returns:** the same [-].
-    """
-    state, at_work = found.state - 1, library(found.pressures)
-    level = at_work.take_along_axis(found.pressures, found.unit[:, None] - 1, axis=1)[:, 0]
-    reached = found.status == REACHED
-    level = level / still(live.supply)
-    level, there = _live(live, force, strain, state, level, reached, found.force)
-    pressures = states.pressures(state, level, live.supply)
-    return found._replace(pressures=pressures, force=there)
 
 
 def _at_ends(
@@ -172,27 +145,3 @@ def _at_ends(
     flat = (x.reshape(-1) for x in (states, levels, every))
     force, slope = (x.reshape(levels.shape) for x in fixed.state_force(*flat))
     return force[:, 0], slope[:, 0], found.met & (slope[:, 1:] < 0)
-
-
-def _live(
-    live: Bank,
-    force: Numbers,
-    strain: Numbers,
-    state: Any,
-    level: Numbers,
-    reached: Any,
-    there: Numbers,
-) -> tuple[Numbers, Numbers]:
-    """The `level` [-] found and the force [N] that it gives `there`, with their derivatives."""
-    if library(force, strain, live.supply, level) is np:
-        return level, there
-    fixed, eps = still((live, strain))
-    given, _ = live.state_force(state, level, strain)
-    _, slope = jax.jvp(
-        lambda u: fixed.state_force(state, u, eps)[0], (level,), (jnp.ones_like(level),)
-    )
-    # it is met already: Newton's step carries derivatives alone
-    moves = reached & (slope != 0)
-    short = where(moves, force - given, 0.0)
-    moved = level + (short - still(short)) / guarded(moves, slope)
-    return moved, where(reached, force + still(there - force), given)
