@@ -157,18 +157,18 @@ class States(NamedTuple):
 
         **Arguments:**
 
-        - `throttled`: of each unit at every level, which are first; units last [any unit].
-        - `off`: of each unit at no pressure [any unit].
-        - `full`: of each unit at the supply's [any unit].
+        - `throttled`: of each unit at every level, which are first; units last [SI].
+        - `off`: of each unit at no pressure [SI].
+        - `full`: of each unit at the supply's [SI].
 
-        **Returns:** sums [any unit], states on a new first axis.
+        **Returns:** sums [SI], states on a new first axis.
         """
         every = self._joint(throttled) + self.held(off, full)
         return library(every).moveaxis(every, -1, 0)
 
     def edges(self, throttled: Numbers, off: Numbers, full: Numbers) -> tuple[Numbers, Numbers]:
-        """Least and largest of every state; arguments as of `sums` [any unit], without levels in
-        what is returned [any unit].
+        """Least and largest of every state; arguments as of `sums` [SI], without levels in
+        what is returned [SI].
         """
         at_work, held = library(throttled, off, full), self.held(off, full)
         found = []

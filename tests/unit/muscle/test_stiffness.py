@@ -6,8 +6,9 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.muscle.buckling import BUCKLING_LAWS
-from fascicle.muscle.collapse import COLLAPSE_LAWS, POST_COLLAPSE_LAWS
+from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.materials import MooneyRivlin
+from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 from fascicle.muscle.tension import TENSION_LAWS
 
 

@@ -42,16 +42,16 @@ class AbstractBuckling(AbstractLaw):
     """A law for the muscle between its free strain and its collapse."""
 
     def solved(self, column: Column) -> Column:
-        """The column with its `branch` [-]."""
+        """The `column` [-] with its `branch` [-]."""
         return column._replace(branch=self.branch(column))
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:
-        """What depends on pressure alone, solved for once [-]."""
+        """What of a `column` [-] depends on pressure alone, solved for once [-]."""
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:
-        """The force at `strain` [-], at or past the free strain. Elementwise."""
+        """The force [N] at `strain` [-], at or past the free strain. Elementwise."""
 
     @abc.abstractmethod
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -59,7 +59,7 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def onset(self, column: Column) -> Batch:
-        """Strain [-] at which the muscle bows out; inf where it never does."""
+        """Strain [-] at which a `column` [-] bows out; inf where it never does."""
 
     @abc.abstractmethod
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
@@ -71,10 +71,10 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Whether other equilibria exist at `strain` [-] beside the one followed."""
+        """Whether [-] other equilibria exist at `strain` [-] beside the one followed."""
 
     def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """Forces, deflection and moment at `strain` [-], at or past the free strain."""
+        """Forces [N], deflection [m] and moment [N·m] at `strain` [-], at free strain or past it."""
         push, (deflection, moment) = self.push(column, strain), self.bow(column, strain)
         return Buckled(
             push.mesh, push.bladder, push.bending, deflection, moment,
