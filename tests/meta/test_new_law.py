@@ -15,8 +15,8 @@ LAW = '''"""A toy: the ideal law with a loss that grows with strain, and frictio
 
 from typing import ClassVar
 
-from ..._constant import POSITIVE, Constant, signed
-from ..._types import Batch, BatchLike
+from ...core.constant import POSITIVE, Constant, signed
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
 
@@ -56,8 +56,8 @@ OTHERS = {
 
 from typing import ClassVar
 
-from ..._constant import POSITIVE, Constant
-from ..._types import Batch
+from ...core.constant import POSITIVE, Constant
+from ...core.types import Batch
 from .kim2021 import Kim2021
 
 
@@ -75,8 +75,8 @@ class ToyBow(Kim2021):
 
 from typing import ClassVar
 
-from ..._constant import POSITIVE, Constant
-from ..._types import Batch, BatchLike
+from ...core.constant import POSITIVE, Constant
+from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse
 

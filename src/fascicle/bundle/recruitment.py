@@ -232,9 +232,11 @@ def recruit(
     now = None
     if prefer == "nearest":
         if scheme.independent:
-            raise ValueError(
-                f"`prefer` must be 'efficiency' with scheme {scheme.name!r}, got 'nearest': its"
-                " units' pressures are free, so what is nearest isn't one of a few solutions."
+            raise Refused(
+                "prefer",
+                f"must be 'efficiency' with scheme {scheme.name!r}",
+                prefer,
+                "its units' pressures are free, so what is nearest isn't one of a few solutions",
             )
         if present is None:
             raise Refused(

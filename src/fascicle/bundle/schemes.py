@@ -15,6 +15,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple, TypeVar
 
+from ..core.refused import Refused
+
 
 class State(NamedTuple):
     """A recruitment state: the units at `full` supply pressure and those that are `throttled`
@@ -79,7 +81,13 @@ def register(kind: type[Kind]) -> type[Kind]:
     """
     known = SCHEMES.get(kind.name)
     if known is not None and type(known) is not kind:
-        raise ValueError(f"`name` {kind.name!r} is another scheme's: choose one that is free.")
+        raise Refused(
+            "name",
+            f"{kind.name!r} is another scheme's",
+            kind.name,
+            "choose one that is free",
+            shown="",
+        )
     SCHEMES[kind.name] = kind()
     return kind
 
@@ -137,9 +145,12 @@ def scheme_of(
     from ..core.checks import one_of  # brings JAX, which the command line's help does without
 
     if isinstance(scheme, type):
-        raise ValueError(
-            f"`{what}` takes a name or an object, got the class {scheme.__name__}: write"
-            f" {scheme.__name__}()."
+        raise Refused(
+            what,
+            "takes a name or an object",
+            scheme,
+            f"write {scheme.__name__}()",
+            shown=f"the class {scheme.__name__}",
         )
     return SCHEMES[one_of(scheme, SCHEMES, what)]
 
@@ -154,9 +165,12 @@ def name_of(scheme: AbstractScheme) -> str:
     **Raises:** `ValueError` for a scheme by object that no file can name.
     """
     if SCHEMES.get(scheme.name) != scheme:
-        raise ValueError(
-            f"`scheme` {scheme.name!r} is an object of Python's, which files can't tell: register"
-            f" its class, or take one of {', '.join(sorted(SCHEMES))}."
+        raise Refused(
+            "scheme",
+            f"{scheme.name!r} is an object of Python's, which files can't tell",
+            scheme,
+            f"register its class, or take one of {', '.join(sorted(SCHEMES))}",
+            shown="",
         )
     return scheme.name
 

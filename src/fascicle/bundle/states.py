@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from ..core.arrays import library, maximum, minimum, where
+from ..core.refused import Refused
 from ..core.types import Numbers
 from .schemes import AbstractScheme
 
@@ -205,9 +206,13 @@ class States(NamedTuple):
                 of_kind.setdefault(kinds[unit], []).append(unit)
             count = prod(len(units) + 1 for units in of_kind.values())
             if count - 1 > most:
-                raise ValueError(
-                    f"`scheme` {self.scheme!r} has {count - 1} sets of motor units that may be"
-                    f" fed, and {most} at most can be looked at: take fewer units."
+                raise Refused(
+                    "scheme",
+                    f"{self.scheme!r} has {count - 1} sets of motor units that may be fed,"
+                    f" and {most} at most can be looked at",
+                    count - 1,
+                    "take fewer units",
+                    shown="",
                 )
             for numbers in product(*(range(len(units) + 1) for units in of_kind.values())):
                 fed = sorted(
@@ -255,21 +260,19 @@ def states_of(scheme: AbstractScheme, units: int) -> States:
     """
     found = list(scheme.states(units))
     if not found:
-        raise ValueError(f"`scheme` {scheme.name!r} has no state for {units} motor units.")
+        raise Refused(
+            "scheme", f"{scheme.name!r} has no state for {units} motor units", scheme, shown=""
+        )
     masks = np.zeros((2, len(found), units), bool)
     for k, state in enumerate(found):
         full, throttled = (list(part) for part in state)
         every = full + throttled
         if not throttled or len(set(every)) < len(every):
-            raise ValueError(
-                f"`scheme` {scheme.name!r} must throttle a unit in state {k + 1}, and name each"
-                f" once, got full {full} and throttled {throttled}."
-            )
+            rule = f"{scheme.name!r} must throttle a unit in state {k + 1}, and name each once"
+            raise Refused("scheme", rule, state, shown=f"full {full} and throttled {throttled}")
         if any(not 0 <= unit < units for unit in every):
-            raise ValueError(
-                f"`scheme` {scheme.name!r} must name units of 0 to {units - 1} in state {k + 1},"
-                f" got full {full} and throttled {throttled}."
-            )
+            rule = f"{scheme.name!r} must name units of 0 to {units - 1} in state {k + 1}"
+            raise Refused("scheme", rule, state, shown=f"full {full} and throttled {throttled}")
         masks[0, k, full], masks[1, k, throttled] = True, True
     return States(masks[0], masks[1], scheme.independent, scheme.name)
 

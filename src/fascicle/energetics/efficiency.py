@@ -82,9 +82,12 @@ def efficiency_map(
     scheme = bundle.scheme if scheme is None else scheme_of(scheme)
     one_of(path, PATHS, "path")
     if path == "isobaric" and scheme.independent:
-        raise ValueError(
-            f"`path` must be 'isotonic' with scheme {scheme.name!r}, got 'isobaric': at one force"
-            " and strain its units' pressures, and so the work on the way, may be any of many."
+        raise Refused(
+            "path",
+            f"must be 'isotonic' with scheme {scheme.name!r}",
+            path,
+            "at one force and strain its units' pressures, and so the work on the way, may be any"
+            " of many",
         )
     few, places = distinct(bundle)
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(places.tolist())

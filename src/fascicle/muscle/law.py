@@ -16,6 +16,7 @@ import equinox as eqx
 
 from ..core.constant import Constant, Switch
 from ..core.modules import Module
+from ..core.refused import Refused
 
 
 class Declared(Module):
@@ -68,7 +69,7 @@ def found(
             if not _is_one(law, kind, f"{package}.{module}"):
                 continue
             if law.name in laws:
-                raise ValueError(f"`{law.name}` names two laws of {package}: rename one.")
+                raise Refused(law.name, f"names two laws of {package}", None, "rename one")
             laws[law.name] = law
     return MappingProxyType(
         {name: laws[name] for name in sorted(laws, key=lambda n: (n != first, n))}

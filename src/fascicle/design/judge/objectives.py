@@ -60,9 +60,9 @@ def objective(
     def declared(function: Callable[[Outcome], PerDesign]) -> Callable[[Outcome], PerDesign]:
         name = function.__name__
         if name in OBJECTIVES:
-            raise ValueError(f"`{name}` is an objective already: choose another name.")
+            raise Refused(name, "is an objective already", None, "choose another name")
         if not function.__doc__:
-            raise ValueError(f"`{name}` must have a docstring: it is how reports tell it.")
+            raise Refused(name, "must have a docstring", None, "it is how reports tell it")
         OBJECTIVES[name] = Objective(function, unit, sense, needs)
         return function
 
@@ -209,9 +209,13 @@ def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
     """
     for name in names:
         if scheme.independent and OBJECTIVES[name].needs == "curves":
-            raise ValueError(
-                f"`objectives` can't hold {name!r} with scheme {scheme.name!r}, whose units aren't"
-                " recruited in turn: leave it out, or take another scheme."
+            raise Refused(
+                "objectives",
+                f"can't hold {name!r} with scheme {scheme.name!r}, whose units aren't recruited"
+                " in turn",
+                name,
+                "leave it out, or take another scheme",
+                shown="",
             )
 
 

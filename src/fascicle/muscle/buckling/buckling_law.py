@@ -74,7 +74,7 @@ class AbstractBuckling(AbstractLaw):
         """Whether [-] other equilibria exist at `strain` [-] beside the one followed."""
 
     def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """Forces [N], deflection [m] and moment [N·m] at `strain` [-], at free strain or past it."""
+        """Forces [N], deflection [m] and moment [N·m] at `strain` [-], at or past free strain."""
         push, (deflection, moment) = self.push(column, strain), self.bow(column, strain)
         return Buckled(
             push.mesh, push.bladder, push.bending, deflection, moment,
