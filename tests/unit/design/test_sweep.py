@@ -351,7 +351,7 @@ def test_the_local_scheduler_lets_in_its_own_workers_alone(study, tmp_path):
         assert address.startswith("tls://127.0.0.1:")
         for stranger in (address, address.replace("tls", "tcp")):
             with pytest.raises((OSError, TypeError)):
-                distributed.Client(stranger, timeout=3)
+                distributed.Client(stranger, timeout=3, set_as_default=False)
         me = psutil.Process()
         ports = [
             one.laddr
