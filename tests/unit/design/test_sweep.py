@@ -1,8 +1,6 @@
-import contextlib
-
-
 """A sweep that is stopped, killed or torn ends with the bits of one that wasn't."""
 
+import contextlib
 import json
 import os
 import shutil
