@@ -160,7 +160,7 @@ def space(
     **Raises:** `ValueError` where no supply pressure is known or a value is off.
     """
     supply = supply_of(bundle, supply_pressure)
-    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
+    scheme = scheme_used(bundle, scheme)
     if np.ndim(levels) == 0:
         levels = np.linspace(0.0, supply, int(levels))
     levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
@@ -225,7 +225,7 @@ def recruit(
     **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
     "nearest" without `present`.
     """
-    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
+    scheme = scheme_used(bundle, scheme)
     one_of(prefer, PREFERENCES, "prefer")
     F, eps = as_given(force, finite(force, "force", "N")), bundle._strain(strain)
     P = _supply(bundle, supply)
@@ -342,24 +342,16 @@ def _bank(bundle: Bundle, supply: Numbers, scheme: AbstractScheme, resistance: b
     return made
 
 
-def add_up(
-    throttled: Float[np.ndarray, "level *points unit"],
-    off: Float[np.ndarray, "*points unit"],
-    full: Float[np.ndarray, "*points unit"],
-    scheme: AbstractScheme | str,
-) -> Float[np.ndarray, "state level *points"]:
-    """Sum over units in every state of what each gives throttled, off and at full supply, (B10).
+def scheme_used(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
+    """The scheme that is asked for, or the bundle's own.
 
-    **Arguments:**
+    **Arguments:** `bundle` [-]; `scheme`: by name or as an object [-], or `None`.
 
-    - `throttled`: each unit's force [N] or work [J] at every throttled level, units last.
-    - `off`: its force [N] or work [J] at no pressure.
-    - `full`: its force [N] or work [J] at supply pressure.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
+    **Returns:** the scheme [-].
 
-    **Returns:** sums, [N] or [J], states on a new first axis.
+    **Raises:** `ValueError` for an unknown name.
     """
-    return states_of(scheme_of(scheme), throttled.shape[-1]).sums(throttled, off, full)
+    return bundle.scheme if scheme is None else scheme_of(scheme)
 
 
 def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..bundle import Bundle, recruitment
-from ..bundle.schemes import scheme_of
 from ..core.refused import Refused
 from ..energetics.efficiency import EfficiencyMap, efficiency_map
 from ..results import tables
@@ -101,7 +100,7 @@ def bundle_recruit(
 
 def is_free(bundle: Bundle, scheme: str | None) -> bool:
     """Whether a `bundle`'s units have a pressure each, by its own `scheme` or by this one [-]."""
-    return (bundle.scheme if scheme is None else scheme_of(scheme)).independent
+    return recruitment.scheme_used(bundle, scheme).independent
 
 
 def bundle_efficiency(

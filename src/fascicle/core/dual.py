@@ -104,8 +104,7 @@ def seeded(values: Sequence[Any]) -> list[Dual]:
 
 def slopes_of(x: Any, count: int) -> np.ndarray:
     """The slopes of `x` [any unit] by `count` numbers [-]: none where it depends on none."""
-    shape = (*np.shape(x), count)
-    return np.broadcast_to(x.slopes, shape) if isinstance(x, Dual) else np.zeros(shape)
+    return _full(x) if isinstance(x, Dual) else np.zeros((*np.shape(x), count))
 
 
 def _value(x: Any) -> Any:

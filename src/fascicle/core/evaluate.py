@@ -47,7 +47,7 @@ def evaluate(
     - `part`: the muscle or bundle that it is evaluated for [-].
     - `arrays`: numbers or arrays that broadcast [SI].
     - `points`: at how many points of a muscle's law, about [-].
-    - `cut`: how many are cut: `fields` or `rows` of `_tiles` [-]; left out, not at all.
+    - `cut`: how many are cut: `fields` or `rows` of `tiles` [-]; left out, not at all.
     - `static`: what decides the result's shape [-].
 
     **Returns:** what the law gives [SI]: NumPy's where all came from NumPy, else JAX's.

@@ -2,7 +2,7 @@
 
 An `AnyArray` is NumPy's or JAX's, as are single numbers; a `Symbol` is of a library that writes
 code. `Numbers`, `Whole` and `Marks` are of any shape. `Values` is what a caller hands in: a
-number, an array or nested lists; `_checks` looks at it.
+number, an array or nested lists; `checks` looks at it.
 """
 
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable

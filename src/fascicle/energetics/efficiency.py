@@ -17,8 +17,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..bundle import Bundle
-from ..bundle.recruitment import supply_of
-from ..bundle.schemes import AbstractScheme, scheme_of
+from ..bundle.recruitment import scheme_used, supply_of
+from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
 from ..bundle.tables import distinct
 from ..bundle.volumes import unit_volume_change
@@ -79,7 +79,7 @@ def efficiency_map(
     **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
     """
     supply = supply_of(bundle, supply_pressure)
-    scheme = bundle.scheme if scheme is None else scheme_of(scheme)
+    scheme = scheme_used(bundle, scheme)
     one_of(path, PATHS, "path")
     if path == "isobaric" and scheme.independent:
         raise Refused(

@@ -1,7 +1,7 @@
 """The explorer: the same laws in a browser, or in a notebook.
 
-Views are computed as arrays (`…_curves`, `…_space`, `tube`) by the laws and shown by widgets
-(`…_view`); what a session shows is one immutable `View`, which its address holds. Names are
+Views are computed as arrays (`curves`) by the laws and shown by widgets
+(`tabs`); what a session shows is one immutable `View`, which its address holds. Names are
 looked up when they are asked for, so that the command line's help loads no Panel.
 """
 
