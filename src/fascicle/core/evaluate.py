@@ -38,6 +38,7 @@ def evaluate(
     points: int,
     cut: Function | None = None,
     static: tuple = (),
+    at_once: bool = True,
 ) -> Any:
     """`law(part, *arrays, *static)`, at once or compiled.
 
@@ -49,32 +50,43 @@ def evaluate(
     - `points`: at how many points of a muscle's law, about [-].
     - `cut`: how many are cut: `fields` or `rows` of `tiles` [-]; left out, not at all.
     - `static`: what decides the result's shape [-].
+    - `at_once`: whether NumPy can follow it for its derivatives [-]: not where the law
+      differentiates itself.
 
     **Returns:** what the law gives [SI]: NumPy's where all came from NumPy, else JAX's.
     """
     many = points > COMPILE_ABOVE
+    followable = SLOPES_AT_ONCE if at_once else 0
     if not part.is_numpy:
-        return traced(law, part, *arrays, points=points, static=static)
+        return traced(law, part, *arrays, points=points, static=static, most=followable)
     if not given(*arrays):
         if many or not all(given(x) or _at_hand(x) for x in arrays):
-            return traced(law, part, *arrays, points=points, static=static)
-        at_once = evaluate(law, part, *map(_numbers, arrays), points=points, static=static)
-        return jax.tree.map(jnp.asarray, at_once)
+            return traced(law, part, *arrays, points=points, static=static, most=followable)
+        found = evaluate(law, part, *map(_numbers, arrays), points=points, static=static)
+        return jax.tree.map(jnp.asarray, found)
     if many and cut is not None:
         return cut(compiled(law, static), part, *arrays)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return _numbers(law(part, *arrays, *static))
 
 
-def traced(law: Function, part: Module, *arrays: Any, points: int, static: tuple = ()) -> Any:
+def traced(
+    law: Function,
+    part: Module,
+    *arrays: Any,
+    points: int,
+    static: tuple = (),
+    most: int = SLOPES_AT_ONCE,
+) -> Any:
     """What is traced: compiled, but at once where few numbers are followed for their derivatives.
 
-    **Arguments:** as of `evaluate`; `arrays` may be trees of them.
+    **Arguments:** as of `evaluate`; `arrays` may be trees of them; `most`: how many slopes are
+    few [-].
 
     **Returns:** what the law gives [SI], JAX's.
     """
     whole = compiled(law, static)
-    few = max(points, 1) * followed(part, *arrays) <= SLOPES_AT_ONCE
+    few = max(points, 1) * followed(part, *arrays) <= most
     if not few or at_rest(part, *arrays) is None:
         return whole(part, *arrays)
     return derived(lambda *things: law(*things, *static), whole, part, *arrays)

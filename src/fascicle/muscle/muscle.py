@@ -27,6 +27,7 @@ from .bladder import Bladder
 from .braid import Braid
 from .buckling import AbstractBuckling
 from .collapse import AbstractCollapse
+from .coenergy import EVALUATIONS, conjugate_volume_of
 from .column import Centerline
 from .entry import (
     centerline_points,
@@ -283,6 +284,24 @@ class Muscle(Module):
         """
         return self._evaluated(volume_of, strained(strain, self.braid_angle))
 
+    def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
+        """Volume on which the pressure does the work that the ends and the store take, (V1).
+
+        Up to the free strain it is `volume`; past it, less: the muscle bows, and its braid no
+        longer follows its ends. With any other volume a cycle of pressure and strain makes
+        energy. Where `elastica`'s force jumps it holds the jump's share.
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** $V^*$ [m³]. Where the force is continuous, so is it.
+
+        **Raises:** `ValueError` for concrete values off the domain.
+        """
+        return self._evaluated(conjugate_volume_of, *self._checked(pressure, strain), at_once=False)
+
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
 
@@ -340,11 +359,14 @@ class Muscle(Module):
     def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
         return gauge(pressure, self.tuning), strained(strain, self.braid_angle)
 
-    def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
+    def _evaluated(
+        self, law: Callable, *arrays: Batch, static: tuple = (), at_once: bool = True
+    ) -> Any:
         # rows of muscles, and whatever has one argument, are too few to be cut
         cut = fields if len(arrays) == 2 and self._is_single and not static else None
         points = math.prod(np.broadcast_shapes(*(np.shape(x) for x in arrays)))
-        return evaluate(law, self, *arrays, points=points, cut=cut, static=static)
+        points *= 1 if at_once else EVALUATIONS
+        return evaluate(law, self, *arrays, points=points, cut=cut, static=static, at_once=at_once)
 
     @kept
     def _is_single(self) -> bool:

@@ -62,6 +62,10 @@ class AbstractBuckling(AbstractLaw):
         """Strain [-] at which a `column` [-] bows out; inf where it never does."""
 
     @abc.abstractmethod
+    def folds(self, column: Column) -> tuple[Batch, ...]:
+        """Strains [-] past the onset at which the force may jump; inf where it doesn't."""
+
+    @abc.abstractmethod
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which the largest moment is `moment` [N·m]; inf if never."""
 

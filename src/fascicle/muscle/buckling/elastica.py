@@ -119,6 +119,16 @@ class Elastica(AbstractBuckling):
         """First strain [-] at which the straight muscle buckles; inf where it never does."""
         return column.branch.onset
 
+    def folds(self, column: Column) -> tuple[Batch, ...]:
+        """The strain [-] at which the curve turns back past its onset; inf where it doesn't."""
+        onset, curve = column.branch
+        cut, end = over(curve.cut.strain, 0.0), over(curve.end.strain, 0.0)
+        half = _first(curve, cut < curve.start.strain, end < cut)
+        # where it turns the strain is flat over the arc, which needs no slope of its own
+        fold = _at(column, half.start).strain
+        turns = both(both(half.found, isfinite(onset)), half.start < still(onset))
+        return (where(turns, fold, np.inf),)
+
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which the largest moment is `moment` [N·m]; inf if never.
 

@@ -81,6 +81,10 @@ class Kim2021(AbstractBuckling):
         """The free strain [-]: the law lets the bladder bow at once."""
         return column.free_strain
 
+    def folds(self, column: Column) -> tuple[Batch, ...]:
+        """None: one state follows the other [-]."""
+        return ()
+
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if its peak is lower [R7]."""
         xi, reached = compression_at_moment(_slenderness(column), moment / _moment_unit(column))

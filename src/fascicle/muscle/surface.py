@@ -1,0 +1,316 @@
+r"""A muscle as a table of its co-energy, from which force and volume both follow.
+
+In time a muscle is asked for thousands of times a second. A `UnitSurface` holds its co-energy
+$\Pi^*$, (V1), on a grid, and between the grid's nodes as a bicubic polynomial whose value and
+slopes are continuous,
+
+$$F = \frac{1}{L_0} \frac{\partial \Pi^*}{\partial \varepsilon}, \qquad
+  V^* = \frac{\partial \Pi^*}{\partial P}. \tag{V2}$$
+
+Both come from one table, so that no cycle of pressure and strain makes energy, however coarse
+the grid is: its error, which it states, is one of the law, not of the balance.
+
+Lines of the grid are even in $\sqrt{P}$, since a muscle changes most at low pressure; within the
+first of them the polynomial is one of $P$. Below $P = 0$ and above the table's end $\Pi^*$ goes on
+linearly, $F(P) = F(0) + P\,\partial V^*/\partial x$ with $x = L_0 \varepsilon$, as of a fluid that
+sucks; beyond the ends in strain, too.
+
+**Source:** derived here; Hermite's bicubic: de Boor (1962).
+"""
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+import equinox as eqx
+import numpy as np
+
+from ..core.arrays import library, maximum, minimum, sqrt, where
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
+from ..core.dual import Dual
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, Numbers, Values
+from .entry import lowest_strain
+from .muscle import Muscle
+from .piecewise import Pressurized
+
+
+# of the way down to straight fibers, near which the bladder stiffens beyond any grid
+_STRETCHED = 0.75
+# past the strain at which no braid pulls: how far a load may push one
+_PUSHED = 0.08
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+# cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
+_HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
+
+
+class Surface(NamedTuple):
+    """One muscle at a pressure and strain: co-energy [J], force [N], conjugate volume [m³], and
+    their slopes: of the force in strain [N] and pressure [m²], of the volume in pressure [m³/Pa].
+    """
+
+    coenergy: Batch
+    force: Batch
+    volume: Batch
+    force_by_strain: Batch
+    force_by_pressure: Batch
+    volume_by_pressure: Batch
+
+
+class UnitSurface(Module):
+    """A muscle's co-energy on a grid, (V2): `UnitSurface.tabulate(muscle)` makes it.
+
+    `coefficients`: of the powers of both cell coordinates [J], cells first; `root_step`: between
+    lines of pressure [√Pa]; `strains`: the table's ends [-]; `rest_length` [m]; `errors`: of its
+    force against the law's, at the middles of all cells: median, 99 % and largest [N].
+    """
+
+    coefficients: Numbers
+    root_step: Batch
+    strains: tuple[Batch, Batch]
+    rest_length: Batch
+    errors: tuple[float, float, float] = eqx.field(static=True)
+
+    @classmethod
+    def tabulate(
+        cls,
+        muscle: Muscle,
+        highest_pressure: Values = HIGHEST_PRESSURE,
+        strains: tuple[float, float] | None = None,
+        shape: tuple[int, int] = (161, 201),
+    ) -> "UnitSurface":
+        """The table of a muscle.
+
+        **Arguments:**
+
+        - `muscle`: one muscle [-], of numbers.
+        - `highest_pressure`: the table's end [Pa], up to 1 MPa.
+        - `strains`: its ends [-]; left out, from 0.75 of the strain that straightens the fibers
+          to 0.08 past the one at which no pressure pulls. The lower one is moved out by less than
+          a step, so that no strain is a node.
+        - `shape`: how many nodes in pressure and in strain [-], at least 3 each.
+
+        **Returns:** the table [-].
+
+        **Raises:** `ValueError` for ends and shapes that can't be.
+        """
+        top = float(
+            within(highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", "",
+                   (False, True))
+        )  # fmt: skip
+        rows, columns = _shape(shape)
+        strain = _strains(muscle, strains, columns)
+        roots = np.linspace(0.0, math.sqrt(top), rows)
+        with np.errstate(all="ignore"):  # of branches that aren't taken
+            nodes = _tabulated(muscle, roots**2, strain)
+        made = partial(
+            cls,
+            _coefficients(nodes, roots, strain),
+            np.float64(roots[1]),
+            (np.float64(strain[0]), np.float64(strain[-1])),
+            muscle.length,
+        )
+        return made(_errors(made((0.0, 0.0, 0.0)), muscle, roots, strain))
+
+    @property
+    def highest_pressure(self) -> Batch:
+        """The table's end [Pa]."""
+        return (self.root_step * self.coefficients.shape[-4]) ** 2
+
+    def at(self, pressure: Batch, strain: Batch) -> Surface:
+        """All that it says of one muscle, elementwise, nothing checked.
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa].
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** a `Surface`: co-energy [J], force [N], volume [m³] and slopes.
+        """
+        return looked_up(self, pressure, strain)
+
+    def force(self, pressure: Values, strain: Values) -> Batch:
+        """Pulling force, (V2).
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], from -101325 Pa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** force $F$ [N].
+
+        **Raises:** `ValueError` for concrete values outside the table.
+        """
+        return self.at(*self.inside(pressure, strain)).force
+
+    def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
+        """Volume that goes with the force, (V2).
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa], from -101325 Pa.
+        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
+
+        **Returns:** $V^*$ [m³].
+
+        **Raises:** `ValueError` for concrete values outside the table.
+        """
+        return self.at(*self.inside(pressure, strain)).volume
+
+    def inside(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+        """The same pressure [Pa] and strain [-], refused outside the table."""
+        low, high = (float(x) for x in self.strains)
+        why, closed = "of the table", (True, True)
+        top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its own root
+        P = within(pressure, -101325.0, top, "pressure", "Pa", why, closed)
+        return P, within(strain, low, high, "strain", "-", why, closed)
+
+
+def looked_up(table: UnitSurface, pressure: Batch, strain: Batch) -> Surface:
+    """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise."""
+    at_work = library(pressure, strain, table.coefficients)
+    lines, columns = table.coefficients.shape[-4:-2]
+    h, (low, high) = table.root_step, table.strains
+    step = (high - low) / columns
+
+    P = minimum(maximum(pressure, 0.0), table.highest_pressure)
+    # a root has no slope at zero, where the first cell doesn't ask for it
+    s = sqrt(where(P > h**2, P, h**2))
+    i = minimum(at_work.floor(sqrt(where(P > 0, P, 1.0)) / h), lines - 1.0)
+    i = where(P > h**2, i, 0.0).astype(int)
+    first = i == 0
+    u = where(first, P / h**2, s / h - i)
+    u_P = where(first, 1 / h**2, 1 / (2 * s * h))
+    u_PP = where(first, 0.0, -1 / (4 * s**3 * h))
+
+    eps = minimum(maximum(strain, low), high)
+    j = minimum(at_work.floor((eps - low) / step), columns - 1.0).astype(int)
+    w = (eps - low) / step - j
+
+    c = at_work.asarray(table.coefficients)[i, j]  # [..., power of u, power of w]
+    value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
+    p, p_u, p_uu = _cubic(value, u)
+    p_w, p_wu, _ = _cubic(slope, u)
+    p_ww, _, _ = _cubic(bend, u)
+
+    past_P, past = pressure - P, strain - eps  # linear there
+    inside_P = past_P == 0
+    inside = past == 0
+    V, V_w = p_u * u_P, p_wu * u_P
+    L0 = table.rest_length
+    return Surface(
+        coenergy=p + V * past_P + (p_w + V_w * past_P) * past / step,
+        force=(p_w + V_w * past_P) / (step * L0),
+        volume=V + V_w * past / step,
+        force_by_strain=where(inside, p_ww / (step**2 * L0), 0.0),
+        force_by_pressure=V_w / (step * L0),
+        volume_by_pressure=where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0),
+    )
+
+
+def _cubic(c: Numbers, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """A cubic with coefficients on the last axis, its slope and its bend at `x`."""
+    c0, c1, c2, c3 = (c[..., k] for k in range(4))
+    value = ((c3 * x + c2) * x + c1) * x + c0
+    return value, (3 * c3 * x + 2 * c2) * x + c1, 6 * c3 * x + 2 * c2
+
+
+class _Nodes(NamedTuple):
+    """At each node, rows by pressure: co-energy [J], and its slopes by strain [J], pressure [m³]
+    and both [m³].
+    """
+
+    coenergy: np.ndarray
+    by_strain: np.ndarray
+    by_pressure: np.ndarray
+    by_both: np.ndarray
+
+
+def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
+    """The law at the grid's nodes, integrated from node to node and kink to kink."""
+    at: Pressurized = muscle.law.at(Dual(pressure, np.ones((len(pressure), 1))))
+    kinks = [*at.kinks, *muscle.law.buckling.folds(at.column)]
+    grid = [Dual(np.full(len(pressure), x), np.zeros((1, 1))) for x in strain]
+    low, high = strain[0], strain[-1]
+    inside = [np.minimum(np.maximum(kink, low), high) for kink in kinks]
+    stops = np.stack([*grid, *inside])  # [stop, pressure]
+    order = np.argsort(stops.value, axis=0, kind="stable")
+    stops = np.take_along_axis(stops, order, axis=0)
+
+    middle, half = (stops[1:] + stops[:-1]) / 2, (stops[1:] - stops[:-1]) / 2
+    node = _NODES[:, None, None]
+    force, _ = at.force((middle + half * node).reshape((-1, len(pressure))))
+    parts = (half * _WEIGHTS[:, None, None]).reshape(force.shape) * force
+    # of each stretch, value and slope in pressure, and from there on
+    work, swept = (
+        np.concatenate([np.zeros((1, len(pressure))), np.cumsum(np.sum(x.reshape(
+            len(_NODES), -1, len(pressure)), axis=0), axis=0)])
+        for x in (parts.value, parts.slopes[..., 0])
+    )  # fmt: skip
+    back = np.argsort(order, axis=0, kind="stable")[: len(strain)]
+    L0 = float(muscle.length)
+    work, swept = (L0 * np.take_along_axis(x, back, axis=0).T for x in (work, swept))
+    rest = int(np.argmin(np.abs(strain)))
+    pull, _ = at.force(np.stack(grid))
+    empty = float(muscle.volume(0.0))
+    return _Nodes(
+        coenergy=pressure[:, None] * empty + work - work[:, rest, None],
+        by_strain=L0 * pull.value.T,
+        by_pressure=empty + swept - swept[:, rest, None],
+        by_both=L0 * pull.slopes[..., 0].T,
+    )
+
+
+def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """Of each cell [J]: [line, column, power of u, power of w]."""
+    step = strain[1] - strain[0]
+    h = roots[1]
+    # dP/du at both ends of each cell: of P itself in the first one
+    per_line = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
+    per_line[:, 0] = h**2
+    corners = np.empty((len(roots) - 1, len(strain) - 1, 4, 4))
+    for a in (0, 1):
+        rows = slice(a, len(roots) - 1 + a)
+        for b in (0, 1):
+            cols = slice(b, len(strain) - 1 + b)
+            du = per_line[a][:, None]
+            corners[..., a, b] = nodes.coenergy[rows, cols]
+            corners[..., a, 2 + b] = nodes.by_strain[rows, cols] * step
+            corners[..., 2 + a, b] = nodes.by_pressure[rows, cols] * du
+            corners[..., 2 + a, 2 + b] = nodes.by_both[rows, cols] * du * step
+    return _HERMITE @ corners @ _HERMITE.T
+
+
+def _errors(
+    table: UnitSurface, muscle: Muscle, roots: np.ndarray, strain: np.ndarray
+) -> tuple[float, float, float]:
+    """Of the table's force [N] at the middles of its cells: median, 99 % and largest."""
+    P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
+    eps = (strain[1:] + strain[:-1])[None] / 2
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        off = np.abs(looked_up(table, P, eps).force - muscle.law.at(P).force(eps)[0])
+    return tuple(float(x) for x in np.quantile(off, (0.5, 0.99, 1.0)))
+
+
+def _shape(shape: tuple[int, int]) -> tuple[int, int]:
+    if len(shape) != 2 or min(shape) < 3:
+        raise Refused("shape", "must be two whole numbers of at least 3", shape)
+    return int(shape[0]), int(shape[1])
+
+
+def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
+    """Even strains [-] from end to end, zero among them."""
+    if ends is None:
+        low = _STRETCHED * lowest_strain(muscle.braid_angle)
+        high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
+    else:
+        low, high = (muscle._checked(0.0, end)[1] for end in ends)
+        if not low < 0 < high:
+            raise Refused("strains", "must enclose 0", ends)
+    below = max(1, round(-low / (high - low) * (count - 1)))
+    step = max(high / (count - 1 - below), -low / below)
+    # a step that reaches past both ends still has to stop before the fibers are straight
+    step = min(step, -lowest_strain(muscle.braid_angle) / below)
+    return step * (np.arange(count) - below)
