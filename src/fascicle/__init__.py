@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from . import calibrate as calibrate
     from . import design as design
     from . import energetics as energetics
+    from . import fluid as fluid
     from . import records as records
     from .bundle import Bundle as Bundle
     from .bundle import MotorUnit as MotorUnit
@@ -60,6 +61,7 @@ _HOMES = {
     "energetics": "",
     "example": "files",
     "examples": "files",
+    "fluid": "",
     "load": "files",
     "materials": "muscle",
     "post_collapse": "muscle",
@@ -88,6 +90,7 @@ __all__ = [
     "energetics",
     "example",
     "examples",
+    "fluid",
     "load",
     "materials",
     "post_collapse",

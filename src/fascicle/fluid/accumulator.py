@@ -1,0 +1,136 @@
+r"""A liquid that presses on a gas: the accumulator.
+
+With $x = \ln(V_0/(V_0 - V_l))$, of a gas that fills $V_0$ at its precharge $p_0$ and leaves $V_l$
+to the liquid, absolute pressure, mass and energy over the empty one's are
+
+$$p = p_0 e^{n x}, \qquad m = \rho(P)\, V_0 (1 - e^{-x}), \tag{Q2}$$
+$$E = m\, e(P) + p_0 V_0 \frac{e^{(n - 1) x} - 1}{n - 1} - p_a V_0 (1 - e^{-x}), \tag{Q3}$$
+
+where the second term of (Q3) is $p_0 V_0 x$ for $n = 1$. $n = 1$ is a slow one, $n = \gamma$ a fast
+one; the gas is a spring, so that what it takes it gives back.
+
+**Valid for** up to 0.99 of $V_0$ taken by the liquid. **Source:** Merritt (1967), Hydraulic Control
+Systems.
+"""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..core.arrays import absolute, exp, expm1, log, log1p, minimum, no, where
+from ..core.checks import concrete
+from ..core.limits import Range
+from ..core.refused import Refused
+from ..core.roots import guarded
+from ..core.types import Batch, BatchLike, BoolBatch, Numbers
+from .chamber import row
+from .entry import above_zero, between, room_pressure, temperature
+from .media import OIL, Liquid
+from .supply import AbstractSupply, supply_pressure
+
+
+_FULL = 0.99
+_STEPS = 4  # of Newton's method: from P/K of some 1e-3 two would do
+
+
+class Accumulator(AbstractSupply):
+    """Liquid that presses on a gas, equations (Q2) and (Q3).
+
+    `volume`: $V_0$ of the gas when there is no liquid [m³]. `precharge`: gauge pressure of the gas
+    then [Pa]. `pressure`: gauge, that it begins with, above the precharge [Pa]. `exponent`: $n$
+    [-], in [1, 2]. `liquid` [-]; `room_pressure`, absolute [Pa], and `room_temperature` [K].
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    volume: Batch = above_zero("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
+    precharge: Batch = above_zero("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
+    pressure: Batch = supply_pressure()
+    exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True), default=1.4)
+    liquid: Liquid = OIL
+    room_pressure: Batch = room_pressure()
+    room_temperature: Batch = temperature()
+
+    def __check_init__(self):
+        if not concrete(self.pressure, self.precharge, self.exponent):
+            return
+        P, P_0 = np.broadcast_arrays(self.pressure, self.precharge)
+        if np.any(P <= P_0):
+            low = float(P[P <= P_0].flat[0])
+            rule = f"must lie above the `precharge` of {float(np.max(P_0)):g} Pa"
+            raise Refused("pressure", rule, low, "below it there is no liquid", f"{low:g} Pa")
+        share = float(np.max(-expm1(-self._spread(P))))
+        if share > _FULL:
+            rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - share:.3g}"
+            raise Refused("pressure", rule, share, "raise the `precharge`", shown="")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Mass alone [-]."""
+        return ("mass",)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Kilogram [-]."""
+        return ("kg",)
+
+    def stored_volume(self, pressure: BatchLike) -> Batch:
+        """Volume $V_l$ of liquid [m³] at gauge `pressure` [Pa]; negative below the precharge."""
+        return -self.volume * expm1(-self._spread(pressure))
+
+    def start(self) -> Numbers:
+        """Mass [kg] at the pressure that it begins with."""
+        return row(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
+
+    def pressure_at(self, state: Numbers) -> Batch:
+        """Gauge pressure [Pa] in a `state` [SI], equation (Q2)."""
+        m, n, room = state[..., 0], self.exponent, self.room_pressure
+        p_0 = self.precharge + room
+        share = minimum(m / (self.liquid.reference_density * self.volume), _FULL)
+        P = p_0 * exp(-n * log1p(-share)) - room  # of a liquid that can't be compressed
+        for _ in range(_STEPS):
+            rho, V = self.liquid.density(P), self.stored_volume(P)
+            slope = rho * (V / self.liquid.bulk_modulus + (self.volume - V) / (n * (P + room)))
+            P = P - (rho * V - m) / slope
+        return P
+
+    def temperature_at(self, state: Numbers) -> Batch:
+        """The room's [K], in any `state` [SI]."""
+        return self.room_temperature + 0.0 * state[..., 0]
+
+    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
+        """What flows in [kg/s], whatever `state` [SI] it has: `mass_in` [kg/s], negative where it
+        is drawn; `energy_in` [W] doesn't count.
+        """
+        del energy_in
+        return row(mass_in + 0.0 * state[..., 0])
+
+    def energy(self, pressure: BatchLike) -> Batch:
+        """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (Q3)."""
+        x = self._spread(pressure)
+        V_l = -self.volume * expm1(-x)
+        z = (self.exponent - 1) * x
+        gas = (self.precharge + self.room_pressure) * self.volume * x * _growth(z)
+        mass = self.liquid.density(pressure) * V_l
+        return mass * self.liquid.stored_energy(pressure) + gas - self.room_pressure * V_l
+
+    def stored(self, state: Numbers) -> Batch:
+        """Energy [J] of a `state` [SI], equation (Q3)."""
+        return self.energy(self.pressure_at(state))
+
+    def empty(self, state: Numbers) -> BoolBatch:
+        """Whether a `state` [SI] has no liquid left: yes or no [-]."""
+        return state[..., 0] <= 0
+
+    def _spread(self, pressure: BatchLike) -> Batch:
+        """$x$ [-] at gauge `pressure` [Pa]."""
+        p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
+        return log(guarded(p > 0, p, p_0) / p_0) / self.exponent
+
+
+def _growth(z: Any) -> Batch:
+    """$(e^z - 1)/z$ [-], 1 at zero, where the gas is isothermal."""
+    small = absolute(z) < 1e-4
+    s = guarded(small, z, 0.0)
+    far = guarded(no(small), z, 1.0)
+    return where(small, 1 + s * (1 / 2 + s * (1 / 6 + s / 24)), expm1(far) / far)

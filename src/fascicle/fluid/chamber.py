@@ -1,0 +1,175 @@
+r"""What a chamber is: fluid in a volume that moves.
+
+The state, its numbers on the last axis, is what no motion of the wall changes at once: mass, and
+energy where heat takes its time. The pressure follows from it and the volume by an equation of
+state, of which a chamber gives the residual and its slopes in closed form, so that it can be solved
+together with a muscle's volume, which depends on the pressure:
+
+$$g(s, P, V(P)) = 0, \qquad
+  \frac{\mathrm{d}g}{\mathrm{d}P} = g_P + g_V \frac{\mathrm{d}V}{\mathrm{d}P} > 0. \tag{C1}$$
+
+The residual rises with pressure and with volume. The rates of the state are affine in that of the
+volume, so that a volume that moves with the pressure can be taken to the other side.
+"""
+
+import abc
+from typing import Any, ClassVar, NamedTuple
+
+import equinox as eqx
+
+from ..core.arrays import library
+from ..core.limits import Range
+from ..core.modules import Module
+from ..core.types import Batch, BatchLike, Numbers
+from .entry import from_zero
+
+
+DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)
+
+
+class Balance(NamedTuple):
+    """The residual of the equation of state, its `value`, and its slopes `by_state` (on the last
+    axis), `by_pressure` and `by_volume`; in J, or in kg for a liquid [SI].
+    """
+
+    value: Batch
+    by_state: Numbers
+    by_pressure: Batch
+    by_volume: Batch
+
+
+class AbstractChamber(Module):
+    """Fluid in a volume that moves.
+
+    - `dead_volume`: of hose and fittings, on top of the volume that each method is given [m³].
+    - `room_pressure`: absolute [Pa].
+    - `names`, `units`: of the state's numbers, and `count`, how many there are [-].
+    - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close [-].
+    """
+
+    dead_volume: eqx.AbstractVar[Batch]
+    room_pressure: eqx.AbstractVar[Batch]
+    names: eqx.AbstractClassVar[tuple[str, ...]]
+    units: eqx.AbstractClassVar[tuple[str, ...]]
+    physical: eqx.AbstractClassVar[bool]
+
+    @property
+    def count(self) -> int:
+        """How many numbers the state has [-]."""
+        return len(self.names)
+
+    @property
+    @abc.abstractmethod
+    def lowest_pressure(self) -> Batch:
+        """Gauge pressure [Pa] below which it can't be: without gas, or where a liquid boils."""
+
+    @abc.abstractmethod
+    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+        """The state [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
+
+    @abc.abstractmethod
+    def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
+        """Temperature [K] of a `state` [SI] that is at gauge `pressure` [Pa]."""
+
+    @abc.abstractmethod
+    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+        """The residual (C1) and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in a
+        `volume` [m³].
+        """
+
+    @abc.abstractmethod
+    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
+
+    @abc.abstractmethod
+    def rates(
+        self,
+        state: Numbers,
+        pressure: BatchLike,
+        mass_in: BatchLike,
+        energy_in: BatchLike,
+        volume_rate: BatchLike,
+    ) -> Numbers:
+        """How the state changes.
+
+        **Arguments:**
+
+        - `state`: it [SI].
+        - `pressure`: that goes with it, gauge [Pa].
+        - `mass_in`: mass flow into it [kg/s].
+        - `energy_in`: enthalpy that comes along, a gas's $c_p T$ from upstream [W].
+        - `volume_rate`: of the volume [m³/s].
+
+        **Returns:** rates [SI] on the last axis, affine in `volume_rate`.
+        """
+
+    @abc.abstractmethod
+    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
+        """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
+
+    @abc.abstractmethod
+    def heat(
+        self,
+        state: Numbers,
+        pressure: BatchLike,
+        mass_in: BatchLike,
+        energy_in: BatchLike,
+        volume_rate: BatchLike,
+    ) -> Batch:
+        """Heat that leaves through the wall.
+
+        **Arguments:** those of `rates`.
+
+        **Returns:** heat flow [W].
+        """
+
+    @abc.abstractmethod
+    def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
+        """What a `state` [SI] at gauge `pressure` [Pa] keeps [J]: a gas's exergy, a liquid's energy
+        with that of its compliance.
+        """
+
+
+class AbstractMassChamber(AbstractChamber):
+    """A chamber whose state is the mass in it alone."""
+
+    names: ClassVar[tuple[str, ...]] = ("mass",)
+    units: ClassVar[tuple[str, ...]] = ("kg",)
+
+    def rates(
+        self,
+        state: Numbers,
+        pressure: BatchLike,
+        mass_in: BatchLike,
+        energy_in: BatchLike,
+        volume_rate: BatchLike,
+    ) -> Numbers:
+        """What flows in, whatever else there is.
+
+        **Arguments:**
+
+        - `state`: it [SI].
+        - `pressure`: that goes with it, gauge [Pa].
+        - `mass_in`: mass flow into it [kg/s].
+        - `energy_in`: enthalpy that comes along [W].
+        - `volume_rate`: of the volume [m³/s].
+
+        **Returns:** rate of mass [kg/s] on the last axis.
+        """
+        del pressure, energy_in, volume_rate
+        return row(mass_in + 0.0 * state[..., 0])
+
+    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
+        """None [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
+        return row(0.0 * (state[..., 0] + pressure))
+
+
+def dead_volume() -> Any:
+    """The field [-] of a dead volume [m³], at least zero."""
+    return from_zero("dead_volume", DEAD, default=0.0)
+
+
+def row(*numbers: BatchLike) -> Numbers:
+    """Several `numbers` [SI], made equally large, on a new last axis [SI]."""
+    at_work = library(*numbers)
+    return at_work.stack(at_work.broadcast_arrays(*numbers), axis=-1)

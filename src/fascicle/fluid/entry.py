@@ -1,0 +1,102 @@
+"""Numbers of fluid parts, looked at once as they are set.
+
+What can't be is refused in a line, what is unusual warned about, as for muscles. Pressures are
+gauge pressures save where a name says `absolute`; the room's own, `room_pressure`, is absolute.
+"""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from ..core.checks import as_given, concrete, positive, within
+from ..core.limits import Range, plausible
+from ..core.refused import Refused
+from ..core.types import Batch, Values
+
+
+ROOM_PRESSURE = 101325.0  # Pa, absolute: the standard atmosphere
+ROOM_TEMPERATURE = 293.15  # K: ISO 6358's reference, 20 °C
+
+# from the top of the highest mountain, with room to spare, to the deepest sea
+_ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)
+_WARM = Range("K", 100.0, 230.0, 400.0, 1500.0)
+
+
+def above_zero(name: str, known: Range, **default: Any) -> Any:
+    """A field [-] of a `name` [-] that is positive and as large as is `known` [-] of it."""
+
+    def checked(value: Values) -> Batch:
+        return plausible(positive(value, name, known.unit), name, known)
+
+    return eqx.field(converter=checked, **default)
+
+
+def from_zero(name: str, known: Range, **default: Any) -> Any:
+    """A field [-] of a `name` [-] that isn't negative, and not larger than is `known` [-]."""
+
+    def checked(value: Values) -> Batch:
+        closed = (True, False)
+        x = within(value, 0.0, np.inf, name, known.unit, closed=closed)
+        return plausible(x, name, known)
+
+    return eqx.field(converter=checked, **default)
+
+
+def between(
+    name: str,
+    low: float,
+    high: float,
+    closed: tuple[bool, bool] = (False, False),
+    why: str = "",
+    **default: Any,
+) -> Any:
+    """A field [-] of a `name` [-] without unit that lies in an interval from `low` [-] to `high`
+    [-], its ends `closed` [-] or not, `why` [-] in words.
+    """
+
+    def checked(value: Values) -> Batch:
+        return within(value, low, high, name, "-", why, closed)
+
+    return eqx.field(converter=checked, **default)
+
+
+def room_pressure() -> Any:
+    """The field [-] of the room's pressure, absolute [Pa]."""
+
+    def checked(value: Values) -> Batch:
+        x = within(value, -np.inf, np.inf, "room_pressure", "Pa")
+        if concrete(x) and np.any(np.asarray(x) < _ROOM.least):
+            bad = float(np.min(x))
+            raise Refused(
+                "room_pressure",
+                f"is absolute and must be at least {_ROOM.least:g} Pa",
+                bad,
+                "at sea level it is 101325 Pa",
+                shown=f"{bad:g} Pa",
+            )
+        return plausible(x, "room_pressure", _ROOM)
+
+    return eqx.field(converter=checked, default=ROOM_PRESSURE)
+
+
+def temperature(name: str = "room_temperature") -> Any:
+    """The field [-] of a temperature of that `name` [-] in kelvin."""
+    return above_zero(name, _WARM, default=ROOM_TEMPERATURE)
+
+
+def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
+    """Gauge pressure [Pa] of an `absolute` [Pa] one in a room of `room_pressure` [Pa, absolute];
+    `ValueError` where it doesn't lie above the room's.
+    """
+    p, room = positive(absolute, "absolute", "Pa"), positive(room_pressure, "room_pressure", "Pa")
+    if concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
+        low = float(np.min(p))
+        raise Refused(
+            "absolute",
+            f"must lie above the room's {float(np.max(room)):g} Pa",
+            low,
+            "give an absolute pressure here, or a gauge pressure as `pressure`",
+            shown=f"{low:g} Pa",
+        )
+    return as_given(absolute, p - room)

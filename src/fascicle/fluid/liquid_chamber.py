@@ -1,0 +1,93 @@
+r"""Liquid in a volume that moves, with a hose that gives way.
+
+$$m = \rho(P) \left(V + c P\right), \tag{C5}$$
+
+where $c$ is the compliance of bladder, hose and fittings, volume over pressure. Its energy,
+$m\,e(P) + c P^2/2$, and what flows in at $h(P)$ and out as $P\,\mathrm{d}V$ balance exactly.
+
+**Assumes** one temperature and no vapor: below `lowest_pressure` the liquid boils, and (C5) is no
+longer it. **Source:** Merritt (1967), Hydraulic Control Systems.
+"""
+
+from typing import ClassVar
+
+from ..core.limits import Range
+from ..core.types import Batch, BatchLike, Numbers
+from .chamber import AbstractMassChamber, Balance, dead_volume, row
+from .entry import from_zero, room_pressure, temperature
+from .media import OIL, Liquid
+
+
+_STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 two would do
+
+
+class LiquidChamber(AbstractMassChamber):
+    """Liquid and compliance, equation (C5).
+
+    `liquid` [-]. `compliance`: $c$ [m³/Pa]; left out, none. `dead_volume` [m³], `room_pressure`,
+    absolute [Pa], and `room_temperature` [K] as everywhere.
+    """
+
+    physical: ClassVar[bool] = True
+    source: ClassVar[str] = "Merritt (1967)"
+
+    liquid: Liquid = OIL
+    compliance: Batch = from_zero("compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0)
+    dead_volume: Batch = dead_volume()
+    room_pressure: Batch = room_pressure()
+    room_temperature: Batch = temperature()
+
+    @property
+    def lowest_pressure(self) -> Batch:
+        """Gauge pressure at which it boils [Pa]."""
+        return self.liquid.vapor_pressure - self.room_pressure
+
+    def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
+        held = volume + self.dead_volume + self.compliance * pressure
+        return row(self.liquid.density(pressure) * held)
+
+    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
+        """The room's [K], in any `state` [SI] and at any `pressure` [Pa]."""
+        return self.room_temperature + 0.0 * (state[..., 0] + pressure)
+
+    def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
+        """$\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in
+        a `volume` [m³].
+        """
+        rho, c = self.liquid.density(pressure), self.compliance
+        held = volume + self.dead_volume + c * pressure
+        value = rho * held - state[..., 0]
+        stiff = rho * (held / self.liquid.bulk_modulus + c)
+        return Balance(value, row(-1.0 + 0.0 * value), stiff, rho)
+
+    def guess(self, state: Numbers, volume: BatchLike) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding
+        wherever the liquid is one.
+        """
+        P = 0.0 * (state[..., 0] + volume)
+        for _ in range(_STEPS):
+            at = self.balance(state, P, volume)
+            P = P - at.value / at.by_pressure
+        return P
+
+    def heat(
+        self,
+        state: Numbers,
+        pressure: BatchLike,
+        mass_in: BatchLike,
+        energy_in: BatchLike,
+        volume_rate: BatchLike,
+    ) -> Batch:
+        """None: what is compressed at one temperature is taken for a spring.
+
+        **Arguments:** those of `rates`.
+
+        **Returns:** heat flow [W].
+        """
+        return 0.0 * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)
+
+    def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
+        """Energy of liquid and compliance [J] in a `state` [SI] at gauge `pressure` [Pa]."""
+        of_liquid = state[..., 0] * self.liquid.stored_energy(pressure)
+        return of_liquid + self.compliance * pressure**2 / 2

@@ -1,0 +1,170 @@
+r"""Pumps for liquids, what drives them, and where what they waste goes.
+
+A pump of displacement $D$ for each turn at $N$ turns a second takes in liquid at the room's
+pressure. At gauge pressure $P$ it gives, and is driven with,
+
+$$\dot m = \eta_v s D N \rho_0, \qquad
+  \dot W = \frac{s D N P}{\eta_m}, \qquad
+  \dot W_{lost} = \dot W - \dot m\, h(P) \ge 0, \tag{P2}$$
+
+with $s$ the share of the displacement that is at work. A `FixedPump` has $s = 1$, or 0 where it is
+switched off, as by a `PressureBand`: on at its low pressure, off at its high one, between them what
+it was. A `VariablePump` swivels back as the pressure comes up to its setting,
+
+$$s = \frac{P_{set} - P}{\Delta P}, \quad 0 \le s \le 1. \tag{P3}$$
+
+A relief valve lets through
+
+$$\dot m = k (P - P_{crack})^+, \tag{P4}$$
+
+and all of its $\dot m\, h(P)$ is lost.
+
+**Assumes** constant efficiencies, which real pumps don't have far from their best point; a pump
+that runs without pressure costs nothing here. **Source:** Merritt (1967), Hydraulic Control
+Systems.
+"""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..core.arrays import both, maximum, minimum, where
+from ..core.checks import concrete
+from ..core.limits import Range
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, BatchLike
+from .entry import above_zero, between, from_zero
+from .media import OIL, Liquid
+
+
+_DISPLACEMENT = Range("m³", 1e-12, 1e-9, 1e-2, 1.0)
+_SPEED = Range("1/s", 1e-3, 0.1, 1e3, 1e5)
+_PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
+
+
+def _efficiency(name: str) -> Any:
+    return between(name, 0.0, 1.0, closed=(False, True), default=1.0)
+
+
+class FixedPump(Module):
+    """A pump of fixed displacement, equation (P2).
+
+    `displacement`: $D$ of a turn [m³]. `speed`: $N$, turns a second [1/s].
+    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`
+    [-].
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    displacement: Batch = above_zero("displacement", _DISPLACEMENT)
+    speed: Batch = above_zero("speed", _SPEED)
+    volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
+    mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
+    liquid: Liquid = OIL
+
+    def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """Mass flow [kg/s] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
+        return _flow(self, on, pressure)
+
+    def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """What drives it [W] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
+        return _shaft_power(self, on, pressure)
+
+    def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+        """What of that isn't in the liquid [W] at gauge `pressure` [Pa], where it is `on` [-]."""
+        return _lost_power(self, on, pressure)
+
+
+class VariablePump(Module):
+    """A pump that swivels back as the pressure comes up to its setting: (P2) with (P3).
+
+    `displacement`: $D$ of a turn, at most [m³]. `speed`: $N$, turns a second [1/s]. `pressure`:
+    gauge, at which it gives nothing [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.
+    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`
+    [-].
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    displacement: Batch = above_zero("displacement", _DISPLACEMENT)
+    speed: Batch = above_zero("speed", _SPEED)
+    pressure: Batch = above_zero("pressure", _PRESSURE)
+    band: Batch = above_zero("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
+    volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
+    mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
+    liquid: Liquid = OIL
+
+    def share(self, pressure: BatchLike) -> Batch:
+        """$s$ [-] at gauge `pressure` [Pa], equation (P3)."""
+        return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
+
+    def flow(self, pressure: BatchLike) -> Batch:
+        """Mass flow [kg/s] at gauge `pressure` [Pa]."""
+        return _flow(self, self.share(pressure), pressure)
+
+    def shaft_power(self, pressure: BatchLike) -> Batch:
+        """What drives it [W] at gauge `pressure` [Pa]."""
+        return _shaft_power(self, self.share(pressure), pressure)
+
+    def lost_power(self, pressure: BatchLike) -> Batch:
+        """What of that isn't in the liquid [W] at gauge `pressure` [Pa]."""
+        return _lost_power(self, self.share(pressure), pressure)
+
+
+class PressureBand(Module):
+    """A switch between two pressures, with hysteresis. `low`, `high`: gauge [Pa]."""
+
+    source: ClassVar[str] = "a switch"
+
+    low: Batch = from_zero("low", _PRESSURE._replace(least=0.0, low=0.0))
+    high: Batch = above_zero("high", _PRESSURE)
+
+    def __check_init__(self):
+        if concrete(self.low, self.high) and np.any(np.asarray(self.high) <= self.low):
+            high = float(np.min(self.high))
+            rule = f"must lie above `low`, {float(np.max(self.low)):g} Pa"
+            raise Refused("high", rule, high, "widen the band", f"{high:g} Pa")
+
+    def start(self, pressure: BatchLike) -> Batch:
+        """On, 1, below the high pressure, else off, 0 [-], at gauge `pressure` [Pa]."""
+        return where(pressure < self.high, 1.0, 0.0)
+
+    def after(self, on: BatchLike, pressure: BatchLike) -> Batch:
+        """What it is then [-], that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
+        kept = where(both(pressure > self.low, pressure < self.high), on, 1.0)
+        return where(pressure >= self.high, 0.0, kept)
+
+
+class Relief(Module):
+    """A relief valve, equation (P4).
+
+    `crack`: gauge pressure at which it opens [Pa]. `slope`: $k$ [kg/(s·Pa)].
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    crack: Batch = above_zero("crack", _PRESSURE)
+    slope: Batch = above_zero("slope", Range("kg/(s·Pa)", 1e-15, 1e-11, 1e-2, 1e3))
+
+    def flow(self, pressure: BatchLike) -> Batch:
+        """Mass flow out [kg/s] at gauge `pressure` [Pa]."""
+        return self.slope * maximum(pressure - self.crack, 0.0)
+
+    def lost_power(self, pressure: BatchLike, liquid: Liquid = OIL) -> Batch:
+        """What a `liquid` [-] loses in it [W] at gauge `pressure` [Pa]."""
+        return self.flow(pressure) * liquid.flow_energy(pressure)
+
+
+def _flow(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
+    turned = share * pump.displacement * pump.speed * pump.volumetric_efficiency
+    return turned * pump.liquid.reference_density + 0.0 * pressure
+
+
+def _shaft_power(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
+    return share * pump.displacement * pump.speed * pressure / pump.mechanical_efficiency
+
+
+def _lost_power(pump: FixedPump | VariablePump, share: BatchLike, pressure: BatchLike) -> Batch:
+    given = _flow(pump, share, pressure) * pump.liquid.flow_energy(pressure)
+    return _shaft_power(pump, share, pressure) - given
