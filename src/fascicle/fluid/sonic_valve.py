@@ -17,8 +17,9 @@ chokes, its $b$ where the pressures are all but equal: with $q = C_2/C_1 \le 1/b
 $$C = C_2\, \frac{b_1 + (1 - b_1) \sqrt{1 + q^2 (1 - 2 b_1)}}{1 + q^2 (1 - b_1)^2}, \qquad
   \frac{1 - b}{C^2} = \frac{1 - b_1}{C_1^2} + \frac{1 - b_2}{C_2^2}, \tag{S2}$$
 
-and $C = C_1$ where $q$ is larger. Flow back meets the hose first, so that the pair passes another
-amount.
+and $C = C_1$ where $q$ is larger. Between, the pair is within 2 % of what the pressure between
+them gives (300 random pairs, a test); next to equal pressures, beyond 0.998, up to 41 % more flows
+than through two linear ends. Flow back meets the hose first, and is another.
 
 **Sign:** positive from 1 to 2. **Assumes** the temperature kept through the valve, as an ideal
 gas does. **Valid for** air as printed: $\rho_0$ = 1.185 kg/m³ at $T_0$ = 293.15 K and 100 kPa,
@@ -37,7 +38,7 @@ from ..core.limits import Range
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike
+from ..core.types import Batch, BatchLike, BoolBatch
 from .entry import ROOM_TEMPERATURE, above_zero, between
 from .line import Line
 
@@ -101,7 +102,7 @@ class SonicValve(Module):
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * share
         return where(onward, size, -size)
 
-    def _passage(self, onward: Batch, opening: BatchLike) -> tuple[Batch, Batch]:
+    def _passage(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
         """Conductance [m³/(s·Pa)] and critical ratio [-], the hose's included."""
         own = opening * self.C
         if self.line is None:
