@@ -135,18 +135,16 @@ def test_two_in_series_meet_the_pressure_between():
         # where one of them is in its linear end and the pair isn't
         assert max(off(low / r, 0.999) for r in (0.998, 0.995)) < 0.08
         # all linear: of two equal ones half flows, of the pair's one end 1/√2
-        assert off(low / 0.9995, 0.999) < np.sqrt(2) - 1 + 1e-9
+        assert off(low / 0.9995, 0.999) < 0.415
 
 
-@pytest.mark.parametrize("friction", [0.02])
-@pytest.mark.parametrize(
-    ("length", "diameter"), [(0.3, 0.0025), (1, 0.004), (3, 0.004), (2, 0.008)]
-)
-def test_hoses_are_near_fannos(length, diameter, friction):
+@pytest.mark.parametrize("diameter", [0.002, 0.004, 0.012])
+@pytest.mark.parametrize("length", [0.1, 1.0, 10.0])
+def test_hoses_are_near_fannos(length, diameter):
     hose = fluid.Line(length, diameter)
     # smooth plastic has f = 0.016 to 0.025 at such flows; the fit is of real hoses with fittings
-    expected = oracle.fanno_conductance(length, diameter, friction)
-    assert_allclose(hose.conductance, expected, rtol=0.2)
+    expected = oracle.fanno_conductance(length, diameter, 0.02)
+    assert_allclose(hose.conductance, expected, rtol=0.17)
     assert 0 < hose.critical_pressure_ratio < 0.61
 
 
