@@ -24,7 +24,7 @@ from ..core.refused import Refused
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
 from .chamber import row
-from .entry import above_zero, between, room_pressure, temperature
+from .entry import above_zero, between, part, room_pressure, temperature
 from .media import OIL, Liquid
 from .supply import AbstractSupply, supply_pressure
 
@@ -47,7 +47,7 @@ class Accumulator(AbstractSupply):
     precharge: Batch = above_zero("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
     pressure: Batch = supply_pressure()
     exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True), default=1.4)
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()
 

@@ -17,7 +17,7 @@ from ..core.limits import Range
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractChamber, Balance, dead_volume, row
-from .entry import from_zero, room_pressure, temperature
+from .entry import from_zero, part, room_pressure, temperature
 from .media import AIR, Gas
 
 
@@ -34,7 +34,7 @@ class AdiabaticWall(AbstractChamber):
     source: ClassVar[str] = "first law of an ideal gas"
 
     conductance: Batch = from_zero("conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0)
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()

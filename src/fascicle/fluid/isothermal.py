@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import room_pressure, temperature
+from .entry import part, room_pressure, temperature
 from .media import AIR, Gas
 
 
@@ -19,7 +19,7 @@ class Isothermal(AbstractMassChamber):
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "ideal gas at one temperature"
 
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()

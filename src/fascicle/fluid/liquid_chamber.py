@@ -14,7 +14,7 @@ from typing import ClassVar
 from ..core.limits import Range
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import from_zero, room_pressure, temperature
+from .entry import from_zero, part, room_pressure, temperature
 from .media import OIL, Liquid
 
 
@@ -31,7 +31,7 @@ class LiquidChamber(AbstractMassChamber):
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "Merritt (1967)"
 
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
     compliance: Batch = from_zero("compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()

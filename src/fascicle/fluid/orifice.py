@@ -19,7 +19,7 @@ from ..core.arrays import sqrt
 from ..core.limits import Range
 from ..core.modules import Module
 from ..core.types import Batch, BatchLike
-from .entry import above_zero, between
+from .entry import above_zero, between, part
 from .line import Line
 
 
@@ -41,7 +41,7 @@ class Orifice(Module):
     critical_pressure_difference: Batch = above_zero(
         "critical_pressure_difference", Range("Pa", 1e-3, 1.0, 1e5, 1e7), default=1e3
     )
-    line: Line | None = None
+    line: Line | None = part("line", (Line,), default=None)
 
     def flow(
         self,

@@ -15,7 +15,7 @@ from ..core.arrays import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import between, room_pressure, temperature
+from .entry import between, part, room_pressure, temperature
 from .media import AIR, Gas
 
 
@@ -29,7 +29,7 @@ class Polytropic(AbstractMassChamber):
     source: ClassVar[str] = "Andersen (1967)"
 
     exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True))
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()

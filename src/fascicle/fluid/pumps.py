@@ -34,7 +34,7 @@ from ..core.limits import Range
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import Batch, BatchLike
-from .entry import above_zero, between, from_zero
+from .entry import above_zero, between, from_zero, part
 from .media import OIL, Liquid
 
 
@@ -61,7 +61,7 @@ class FixedPump(Module):
     speed: Batch = above_zero("speed", _SPEED)
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
 
     def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
         """Mass flow [kg/s] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
@@ -93,7 +93,7 @@ class VariablePump(Module):
     band: Batch = above_zero("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
 
     def share(self, pressure: BatchLike) -> Batch:
         """$s$ [-] at gauge `pressure` [Pa], equation (F21)."""

@@ -39,7 +39,7 @@ from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch
-from .entry import ROOM_TEMPERATURE, above_zero, between
+from .entry import ROOM_TEMPERATURE, above_zero, between, part
 from .line import Line
 
 
@@ -60,7 +60,7 @@ class SonicValve(Module):
     C: Batch = above_zero("C", Range("m³/(s·Pa)", 1e-15, 1e-12, 1e-6, 1e-3))
     b: Batch = between("b", 0.0, 1.0)
     m: Batch = between("m", 0.0, 1.0, closed=(False, True), default=0.5)
-    line: Line | None = None
+    line: Line | None = part("line", (Line,), default=None)
     reference_density: Batch = above_zero(
         "reference_density", Range("kg/m³", 1e-3, 0.05, 10.0, 100.0), default=REFERENCE_DENSITY
     )

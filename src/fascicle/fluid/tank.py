@@ -12,7 +12,7 @@ from typing import ClassVar
 from ..core.limits import Range
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
 from .adiabatic_wall import AdiabaticWall
-from .entry import above_zero
+from .entry import above_zero, part
 from .isothermal import Isothermal
 from .polytropic import Polytropic
 from .supply import AbstractSupply, supply_pressure
@@ -27,7 +27,9 @@ class Tank(AbstractSupply):
 
     source: ClassVar[str] = "the chamber's"
 
-    chamber: AdiabaticWall | Isothermal | Polytropic
+    chamber: AdiabaticWall | Isothermal | Polytropic = part(
+        "chamber", (AdiabaticWall, Isothermal, Polytropic)
+    )
     volume: Batch = above_zero("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
     pressure: Batch = supply_pressure()
 

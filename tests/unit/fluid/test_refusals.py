@@ -29,6 +29,11 @@ CASES = [
      "must be positive and finite, got 0 Pa."),
     (lambda: fluid.Line(-1.0, 0.004), "`length` must be positive and finite, got -1 m."),
     (lambda: fluid.Line(1.0, 4.0), "`diameter` must lie in [1e-05, 1] m, got 4 m: check its unit."),
+    (lambda: fluid.SonicValve(1e-8, 0.3, line=1.0), "`line` must be `Line`, got `float`."),
+    (lambda: fluid.Isothermal(fluid.OIL), "`gas` must be `Gas`, got `Liquid`."),
+    (lambda: fluid.LiquidChamber(None), "`liquid` must be `Liquid`, got `NoneType`."),
+    (lambda: fluid.Tank(fluid.LiquidChamber(), 0.01, 6e5), "`chamber` must be `AdiabaticWall` or "
+     "`Isothermal` or `Polytropic`, got `LiquidChamber`."),
     (lambda: fluid.Servovalve(0.0), "`time_constant` must be positive and finite, got 0 s."),
     (lambda: fluid.Direct(1.0), "`overlap` must lie in [0, 1), got 1."),
     (lambda: fluid.Direct(-0.1), "`overlap` must lie in [0, 1), got -0.1."),
