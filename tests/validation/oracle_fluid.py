@@ -17,26 +17,27 @@ RHO_0 = 1.185  # of ISO 6358's reference air
 CP, CV = GAMMA * R / (GAMMA - 1), R / (GAMMA - 1)
 
 
-def sonic(C, b, p1, p2, T1=WARM, m=0.5):
-    """ISO 6358, with Sanville's laminar end, p1 ≥ p2, absolute."""
+def sonic(C, b, p1, p2, T1=WARM, m=0.5, laminar=0.999):
+    """ISO 6358, with Sanville's laminar end from a ratio on, p1 ≥ p2, absolute."""
     r = p2 / p1
     choked = C * RHO_0 * p1 * math.sqrt(WARM / T1)
     if r <= b:
         return choked
-    if r <= 0.999:
+    if r <= laminar:
         return choked * (1 - ((r - b) / (1 - b)) ** 2) ** m
-    return choked * (1 - ((0.999 - b) / (1 - b)) ** 2) ** m * (1 - r) / 0.001
+    return choked * (1 - ((laminar - b) / (1 - b)) ** 2) ** m * (1 - r) / (1 - laminar)
 
 
-def sonic_pair(first, second, p1, p2):
+def sonic_pair(first, second, p1, p2, laminar=0.999):
     """Two of them, (C, b), one behind the other: the pressure between balances them."""
+    end = {"laminar": laminar}
 
     def surplus(p):
-        return sonic(*first, p1, p) - sonic(*second, p, p2)
+        return sonic(*first, p1, p, **end) - sonic(*second, p, p2, **end)
 
     # as far down as the first element chokes they needn't meet at p2
     between = brentq(surplus, p2, p1, xtol=1e-9, rtol=1e-15) if surplus(p2) > 0 else p2
-    return sonic(*first, p1, between)
+    return sonic(*first, p1, between, **end)
 
 
 def fanno_conductance(length, diameter, friction):

@@ -3,11 +3,11 @@ r"""A liquid that presses on a gas: the accumulator.
 With $x = \ln(V_0/(V_0 - V_l))$, of a gas that fills $V_0$ at its precharge $p_0$ and leaves $V_l$
 to the liquid, absolute pressure, mass and energy over the empty one's are
 
-$$p = p_0 e^{n x}, \qquad m = \rho(P)\, V_0 (1 - e^{-x}), \tag{Q2}$$
-$$E = m\, e(P) + p_0 V_0 \frac{e^{(n - 1) x} - 1}{n - 1} - p_a V_0 (1 - e^{-x}), \tag{Q3}$$
+$$p = p_0 e^{n x}, \qquad m = \rho(P)\, V_0 (1 - e^{-x}), \tag{F18}$$
+$$E = m\, e(P) + p_0 V_0 \frac{e^{(n - 1) x} - 1}{n - 1} - p_a V_0 (1 - e^{-x}), \tag{F19}$$
 
-where the second term of (Q3) is $p_0 V_0 x$ for $n = 1$. $n = 1$ is a slow one, $n = \gamma$ a fast
-one; the gas is a spring, so that what it takes it gives back.
+where the second term of (F19) is $p_0 V_0 x$ for $n = 1$. $n = 1$ is a slow one, $n = \gamma$ a
+fast one; the gas is a spring, so that what it takes it gives back.
 
 **Valid for** up to 0.99 of $V_0$ taken by the liquid. **Source:** Merritt (1967), Hydraulic Control
 Systems.
@@ -24,7 +24,7 @@ from ..core.refused import Refused
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
 from .chamber import row
-from .entry import above_zero, between, room_pressure, temperature
+from .entry import above_zero, between, part, room_pressure, temperature
 from .media import OIL, Liquid
 from .supply import AbstractSupply, supply_pressure
 
@@ -34,7 +34,7 @@ _STEPS = 4  # of Newton's method: from P/K of some 1e-3 two would do
 
 
 class Accumulator(AbstractSupply):
-    """Liquid that presses on a gas, equations (Q2) and (Q3).
+    """Liquid that presses on a gas, equations (F18) and (F19).
 
     `volume`: $V_0$ of the gas when there is no liquid [m³]. `precharge`: gauge pressure of the gas
     then [Pa]. `pressure`: gauge, that it begins with, above the precharge [Pa]. `exponent`: $n$
@@ -47,7 +47,7 @@ class Accumulator(AbstractSupply):
     precharge: Batch = above_zero("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
     pressure: Batch = supply_pressure()
     exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True), default=1.4)
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()
 
@@ -83,7 +83,7 @@ class Accumulator(AbstractSupply):
         return row(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
     def pressure_at(self, state: Numbers) -> Batch:
-        """Gauge pressure [Pa] in a `state` [SI], equation (Q2)."""
+        """Gauge pressure [Pa] in a `state` [SI], equation (F18)."""
         m, n, room = state[..., 0], self.exponent, self.room_pressure
         p_0 = self.precharge + room
         share = minimum(m / (self.liquid.reference_density * self.volume), _FULL)
@@ -106,7 +106,7 @@ class Accumulator(AbstractSupply):
         return row(mass_in + 0.0 * state[..., 0])
 
     def energy(self, pressure: BatchLike) -> Batch:
-        """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (Q3)."""
+        """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (F19)."""
         x = self._spread(pressure)
         V_l = -self.volume * expm1(-x)
         z = (self.exponent - 1) * x
@@ -115,7 +115,7 @@ class Accumulator(AbstractSupply):
         return mass * self.liquid.stored_energy(pressure) + gas - self.room_pressure * V_l
 
     def stored(self, state: Numbers) -> Batch:
-        """Energy [J] of a `state` [SI], equation (Q3)."""
+        """Energy [J] of a `state` [SI], equation (F19)."""
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:

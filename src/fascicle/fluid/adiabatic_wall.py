@@ -3,7 +3,7 @@ r"""Gas behind a wall that lets heat through.
 Its mass and its internal energy $U = m c_v T$ change; at an absolute pressure $p = P + p_a$,
 
 $$\dot m = \dot m_{in}, \qquad \dot U = \dot H_{in} - p \dot V - G (T - T_a), \qquad
-  p V = (\gamma - 1) U: \tag{C2}$$
+  p V = (\gamma - 1) U: \tag{F13}$$
 
 adiabatic where $G = 0$, ever closer to isothermal as $G$ rises (and ever stiffer).
 
@@ -17,12 +17,12 @@ from ..core.limits import Range
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractChamber, Balance, dead_volume, row
-from .entry import from_zero, room_pressure, temperature
+from .entry import from_zero, part, room_pressure, temperature
 from .media import AIR, Gas
 
 
 class AdiabaticWall(AbstractChamber):
-    """Gas behind a wall that lets heat through, equation (C2).
+    """Gas behind a wall that lets heat through, equation (F13).
 
     `conductance`: $G$, of the wall [W/K]; left out, none. `gas`, `dead_volume` [m³],
     `room_pressure`, absolute [Pa], and `room_temperature` [K] as everywhere.
@@ -34,7 +34,7 @@ class AdiabaticWall(AbstractChamber):
     source: ClassVar[str] = "first law of an ideal gas"
 
     conductance: Batch = from_zero("conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0)
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()
@@ -68,7 +68,9 @@ class AdiabaticWall(AbstractChamber):
         p, V = pressure + self.room_pressure, volume + self.dead_volume
         share = self.gas.heat_capacity_ratio - 1
         value = p * V - share * state[..., 1]
-        return Balance(value, row(0.0 * value, -share + 0.0 * value), V + 0.0 * value, p)
+        return Balance(
+            value, row(0.0 * value, -share + 0.0 * value), V + 0.0 * value, p + 0.0 * value
+        )
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""
@@ -83,7 +85,7 @@ class AdiabaticWall(AbstractChamber):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Numbers:
-        """Equation (C2).
+        """Equation (F13).
 
         **Arguments:**
 

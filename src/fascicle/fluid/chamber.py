@@ -6,7 +6,7 @@ state, of which a chamber gives the residual and its slopes in closed form, so t
 together with a muscle's volume, which depends on the pressure:
 
 $$g(s, P, V(P)) = 0, \qquad
-  \frac{\mathrm{d}g}{\mathrm{d}P} = g_P + g_V \frac{\mathrm{d}V}{\mathrm{d}P} > 0. \tag{C1}$$
+  \frac{\mathrm{d}g}{\mathrm{d}P} = g_P + g_V \frac{\mathrm{d}V}{\mathrm{d}P} > 0. \tag{F12}$$
 
 The residual rises with pressure and with volume. The rates of the state are affine in that of the
 volume, so that a volume that moves with the pressure can be taken to the other side.
@@ -73,7 +73,7 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def balance(self, state: Numbers, pressure: BatchLike, volume: BatchLike) -> Balance:
-        """The residual (C1) and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in a
+        """The residual (F12) and its slopes [SI] for a `state` [SI] at gauge `pressure` [Pa] in a
         `volume` [m³].
         """
 

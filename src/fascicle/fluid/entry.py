@@ -61,6 +61,20 @@ def between(
     return eqx.field(converter=checked, **default)
 
 
+def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
+    """A field [-] of a `name` [-] that holds one of some `kinds` [-] of parts, or none where that
+    is its `default` [-].
+    """
+
+    def checked(value: Any) -> Any:
+        if isinstance(value, kinds) or (value is None and default.get("default", kinds) is None):
+            return value
+        known = " or ".join(f"`{kind.__name__}`" for kind in kinds)
+        raise Refused(name, f"must be {known}", value, shown=f"`{type(value).__name__}`")
+
+    return eqx.field(converter=checked, **default)
+
+
 def room_pressure() -> Any:
     """The field [-] of the room's pressure, absolute [Pa]."""
 

@@ -1,6 +1,6 @@
 r"""Gas as warm as the room: the wall takes whatever heat keeps it so.
 
-$$p V = m R T_a. \tag{C3}$$
+$$p V = m R T_a. \tag{F14}$$
 
 **Assumes** an ideal gas and motion slower than its heat leaves. **Source:** the first law.
 """
@@ -9,17 +9,17 @@ from typing import ClassVar
 
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import room_pressure, temperature
+from .entry import part, room_pressure, temperature
 from .media import AIR, Gas
 
 
 class Isothermal(AbstractMassChamber):
-    """Gas as warm as the room, equation (C3). Fields as those of `AdiabaticWall` [SI]."""
+    """Gas as warm as the room, equation (F14). Fields as those of `AdiabaticWall` [SI]."""
 
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "ideal gas at one temperature"
 
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()
@@ -45,7 +45,7 @@ class Isothermal(AbstractMassChamber):
         p, V = pressure + self.room_pressure, volume + self.dead_volume
         RT = self.gas.specific_gas_constant * self.room_temperature
         value = p * V - RT * state[..., 0]
-        return Balance(value, row(-RT + 0.0 * value), V + 0.0 * value, p)
+        return Balance(value, row(-RT + 0.0 * value), V + 0.0 * value, p + 0.0 * value)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""

@@ -1,11 +1,11 @@
 r"""Liquid in a volume that moves, with a hose that gives way.
 
-$$m = \rho(P) \left(V + c P\right), \tag{C5}$$
+$$m = \rho(P) \left(V + c P\right), \tag{F16}$$
 
 where $c$ is the compliance of bladder, hose and fittings, volume over pressure. Its energy,
 $m\,e(P) + c P^2/2$, and what flows in at $h(P)$ and out as $P\,\mathrm{d}V$ balance exactly.
 
-**Assumes** one temperature and no vapor: below `lowest_pressure` the liquid boils, and (C5) is no
+**Assumes** one temperature and no vapor: below `lowest_pressure` the liquid boils, and (F16) is no
 longer it. **Source:** Merritt (1967), Hydraulic Control Systems.
 """
 
@@ -14,7 +14,7 @@ from typing import ClassVar
 from ..core.limits import Range
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import from_zero, room_pressure, temperature
+from .entry import from_zero, part, room_pressure, temperature
 from .media import OIL, Liquid
 
 
@@ -22,7 +22,7 @@ _STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 
 
 
 class LiquidChamber(AbstractMassChamber):
-    """Liquid and compliance, equation (C5).
+    """Liquid and compliance, equation (F16).
 
     `liquid` [-]. `compliance`: $c$ [m³/Pa]; left out, none. `dead_volume` [m³], `room_pressure`,
     absolute [Pa], and `room_temperature` [K] as everywhere.
@@ -31,7 +31,7 @@ class LiquidChamber(AbstractMassChamber):
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "Merritt (1967)"
 
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
     compliance: Batch = from_zero("compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
@@ -59,7 +59,7 @@ class LiquidChamber(AbstractMassChamber):
         held = volume + self.dead_volume + c * pressure
         value = rho * held - state[..., 0]
         stiff = rho * (held / self.liquid.bulk_modulus + c)
-        return Balance(value, row(-1.0 + 0.0 * value), stiff, rho)
+        return Balance(value, row(-1.0 + 0.0 * value), stiff, rho + 0.0 * value)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding

@@ -4,15 +4,15 @@ A gas is ideal, $p = \rho R T$, with constant $c_p = \gamma R/(\gamma - 1)$ and 
 What could be had of it in a room at $p_a$, $T_a$ is its exergy: streaming, and at rest in a
 volume,
 
-$$e = c_p (T - T_a) - T_a \left(c_p \ln\frac{T}{T_a} - R \ln\frac{p}{p_a}\right), \tag{G1}$$
+$$e = c_p (T - T_a) - T_a \left(c_p \ln\frac{T}{T_a} - R \ln\frac{p}{p_a}\right), \tag{F1}$$
 $$E = m \left(c_v (T - T_a) + p_a (v - v_a)
-    - T_a \left(c_p \ln\frac{T}{T_a} - R \ln\frac{p}{p_a}\right)\right). \tag{G2}$$
+    - T_a \left(c_p \ln\frac{T}{T_a} - R \ln\frac{p}{p_a}\right)\right). \tag{F2}$$
 
 A liquid has one temperature and a constant bulk modulus $K$, so that at gauge pressure $p$
 
 $$\rho = \rho_0 e^{p/K}, \qquad h = \int_0^p \frac{\mathrm{d}p'}{\rho}
    = \frac{K}{\rho_0} \left(1 - e^{-p/K}\right), \qquad e = \int \frac{p\,\mathrm{d}\rho}{\rho^2}
-   = h - \frac{p}{\rho}: \tag{L1}$$
+   = h - \frac{p}{\rho}: \tag{F3}$$
 
 $h$ is what a kilogram brings along as it streams, $e$ what it keeps at rest.
 
@@ -71,7 +71,7 @@ class Gas(Module):
         room_pressure: BatchLike,
         room_temperature: BatchLike,
     ) -> Batch:
-        """Exergy of a streaming kilogram, equation (G1).
+        """Exergy of a streaming kilogram, equation (F1).
 
         **Arguments:**
 
@@ -95,7 +95,7 @@ class Gas(Module):
         room_pressure: BatchLike,
         room_temperature: BatchLike,
     ) -> Batch:
-        """Exergy of a mass at rest in a volume, equation (G2); never negative.
+        """Exergy of a mass at rest in a volume, equation (F2); never negative.
 
         **Arguments:**
 
@@ -120,7 +120,7 @@ class Gas(Module):
 
 
 class Liquid(Module):
-    """A liquid of constant bulk modulus, equation (L1).
+    """A liquid of constant bulk modulus, equation (F3).
 
     `reference_density`: $\\rho_0$ at the room's pressure [kg/m³]. `bulk_modulus`: $K$ [Pa].
     `vapor_pressure`: absolute [Pa]. `source`: of its numbers [-].

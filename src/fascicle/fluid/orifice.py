@@ -1,10 +1,10 @@
 r"""A liquid through an orifice, and a hose behind it.
 
 $$\dot m = \frac{2 \Delta p}{a + \sqrt{a^2 + 4 c \sqrt{\Delta p^2 + \Delta p_{cr}^2}}}, \qquad
-  c = \frac{1}{2 \rho (C_d A z)^2} + c_l, \qquad a = a_l. \tag{O1}$$
+  c = \frac{1}{2 \rho (C_d A z)^2} + c_l, \qquad a = a_l. \tag{F8}$$
 
 Without a hose that is $C_d A z \sqrt{2 \rho \Delta p}$ well above $\Delta p_{cr}$, the transition
-to laminar flow, and linear below it; with one, whose resistances are $a_l$ and $c_l$ (H2), it is
+to laminar flow, and linear below it; with one, whose resistances are $a_l$ and $c_l$ (F7), it is
 the root of $\Delta p = a \dot m + c \dot m^2$. It is smooth everywhere, and zero where the opening
 $z$ is.
 
@@ -19,12 +19,12 @@ from ..core.arrays import sqrt
 from ..core.limits import Range
 from ..core.modules import Module
 from ..core.types import Batch, BatchLike
-from .entry import above_zero, between
+from .entry import above_zero, between, part
 from .line import Line
 
 
 class Orifice(Module):
-    """An orifice for liquids, with a hose behind it: equation (O1).
+    """An orifice for liquids, with a hose behind it: equation (F8).
 
     `area`: $A$, wide open [m²]. `density`: $\\rho$ of the liquid [kg/m³].
     `discharge_coefficient`: $C_d$ [-], in (0, 1]; left out, that of a sharp edge.
@@ -41,7 +41,7 @@ class Orifice(Module):
     critical_pressure_difference: Batch = above_zero(
         "critical_pressure_difference", Range("Pa", 1e-3, 1.0, 1e5, 1e7), default=1e3
     )
-    line: Line | None = None
+    line: Line | None = part("line", (Line,), default=None)
 
     def flow(
         self,
@@ -51,7 +51,7 @@ class Orifice(Module):
         temperature_2: BatchLike = 0.0,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, equation (O1).
+        """Mass flow from 1 to 2, equation (F8).
 
         **Arguments:**
 

@@ -1,6 +1,6 @@
 r"""Gas by a fitted exponent, between a perfect wall's and none's.
 
-$$p = p_a \left(\frac{m}{V} \frac{R T_a}{p_a}\right)^n. \tag{C4}$$
+$$p = p_a \left(\frac{m}{V} \frac{R T_a}{p_a}\right)^n. \tag{F15}$$
 
 It fits the pressure of one motion and is no physics: what enters has no temperature of its own,
 and a cycle may make work of the room's heat without end. An audit refuses it (`physical` is
@@ -15,12 +15,12 @@ from ..core.arrays import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import between, room_pressure, temperature
+from .entry import between, part, room_pressure, temperature
 from .media import AIR, Gas
 
 
 class Polytropic(AbstractMassChamber):
-    """Gas by a fitted exponent, equation (C4): no physics, and refused by an audit.
+    """Gas by a fitted exponent, equation (F15): no physics, and refused by an audit.
 
     `exponent`: $n$ [-], in [1, 2]. Other fields as those of `AdiabaticWall` [SI].
     """
@@ -29,7 +29,7 @@ class Polytropic(AbstractMassChamber):
     source: ClassVar[str] = "Andersen (1967)"
 
     exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True))
-    gas: Gas = AIR
+    gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()
@@ -40,7 +40,7 @@ class Polytropic(AbstractMassChamber):
         return -self.room_pressure
 
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], as warm as (C4) has it there: the
+        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³], as warm as (F15) has it there: the
         room at no pressure only.
         """
         ratio = (pressure + self.room_pressure) / self.room_pressure
@@ -66,7 +66,9 @@ class Polytropic(AbstractMassChamber):
         slope = where(some, ratio ** (1 / n - 1) / n, 1.0)
         RT = self.gas.specific_gas_constant * self.room_temperature
         value = reduced * V - RT * state[..., 0]
-        return Balance(value, row(-RT + 0.0 * value), V * slope, reduced)
+        return Balance(
+            value, row(-RT + 0.0 * value), V * slope + 0.0 * value, reduced + 0.0 * value
+        )
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move."""

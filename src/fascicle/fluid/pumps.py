@@ -5,17 +5,17 @@ pressure. At gauge pressure $P$ it gives, and is driven with,
 
 $$\dot m = \eta_v s D N \rho_0, \qquad
   \dot W = \frac{s D N P}{\eta_m}, \qquad
-  \dot W_{lost} = \dot W - \dot m\, h(P) \ge 0, \tag{P2}$$
+  \dot W_{lost} = \dot W - \dot m\, h(P) \ge 0, \tag{F20}$$
 
 with $s$ the share of the displacement that is at work. A `FixedPump` has $s = 1$, or 0 where it is
 switched off, as by a `PressureBand`: on at its low pressure, off at its high one, between them what
 it was. A `VariablePump` swivels back as the pressure comes up to its setting,
 
-$$s = \frac{P_{set} - P}{\Delta P}, \quad 0 \le s \le 1. \tag{P3}$$
+$$s = \frac{P_{set} - P}{\Delta P}, \quad 0 \le s \le 1. \tag{F21}$$
 
 A relief valve lets through
 
-$$\dot m = k (P - P_{crack})^+, \tag{P4}$$
+$$\dot m = k (P - P_{crack})^+, \tag{F22}$$
 
 and all of its $\dot m\, h(P)$ is lost.
 
@@ -34,7 +34,7 @@ from ..core.limits import Range
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import Batch, BatchLike
-from .entry import above_zero, between, from_zero
+from .entry import above_zero, between, from_zero, part
 from .media import OIL, Liquid
 
 
@@ -48,7 +48,7 @@ def _efficiency(name: str) -> Any:
 
 
 class FixedPump(Module):
-    """A pump of fixed displacement, equation (P2).
+    """A pump of fixed displacement, equation (F20).
 
     `displacement`: $D$ of a turn [m³]. `speed`: $N$, turns a second [1/s].
     `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`
@@ -61,7 +61,7 @@ class FixedPump(Module):
     speed: Batch = above_zero("speed", _SPEED)
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
 
     def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
         """Mass flow [kg/s] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
@@ -77,7 +77,7 @@ class FixedPump(Module):
 
 
 class VariablePump(Module):
-    """A pump that swivels back as the pressure comes up to its setting: (P2) with (P3).
+    """A pump that swivels back as the pressure comes up to its setting: (F20) with (F21).
 
     `displacement`: $D$ of a turn, at most [m³]. `speed`: $N$, turns a second [1/s]. `pressure`:
     gauge, at which it gives nothing [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.
@@ -93,10 +93,10 @@ class VariablePump(Module):
     band: Batch = above_zero("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = OIL
+    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
 
     def share(self, pressure: BatchLike) -> Batch:
-        """$s$ [-] at gauge `pressure` [Pa], equation (P3)."""
+        """$s$ [-] at gauge `pressure` [Pa], equation (F21)."""
         return minimum(maximum((self.pressure - pressure) / self.band, 0.0), 1.0)
 
     def flow(self, pressure: BatchLike) -> Batch:
@@ -137,7 +137,7 @@ class PressureBand(Module):
 
 
 class Relief(Module):
-    """A relief valve, equation (P4).
+    """A relief valve, equation (F22).
 
     `crack`: gauge pressure at which it opens [Pa]. `slope`: $k$ [kg/(s·Pa)].
     """

@@ -6,7 +6,7 @@ $$\dot m = C \rho_0 p_1 \sqrt{\frac{T_0}{T_1}}\, \psi(r), \qquad
   \psi = \begin{cases}
     1 & r \le b \\
     \left(1 - \left(\frac{r - b}{1 - b}\right)^2\right)^m & b < r \le \beta \\
-    \psi(\beta)\, \frac{1 - r}{1 - \beta} & \beta < r \end{cases} \tag{S1}$$
+    \psi(\beta)\, \frac{1 - r}{1 - \beta} & \beta < r \end{cases} \tag{F4}$$
 
 with $\beta = 0.999$: linear in $p_1 - p_2$ at last, where the root would have a vertical tangent.
 The flow is continuous, with a kink at $\beta$; it is steepest at equal pressures.
@@ -15,16 +15,17 @@ A hose behind the valve is a second such element, $C_2$, $b_2$. The pair's $C$ i
 chokes, its $b$ where the pressures are all but equal: with $q = C_2/C_1 \le 1/b_1$,
 
 $$C = C_2\, \frac{b_1 + (1 - b_1) \sqrt{1 + q^2 (1 - 2 b_1)}}{1 + q^2 (1 - b_1)^2}, \qquad
-  \frac{1 - b}{C^2} = \frac{1 - b_1}{C_1^2} + \frac{1 - b_2}{C_2^2}, \tag{S2}$$
+  \frac{1 - b}{C^2} = \frac{1 - b_1}{C_1^2} + \frac{1 - b_2}{C_2^2}, \tag{F5}$$
 
-and $C = C_1$ where $q$ is larger. Flow back meets the hose first, so that the pair passes another
-amount.
+and $C = C_1$ where $q$ is larger. Between, the pair is within 2 % of what the pressure between
+them gives (300 random pairs, a test); next to equal pressures, beyond 0.998, up to 41 % more flows
+than through two linear ends. Flow back meets the hose first, and is another.
 
 **Sign:** positive from 1 to 2. **Assumes** the temperature kept through the valve, as an ideal
 gas does. **Valid for** air as printed: $\rho_0$ = 1.185 kg/m³ at $T_0$ = 293.15 K and 100 kPa,
 65 % humid, not $p/RT$ of dry air; for another gas give its `reference_density`, that of air times
 $\sqrt{R_{air}/R}$ where $\gamma$ is alike.
-**Source:** ISO 6358 (1989, 2013) for (S1); Sanville (1971) for its linear end; (S2) derived here.
+**Source:** ISO 6358 (1989, 2013) for (F4); Sanville (1971) for its linear end; (F5) derived here.
 """
 
 from typing import ClassVar
@@ -37,8 +38,8 @@ from ..core.limits import Range
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike
-from .entry import ROOM_TEMPERATURE, above_zero, between
+from ..core.types import Batch, BatchLike, BoolBatch
+from .entry import ROOM_TEMPERATURE, above_zero, between, part
 from .line import Line
 
 
@@ -47,7 +48,7 @@ LAMINAR_FROM = 0.999  # β
 
 
 class SonicValve(Module):
-    """A gas valve: equation (S1), with a hose behind it (S2).
+    """A gas valve: equation (F4), with a hose behind it (F5).
 
     `C`: sonic conductance [m³/(s·Pa)], wide open; 1 L/(s·bar) is 1e-8. `b`: critical pressure ratio
     [-]. `m`: subsonic index [-]. `line`: a hose behind it [-], or none. `reference_density`:
@@ -59,7 +60,7 @@ class SonicValve(Module):
     C: Batch = above_zero("C", Range("m³/(s·Pa)", 1e-15, 1e-12, 1e-6, 1e-3))
     b: Batch = between("b", 0.0, 1.0)
     m: Batch = between("m", 0.0, 1.0, closed=(False, True), default=0.5)
-    line: Line | None = None
+    line: Line | None = part("line", (Line,), default=None)
     reference_density: Batch = above_zero(
         "reference_density", Range("kg/m³", 1e-3, 0.05, 10.0, 100.0), default=REFERENCE_DENSITY
     )
@@ -77,7 +78,7 @@ class SonicValve(Module):
         temperature_2: BatchLike,
         opening: BatchLike = 1.0,
     ) -> Batch:
-        """Mass flow from 1 to 2, equation (S1).
+        """Mass flow from 1 to 2, equation (F4).
 
         **Arguments:**
 
@@ -101,7 +102,7 @@ class SonicValve(Module):
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * share
         return where(onward, size, -size)
 
-    def _passage(self, onward: Batch, opening: BatchLike) -> tuple[Batch, Batch]:
+    def _passage(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
         """Conductance [m³/(s·Pa)] and critical ratio [-], the hose's included."""
         own = opening * self.C
         if self.line is None:
@@ -112,7 +113,7 @@ class SonicValve(Module):
 
 
 def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Batch]:
-    """Conductance [m³/(s·Pa)] and critical ratio [-] of one element behind another, equation (S2).
+    """Conductance [m³/(s·Pa)] and critical ratio [-] of one element behind another, equation (F5).
 
     **Arguments:**
 

@@ -4,19 +4,19 @@ A command $u$ lies in [-1, 1]: above zero supply and port are joined, below it p
 A spool at $x$ uncovers
 
 $$z_{supply} = \frac{(x - o)^+}{1 - o}, \qquad z_{exhaust} = \frac{(-x - o)^+}{1 - o},
-  \tag{V1}$$
+  \tag{F9}$$
 
 nothing as long as $|x|$ is within its overlap $o$. It is where the command is (`Direct`), or
 follows it,
 
-$$\dot x = \frac{u - x}{\tau}. \tag{V2}$$
+$$\dot x = \frac{u - x}{\tau}. \tag{F10}$$
 
 The orderly recruitment valve has one spool for $N$ units, whose ports lie in a row. At $x = -1$ all
 are vented; on its way to 1 it passes each in turn and leaves it joined to the supply:
 
-$$x_i = N (1 + x) - 2 i - 1, \quad i = 0 \dots N - 1, \tag{V3}$$
+$$x_i = N (1 + x) - 2 i - 1, \quad i = 0 \dots N - 1, \tag{F11}$$
 
-is where port $i$ sees the spool, and (V1) of it, up to 1, what of that port is open. One unit is
+is where port $i$ sees the spool, and (F9) of it, up to 1, what of that port is open. One unit is
 throttled at a time, those before it are at the supply, those after it at the exhaust.
 
 **Source:** Merritt (1967), Hydraulic Control Systems; the orderly valve after Vemula, Kim,
@@ -90,13 +90,13 @@ class Direct(AbstractSpool):
         return 0.0 * command[..., :0] + spool
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (V1) [-] at the `command` [-], whatever the `spool` [-]."""
+        """Equation (F9) [-] at the `command` [-], whatever the `spool` [-]."""
         del spool
         return _uncovered(command, self.overlap)
 
 
 class Servovalve(AbstractSpool):
-    """A spool for each unit that follows its command, equation (V2).
+    """A spool for each unit that follows its command, equation (F10).
 
     `time_constant`: $\\tau$ [s]. `overlap`: $o$ [-], in [0, 1).
     """
@@ -114,17 +114,17 @@ class Servovalve(AbstractSpool):
         return units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (V2) [1/s] for a `command` [-] and the `spool` there [-]."""
+        """Equation (F10) [1/s] for a `command` [-] and the `spool` there [-]."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equation (V1) [-] of the `spool` [-], whatever the `command` [-]."""
+        """Equation (F9) [-] of the `spool` [-], whatever the `command` [-]."""
         del command
         return _uncovered(spool, self.overlap)
 
 
 class OrderlyValve(AbstractSpool):
-    """One spool for all units, equations (V2) and (V3).
+    """One spool for all units, equations (F10) and (F11).
 
     `units`: how many ports it has [-]. `time_constant`: $\\tau$ [s]. `overlap`: $o$ at each port
     [-], in [0, 1).
@@ -150,11 +150,11 @@ class OrderlyValve(AbstractSpool):
         return 1
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Equation (V2) [1/s] for the `command` [-] and the `spool` there [-]."""
+        """Equation (F10) [1/s] for the `command` [-] and the `spool` there [-]."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Equations (V3) and (V1) [-] of the `spool` [-], whatever the `command` [-]."""
+        """Equations (F11) and (F9) [-] of the `spool` [-], whatever the `command` [-]."""
         del command
         seen = self.units * (1 + spool) - 2 * np.arange(self.units) - 1
         return _uncovered(seen, self.overlap)

@@ -2,7 +2,7 @@ r"""A tank of gas that empties.
 
 It is a chamber whose volume stays, with that chamber's wall and room:
 
-$$\dot s = f(s, P, \dot m_{in}, \dot H_{in}, \dot V = 0), \qquad g(s, P, V) = 0. \tag{Q1}$$
+$$\dot s = f(s, P, \dot m_{in}, \dot H_{in}, \dot V = 0), \qquad g(s, P, V) = 0. \tag{F17}$$
 
 **Source:** the chamber's.
 """
@@ -12,14 +12,14 @@ from typing import ClassVar
 from ..core.limits import Range
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
 from .adiabatic_wall import AdiabaticWall
-from .entry import above_zero
+from .entry import above_zero, part
 from .isothermal import Isothermal
 from .polytropic import Polytropic
 from .supply import AbstractSupply, supply_pressure
 
 
 class Tank(AbstractSupply):
-    """Gas in a volume that stays, equation (Q1).
+    """Gas in a volume that stays, equation (F17).
 
     `chamber`: of gas, with the tank's wall and room [-]. `volume` [m³]. `pressure`: gauge, that it
     begins with, as warm as the room [Pa].
@@ -27,7 +27,9 @@ class Tank(AbstractSupply):
 
     source: ClassVar[str] = "the chamber's"
 
-    chamber: AdiabaticWall | Isothermal | Polytropic
+    chamber: AdiabaticWall | Isothermal | Polytropic = part(
+        "chamber", (AdiabaticWall, Isothermal, Polytropic)
+    )
     volume: Batch = above_zero("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
     pressure: Batch = supply_pressure()
 
@@ -54,8 +56,8 @@ class Tank(AbstractSupply):
         return self.chamber.temperature(state, self.pressure_at(state))
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Equation (Q1) [SI] for a `state` [SI] where `mass_in` [kg/s] and `energy_in` [W] flow in;
-        drawn from, both are negative.
+        """Equation (F17) [SI] for a `state` [SI] where `mass_in` [kg/s] and `energy_in` [W] flow
+        in; drawn from, both are negative.
         """
         return self.chamber.rates(state, self.pressure_at(state), mass_in, energy_in, 0.0)
 

@@ -1,0 +1,83 @@
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle import fluid
+
+
+ROOM, WARM = 101325.0, 293.15
+SUPPLIES = [
+    fluid.ConstantSupply(6e5), fluid.Tank(fluid.Isothermal(), 1e-2, 6e5),
+    fluid.Tank(fluid.AdiabaticWall(1.0), 1e-2, 6e5), fluid.Accumulator(1e-3, 2e5, 6e5),
+    fluid.Accumulator(1e-3, 2e5, 6e5, 1.0),
+]  # fmt: skip
+every = pytest.mark.parametrize("of", SUPPLIES, ids=lambda of: type(of).__name__)
+
+
+@every
+def test_starts_at_its_pressure(of):
+    state = of.start()
+    assert state.shape == (of.count,) and len(of.names) == len(of.units) == of.count
+    assert_allclose(of.pressure_at(state), 6e5, rtol=1e-12)
+    assert_allclose(of.temperature_at(state), WARM, rtol=1e-14)
+    assert not of.empty(state)
+
+
+@every
+def test_what_is_drawn_is_missing(of):
+    state = of.start()
+    rates = of.rates(state, -1e-3, -1e-3 * fluid.AIR.enthalpy(WARM))
+    assert rates.shape == state.shape
+    if of.count:
+        assert rates[0] == -1e-3
+        later = of.pressure_at(state + 0.1 * rates)
+        assert later < 6e5
+        assert of.stored(state) > of.stored(state + 0.1 * rates)
+
+
+def test_a_constant_supply_may_be_told_absolute():
+    of = fluid.ConstantSupply.from_absolute(7e5)
+    assert of == fluid.ConstantSupply(7e5 - ROOM)
+    assert fluid.ConstantSupply.from_absolute(7e5, 8e4).room_pressure == 8e4
+
+
+def test_a_tank_empties_to_the_room():
+    of = fluid.Tank(fluid.Isothermal(), 1e-2, 6e5)
+    left = of.chamber.start(0.0, 1e-2)
+    assert of.empty(left) and not of.empty(1.001 * left)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.3])
+def test_an_accumulator_is_a_gas_spring(n):
+    of = fluid.Accumulator(1e-3, 2e5, 6e5, n)
+    taken = of.stored_volume(6e5)
+    assert_allclose((6e5 + ROOM) * (1e-3 - taken) ** n, (2e5 + ROOM) * 1e-3**n, rtol=1e-13)
+    # dE/dm is what a kilogram brings along
+    slope = jax.grad(lambda m: of.stored(m[None]))(of.start()[0])
+    assert_allclose(slope, of.liquid.flow_energy(6e5), rtol=1e-11)
+    assert of.empty(np.zeros(1)) and of.pressure_at(np.zeros(1)) == pytest.approx(2e5, rel=1e-14)
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.0, 0.5, 0.98, 2.0])
+@pytest.mark.parametrize("n", [1.0, 2.0])
+def test_an_accumulator_over_its_ends_is_finite(n, share):
+    of = fluid.Accumulator(1e-3, 2e5, 6e5, n)
+    mass = jnp.array([share * 1e-3 * 850.0])
+
+    def all_of_it(of, mass):
+        return of.pressure_at(mass) + of.stored(mass)
+
+    slopes = jax.grad(all_of_it, (0, 1))(of, mass)
+    assert all(np.all(np.isfinite(x)) for x in jax.tree.leaves(slopes))
+
+
+@every
+def test_numpy_and_jax_agree(of):
+    state = of.start()
+    for name in ("pressure_at", "stored", "temperature_at"):
+        plain = getattr(of, name)(state)
+        assert_allclose(plain, jax.jit(getattr(of, name))(state), rtol=1e-11)
+        many = jnp.stack([state, 0.9 * state])
+        assert jax.vmap(getattr(of, name))(many).shape == (2,)
