@@ -20,10 +20,11 @@ sucks; beyond the ends in strain, too.
 
 import math
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from ..core.arrays import library, maximum, minimum, sqrt, where
 from ..core.checks import within
@@ -168,8 +169,12 @@ class UnitSurface(Module):
         return P, within(strain, low, high, "strain", "-", why, closed)
 
 
-def looked_up(table: UnitSurface, pressure: Batch, strain: Batch) -> Surface:
-    """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise."""
+def looked_up(
+    table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None
+) -> Surface:
+    """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
+    where its coefficients are of several.
+    """
     at_work = library(pressure, strain, table.coefficients)
     lines, columns = table.coefficients.shape[-4:-2]
     h, (low, high) = table.root_step, table.strains
@@ -189,7 +194,8 @@ def looked_up(table: UnitSurface, pressure: Batch, strain: Batch) -> Surface:
     j = minimum(at_work.floor((eps - low) / step), columns - 1.0).astype(int)
     w = (eps - low) / step - j
 
-    c = at_work.asarray(table.coefficients)[i, j]  # [..., power of u, power of w]
+    cell = (i, j) if which is None else (which, i, j)
+    c = at_work.asarray(table.coefficients)[cell]  # [..., power of u, power of w]
     value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
     p, p_u, p_uu = _cubic(value, u)
     p_w, p_wu, _ = _cubic(slope, u)
@@ -267,6 +273,10 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
     """Of each cell [J]: [line, column, power of u, power of w]."""
     step = strain[1] - strain[0]
     h = roots[1]
+    nodes = nodes._replace(
+        by_pressure=_smoothed(roots, nodes.coenergy, nodes.by_pressure),
+        by_both=_smoothed(roots, nodes.by_strain, nodes.by_both),
+    )
     # dP/du at both ends of each cell: of P itself in the first one
     per_line = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
     per_line[:, 0] = h**2
@@ -281,6 +291,16 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
             corners[..., 2 + a, b] = nodes.by_pressure[rows, cols] * du
             corners[..., 2 + a, 2 + b] = nodes.by_both[rows, cols] * du * step
     return _HERMITE @ corners @ _HERMITE.T
+
+
+def _smoothed(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Slopes in pressure at the nodes that make bends continuous, too, from line to line; those at
+    both ends stay. A volume whose slope in pressure jumps takes an integrator ten times the steps.
+    """
+    per = 2 * roots[1:, None]
+    ends = ((1, slope[1] * per[0]), (1, slope[-1] * per[-1]))
+    spline = CubicSpline(roots[1:], value[1:], bc_type=ends)
+    return np.concatenate([slope[:1], spline(roots[1:], 1) / per])
 
 
 def _errors(

@@ -1,0 +1,247 @@
+r"""Friction of braid and bladder that remembers the way.
+
+Each muscle of a unit has a friction force $z$ against its contraction $x = L_0 \varepsilon$.
+
+`MaxwellSlip`: springs $k_j$ that slip at $f_j$. Along a way that doesn't turn they are known
+exactly, however long it is,
+
+$$z_j \leftarrow \operatorname{clip}(z_j + k_j\,\Delta x, -f_j, f_j), \tag{H1}$$
+
+and so is `Dahl`'s, one spring that yields little by little,
+
+$$\frac{\mathrm{d}z}{\mathrm{d}x} = k (1 - z \operatorname{sgn}(\mathrm{d}x)/f), \qquad
+  z \leftarrow s f + (z - s f) e^{-k |\Delta x|/f}, \quad s = \operatorname{sgn} \Delta x. \tag{H2}$$
+
+A closed loop between $\pm X$ costs $4 f (X - f/k)$ for (H1) and $4 f [X - (f/k) \tanh(k X/f)]$ for
+(H2). What is stored is $z^2/(2k)$, so that no way gives energy. $f$ may rise with pressure,
+$f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it is bent makes energy.
+
+`Coulomb` is friction as a width in pressure: the muscle behaves as at $P \mp w$,
+
+$$z = w \left|\frac{\partial F}{\partial P}\right| \tanh(\dot x/v_0), \tag{H3}$$
+
+with no memory.
+
+**Source:** Iwan (1966), Maxwell slip; Dahl (1976); the width in pressure as measured loops of
+muscles are told: Chou and Hannaford (1996).
+"""
+
+import abc
+from typing import ClassVar, NamedTuple
+
+import equinox as eqx
+import numpy as np
+
+from ..core.arrays import absolute, exp, library, maximum, minimum, where
+from ..core.checks import positive, within
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, Numbers, Values
+
+
+class Slid(NamedTuple):
+    """A friction element after a way: its forces `kept` on the last axis [N], the force against
+    contraction [N], and the energy `lost` on the way [J].
+    """
+
+    kept: Numbers
+    force: Batch
+    lost: Batch
+
+
+class AbstractHysteresis(Module):
+    """Friction of one muscle against its contraction."""
+
+    @property
+    @abc.abstractmethod
+    def count(self) -> int:
+        """How many forces it remembers [-]."""
+
+    @abc.abstractmethod
+    def slid(
+        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
+    ) -> Slid:
+        """What it is after a way that doesn't turn.
+
+        **Arguments:**
+
+        - `kept`: its forces before, on the last axis [N].
+        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `velocity`: $\\dot x$ now [m/s].
+        - `pressure`: $P$ now [Pa].
+        - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
+
+        **Returns:** a `Slid`: forces [N] and energy [J].
+        """
+
+    @abc.abstractmethod
+    def stored(self, kept: Numbers) -> Batch:
+        """Energy in its springs [J] for its forces `kept` [N]."""
+
+    @abc.abstractmethod
+    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
+        """Heat [W] of what has no memory, at a `velocity` [m/s], `pressure` [Pa] and
+        `by_pressure` [m²]; zero for what has.
+        """
+
+
+class MaxwellSlip(AbstractHysteresis):
+    """Springs that slip, equation (H1).
+
+    `stiffness`: $k_j$, one for each [N/m]. `slip_force`: $f_j$ at no pressure [N].
+    `slip_force_slope`: $f_P$, their rise with pressure [N/Pa]; zero where left out.
+    """
+
+    source: ClassVar[str] = "Iwan (1966)"
+    stiffness: Numbers
+    slip_force: Numbers
+    slip_force_slope: Numbers
+
+    def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
+        """**Arguments:** those of the class."""
+        self.stiffness = np.atleast_1d(positive(stiffness, "stiffness", "N/m"))
+        self.slip_force = np.atleast_1d(_from_zero(slip_force, "slip_force", "N"))
+        if np.shape(self.stiffness) != np.shape(self.slip_force):
+            raise Refused(
+                "slip_force", "must have one for each spring", np.size(self.slip_force),
+                f"`stiffness` has {np.size(self.stiffness)}",
+            )  # fmt: skip
+        slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
+        self.slip_force_slope = np.broadcast_to(slope, np.shape(self.stiffness))
+
+    @property
+    def count(self) -> int:
+        """One force [-] for each spring."""
+        return int(np.shape(self.stiffness)[-1])
+
+    def slid(
+        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
+    ) -> Slid:
+        """Equation (H1).
+
+        **Arguments:** those of `AbstractHysteresis.slid`.
+
+        **Returns:** a `Slid`: forces [N] and energy [J].
+        """
+        del velocity, by_pressure
+        k = self.stiffness
+        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
+        # a slip force that fell lets go of what is above it
+        held = minimum(maximum(kept, -f), f)
+        bent = held + k * way[..., None]
+        now = minimum(maximum(bent, -f), f)
+        lost = f * absolute(bent - now) / k + (kept**2 - held**2) / (2 * k)
+        add = library(now).sum
+        return Slid(now, add(now, axis=-1), add(lost, axis=-1))
+
+    def stored(self, kept: Numbers) -> Batch:
+        """$\\sum z_j^2/(2 k_j)$ [J] for its forces `kept` [N]."""
+        return library(kept).sum(kept**2 / (2 * self.stiffness), axis=-1)
+
+    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
+        """None [W] that its way doesn't tell, at any `velocity` [m/s], `pressure` [Pa] and
+        `by_pressure` [m²].
+        """
+        return 0.0 * (velocity + pressure + by_pressure)
+
+
+class Dahl(AbstractHysteresis):
+    """A spring that yields little by little, equation (H2).
+
+    `stiffness`: $k$ [N/m]. `slip_force`: $f$ at no pressure [N]. `slip_force_slope`: $f_P$, its rise
+    with pressure [N/Pa].
+    """
+
+    source: ClassVar[str] = "Dahl (1976)"
+    stiffness: Batch
+    slip_force: Batch
+    slip_force_slope: Batch
+
+    def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
+        """**Arguments:** those of the class."""
+        self.stiffness = positive(stiffness, "stiffness", "N/m")
+        self.slip_force = positive(slip_force, "slip_force", "N")
+        self.slip_force_slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
+
+    @property
+    def count(self) -> int:
+        """One force [-]."""
+        return 1
+
+    def slid(
+        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
+    ) -> Slid:
+        """Equation (H2).
+
+        **Arguments:** those of `AbstractHysteresis.slid`.
+
+        **Returns:** a `Slid`: forces [N] and energy [J].
+        """
+        del velocity, by_pressure
+        k = self.stiffness
+        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)
+        before = kept[..., 0]
+        held = minimum(maximum(before, -f), f)
+        end = where(way >= 0, f, -f)
+        now = end + (held - end) * exp(-k * absolute(way) / f)
+        # the way is done against z and stored or lost: ∫z dx = s f |Δx| − (z − z0) s f/k
+        work = end * way - (now - held) * end / k
+        lost = work - (now**2 - held**2) / (2 * k) + (before**2 - held**2) / (2 * k)
+        return Slid(now[..., None], now, lost)
+
+    def stored(self, kept: Numbers) -> Batch:
+        """$z^2/(2k)$ [J] for its force `kept` [N]."""
+        return kept[..., 0] ** 2 / (2 * self.stiffness)
+
+    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
+        """None [W] that its way doesn't tell, at any `velocity` [m/s], `pressure` [Pa] and
+        `by_pressure` [m²].
+        """
+        return 0.0 * (velocity + pressure + by_pressure)
+
+
+class Coulomb(AbstractHysteresis):
+    """Friction as a width in pressure, equation (H3).
+
+    `width`: $w$ [Pa]. `velocity`: $v_0$, at which it is three quarters of it all [m/s].
+    """
+
+    source: ClassVar[str] = "Chou and Hannaford (1996)"
+    width: Batch
+    velocity: Batch
+
+    def __init__(self, width: Values, velocity: Values = 1e-3):
+        """**Arguments:** those of the class."""
+        self.width = _from_zero(width, "width", "Pa")
+        self.velocity = positive(velocity, "velocity", "m/s")
+
+    @property
+    def count(self) -> int:
+        """None [-]."""
+        return 0
+
+    def slid(
+        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
+    ) -> Slid:
+        """Equation (H3).
+
+        **Arguments:** those of `AbstractHysteresis.slid`.
+
+        **Returns:** a `Slid`: forces [N] and no energy [J], which `lost_power` tells.
+        """
+        del pressure
+        force = self.width * absolute(by_pressure) * library(velocity).tanh(velocity / self.velocity)
+        return Slid(kept, force, 0.0 * way)
+
+    def stored(self, kept: Numbers) -> Batch:
+        """None [J], whatever it `kept` [N]."""
+        return library(kept).sum(kept, axis=-1)
+
+    def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
+        """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
+        way = 0.0 * velocity
+        return self.slid(way[..., None][..., :0], way, velocity, pressure, by_pressure).force * velocity
+
+
+def _from_zero(value: Values, name: str, unit: str) -> Batch:
+    return within(value, 0.0, np.inf, name, unit, closed=(True, False))

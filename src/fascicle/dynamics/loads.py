@@ -1,0 +1,369 @@
+r"""What a bundle moves, or what moves it.
+
+A load has one coordinate $q$, in which a bundle's plates come nearer by $c_0 + a\,q$ [m], and
+
+$$M \ddot q = \sum_i n_i F_i L_i \frac{\partial \varepsilon_i}{\partial q}
+  - \frac{\mathrm{d} U}{\mathrm{d} q} - d\,\dot q - F_{stop}, \tag{T1}$$
+
+with its potential $U$ and its damper $d$. A stop is a spring and a damper that push one way only,
+
+$$F_{stop} = \max(k s + c \dot s, 0), \qquad s = \max(q - q_{high}, 0), \tag{T2}$$
+
+and likewise at the low end, so that no event has to be found.
+
+**Sign:** $q$ rises as the (first) bundle contracts. **Source:** Newton's second law.
+"""
+
+import abc
+from typing import ClassVar
+
+import equinox as eqx
+import numpy as np
+
+from ..core.arrays import cos, maximum, sin, where
+from ..core.checks import concrete, finite, positive, within
+from ..core.limits import Range, plausible
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, Values
+
+
+GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
+
+_MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
+_STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
+
+
+def _above(name: str, unit: str) -> "eqx.field":
+    def checked(value: Values) -> Batch:
+        return positive(value, name, unit)
+
+    return eqx.field(converter=checked)
+
+
+def _from_zero(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+    def checked(value: Values) -> Batch:
+        return within(value, 0.0, np.inf, name, unit, closed=(True, False))
+
+    return eqx.field(converter=checked, default=default)
+
+
+def _any(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+    def checked(value: Values) -> Batch:
+        return finite(value, name, unit)
+
+    return eqx.field(converter=checked, default=default)
+
+
+def _end(name: str, default: float) -> "eqx.field":
+    def checked(value: Values) -> Batch:
+        return within(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
+
+    return eqx.field(converter=checked, default=default)
+
+
+class Stop(Module):
+    """Two ends of the way, equation (T2).
+
+    `low`, `high`: where they begin, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
+    N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
+    """
+
+    low: Batch = _end("low", -np.inf)
+    high: Batch = _end("high", np.inf)
+    stiffness: Batch = _from_zero("stiffness", "N/m", 1e5)
+    damping: Batch = _from_zero("damping", "N·s/m", 1e2)
+
+    def __check_init__(self):
+        if concrete(self.low, self.high) and np.any(np.asarray(self.low) >= np.asarray(self.high)):
+            raise Refused("low", "must be less than `high`", float(np.max(self.low)))
+
+    def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """What it takes off [N or N·m] at `position` [SI] and `velocity` [SI], and of that the
+        damper's.
+        """
+        over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
+        spring = self.stiffness * (over - under)
+        rate = where(over + under > 0, self.damping * velocity, 0.0)
+        total = where(
+            over > 0,
+            maximum(spring + rate, 0.0),
+            where(under > 0, -maximum(-(spring + rate), 0.0), 0.0),
+        )
+        return total, total - spring
+
+    def energy(self, position: Batch) -> Batch:
+        """In its springs [J] at `position` [SI]."""
+        over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
+        return self.stiffness * (over**2 + under**2) / 2
+
+    def touched(self, position: Batch) -> Batch:
+        """Whether it is reached [-] at `position` [SI]."""
+        return (position > self.high) | (position < self.low)
+
+
+class AbstractLoad(Module):
+    """A load with one coordinate.
+
+    `arms`: for each bundle, by how much its plates are nearer at $q = 0$ [m] and how much more per
+    unit of $q$ [m/m or m/rad]. `unit`: of the coordinate [-]. `moved`: whether the motion is
+    given [-].
+    """
+
+    unit: eqx.AbstractClassVar[str]
+    moved: eqx.AbstractClassVar[bool]
+    stop: eqx.AbstractVar[Stop | None]
+
+    @property
+    @abc.abstractmethod
+    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
+        """See above [m], [SI]."""
+
+    @property
+    @abc.abstractmethod
+    def inertia(self) -> Batch:
+        """$M$ [kg or kg·m²]."""
+
+    @abc.abstractmethod
+    def force(self, position: Batch) -> Batch:
+        """$-\\mathrm{d}U/\\mathrm{d}q$ [N or N·m] at `position` [SI]."""
+
+    @abc.abstractmethod
+    def potential(self, position: Batch) -> Batch:
+        """$U$ [J] at `position` [SI]."""
+
+    @property
+    @abc.abstractmethod
+    def damper(self) -> Batch:
+        """$d$ [N·s/m or N·m·s/rad]."""
+
+    @property
+    @abc.abstractmethod
+    def stiffness(self) -> Batch:
+        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [N/m or N·m/rad]."""
+
+    @abc.abstractmethod
+    def motion(self, time: Batch) -> tuple[Batch, Batch]:
+        """Position and velocity [SI] at `time` [s], where they are given."""
+
+
+class HangingMass(AbstractLoad):
+    """A mass on the lower plate, lifted as the bundle contracts.
+
+    `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its way [m], or none.
+    """
+
+    unit: ClassVar[str] = "m"
+    moved: ClassVar[bool] = False
+    source: ClassVar[str] = "Newton's second law"
+
+    mass: Batch = _above("mass", "kg")
+    gravity: Batch = _from_zero("gravity", "m/s²", GRAVITY)
+    damping: Batch = _from_zero("damping", "N·s/m")
+    stop: Stop | None = None
+
+    def __check_init__(self):
+        plausible(self.mass, "mass", _MASS)
+
+    @property
+    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
+        """One bundle, as the mass rises [m], [-]."""
+        return ((0.0, 1.0),)
+
+    @property
+    def inertia(self) -> Batch:
+        """The mass [kg]."""
+        return self.mass
+
+    def force(self, position: Batch) -> Batch:
+        """Its weight [N], anywhere: at `position` [m]."""
+        return -self.mass * self.gravity + 0.0 * position
+
+    def potential(self, position: Batch) -> Batch:
+        """$m g q$ [J] at `position` [m]."""
+        return self.mass * self.gravity * position
+
+    @property
+    def damper(self) -> Batch:
+        """$d$ [N·s/m]."""
+        return self.damping
+
+    @property
+    def stiffness(self) -> Batch:
+        """None [N/m]."""
+        return 0.0 * self.mass
+
+    def motion(self, time: Batch) -> tuple[Batch, Batch]:
+        """Not given [m], [m/s] at any `time` [s]."""
+        return 0.0 * time, 0.0 * time
+
+
+class InertiaSpringDamper(AbstractLoad):
+    """A mass between the bundle, a spring and a damper.
+
+    `mass` [kg]. `stiffness`: of the spring [N/m], slack nowhere. `damping` [N·s/m]. `rest`: where
+    the spring is at rest [m]. `force_outside`: that pulls against the bundle all the time [N].
+    `stop`: of its way [m], or none.
+    """
+
+    unit: ClassVar[str] = "m"
+    moved: ClassVar[bool] = False
+    source: ClassVar[str] = "Newton's second law"
+
+    mass: Batch = _above("mass", "kg")
+    spring_stiffness: Batch = _from_zero("spring_stiffness", "N/m")
+    damping: Batch = _from_zero("damping", "N·s/m")
+    rest: Batch = _any("rest", "m")
+    force_outside: Batch = _any("force_outside", "N")
+    stop: Stop | None = None
+
+    def __check_init__(self):
+        plausible(self.mass, "mass", _MASS)
+        plausible(self.spring_stiffness, "spring_stiffness", _STIFFNESS)
+
+    @property
+    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
+        """One bundle [m], [-]."""
+        return ((0.0, 1.0),)
+
+    @property
+    def inertia(self) -> Batch:
+        """The mass [kg]."""
+        return self.mass
+
+    def force(self, position: Batch) -> Batch:
+        """Of spring and outside [N] at `position` [m]."""
+        return -self.spring_stiffness * (position - self.rest) - self.force_outside
+
+    def potential(self, position: Batch) -> Batch:
+        """Of both [J] at `position` [m]."""
+        spring = self.spring_stiffness * (position - self.rest) ** 2 / 2
+        return spring + self.force_outside * position
+
+    @property
+    def damper(self) -> Batch:
+        """$d$ [N·s/m]."""
+        return self.damping
+
+    @property
+    def stiffness(self) -> Batch:
+        """The spring's [N/m]."""
+        return self.spring_stiffness
+
+    def motion(self, time: Batch) -> tuple[Batch, Batch]:
+        """Not given [m], [m/s] at any `time` [s]."""
+        return 0.0 * time, 0.0 * time
+
+
+class AntagonisticJoint(AbstractLoad):
+    """Two bundles on a pulley, one pulling forward, one back, and a pendulum on its axis.
+
+    `inertia_moment` [kg·m²]. `radius`: of the pulley [m]. `contraction`: of both bundles' plates
+    at $q = 0$ [m]. `damping` [N·m·s/rad]. `gravity_moment`: $m g l$ of the pendulum, which hangs at
+    $q = 0$ [N·m]. `stop`: of its way [rad], or none.
+    """
+
+    unit: ClassVar[str] = "rad"
+    moved: ClassVar[bool] = False
+    source: ClassVar[str] = "Newton's second law"
+
+    inertia_moment: Batch = _above("inertia_moment", "kg·m²")
+    radius: Batch = _above("radius", "m")
+    contraction: Batch = _any("contraction", "m")
+    damping: Batch = _from_zero("damping", "N·m·s/rad")
+    gravity_moment: Batch = _from_zero("gravity_moment", "N·m")
+    stop: Stop | None = None
+
+    @property
+    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
+        """Two bundles, against each other [m], [m/rad]."""
+        return (self.contraction, self.radius), (self.contraction, -self.radius)
+
+    @property
+    def inertia(self) -> Batch:
+        """Of the joint [kg·m²]."""
+        return self.inertia_moment
+
+    def force(self, position: Batch) -> Batch:
+        """The pendulum's moment [N·m] at `position` [rad]."""
+        return -self.gravity_moment * sin(position)
+
+    def potential(self, position: Batch) -> Batch:
+        """The pendulum's [J] at `position` [rad]."""
+        return self.gravity_moment * (1 - cos(position))
+
+    @property
+    def damper(self) -> Batch:
+        """$d$ [N·m·s/rad]."""
+        return self.damping
+
+    @property
+    def stiffness(self) -> Batch:
+        """The pendulum's at most [N·m/rad]."""
+        return self.gravity_moment
+
+    def motion(self, time: Batch) -> tuple[Batch, Batch]:
+        """Not given [rad], [rad/s] at any `time` [s]."""
+        return 0.0 * time, 0.0 * time
+
+
+class PrescribedMotion(AbstractLoad):
+    """A dynamometer that moves the plates, $q = q_0 + A \\sin 2\\pi f t$.
+
+    `mean`: $q_0$ [m]. `amplitude`: $A$ [m]. `frequency`: $f$ [Hz]. An amplitude of zero holds
+    the plates.
+    """
+
+    unit: ClassVar[str] = "m"
+    moved: ClassVar[bool] = True
+    source: ClassVar[str] = "kinematics"
+
+    mean: Batch = _any("mean", "m")
+    amplitude: Batch = _from_zero("amplitude", "m")
+    frequency: Batch = _from_zero("frequency", "Hz")
+    stop: Stop | None = None
+
+    def __check_init__(self):
+        if self.stop is not None:
+            raise Refused("stop", "can't hold a motion that is given", self.stop, "leave it out")
+        if concrete(self.amplitude, self.frequency):
+            some = np.asarray(self.amplitude) > 0
+            if np.any(some & (np.asarray(self.frequency) <= 0)):
+                raise Refused("frequency", "must be positive where there is an amplitude", 0.0)
+
+    @property
+    def arms(self) -> tuple[tuple[Batch, Batch], ...]:
+        """One bundle [m], [-]."""
+        return ((0.0, 1.0),)
+
+    @property
+    def inertia(self) -> Batch:
+        """None that counts [kg]."""
+        return 1.0 + 0.0 * self.mean
+
+    def force(self, position: Batch) -> Batch:
+        """None but the motor's [N], at any `position` [m]."""
+        return 0.0 * position
+
+    def potential(self, position: Batch) -> Batch:
+        """None [J], at any `position` [m]."""
+        return 0.0 * position
+
+    @property
+    def damper(self) -> Batch:
+        """None [N·s/m]."""
+        return 0.0 * self.mean
+
+    @property
+    def stiffness(self) -> Batch:
+        """None [N/m]."""
+        return 0.0 * self.mean
+
+    def motion(self, time: Batch) -> tuple[Batch, Batch]:
+        """Position [m] and velocity [m/s] at `time` [s]."""
+        w = 2 * np.pi * self.frequency
+        phase = w * time
+        return (
+            self.mean + self.amplitude * sin(phase),
+            self.amplitude * w * cos(phase),
+        )

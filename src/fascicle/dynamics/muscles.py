@@ -1,0 +1,189 @@
+"""The muscles of a plant's motor units, as tables of co-energy or by their exact law.
+
+Both give a `Surface`: co-energy, force and conjugate volume with their slopes, of which each is a
+derivative of the first. `volume="geometric"` puts the straight braid's volume in the place of the
+conjugate one, which makes or loses energy where muscles buckle: an audit names how much.
+"""
+
+import abc
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..bundle.alike import stacked, unlike
+from ..core.arrays import maximum, minimum, where
+from ..core.modules import Module
+from ..core.types import Batch, Numbers
+from ..muscle import Muscle
+from ..muscle.braid import Braid
+from ..muscle.coenergy import contraction_work
+from ..muscle.surface import Surface, UnitSurface, looked_up
+
+
+class AbstractMuscles(Module):
+    """One muscle of every unit, units on the last axis."""
+
+    @abc.abstractmethod
+    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
+        """What each does at its `pressure` [Pa] and `strain` [-]."""
+
+    @property
+    @abc.abstractmethod
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """Ends [-] of the strains that it knows, of each unit."""
+
+    @property
+    @abc.abstractmethod
+    def highest_pressure(self) -> Numbers:
+        """The highest pressure [Pa] that it knows, of each unit."""
+
+
+class Tables(AbstractMuscles):
+    """Of several units, each muscle's table once: `table`, its numbers one for each unit, `which`
+    the place of each unit's coefficients [-].
+    """
+
+    table: UnitSurface
+    which: np.ndarray
+
+    @classmethod
+    def of(
+        cls, muscles: Sequence[Muscle], highest_pressure: float, shape: tuple[int, int]
+    ) -> "Tables":
+        """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], with `shape` [-]
+        nodes.
+        """
+        kept, which = unlike(muscles)
+        tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in kept]
+        each = [tables[i] for i in which]
+        table = UnitSurface(
+            np.stack([one.coefficients for one in tables]),
+            np.stack([one.root_step for one in each]),
+            tuple(np.stack([one.strains[k] for one in each]) for k in (0, 1)),
+            np.stack([one.rest_length for one in each]),
+            tuple(float(x) for x in np.max([one.errors for one in tables], axis=0)),
+        )
+        return cls(table, np.array(which))
+
+    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
+        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
+        return looked_up(self.table, pressure, strain, self.which)
+
+    @property
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """The table's ends [-], of each unit."""
+        return self.table.strains
+
+    @property
+    def highest_pressure(self) -> Numbers:
+        """The table's end [Pa], of each unit."""
+        return self.table.highest_pressure
+
+
+class Exact(AbstractMuscles):
+    """By the law itself, integrated anew each time: right to rounding, and a hundred times slower.
+
+    `rows`: units of the same laws, as of a bundle; `ends`: of the strains that are known [-];
+    `top`: the highest pressure [Pa].
+    """
+
+    rows: tuple[tuple[tuple[int, ...], Muscle], ...]
+    ends: tuple[Numbers, Numbers]
+    top: Numbers
+
+    @classmethod
+    def of(
+        cls, muscles: Sequence[Muscle], highest_pressure: float, ends: tuple[Numbers, Numbers]
+    ) -> "Exact":
+        """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], between strains
+        `ends` [-].
+        """
+        top = np.full(len(muscles), highest_pressure)
+        return cls(tuple(stacked(list(muscles))), ends, top)
+
+    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
+        """What each does at its `pressure` [Pa] and `strain` [-], (V1)."""
+        P = minimum(maximum(pressure, 0.0), self.top)
+        eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
+        found = [
+            _exact(muscles, P[..., np.array(places)], eps[..., np.array(places)])
+            for places, muscles in self.rows
+        ]
+        order = np.argsort([i for places, _ in self.rows for i in places])
+        at = Surface(*(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True)))
+        past = pressure - P  # the volume stays there, and the force is linear
+        return at._replace(
+            coenergy=at.coenergy + at.volume * past,
+            force=at.force + at.force_by_pressure * past,
+            volume_by_pressure=where(past == 0, at.volume_by_pressure, 0.0),
+        )
+
+    @property
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """Ends [-] of the strains, of each unit."""
+        return self.ends
+
+    @property
+    def highest_pressure(self) -> Numbers:
+        """The domain's end [Pa], of each unit."""
+        return self.top
+
+
+def _exact(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
+    """Of `muscles` [-], one for each unit on the last axis."""
+    one, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
+
+    def coenergy(P: Numbers) -> Numbers:
+        return P * empty + contraction_work(muscles.law.at(P), strain)
+
+    def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
+        return jax.jvp(coenergy, (P,), (one,))
+
+    def force(P: Numbers) -> tuple[Numbers, Numbers]:
+        return muscles.law.at(P).force(strain)
+
+    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (one,))
+    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (one,))
+    return Surface(value, pull, volume, slope, by_pressure, volume_by)
+
+
+class Geometric(AbstractMuscles):
+    """`muscles` whose volume is the straight braid's, (V), buckled or not; `braid`: of each unit's,
+    `walls`: volumes of their bladders [m³].
+    """
+
+    muscles: AbstractMuscles
+    braid: Braid
+    walls: Numbers
+
+    def at(self, pressure: Numbers, strain: Numbers) -> Surface:
+        """What each does at its `pressure` [Pa] and `strain` [-], but for the volume."""
+        return self.muscles.at(pressure, strain)
+
+    def volume(self, strain: Numbers) -> tuple[Batch, Batch]:
+        """Volume of one muscle [m³] at `strain` [-], and its slope in strain [m³]."""
+        swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
+        return self.braid.volume(strain) - self.walls, self.braid.length * swept
+
+    @property
+    def strains(self) -> tuple[Numbers, Numbers]:
+        """Of its muscles [-]."""
+        return self.muscles.strains
+
+    @property
+    def highest_pressure(self) -> Numbers:
+        """Of its muscles [Pa]."""
+        return self.muscles.highest_pressure
+
+
+def volumes(muscles: AbstractMuscles, at: Surface, strain: Numbers, rest_length: Numbers) -> Any:
+    """Volume [m³] that fluid fills in one muscle of each unit, and its slopes by strain [m³] and
+    pressure [m³/Pa].
+    """
+    if isinstance(muscles, Geometric):
+        V, by_strain = muscles.volume(strain)
+        return V, by_strain, 0.0 * at.volume
+    return at.volume, rest_length * at.force_by_pressure, at.volume_by_pressure

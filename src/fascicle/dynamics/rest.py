@@ -1,0 +1,112 @@
+r"""Where a plant stands still: a state from which nothing jerks.
+
+At given pressures the load rests where
+
+$$\sum_i n_i F_i(P_i, \varepsilon_i)\, L_i g_i - \frac{\mathrm{d} U}{\mathrm{d} q} - F_{stop}(q) = 0;
+  \tag{T5}$$
+
+of several such places it is the one that is reached first from the least contraction, and stable.
+Chambers hold fluid at those pressures in the volume that goes with that strain, as warm as the
+room; friction is relaxed.
+"""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.refused import Refused
+from ..core.types import Numbers, Values
+from ..fluid import checked_commands
+from .muscles import volumes
+from .plant import Plant
+from .state import ACCOUNT, State
+
+
+_LOOKS = 801  # places at which the balance is looked at: a table has 200 cells
+
+
+def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None) -> State:
+    """A state at rest, equation (T5).
+
+    **Arguments:**
+
+    - `plant`: it [-].
+    - `pressures`: gauge, of each unit [Pa]; one for all of them is enough.
+    - `position`: of the load [SI], where it is held there until it begins; left out, where it rests.
+    - `command`: at which valves' spools stand [-]; left out, in the middle.
+
+    **Returns:** the state [SI].
+
+    **Raises:** `ValueError` for pressures off the domain, for a `position` that muscles aren't known
+    at, and for a load that the bundle can't hold at rest at these pressures.
+    """
+    closed = (True, True)
+    P = within(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
+    if np.ndim(P) and np.shape(P) != (plant.units,):
+        raise Refused("pressures", f"must be one for each of the {plant.units} units", np.size(P))
+    P = np.broadcast_to(P, (plant.units,)) + 0.0
+    load = plant.load
+    low, high = plant.way
+    if load.moved:
+        q = float(load.motion(0.0)[0])
+        size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
+        _known(q - size, low, high, load.unit)
+        _known(q + size, low, high, load.unit)
+    elif position is not None:
+        q = _known(float(within(position, -np.inf, np.inf, "position", load.unit)), low, high, load.unit)
+    else:
+        q = _resting(plant, P, low, high)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        eps = plant.strains(q)
+        at = plant.muscles.at(P, eps)
+        V, _, _ = volumes(plant.muscles, at, eps, plant.lengths)
+        V = np.asarray(plant.counts * V)
+        chambers = np.broadcast_to(
+            plant.chamber.start(P, V), (plant.units, plant.chamber.count)
+        )
+    spools = plant.spool.states(plant.units)
+    spool = np.zeros(spools) if command is None else checked_commands(command) + np.zeros(spools)
+    v = float(load.motion(0.0)[1]) if load.moved else 0.0
+    supply = np.asarray(plant.supply.start(), float)
+    return State(
+        np.float64(q), np.float64(v), spool, np.array(chambers), P, supply, np.zeros(len(ACCOUNT))
+    )
+
+
+def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
+    def left(q: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):  # of branches that aren't taken
+            eps = plant.strains(np.asarray(q)[..., None])
+            pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)
+        stop = plant.load.stop
+        stopped = stop.force(q, 0.0 * q)[0] if stop else 0.0
+        return (
+            np.sum(plant.counts * plant.lengths * plant.gains * pull, axis=-1)
+            + plant.load.force(q) - stopped
+        )  # fmt: skip
+
+    looks = np.linspace(low, high, _LOOKS)
+    found = np.asarray(left(looks))
+    falls = np.flatnonzero((found[:-1] > 0) & (found[1:] <= 0))
+    if not falls.size:
+        side = "weak" if found[0] <= 0 else "strong"
+        far = low if found[0] <= 0 else high
+        raise Refused(
+            "load",
+            "must be one that the bundle can hold at rest",
+            float(found[0] if found[0] <= 0 else found[-1]),
+            f"at these pressures it is too {side} by {abs(found[0 if side == 'weak' else -1]):.4g}"
+            f" {'N' if plant.load.unit == 'm' else 'N·m'} even at {far:.4g} {plant.load.unit}:"
+            " begin at other pressures, or give `position`, from which it then starts",
+            shown="this one",
+        )
+    k = falls[0]
+    if found[k + 1] == 0:
+        return float(looks[k + 1])
+    return float(brentq(lambda q: float(left(np.float64(q))), looks[k], looks[k + 1], xtol=1e-16, rtol=1e-14))
+
+
+def _known(position: float, low: float, high: float, unit: str) -> float:
+    why = "where the muscles' tables end"
+    return float(within(position, low, high, "position", unit, why, (True, True)))

@@ -1,0 +1,76 @@
+"""Commands by the clock, and what a controller is.
+
+A controller is a function of its memory, a measurement and a reference; it returns the memory that
+it wants to see next time, and commands. A `Schedule` is the one that measures nothing.
+"""
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..core.checks import finite
+from ..core.refused import Refused
+from ..core.types import Batch, Numbers, Values
+from ..fluid import checked_commands
+
+
+class Measurement(NamedTuple):
+    """What a controller sees: `time` [s]; `position` and `velocity` of the load [SI]; `pressures`
+    of the units [Pa]; `force` of all muscles on the load [N or N·m]; `supply_pressure` [Pa].
+    """
+
+    time: Batch
+    position: Batch
+    velocity: Batch
+    pressures: Numbers
+    force: Batch
+    supply_pressure: Batch
+
+
+class Controller(Protocol):
+    """What `simulate` asks for: `memory`, with which it begins, and a call."""
+
+    @property
+    def memory(self) -> Any:
+        """With which it begins [-]."""
+        ...
+
+    def __call__(self, memory: Any, measurement: Measurement, reference: Any) -> tuple[Any, Numbers]:
+        """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
+        the `reference` now [any unit].
+        """
+        ...
+
+
+class Schedule:
+    """Commands that are held from each of its times on.
+
+    `times` [s], rising, the first at 0; `commands` [-] in [-1, 1], one row for each of them, one
+    column for each command.
+    """
+
+    def __init__(self, times: Values, commands: Values):
+        """**Arguments:** those of the class.
+
+        **Raises:** `ValueError` for times that don't rise, and commands outside [-1, 1].
+        """
+        self.times = np.atleast_1d(finite(times, "times", "s"))
+        if self.times[0] != 0:
+            raise Refused("times", "must begin at 0 s", float(self.times[0]))
+        steps = np.diff(self.times)
+        if np.any(steps <= 0):
+            k = int(np.argmax(steps <= 0))
+            raise Refused(
+                "times", "must rise", self.times[k + 1],
+                shown=f"{self.times[k + 1]:g} s after {self.times[k]:g} s",
+            )  # fmt: skip
+        rows = np.asarray(checked_commands(commands, "commands"))
+        self.commands = rows[:, None] if rows.ndim == 1 else np.atleast_2d(rows)
+        if len(self.commands) != len(self.times):
+            raise Refused("commands", "must have one row for each time", len(self.commands))
+
+    def at(self, time: Values) -> Numbers:
+        """Commands [-] at each `time` [s], on the last axis."""
+        # a time that a step misses by rounding is meant
+        place = np.searchsorted(self.times, np.asarray(time) + 1e-9, side="right") - 1
+        return self.commands[np.maximum(place, 0)]
