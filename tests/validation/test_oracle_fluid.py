@@ -130,7 +130,7 @@ def test_two_in_series_meet_the_pressure_between():
         # exact where it chokes, and toward equal pressures but for a share of 1 − r = 0.005
         assert off(1e8, 1.0) < 1e-11
         assert off(low / 0.995, 1.0) < 5e-4
-        # between them the pair is an ellipse by assumption, 1.9 % off at most in 300 such pairs
+        # between them the pair is an ellipse by assumption, within 2 %
         assert max(off(p, 1.0) for p in np.geomspace(1.02, 20, 12) * low) < 0.02
         # where one of them is in its linear end and the pair isn't
         assert max(off(low / r, 0.999) for r in (0.998, 0.995)) < 0.08

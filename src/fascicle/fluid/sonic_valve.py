@@ -18,7 +18,7 @@ $$C = C_2\, \frac{b_1 + (1 - b_1) \sqrt{1 + q^2 (1 - 2 b_1)}}{1 + q^2 (1 - b_1)^
   \frac{1 - b}{C^2} = \frac{1 - b_1}{C_1^2} + \frac{1 - b_2}{C_2^2}, \tag{F5}$$
 
 and $C = C_1$ where $q$ is larger. Between, the pair is within 2 % of what the pressure between
-them gives (300 random pairs, a test); next to equal pressures, beyond 0.998, up to 41 % more flows
+them gives (60 random pairs, a test); next to equal pressures, beyond 0.998, up to 41 % more flows
 than through two linear ends. Flow back meets the hose first, and is another.
 
 **Sign:** positive from 1 to 2. **Assumes** the temperature kept through the valve, as an ideal
@@ -94,12 +94,10 @@ class SonicValve(Module):
         T = where(onward, temperature_1, temperature_2)
         C, b = self._passage(onward, opening)
         ratio = low / guarded(high > 0, high)
-        share = where(
-            ratio < LAMINAR_FROM,
-            high * _choking(ratio, b, self.m),
-            (high - low) * (_choking(LAMINAR_FROM, b, self.m) / (1 - LAMINAR_FROM)),
-        )
-        size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * share
+        turbulent = ratio < LAMINAR_FROM
+        share = _choking(where(turbulent, ratio, LAMINAR_FROM), b, self.m)
+        driving = where(turbulent, high, (high - low) / (1 - LAMINAR_FROM))
+        size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * share * driving
         return where(onward, size, -size)
 
     def _passage(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
@@ -133,7 +131,6 @@ def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Ba
 
 
 def _choking(ratio: BatchLike, b: Batch, m: Batch) -> Batch:
-    """$\\psi$ [-] at a pressure `ratio` [-] up to $\\beta$; there it stays beyond."""
-    r = where(ratio < LAMINAR_FROM, ratio, LAMINAR_FROM)
-    y = where(r > b, (r - b) / (1 - b), 0.0)
+    """$\\psi$ [-] at a pressure `ratio` [-] up to $\\beta$."""
+    y = where(ratio > b, (ratio - b) / (1 - b), 0.0)
     return (1 - y**2) ** m
