@@ -1,1 +1,30 @@
-"""The bundle in time: chambers that fill, a load that moves, and where every joule went."""
+"""The bundle in time: chambers that fill, a load that moves, and where every joule went.
+
+`Plant` joins a bundle to its chambers, valves, supply and load; `rest` is where it stands still,
+`simulate` moves it in fixed steps with a controller, `integrate` with adaptive ones, and `audit`
+says where the energy went.
+"""
+
+from .audit import Audit as Audit
+from .audit import Balance as Balance
+from .audit import Event as Event
+from .audit import audit as audit
+from .audit import events as events
+from .hysteresis import AbstractHysteresis as AbstractHysteresis
+from .hysteresis import Coulomb as Coulomb
+from .hysteresis import Dahl as Dahl
+from .hysteresis import MaxwellSlip as MaxwellSlip
+from .loads import AbstractLoad as AbstractLoad
+from .loads import AntagonisticJoint as AntagonisticJoint
+from .loads import HangingMass as HangingMass
+from .loads import InertiaSpringDamper as InertiaSpringDamper
+from .loads import PrescribedMotion as PrescribedMotion
+from .loads import Stop as Stop
+from .plant import Plant as Plant
+from .rest import rest as rest
+from .schedule import Measurement as Measurement
+from .schedule import Schedule as Schedule
+from .simulate import Trajectory as Trajectory
+from .simulate import simulate as simulate
+from .state import State as State
+from .stepping import pace as pace

@@ -1,0 +1,200 @@
+r"""Where every joule went: balances of a run, each term an integral of its own.
+
+Of a gas, in exergy, what a room at $p_a$, $T_a$ would let it still do; of a liquid, in energy,
+
+$$E_{supplied} = E_{valve} + E_{exhaust} + E_{mixing} + E_{wall} + W + \Delta E_{fluid}; \tag{A1}$$
+
+the muscles, which store and give back what their law says,
+
+$$W = \int F\,\mathrm{d}x + \Delta(P V^* - \Pi^*) + E_{mismatch}, \tag{A2}$$
+
+where the last is what a volume makes that isn't the conjugate one; and the motion,
+
+$$\int F\,\mathrm{d}x + W_{motor} = \Delta E_{kinetic} + \Delta U + E_{damper} + E_{stop}
+  + E_{friction} + \Delta E_{friction}. \tag{A3}$$
+
+With them go the fluid's mass, and where a wall is simulated the first law. No term is what the
+others leave, so that what is left says how well a run can be believed.
+
+**Source:** first and second law for open systems: Bejan (2016).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.refused import Refused
+from ..fluid import AdiabaticWall
+from .motion import STATUS, STORES
+from .muscles import Exact
+from .plant import Plant
+from .simulate import Trajectory
+from .state import ACCOUNT
+
+
+# of the largest term: what Runge-Kutta's steps leave where the law is smooth, and where a table's
+# cells are crossed
+SMOOTH, TABULATED, COUNTED = 1e-6, 1e-5, 1e-12
+
+WORDS = {
+    "folded": "a muscle's volume fell with pressure by more than its fluid and hose give way:"
+    " its pressure isn't unique; give the chamber more dead volume or compliance",
+    "cavitates": "a unit was sucked empty: its fluid can't follow",
+    "off_table": "a strain or pressure left what the muscles are known at; forces go on linearly"
+    " there",
+    "unsettled": "a pressure wasn't found to rounding in two steps; take a smaller `dt`",
+    "supply_empty": "the supply has nothing left to give",
+    "stop": "the load touched its stop",
+    "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
+    "broken": "numbers that are none came up; take a smaller `dt`",
+}
+# what happened, but is no reason to doubt the run
+_HARMLESS = ("supply_empty", "stop")
+
+
+class Balance(NamedTuple):
+    """One balance. `name`; `unit`; what came `into` it and where it `went`, each by its name [J or
+    kg]; what is `left` over [J or kg], and as a `share` of the largest term [-]; up to which share
+    it `closes_within` [-].
+    """
+
+    name: str
+    unit: str
+    into: dict[str, float]
+    went: dict[str, float]
+    left: float
+    share: float
+    closes_within: float
+
+    @property
+    def closes(self) -> bool:
+        """Whether [-] what is left is small enough."""
+        return bool(self.share <= self.closes_within)
+
+
+class Event(NamedTuple):
+    """What happened in a run: its `name`, when first and last [s], in how many moments [-], in
+    `words`, and whether the run can be `trusted` all the same [-].
+    """
+
+    name: str
+    first: float
+    last: float
+    moments: int
+    words: str
+    trusted: bool
+
+
+class Audit(NamedTuple):
+    """Balances of a run and what happened in it."""
+
+    balances: tuple[Balance, ...]
+    events: tuple[Event, ...]
+
+    @property
+    def closes(self) -> bool:
+        """Whether [-] all balances close and nothing happened that forbids to trust the run."""
+        return all(one.closes for one in self.balances) and all(e.trusted for e in self.events)
+
+    def __str__(self) -> str:
+        """A table in words."""
+        lines = []
+        for one in self.balances:
+            verdict = "closes" if one.closes else "DOES NOT CLOSE"
+            lines.append(f"{one.name}: {verdict}, {one.share:.1e} of its largest term is left over")
+            for side, terms in (("in", one.into), ("out", one.went)):
+                lines += [f"  {side:>3} {name:<28} {value:>14.6g} {one.unit}" for name, value in terms.items()]
+        lines += [f"{e.name} from {e.first:.4g} s: {e.words}" for e in self.events]
+        return "\n".join(lines)
+
+
+def audit(plant: Plant, run: Trajectory) -> Audit:
+    """The balances of a run, (A1) to (A3), and what happened in it.
+
+    **Arguments:**
+
+    - `plant`: that ran [-].
+    - `run`: one run, not a batch of them [-].
+
+    **Returns:** an `Audit` [J].
+
+    **Raises:** `ValueError` for a chamber that is a fit, not physics, and for a batch.
+    """
+    if not plant.chamber.physical:
+        kind = type(plant.chamber).__name__
+        remedy = "take AdiabaticWall or Isothermal"
+        raise Refused("chamber", f"{kind} is a fit that keeps no balance", kind, remedy, shown="")
+    if np.ndim(run.time) != 1 or np.ndim(run.account) != 2:
+        raise Refused("run", "must be one run", np.shape(run.account), shown="a batch")
+    rows = np.asarray(run.account)
+    a = dict(zip(ACCOUNT, rows[-1] - rows[0], strict=True))
+    most = dict(zip(ACCOUNT, np.abs(rows - rows[0]).max(axis=0), strict=True))
+    store = np.asarray(run.seen.store)
+    d = dict(zip(STORES, store[-1] - store[0], strict=True))
+    most |= {f"Δ{name}": x for name, x in zip(STORES, np.abs(store - store[0]).max(axis=0), strict=True)}
+
+    exact = isinstance(plant.muscles, Exact)
+    law = SMOOTH if exact else TABULATED
+    what = "energy" if plant.liquid else "exergy"
+    lost = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
+    balances = [
+        _balance(f"{what} of the fluid", law, most, {"supplied": a["supplied"]},
+                 {**{name: a[name] for name in lost}, "work on the muscles": a["fluid_work"],
+                  "stored in the fluid": d["fluid"]}, ("supplied", *lost, "fluid_work", "Δfluid")),
+        _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
+                 {"pull on the load": a["pull"], "stored in the muscles": d["muscles"],
+                  "made by the volume": a["mismatch"]}, ("fluid_work", "pull", "Δmuscles")),
+        _balance("energy of the motion", law, most,
+                 {"pull of the muscles": a["pull"], "motor": a["motor"]},
+                 {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
+                  "stop, lost": a["stop"], "stop, stored": d["stop"], "friction, lost": a["friction"],
+                  "friction, stored": d["friction"]}, ("pull", "motor", "Δmotion", "Δload")),
+        _mass(run, a, most),
+    ]  # fmt: skip
+    if isinstance(plant.chamber, AdiabaticWall):
+        balances.append(_first_law(plant, run, a, most))
+    return Audit(tuple(balances), events(run))
+
+
+def events(run: Trajectory) -> tuple[Event, ...]:
+    """What happened in a run [-], by when it began [s]."""
+    status, time, found = np.asarray(run.seen.status), np.asarray(run.time), []
+    for place, name in enumerate(STATUS):
+        here = np.flatnonzero(status & (1 << place))
+        if here.size:
+            found.append(Event(name, float(time[here[0]]), float(time[here[-1]]), int(here.size),
+                               WORDS[name], name in _HARMLESS))  # fmt: skip
+    return tuple(sorted(found, key=lambda event: event.first))
+
+
+def _balance(
+    name: str, within: float, most: dict[str, Any], into: dict[str, Any], went: dict[str, Any],
+    terms: tuple[str, ...], unit: str = "J",
+) -> Balance:  # fmt: skip
+    into = {key: float(value) for key, value in into.items()}
+    went = {key: float(value) for key, value in went.items()}
+    left = sum(into.values()) - sum(went.values())
+    # of the most that any term was meanwhile: at the end of a cycle all may be zero again
+    size = max([most[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())])
+    return Balance(name, unit, into, went, left, abs(left) / size if size > 0 else 0.0, within)
+
+
+def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
+    held = np.sum(np.asarray(run.seen.masses), axis=-1)
+    into, went = {"flowed in": a["mass"]}, {"held": held[-1] - held[0]}
+    most = most | {"held": float(np.max(held))}
+    return _balance("mass of the fluid", COUNTED, most, into, went, ("mass", "held"), unit="kg")
+
+
+def _first_law(
+    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
+) -> Balance:
+    # U = p V/(γ − 1), from what is seen rather than from the state that was integrated
+    p = np.asarray(run.seen.pressures) + plant.chamber.room_pressure
+    V = np.asarray(run.seen.volumes) + plant.chamber.dead_volume
+    U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
+    went = {"heat through the wall": a["heat"], "work, absolute": a["displaced"],
+            "internal energy": U[-1] - U[0]}  # fmt: skip
+    terms = ("enthalpy", "heat", "displaced", "held")
+    most = most | {"held": float(np.max(U))}
+    return _balance("first law", SMOOTH, most, {"enthalpy": a["enthalpy"]}, went, terms)
