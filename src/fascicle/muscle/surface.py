@@ -180,11 +180,12 @@ def looked_up(
     h, (low, high) = table.root_step, table.strains
     step = (high - low) / columns
 
+    pressure, strain = at_work.asarray(pressure), at_work.asarray(strain)
     P = minimum(maximum(pressure, 0.0), table.highest_pressure)
     # a root has no slope at zero, where the first cell doesn't ask for it
     s = sqrt(where(P > h**2, P, h**2))
     i = minimum(at_work.floor(sqrt(where(P > 0, P, 1.0)) / h), lines - 1.0)
-    i = where(P > h**2, i, 0.0).astype(int)
+    i = at_work.where(P > h**2, i, 0.0).astype(int)
     first = i == 0
     u = where(first, P / h**2, s / h - i)
     u_P = where(first, 1 / h**2, 1 / (2 * s * h))
