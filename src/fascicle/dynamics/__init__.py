@@ -14,6 +14,7 @@ from .hysteresis import AbstractHysteresis as AbstractHysteresis
 from .hysteresis import Coulomb as Coulomb
 from .hysteresis import Dahl as Dahl
 from .hysteresis import MaxwellSlip as MaxwellSlip
+from .integrate import integrate as integrate
 from .loads import AbstractLoad as AbstractLoad
 from .loads import AntagonisticJoint as AntagonisticJoint
 from .loads import HangingMass as HangingMass
