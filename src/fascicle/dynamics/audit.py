@@ -25,6 +25,7 @@ import numpy as np
 
 from ..core.refused import Refused
 from ..fluid import AdiabaticWall
+from .hysteresis import MaxwellSlip
 from .motion import STATUS, STORES
 from .muscles import Exact
 from .plant import Plant
@@ -32,9 +33,9 @@ from .simulate import Trajectory
 from .state import ACCOUNT
 
 
-# of the largest term: what Runge-Kutta's steps leave where the law is smooth, and where a table's
-# cells are crossed
-SMOOTH, TABULATED, COUNTED = 1e-6, 1e-5, 1e-12
+# of the largest term: what Runge-Kutta's steps leave where the law is smooth, where a table's cells
+# are crossed, and where springs begin to slip, which is a kink of force within a step
+SMOOTH, TABULATED, SLIPPING, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
 WORDS = {
     "folded": "a muscle's volume fell with pressure by more than its fluid and hose give way:"
@@ -144,7 +145,7 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
                  {"pull on the load": a["pull"], "stored in the muscles": d["muscles"],
                   "made by the volume": a["mismatch"]}, ("fluid_work", "pull", "Δmuscles")),
-        _balance("energy of the motion", law, most,
+        _balance("energy of the motion", _of_motion(plant, law), most,
                  {"pull of the muscles": a["pull"], "motor": a["motor"]},
                  {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
                   "stop, lost": a["stop"], "stop, stored": d["stop"], "friction, lost": a["friction"],
@@ -177,6 +178,10 @@ def _balance(
     # of the most that any term was meanwhile: at the end of a cycle all may be zero again
     size = max([most[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())])
     return Balance(name, unit, into, went, left, abs(left) / size if size > 0 else 0.0, within)
+
+
+def _of_motion(plant: Plant, law: float) -> float:
+    return SLIPPING if isinstance(plant.hysteresis, MaxwellSlip) else law
 
 
 def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:

@@ -59,8 +59,9 @@ class AbstractHysteresis(Module):
 
     @abc.abstractmethod
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """What it is after a way that doesn't turn.
 
         **Arguments:**
@@ -68,7 +69,7 @@ class AbstractHysteresis(Module):
         - `kept`: its forces before, on the last axis [N].
         - `way`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
-        - `pressure`: $P$ now [Pa].
+        - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `Slid`: forces [N] and energy [J].
@@ -115,8 +116,9 @@ class MaxwellSlip(AbstractHysteresis):
         return int(np.shape(self.stiffness)[-1])
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H1).
 
         **Arguments:** those of `AbstractHysteresis.slid`.
@@ -125,12 +127,12 @@ class MaxwellSlip(AbstractHysteresis):
         """
         del velocity, by_pressure
         k = self.stiffness
-        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
-        # a slip force that fell lets go of what is above it
-        held = minimum(maximum(kept, -f), f)
-        bent = held + k * way[..., None]
-        now = minimum(maximum(bent, -f), f)
-        lost = f * absolute(bent - now) / k + (kept**2 - held**2) / (2 * k)
+        before, f = (
+            self.slip_force + self.slip_force_slope * maximum(P, 0.0)[..., None] for P in pressures
+        )
+        now = minimum(maximum(kept + k * way[..., None], -f), f)
+        # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
+        lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
         add = library(now).sum
         return Slid(now, add(now, axis=-1), add(lost, axis=-1))
 
@@ -169,8 +171,9 @@ class Dahl(AbstractHysteresis):
         return 1
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H2).
 
         **Arguments:** those of `AbstractHysteresis.slid`.
@@ -179,7 +182,7 @@ class Dahl(AbstractHysteresis):
         """
         del velocity, by_pressure
         k = self.stiffness
-        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)
+        f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
         before = kept[..., 0]
         held = minimum(maximum(before, -f), f)
         end = where(way >= 0, f, -f)
@@ -221,15 +224,16 @@ class Coulomb(AbstractHysteresis):
         return 0
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H3).
 
         **Arguments:** those of `AbstractHysteresis.slid`.
 
         **Returns:** a `Slid`: forces [N] and no energy [J], which `lost_power` tells.
         """
-        del pressure
+        del pressures
         force = self.width * absolute(by_pressure) * library(velocity).tanh(velocity / self.velocity)
         return Slid(kept, force, 0.0 * way)
 
@@ -240,7 +244,7 @@ class Coulomb(AbstractHysteresis):
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
         way = 0.0 * velocity
-        return self.slid(way[..., None][..., :0], way, velocity, pressure, by_pressure).force * velocity
+        return self.slid(way[..., None][..., :0], way, velocity, (pressure, pressure), by_pressure).force * velocity
 
 
 def _from_zero(value: Values, name: str, unit: str) -> Batch:

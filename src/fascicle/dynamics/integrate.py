@@ -113,7 +113,7 @@ def _leg(
 
     def field(t: Batch, y: Numbers, args: Any) -> Numbers:
         state = layout.apart(y)
-        moving, _ = rates(plant, t, state, command, _none(layout, state.position), _NEWTON)
+        moving, _ = rates(plant, t, state, command, _none(layout, state), _NEWTON)
         return layout.joined(moving)
 
     solution = diffrax.diffeqsolve(
@@ -130,14 +130,14 @@ def _look(plant: Plant, times: Numbers, state: State, commands: Numbers) -> Seen
     layout = Layout.of(plant)
 
     def one(t: Batch, s: State, c: Numbers) -> Seen:
-        return rates(plant, t, s, c, _none(layout, s.position), _NEWTON)[1]
+        return rates(plant, t, s, c, _none(layout, s), _NEWTON)[1]
 
     return jax.vmap(one)(times, state, commands)
 
 
-def _none(layout: Layout, position: Batch) -> Anchor:
+def _none(layout: Layout, state: State) -> Anchor:
     """Friction that remembers nothing."""
-    return Anchor(jnp.zeros((layout.units, 0)), position)
+    return Anchor(jnp.zeros((layout.units, 0)), state.position, state.pressures)
 
 
 def _sizes(plant: Plant, layout: Layout, row: Numbers) -> Numbers:

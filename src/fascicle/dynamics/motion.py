@@ -37,10 +37,13 @@ _NEWTON = 2  # from where the rates led: two steps leave 1e-12 of a pressure
 
 
 class Anchor(NamedTuple):
-    """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI]."""
+    """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI] and the
+    units' `pressures` [Pa].
+    """
 
     kept: Numbers
     position: Batch
+    pressures: Numbers
 
 
 class Seen(NamedTuple):
@@ -284,7 +287,9 @@ def _friction(
         return 0.0 * q, 0.0 * q
     add, per = library(q).sum, plant.lengths * plant.gains
     way, speed = per * (q - anchor.position)[..., None], per * v[..., None]
-    slid = plant.hysteresis.slid(anchor.kept, way, speed, P, at.force_by_pressure)
+    slid = plant.hysteresis.slid(
+        anchor.kept, way, speed, (anchor.pressures, P), at.force_by_pressure
+    )
     lost = plant.hysteresis.lost_power(speed, P, at.force_by_pressure)
     return add(plant.counts * per * slid.force, axis=-1), add(plant.counts * lost, axis=-1)
 
@@ -298,9 +303,9 @@ def rubbed(
     assert plant.hysteresis is not None
     per = plant.lengths * plant.gains
     way, none = per * (position - anchor.position)[..., None], 0.0 * pressures
-    slid = plant.hysteresis.slid(anchor.kept, way, none, pressures, none)
+    slid = plant.hysteresis.slid(anchor.kept, way, none, (anchor.pressures, pressures), none)
     lost = library(slid.lost).sum(plant.counts * slid.lost, axis=-1)
-    return Anchor(slid.kept, position), lost
+    return Anchor(slid.kept, position, pressures), lost
 
 
 def _stores(
@@ -313,7 +318,9 @@ def _stores(
     if plant.hysteresis is not None:
         per = plant.lengths * plant.gains
         way = per * (q - anchor.position)[..., None]
-        now = plant.hysteresis.slid(anchor.kept, way, 0.0 * P, P, 0.0 * P).kept
+        now = plant.hysteresis.slid(
+            anchor.kept, way, 0.0 * P, (anchor.pressures, P), 0.0 * P
+        ).kept
         kept = add(plant.counts * plant.hysteresis.stored(now), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),

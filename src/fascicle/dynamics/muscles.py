@@ -9,6 +9,7 @@ import abc
 from collections.abc import Sequence
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -86,11 +87,12 @@ class Tables(AbstractMuscles):
 class Exact(AbstractMuscles):
     """By the law itself, integrated anew each time: right to rounding, and a hundred times slower.
 
-    `rows`: units of the same laws, as of a bundle; `ends`: of the strains that are known [-];
-    `top`: the highest pressure [Pa].
+    `groups`: muscles of the same laws in a row, as of a bundle, `places` of their units;
+    `ends`: of the strains that are known [-]; `top`: the highest pressure [Pa].
     """
 
-    rows: tuple[tuple[tuple[int, ...], Muscle], ...]
+    groups: tuple[Muscle, ...]
+    places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
     ends: tuple[Numbers, Numbers]
     top: Numbers
 
@@ -102,7 +104,8 @@ class Exact(AbstractMuscles):
         `ends` [-].
         """
         top = np.full(len(muscles), highest_pressure)
-        return cls(tuple(stacked(list(muscles))), ends, top)
+        rows = stacked(list(muscles))
+        return cls(tuple(m for _, m in rows), tuple(places for places, _ in rows), ends, top)
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """What each does at its `pressure` [Pa] and `strain` [-], (V1)."""
@@ -110,9 +113,9 @@ class Exact(AbstractMuscles):
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
         found = [
             _exact(muscles, P[..., np.array(places)], eps[..., np.array(places)])
-            for places, muscles in self.rows
+            for places, muscles in zip(self.places, self.groups, strict=True)
         ]
-        order = np.argsort([i for places, _ in self.rows for i in places])
+        order = np.argsort([i for places in self.places for i in places])
         at = Surface(*(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True)))
         past = pressure - P  # the volume stays there, and the force is linear
         return at._replace(

@@ -144,7 +144,7 @@ def _run(
         return (*after, memory), (row, anchor, command)
 
     steps = jnp.arange(len(inputs), dtype=float)
-    begun = (row, Anchor(kept, jnp.asarray(begin.position)), memory)
+    begun = (row, Anchor(kept, jnp.asarray(begin.position), jnp.asarray(begin.pressures)), memory)
     (row, anchor, _), (rows, anchors, commands) = lax.scan(step, begun, (steps, inputs))
     rows = jnp.concatenate([rows, row[None]])
     anchors = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), anchors, anchor)
