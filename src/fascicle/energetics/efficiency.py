@@ -86,8 +86,8 @@ def efficiency_map(
             "path",
             f"must be 'isotonic' with scheme {scheme.name!r}",
             path,
-            "at one force and strain its units' pressures, and so the work on the way, may be any"
-            " of many",
+            "its units may be at any of many pressures at one force and strain, each with a work of"
+            ' its own on the way; ask for path="isotonic" (--path isotonic)',
         )
     few, places = distinct(bundle)
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(places.tolist())

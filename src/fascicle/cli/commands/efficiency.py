@@ -20,6 +20,7 @@ from ..options import (
 from ..outputs import Outputs
 from ..problems import UserError, fall_short, refusing
 from ..tables import number, show
+from ..telling import telling
 
 
 _PATHS = ("isobaric", "isotonic")
@@ -54,7 +55,7 @@ def run(
     paths = _PATHS if path is None else (path,)
     from ..compute import bundle_efficiency
 
-    with refusing():
+    with telling("finding efficiencies"), refusing():
         variables, maps = bundle_efficiency(
             bundle,
             supply_pressure,

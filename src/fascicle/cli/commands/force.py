@@ -18,6 +18,7 @@ from ..options import (
 from ..outputs import Outputs
 from ..problems import refusing
 from ..tables import decimals, number, show
+from ..telling import telling
 
 
 _MARKS = ("", "b", "c", "s")
@@ -42,7 +43,7 @@ def run(
     muscle = read_muscle(file, "fascicle bundle")
     from ...results.tables import muscle_force
 
-    with refusing():
+    with telling("finding forces"), refusing():
         variables = muscle_force(muscle, pressures, strains)
     outputs.give(
         variables,

@@ -9,6 +9,7 @@ from ..options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Suppl
 from ..outputs import Outputs
 from ..problems import fall_short, refusing
 from ..tables import decimals, number, show
+from ..telling import telling
 
 
 Force = Annotated[
@@ -58,7 +59,8 @@ def run(
     bundle = read_bundle(file)
     from ..compute import bundle_recruit, is_free
 
-    with refusing():
+    told = f"finding the pressures of {len(forces) * len(strains)} demands"
+    with telling(told), refusing():
         variables = bundle_recruit(
             bundle, forces, strains, supply_pressure, scheme, not no_resistance
         )
