@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..bundle import Bundle
-from ..bundle.recruitment import scheme_used, supply_of
+from ..bundle.own import scheme_used, supply_of
 from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
 from ..bundle.tables import distinct

@@ -66,7 +66,9 @@ def freed(
     units = len(alike)
     few = [list(alike).index(kind) for kind in range(len(set(alike)))]
     # a strain that many demands share is looked at once
-    once, place = (eps, slice(None)) if at_work is not np else np.unique(eps, return_inverse=True)
+    once, place = eps, np.arange(len(eps))
+    if at_work is np:
+        once, place = np.unique(eps, return_inverse=True)
     seen = _seen(fixed, few, once)
     none, full = (seen[end][place][:, np.array(alike)] for end in (0, -1))
     chosen = sets.throttled.T.astype(float)
