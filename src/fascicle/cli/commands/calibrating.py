@@ -106,7 +106,7 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
             tell("comparing laws")
             found = replace(found, comparison=_compared(record, muscle, made, priors, how))
         if drawn:
-            from ...reports.fitted import figures
+            from ...calibrate.after.pictures import figures
 
             tell("drawing")
             pictures = figures(made, found.profiles, found.posterior)

@@ -16,6 +16,7 @@ import panel as pn
 
 from ... import plot
 from ...bundle.recruitment import overlap, space
+from ...calibrate.after.pictures import beside
 from ...core.domain import HIGHEST_PRESSURE
 from ...energetics import efficiency_map
 from ...files import dumps
@@ -25,7 +26,6 @@ from ...plot.maps import efficiency as draw_efficiency
 from ...plot.space import space as draw_space
 from ...plot.style import to_bytes
 from ...records.record import Record
-from ...reports.fitted import beside
 from ...results.labelled import Variable, to_csv, write
 from ..curves.measured import STARTS
 from ..curves.muscle_curves import widest
@@ -231,7 +231,7 @@ def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clippe
         "from fascicle import records\n"
         "from fascicle.calibrate import fit\n"
         "from fascicle.plot import calibration\n"
-        "from fascicle.reports.fitted import beside\n"
+        "from fascicle.calibrate.after.pictures import beside\n"
     )
     given = f"rest_length={record.rest_length!r}" + (", clipped_at_zero=True" if clipped else "")
     tune = "" if tuned is None else f"muscle = fit(record, muscle, starts={STARTS}).muscle\n"
