@@ -32,7 +32,7 @@ def values(five, task):
     return evaluate(five, task, NAMES)
 
 
-def test_the_two_kernels_agree(muscle, five, task):
+def test_like_and_unlike_units_are_judged_the_same(muscle, five, task):
     demand = Demand.of(task)
     rows = np.array([0, 1, 7, 15])
     known = prepared(muscle, 5, demand, most=5, needs=NEEDS, resolution=COARSE)
