@@ -22,7 +22,7 @@ from .bundle import Bundle
 from .own import scheme_used, supply_of
 from .schemes import AbstractScheme
 from .states import common, states_of
-from .tables import unit_tables
+from .unit_tables import unit_tables
 
 
 _LEVELS = 241  # pressures over which a region's edges are taken

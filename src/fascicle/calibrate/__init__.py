@@ -72,7 +72,7 @@ _WENT = {
     "finding": "calibrate.fits.finding",
     "fitting": "calibrate.fits.fitting",
     "grid": "calibrate.data.grid",
-    "judging": "calibrate.after.judging",
+    "judging": "calibrate.after.warned",
     "leaving_out": "calibrate.after.leaving_out",
     "linear": "calibrate.problem.linear",
     "misfit": "calibrate.problem.misfit",

@@ -20,7 +20,7 @@ from ..bundle import Bundle
 from ..bundle.own import scheme_used, supply_of
 from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
-from ..bundle.tables import distinct
+from ..bundle.unit_tables import distinct
 from ..bundle.volumes import unit_volume_change
 from ..core.checks import one_of
 from ..core.refused import Refused

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle.recruitment import overlap, pressures_of, space
-from fascicle.bundle.tables import distinct
+from fascicle.bundle.unit_tables import distinct
 
 
 SUPPLY = 413.7e3

@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
+from fascicle.design.judge.forces import Resolution
 from fascicle.design.judge.judging import sizes_of
 from fascicle.design.judge.objectives import judged
 from fascicle.design.judge.outcome import Demand
 from fascicle.design.judge.shared import prepared, shared_objectives
-from fascicle.design.judge.table import Resolution
 from fascicle.design.judge.unlike import unlike_objectives, unlike_outcome
 from fascicle.design.space.splits import compositions, partitions
 

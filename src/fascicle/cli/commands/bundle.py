@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..equilibria import check_zeros, show_states
 from ..inputs import check_grid, read_bundle, read_list, read_states
 from ..options import (
     DEFAULT_STRAIN,
@@ -16,9 +17,8 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import refusing
-from ..states import check_zeros, show_states
-from ..tables import decimals, number, show
 from ..telling import telling
 
 

@@ -18,8 +18,8 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import number, show
 from ..problems import UserError, fall_short, refusing
-from ..tables import number, show
 from ..telling import telling
 
 

@@ -16,8 +16,8 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import refusing
-from ..tables import decimals, number, show
 from ..telling import telling
 
 

@@ -7,8 +7,8 @@ import typer
 from ..inputs import check_grid, read_bundle, read_list, read_one
 from ..options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Supply, Target
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import fall_short, refusing
-from ..tables import decimals, number, show
 from ..telling import telling
 
 

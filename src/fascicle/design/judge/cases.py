@@ -30,9 +30,9 @@ from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows
 from ..space.task import Task
+from .forces import SHARED, UNLIKE, tabulated
 from .kernel import Unlike, highest
 from .outcome import MET, MOST_SETS, Demand
-from .table import SHARED, UNLIKE, tabulated
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778

@@ -15,8 +15,8 @@ from ...bundle.states import States
 from ...core.arrays import library, maximum, where
 from ...core.types import Numbers, Whole
 from ..space.packing import bowed_diameter
+from .forces import Table
 from .outcome import Demand, Outcome, existing, laid, states_for, visited
-from .table import Table
 
 
 Mask = Bool[np.ndarray, " unit"]

@@ -19,11 +19,11 @@ from ...core.arrays import library, where
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
 from ..space.rows import Rows
-from .curves import Curves, curves_of, depths, overlaps
+from .compositions import Curves, curves_of, depths, overlaps
+from .forces import SHARED, Resolution, Table, run, tabulated
 from .kernel import Alike, outcome
 from .objectives import judged
 from .outcome import Demand, Outcome, existing, states_for
-from .table import SHARED, Resolution, Table, run, tabulated
 
 
 class Prepared(NamedTuple):

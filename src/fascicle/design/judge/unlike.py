@@ -17,11 +17,11 @@ from ...core.evaluate import COMPILE_ABOVE
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
 from ..space.rows import Rows
+from .every_level import at_every_level
+from .forces import UNLIKE, Resolution, Table, filled_up, run, tabulated
 from .kernel import Unlike, outcome
-from .levels import at_every_level
 from .objectives import judged
 from .outcome import Demand, Outcome, states_for
-from .table import UNLIKE, Resolution, Table, filled_up, run, tabulated
 
 
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache

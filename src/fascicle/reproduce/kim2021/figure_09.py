@@ -8,7 +8,7 @@ from ...bundle.space import Overlap, Space, overlap, space
 from ...plot.space import spaces
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

@@ -9,7 +9,7 @@ from ..inputs import read_muscle, read_one
 from ..problems import UserError, refusing
 from ..startup import prepare
 from ..telling import telling
-from .calibrated import Found
+from .calibrate_results import Found
 
 
 if TYPE_CHECKING:
