@@ -97,6 +97,25 @@ def test_states_are_nested_where_each_feeds_more_than_the_one_before():
     assert not states_of(Detour(), 3).in_turn and not states_of(LastFirst(), 3).together
 
 
+class OneOrOther(AbstractScheme):
+    """The first unit alone, or the second: a later state takes less fluid where its unit does."""
+
+    name = "one or other"
+
+    def states(self, units):
+        return [State([], [unit]) for unit in range(units)]
+
+
+def test_of_states_that_feed_other_units_the_one_with_least_fluid_is_taken():
+    force = [2.0, 5.0]
+    for units, best in (((thick, thin), 2), ((thin, thick), 1)):
+        bundle = fs.Bundle([fs.MotorUnit(one) for one in units], SUPPLY, OneOrOther())
+        found = fs.recruitment.recruit(bundle, force, 0.1)
+        assert found.state.tolist() == [best, best] and np.all(found.count >= 2)
+    free = fs.recruitment.recruit(bundle, force, 0.1, scheme="free")
+    assert free.solutions.state.tolist() == [[1], [1]] == free.state[:, None].tolist()
+
+
 def test_names_are_listed_in_words():
     assert listed() == "orderly, batch or free"
     assert listed("`", but=1) == "`batch` or `free`" and listed(but=2) == "free"
