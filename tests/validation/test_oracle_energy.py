@@ -26,7 +26,9 @@ def test_conjugate_volumes(muscle):
     pressures, strains = np.array(POINTS).T
     expected = [oracle.conjugate_volume(muscle, *point) for point in POINTS]
     # the oracle's differences are right to some 1e-9
-    assert_allclose(library_muscle(muscle).conjugate_volume(pressures, strains), expected, rtol=1e-8)
+    assert_allclose(
+        library_muscle(muscle).conjugate_volume(pressures, strains), expected, rtol=1e-8
+    )
 
 
 def test_elastica_s_volume_is_its_arc_s_and_what_bending_gives_back():
@@ -58,8 +60,6 @@ def test_elastica_s_volume_is_its_arc_s_and_what_bending_gives_back():
 def test_a_cycle_of_the_oracle_s_volume_closes_and_of_the_straight_one_doesn_t():
     force = lambda P, e: SIX.length * oracle.oracle_force.force(SIX, P, e)  # noqa: E731
     corners = (0.0, 5e4, 0.0, 0.2)
-    fluid, ends = oracle.cycle(
-        lambda P, e: oracle_muscle.volume(SIX, e), force, corners, points=60
-    )
+    fluid, ends = oracle.cycle(lambda _, e: oracle_muscle.volume(SIX, e), force, corners, points=60)
     # kinks within the rectangle: of Gauss's rule with 60 points some 1e-3
     assert ends == pytest.approx(0.108, abs=0.001) and fluid == pytest.approx(0.388, abs=0.001)

@@ -21,6 +21,7 @@ from .loads import HangingMass as HangingMass
 from .loads import InertiaSpringDamper as InertiaSpringDamper
 from .loads import PrescribedMotion as PrescribedMotion
 from .loads import Stop as Stop
+from .motion import Seen as Seen
 from .plant import Plant as Plant
 from .rest import rest as rest
 from .schedule import Measurement as Measurement
@@ -28,4 +29,5 @@ from .schedule import Schedule as Schedule
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .state import State as State
+from .stepping import Pace as Pace
 from .stepping import pace as pace

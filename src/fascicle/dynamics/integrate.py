@@ -1,8 +1,8 @@
 """Integrating a plant with adaptive steps, open loop: the reference that fixed steps are held to.
 
-Tsitouras' method of order 5 stops at each time at which a command changes, so that no step sees two
-of them, and looks none up in a stage. Implicit methods are 6 to 60 times slower here at equal error,
-in oil too: half of their steps fail at kinks.
+Tsitouras' method of order 5 stops at each time at which a command changes, so that no step sees
+two of them, and looks none up in a stage. Implicit methods are 6 to 60 times slower here at equal
+error, in oil too: half of their steps fail at kinks.
 
 **Source:** Tsitouras (2011), by diffrax (Kidger, 2021).
 """
@@ -53,8 +53,6 @@ def integrate(
     **Raises:** `ValueError` for times that don't rise, a hysteresis that remembers, commands that
     don't fit, what `rest` refuses, and a run that the method gives up.
     """
-    import diffrax  # an import of a second, which `simulate` does without
-
     if plant.hysteresis is not None and plant.hysteresis.count:
         kind = type(plant.hysteresis).__name__
         remedy = "use `simulate`, or Coulomb's friction"
@@ -111,7 +109,7 @@ def _leg(
 ) -> tuple[Any, Numbers]:  # fmt: skip
     import diffrax
 
-    def field(t: Batch, y: Numbers, args: Any) -> Numbers:
+    def field(t: Batch, y: Numbers, _: Any) -> Numbers:
         state = layout.apart(y)
         moving, _ = rates(plant, t, state, command, _none(layout, state), _NEWTON)
         return layout.joined(moving)

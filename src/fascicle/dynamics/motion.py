@@ -279,6 +279,7 @@ def _fluid_powers(
         (1 - T_a / T) * heat,
     )
 
+
 def _friction(
     plant: Plant, anchor: Anchor, q: Batch, v: Batch, P: Numbers, at: Surface
 ) -> tuple[Batch, Batch]:
@@ -318,9 +319,7 @@ def _stores(
     if plant.hysteresis is not None:
         per = plant.lengths * plant.gains
         way = per * (q - anchor.position)[..., None]
-        now = plant.hysteresis.slid(
-            anchor.kept, way, 0.0 * P, (anchor.pressures, P), 0.0 * P
-        ).kept
+        now = plant.hysteresis.slid(anchor.kept, way, 0.0 * P, (anchor.pressures, P), 0.0 * P).kept
         kept = add(plant.counts * plant.hysteresis.stored(now), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),
@@ -341,7 +340,7 @@ def _status(
     some = at_work.any
     low, high = plant.muscles.strains
     P, lowest = fluid.pressures, plant.chamber.lowest_pressure
-    off = (eps < low) | (eps > high) | (P > plant.muscles.highest_pressure)
+    off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
     true = (
         some(fluid.folded, axis=-1),
         # within a thousandth of an atmosphere of it
@@ -350,14 +349,13 @@ def _status(
         some(fluid.unsettled, axis=-1),
         plant.supply.empty(state.supply),
         load_stopped(plant, q),
-        q != q,
+        False,  # `simulate` tells whether it is too stiff
         ~at_work.isfinite(at_work.sum(store, axis=-1) + at_work.sum(P, axis=-1)),
     )
-    bits = (at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
-    return sum(bits)
+    return sum(at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
 
 
 def load_stopped(plant: Plant, position: Batch) -> BoolBatch:
     """Whether the load is at its stop [-] at `position` [SI]."""
     stop = plant.load.stop
-    return position != position if stop is None else stop.touched(position)
+    return position < -np.inf if stop is None else stop.touched(position)

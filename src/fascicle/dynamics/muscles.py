@@ -6,7 +6,7 @@ conjugate one, which makes or loses energy where muscles buckle: an audit names 
 """
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -62,15 +62,15 @@ class Tables(AbstractMuscles):
         each = [tables[i] for i in which]
         table = UnitSurface(
             np.stack([one.coefficients for one in tables]),
-            np.stack([one.root_step for one in each]),
-            tuple(np.stack([one.strains[k] for one in each]) for k in (0, 1)),
-            np.stack([one.rest_length for one in each]),
-            tuple(float(x) for x in np.max([one.errors for one in tables], axis=0)),
+            _row(each, lambda one: one.root_step),
+            (_row(each, lambda one: one.strains[0]), _row(each, lambda one: one.strains[1])),
+            _row(each, lambda one: one.rest_length),
+            _worst([one.errors for one in tables]),
         )
         return cls(table, np.array(which))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
+        """What each does at its `pressure` [Pa] and `strain` [-], (V3)."""
         return looked_up(self.table, pressure, strain, self.which)
 
     @property
@@ -82,6 +82,15 @@ class Tables(AbstractMuscles):
     def highest_pressure(self) -> Numbers:
         """The table's end [Pa], of each unit."""
         return self.table.highest_pressure
+
+
+def _row(tables: Sequence[UnitSurface], number: Callable[[UnitSurface], Any]) -> Numbers:
+    return np.array([float(number(one)) for one in tables])
+
+
+def _worst(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
+    median, most, largest = (max(column) for column in zip(*errors, strict=True))
+    return median, most, largest
 
 
 class Exact(AbstractMuscles):
@@ -108,7 +117,7 @@ class Exact(AbstractMuscles):
         return cls(tuple(m for _, m in rows), tuple(places for places, _ in rows), ends, top)
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V1)."""
+        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
         P = minimum(maximum(pressure, 0.0), self.top)
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
         found = [
@@ -116,7 +125,9 @@ class Exact(AbstractMuscles):
             for places, muscles in zip(self.places, self.groups, strict=True)
         ]
         order = np.argsort([i for places in self.places for i in places])
-        at = Surface(*(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True)))
+        at = Surface(
+            *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True))
+        )
         past = pressure - P  # the volume stays there, and the force is linear
         return at._replace(
             coenergy=at.coenergy + at.volume * past,

@@ -7,8 +7,8 @@ co-energy
 $$\Pi^*(P, \varepsilon) = P V(0) + L_0 \int_0^\varepsilon F(P, \varepsilon')
   \,\mathrm{d}\varepsilon', \qquad
   F = \frac{1}{L_0} \frac{\partial \Pi^*}{\partial \varepsilon}, \qquad
-  V^* = \frac{\partial \Pi^*}{\partial P}
-      = V(0) + L_0 \frac{\partial}{\partial P} \int_0^\varepsilon F \,\mathrm{d}\varepsilon'. \tag{V1}$$
+  V^* = \frac{\partial \Pi^*}{\partial P} = V(0)
+    + L_0 \frac{\partial}{\partial P} \int_0^\varepsilon F \,\mathrm{d}\varepsilon'. \tag{V2}$$
 
 Up to the free strain $V^*$ is the braid's volume, as (3) says. Past it the force follows a
 bowed, then a hinged bladder, and the straight braid's volume at that strain is not what its
@@ -63,7 +63,7 @@ def contraction_work(
 
 
 def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V1)."""
+    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
 
     def work(P: Batch) -> Batch:
         return contraction_work(muscle.law.at(P), strain)

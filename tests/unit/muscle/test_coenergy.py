@@ -1,6 +1,7 @@
 """The volume that goes with the force: against an oracle, round cycles, at jumps."""
 
 import math
+from itertools import pairwise
 
 import jax
 import numpy as np
@@ -39,7 +40,7 @@ def test_no_cycle_makes_energy():
     # kinks cross the rectangle, and Gauss's rule over them leaves some 1e-5 of the work
     assert_allclose(fluid, ends, rtol=1e-4)
     assert_allclose(fluid, 0.108, atol=0.0005)
-    straight, _ = round_trip(SIX, lambda P, eps: SIX.volume(eps), 50e3, 0.2)
+    straight, _ = round_trip(SIX, lambda _, eps: SIX.volume(eps), 50e3, 0.2)
     assert_allclose(straight, 0.388, atol=0.0005)  # energy from nothing, backwards
 
 
@@ -54,16 +55,20 @@ def test_it_is_the_slope_of_the_work(buckling, tension):
     def work(P):
         at = muscle.at(P)
         kinks = np.stack([at.free_strain, at.onset, at.collapse_strain])
-        stops = np.sort(np.vstack([0 * eps, eps, np.clip(kinks, *np.sort([0 * eps, eps], axis=0))]), axis=0)
+        stops = np.sort(
+            np.vstack([0 * eps, eps, np.clip(kinks, *np.sort([0 * eps, eps], axis=0))]), axis=0
+        )
         total = 0.0
-        for a, b in zip(stops[:-1], stops[1:], strict=True):
+        for a, b in pairwise(stops):
             x = (a + b) / 2 + (b - a) / 2 * NODES[:, None]
             total = total + np.sum(WEIGHTS[:, None] * muscle.force(P, x), axis=0) * (b - a) / 2
         return muscle.length * total * np.sign(eps)
 
     h = 2.0  # Pa: a difference's own error is some (h/P)² or, by rounding, 1e-16 J/h
     swept = (work(P + h) - work(P - h)) / (2 * h)
-    assert_allclose(muscle.conjugate_volume(P, eps) - muscle.volume(0.0), swept, rtol=1e-5, atol=2e-12)
+    assert_allclose(
+        muscle.conjugate_volume(P, eps) - muscle.volume(0.0), swept, rtol=1e-5, atol=2e-12
+    )
 
 
 def test_it_holds_the_share_of_a_jump():
@@ -103,7 +108,7 @@ def test_jax_agrees_and_slopes_are_finite():
     assert_allclose(by_strain, SIX.length * force, rtol=1e-9, atol=1e-15)
 
 
-@pytest.mark.parametrize("pressure, strain", [(-1.0, 0.1), (1e5, 0.7), (1e5, -0.2)])
+@pytest.mark.parametrize(("pressure", "strain"), [(-1.0, 0.1), (1e5, 0.7), (1e5, -0.2)])
 def test_off_the_domain_it_is_refused(pressure, strain):
     with pytest.raises(ValueError, match="must lie in"):
         SIX.conjugate_volume(pressure, strain)

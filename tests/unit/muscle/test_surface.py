@@ -1,5 +1,7 @@
 """A muscle as a table of its co-energy: one potential, its error, its ends."""
 
+import re
+
 import jax
 import numpy as np
 import pytest
@@ -58,7 +60,9 @@ def test_its_volume_is_the_conjugate_one(table, points):
 
 
 def test_a_finer_one_is_better():
-    errors = [fs.UnitSurface.tabulate(SIX, TOP, shape=shape).errors for shape in ((41, 51), (81, 101))]
+    errors = [
+        fs.UnitSurface.tabulate(SIX, TOP, shape=shape).errors for shape in ((41, 51), (81, 101))
+    ]
     assert all(fine < coarse for coarse, fine in zip(*errors, strict=True))
 
 
@@ -93,16 +97,15 @@ def test_jax_agrees_and_is_differentiated(table, points):
 
 
 @pytest.mark.parametrize(
-    "call, rule",
+    ("call", "rule"),
     [
         (lambda t: t.force(1e5, 0.5), "`strain` must lie in [-0.14"),
         (lambda t: t.force(5e5, 0.1), "`pressure` must lie in [-101325, 4137"),
-        (lambda t: fs.UnitSurface.tabulate(SIX, -1.0), "`highest_pressure` must lie in (0, 1e6]"),
-        (lambda t: fs.UnitSurface.tabulate(SIX, TOP, (0.1, 0.3)), "`strains` must enclose 0"),
-        (lambda t: fs.UnitSurface.tabulate(SIX, TOP, shape=(2, 9)), "`shape` must be two whole"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, -1.0), "`highest_pressure` must lie in (0, 1e6]"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, TOP, (0.1, 0.3)), "`strains` must enclose 0"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, TOP, shape=(2, 9)), "`shape` must be two whole"),
     ],
 )
 def test_what_it_can_t_say_is_refused(table, call, rule):
-    with pytest.raises(ValueError) as refusal:
+    with pytest.raises(fs.Refused, match=re.escape(rule)):
         call(table)
-    assert rule in str(refusal.value)
