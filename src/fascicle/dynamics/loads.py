@@ -15,7 +15,7 @@ and likewise at the low end, so that no event has to be found.
 """
 
 import abc
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
@@ -34,28 +34,28 @@ _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 
 
-def _above(name: str, unit: str) -> "eqx.field":
+def _above(name: str, unit: str) -> Any:
     def checked(value: Values) -> Batch:
         return positive(value, name, unit)
 
     return eqx.field(converter=checked)
 
 
-def _from_zero(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+def _from_zero(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, 0.0, np.inf, name, unit, closed=(True, False))
 
     return eqx.field(converter=checked, default=default)
 
 
-def _any(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+def _any(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return finite(value, name, unit)
 
     return eqx.field(converter=checked, default=default)
 
 
-def _end(name: str, default: float) -> "eqx.field":
+def _end(name: str, default: float) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
-from ..core.types import Numbers, Values
+from ..core.types import Batch, Numbers, Values
 from ..fluid import checked_commands
 from .muscles import volumes
 from .plant import Plant
@@ -75,7 +75,7 @@ def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command
 
 
 def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
-    def left(q: np.ndarray) -> np.ndarray:
+    def left(q: Batch) -> Batch:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
             pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)
