@@ -61,6 +61,17 @@ _STIFFNESS = {f"{f}/{d}": _FORCE[f] / _LENGTH[d] for f in _FORCE for d in _LENGT
 _VOLUME = {f"{d}^3": factor**3 for d, factor in _LENGTH.items()}
 _MASS = {"kg": Fraction(1), "g": Fraction("1e-3"), "lb": Fraction("0.45359237")}
 _DENSITY = {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000)}
+_TIME = {"s": Fraction(1), "ms": Fraction("1e-3"), "min": Fraction(60)}
+_AREA = {f"{d}^2": factor**2 for d, factor in _LENGTH.items()}
+_LITERS = {"m^3": 1, "dm^3": Fraction("1e-3"), "L": Fraction("1e-3"), "mL": Fraction("1e-6"),
+           "cm^3": Fraction("1e-6"), "mm^3": Fraction("1e-9")}  # fmt: skip
+_GIVING = {f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE}
+_SONIC = {f"{v}/({t}*{p})": factor / _TIME[t] / _PRESSURE[p]
+          for v, factor in _LITERS.items() for t in _TIME for p in _PRESSURE}  # fmt: skip
+_SLIDING = {f"{f}/{p}": _FORCE[f] / _PRESSURE[p] for f in _FORCE for p in _PRESSURE}
+_INERTIA = {f"{m}*{d}^2": _MASS[m] * _LENGTH[d] ** 2 for m in _MASS for d in ("m", "cm", "mm")}
+_KELVIN = {"K": Fraction(1), "degC": Fraction(1)}  # the latter counted from another zero
+_CELSIUS = Fraction("273.15")
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "length": Dimension("a length", "m", "mm", ("mm", "m"), _LENGTH, ("m", "µm")),
@@ -74,7 +85,7 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "moment": Dimension("a moment", "N*m", "N*m", ("N*m",), _table(**_MOMENT), ("N*mm",)),
     "energy": Dimension("an energy", "J", "J", ("J",), _table(J=1, mJ="1e-3", kJ=1000),
                         ("kJ", "mJ")),
-    "time": Dimension("a time", "s", "s", ("s",), _table(s=1, ms="1e-3", min=60), ("ms",)),
+    "time": Dimension("a time", "s", "s", ("s",), _table(**_TIME), ("ms",)),
     "stiffness": Dimension("a stiffness", "N/m", "N/mm", ("N/mm", "N/m"), _table(**_STIFFNESS),
                            ("kN/mm", "N/m")),
     "volume": Dimension("a volume", "m^3", "mm^3", ("m^3",),
@@ -84,6 +95,33 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
                                 _table(**{f"{m}/m": factor for m, factor in _MASS.items()}),
                                 ("kg/m",)),
     "density": Dimension("a density", "kg/m^3", "kg/m^3", ("kg/m^3",), _table(**_DENSITY)),
+    "area": Dimension("an area", "m^2", "mm^2", ("mm^2", "m^2"), _table(**_AREA), ("cm^2",)),
+    "temperature": Dimension("a temperature", "K", "K", ("K",), _table(**_KELVIN)),
+    "frequency": Dimension("a frequency", "Hz", "Hz", ("Hz",),
+                           _table(**{"Hz": 1, "kHz": 1000, "1/s": 1, "1/min": Fraction(1, 60),
+                                 "rpm": Fraction(1, 60)})),
+    "acceleration": Dimension("an acceleration", "m/s^2", "m/s^2", ("m/s^2",),
+                              _table(**{"m/s^2": 1})),
+    "velocity": Dimension("a velocity", "m/s", "mm/s", ("mm/s", "m/s"),
+                          _table(**{f"{d}/s": factor for d, factor in _LENGTH.items()})),
+    "damping": Dimension("a damping", "N*s/m", "N*s/m", ("N*s/m",),
+                         _table(**{"N*s/m": 1, "N*s/mm": 1000, "kg/s": 1})),
+    "angular_damping": Dimension("a damping of a turn", "N*m*s/rad", "N*m*s/rad", ("N*m*s/rad",),
+                                 _table(**{"N*m*s/rad": 1, "N*m*s": 1, "N*mm*s/rad": "1e-3"})),
+    "angular_stiffness": Dimension("a stiffness of a turn", "N*m/rad", "N*m/rad", ("N*m/rad",),
+                                   _table(**{"N*m/rad": 1, "N*m": 1, "N*mm/rad": "1e-3"})),
+    "inertia_moment": Dimension("a moment of inertia", "kg*m^2", "kg*m^2", ("kg*m^2",),
+                                _table(**_INERTIA), ("kg*cm^2",)),
+    "slip": Dimension("a force per pressure", "N/Pa", "N/kPa", ("N/kPa", "N/Pa"),
+                      _table(**_SLIDING)),
+    "wall_conductance": Dimension("a conductance of heat", "W/K", "W/K", ("W/K",),
+                                  _table(**{"W/K": 1, "mW/K": "1e-3"}), ("mW/K",)),
+    "sonic_conductance": Dimension("a sonic conductance", "m^3/(s*Pa)", "L/(s*bar)",
+                                   ("L/(s*bar)", "m^3/(s*Pa)"), _table(**_SONIC)),
+    "compliance": Dimension("a volume per pressure", "m^3/Pa", "mm^3/kPa",
+                            ("mm^3/kPa", "m^3/Pa"), _table(**_GIVING)),
+    "viscosity": Dimension("a viscosity", "Pa*s", "mPa*s", ("mPa*s", "Pa*s"),
+                           _table(**{"Pa*s": 1, "mPa*s": "1e-3", "cP": "1e-3"})),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
     "number": Dimension("a number", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
 })  # fmt: skip
@@ -91,8 +129,14 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
 _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure": "34.5 kPa",
              "inverse_pressure": "0.92 1/bar", "moment": "0.03 N*m", "energy": "1.5 J",
              "time": "0.2 s", "stiffness": "5 N/mm", "volume": "12 cm^3", "mass": "58 g",
-             "linear_density": "94 g/m", "density": "1100 kg/m^3", "strain": "0.12",
-             "number": "1.25"}  # fmt: skip
+             "linear_density": "94 g/m", "density": "1100 kg/m^3", "area": "1 mm^2",
+             "temperature": "293 K", "frequency": "0.5 Hz", "acceleration": "9.81 m/s^2",
+             "velocity": "1 mm/s",
+             "damping": "50 N*s/m", "angular_damping": "0.1 N*m*s/rad",
+             "angular_stiffness": "20 N*m/rad", "inertia_moment": "0.01 kg*m^2",
+             "slip": "0.02 N/kPa", "wall_conductance": "0.2 W/K",
+             "sonic_conductance": "0.1 L/(s*bar)", "compliance": "1e-12 m^3/Pa",
+             "viscosity": "39 mPa*s", "strain": "0.12", "number": "1.25"}  # fmt: skip
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)(?![a-z]))\s*(.*?)\s*",
@@ -118,6 +162,12 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
     **Raises:** `ValueError` for anything else, in one line.
     """
     return float(_exact(text, dimension, name or dimension))
+
+
+def sample(dimension: str) -> str:
+    """A quantity of a `dimension` [-] as a file has it, to be shown in an error [-]."""
+    text = _EXAMPLES[dimension]
+    return text if DIMENSIONS[dimension].unitless else f'"{text}"'
 
 
 def parse_list(text: str, dimension: str, name: str | None = None) -> list[float]:
@@ -235,6 +285,8 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
         raise refused(_quote(text), factor.removesuffix("."))
     # zero keeps its sign; and its exponent, which may be any, would make a huge fraction
     value = Fraction(number) * factor if float(number) else float(number)
+    if dimension == "temperature" and unit.strip("° ") in ("C", "degC"):
+        value = Fraction(number) + _CELSIUS
     if dimension == "angle" and factor == _DEGREE:
         value = math.radians(float(number))  # as everybody's code writes it, to the last bit
     try:
@@ -260,8 +312,11 @@ def _factor(unit: str, dimension: str) -> Fraction | str:
     from pint import PintError  # half a second, and rarely needed
 
     try:
-        quantity = _registry().Quantity(1.0, _registry().parse_units(tidy.replace("^", "**")))
-        return Fraction(quantity.to(kind.si.replace("^", "**") or "dimensionless").magnitude)
+        known, si = _registry().parse_units(tidy.replace("^", "**")), kind.si.replace("^", "**")
+        if _registry().Quantity(0.0, known).to(si or "dimensionless").magnitude:
+            return unknown  # counted from a zero of its own, such as degrees Fahrenheit
+        quantity = _registry().Quantity(1.0, known)
+        return Fraction(quantity.to(si or "dimensionless").magnitude)
     except PintError as error:
         if type(error).__name__ == "DimensionalityError":
             return f"{_quote(unit)} is no unit of {kind.article.split(' ', 1)[1]}."

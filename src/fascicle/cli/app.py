@@ -29,6 +29,7 @@ from .commands.muscles import run as muscles
 from .commands.record import run as record
 from .commands.recruit import run as recruit
 from .commands.reproduce import run as reproduce
+from .commands.simulate import run as simulate
 from .commands.space import run as space
 from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
@@ -52,6 +53,7 @@ app.command("bundle")(bundle)
 app.command("space")(space)
 app.command("recruit")(recruit)
 app.command("efficiency")(efficiency)
+app.command("simulate")(simulate)
 app.command("record")(record)
 app.command("calibrate")(calibrate)
 app.command("explore")(explore)

@@ -2,6 +2,7 @@
 
 import difflib
 import itertools
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,23 +27,34 @@ def read_target(target: str) -> Any:
     """
     from ..files import examples
 
-    try:
-        found = Path(target).exists()
-    except (OSError, ValueError):  # too long for a name, or a NUL in it
-        found = False
+    found = _found(target)
     if not found and target not in examples():
-        near = difflib.get_close_matches(target, examples(), n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]}?" if near else "see `fascicle muscles`."
-        looks_like_path = "/" in target or "\\" in target or target.endswith(".toml")
-        what = "no such file" if looks_like_path else "no such file or named example"
-        shown = target if target.isprintable() else repr(target)
-        shown = shown if len(shown) < 200 else f"{shown[:100]}…"
-        raise UserError(f"{shown}: {what}" + (f", {hint}" if near or not looks_like_path else "."))
+        raise _unknown(target, examples(), "example", "see `fascicle muscles`.")
     prepare()
-    from ..files import example, load
+    from ..files import example
+    from ..files.reading import load
 
     with refusing():
         return load(target) if found else example(target)
+
+
+def read_scenario(target: str) -> Any:
+    """The scenario in a file, or that has a name.
+
+    **Arguments:** `target`: a path, or a name [-]; a file of that name comes first.
+
+    **Returns:** a `Scenario` [-].
+    """
+    from ..files import scenarios
+
+    found = _found(target)
+    if not found and target not in scenarios():
+        raise _unknown(target, scenarios(), "scenario", f"choose one of {', '.join(scenarios())}.")
+    prepare()
+    from ..files import example, load_scenario
+
+    with refusing():
+        return load_scenario(target) if found else example(target)
 
 
 def read_muscle(target: str, command: str) -> "Muscle":
@@ -151,3 +163,22 @@ def check_grid(*sizes: int) -> None:
         raise UserError(
             f"{' x '.join(map(str, sizes))} points are more than {MAX_GRID}: take fewer."
         )
+
+
+def _found(target: str) -> bool:
+    """Whether there is such a file."""
+    try:
+        return Path(target).exists()
+    except (OSError, ValueError):  # too long for a name, or a NUL in it
+        return False
+
+
+def _unknown(target: str, known: Iterable[str], kind: str, otherwise: str) -> UserError:
+    near = difflib.get_close_matches(target, list(known), n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]}?" if near else otherwise
+    looks_like_path = "/" in target or "\\" in target or target.endswith(".toml")
+    what = "no such file" if looks_like_path else f"no such file or named {kind}"
+    shown = target if target.isprintable() else repr(target)
+    shown = shown if len(shown) < 200 else f"{shown[:100]}…"
+    end = f", {hint}" if near or not looks_like_path else "."
+    return UserError(f"{shown}: {what}{end}")

@@ -67,6 +67,7 @@ class Outputs:
         *,
         json_variables: Mapping[str, "Variable"] | None = None,
         title: str,
+        notes: str = "",
     ) -> None:
         """Write the files, then print.
 
@@ -77,14 +78,16 @@ class Outputs:
         - `draw`: makes its figure [-].
         - `json_variables`: what JSON shows, if not just that [-].
         - `title`: what it is [-].
+        - `notes`: on what it isn't [-].
         """
+        about = {"notes": notes} if notes else {}
         from ..files.ours import replacing
         from ..results import labelled as results
 
         with refusing():
             if self.out is not None:
                 with replacing(self.out, self.overwrite, self.flag):
-                    results.write(variables, self.out, title=title, source=SOURCE)
+                    results.write(variables, self.out, title=title, source=SOURCE, **about)
             if self.plot is not None and draw is not None:
                 picture = draw()
                 with replacing(self.plot, self.overwrite, self.flag):

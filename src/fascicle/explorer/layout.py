@@ -105,7 +105,8 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
 
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
-    from ..files import example, examples, load
+    from ..files import example, examples
+    from ..files.reading import load
     from .state import view_of
 
     name = target if isinstance(target, str) else "muscle"

@@ -33,6 +33,13 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "prices": {},
     "objectives": {"objectives": ()},
     "limits": {"objectives": ()},
+    # a plant's parts are tables of the file, what `rest` is asked for stands in its [run]
+    "scenario": {
+        **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
+        "units": ("spool",),
+    },
+    "part": {"gas": ("medium",), "liquid": ("medium",)},
+    "schedule": {},
 }
 
 

@@ -96,7 +96,18 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
     **Raises:** `ValueError` as `load`.
     """
-    data = _filed(parsed(text, source))
+    return described(parsed(text, source), source)
+
+
+def described(data: dict[str, Any], source: str) -> Muscle | Bundle:
+    """The muscle or bundle in a file's tables; `data`: they [-], `source`: of what file [-].
+    `ValueError` as `load`.
+    """
+    for key in ("load", "supply", "run", "schedule"):
+        if key in data:
+            rule = "a scenario, not a muscle or bundle: `fascicle simulate` runs it."
+            raise ValueError(line(source, [key], rule))
+    data = _filed(data)
     try:
         file = FileSection.model_validate(data)
     except ValidationError as error:

@@ -1,0 +1,147 @@
+"""A run in time: where the load was, pressures, forces, and which units were fed."""
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from .style import BLACK, CYCLE, DOUBLE, GRAY, ORANGE, SKY, letter, new_figure, styled
+
+
+if TYPE_CHECKING:
+    from ..dynamics import Plant, Trajectory
+
+MOST = 3000  # moments that are drawn, of which every second one is a least or a largest
+_OPEN = 1e-3  # of a valve, from which on it counts as open
+_SHUT = "#e4e4e4"
+
+
+@styled
+def traces(plant: "Plant", run: "Trajectory") -> Figure:
+    """Position, pressures and forces over time, and valves below them.
+
+    **Arguments:**
+
+    - `plant`: that ran [-].
+    - `run`: one run, not a batch of them [SI].
+
+    **Returns:** the figure [-].
+    """
+    heights = [1.0, 1.0, 1.0, 0.12 + 0.13 * plant.units]
+    figure, axes = new_figure(
+        4, 1, DOUBLE, 0.19 * DOUBLE * sum(heights) + 0.5, sharex=True, height_ratios=heights
+    )
+    position, pressure, force, valves = axes[:, 0]
+    _position(position, plant, run)
+    _by_unit(pressure, run, np.asarray(run.seen.pressures) / 1e3)
+    _line(pressure, run, np.asarray(run.seen.supply_pressure) / 1e3, BLACK, "supply", (0, (4, 2)))
+    pressure.set_ylabel("Pressure P [kPa]")
+    _by_unit(force, run, np.asarray(run.seen.forces))
+    force.set_ylabel("Force F [N]")
+    _valves(valves, run)
+    for ax, mark, title in zip(
+        axes[:, 0], "abcd",
+        ("position of the load", "gauge pressure of each unit, and of the supply",
+         "pull of each unit's muscles together", "valve of each unit"),
+        strict=True,
+    ):  # fmt: skip
+        letter(ax, mark, title)
+    for ax in (pressure, force):
+        ax.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
+    valves.set_xlabel("Time t [s]")
+    valves.set_xlim(float(run.time[0]), float(run.time[-1]))
+    lines = [
+        Line2D([], [], color=CYCLE[i % len(CYCLE)], label=_named(plant, i))
+        for i in range(plant.units)
+    ]
+    supply = Line2D([], [], color=BLACK, linestyle=(0, (4, 2)), label="supply")
+    patches = [
+        Patch(color=SKY, label="open to the supply"),
+        Patch(color=ORANGE, label="open to the room"),
+        Patch(color=_SHUT, label="shut"),
+    ]
+    figure.legend(handles=[*lines, supply, *patches], loc="outside lower center", ncols=4)
+    return figure
+
+
+def drawn(values: np.ndarray) -> np.ndarray:
+    """Moments of a row of `values` [any unit] that are drawn [-]: all, or of many equal parts the
+    least and the largest of each, so that no peak is lost, the first and the last.
+    """
+    count = len(values)
+    if count <= MOST:
+        return np.arange(count)
+    edges = np.linspace(0, count, MOST // 2 + 1).astype(int)
+    ends = [
+        a + place(values[a:b])
+        for a, b in itertools.pairwise(edges)
+        for place in (np.argmin, np.argmax)
+    ]
+    return np.unique([0, *ends, count - 1])
+
+
+def _named(plant: "Plant", unit: int) -> str:
+    name = f"unit {unit + 1}"
+    if len(plant.bundles) > 1:
+        name += f" (bundle {plant.sides[unit] + 1})"
+    return f"{name}: {int(plant.counts[unit])} muscle{'s' if plant.counts[unit] > 1 else ''}"
+
+
+def _line(
+    ax: Axes, run: "Trajectory", values: np.ndarray, color: str, label: str, style: Any = "-"
+) -> None:
+    kept = drawn(values)
+    ax.plot(np.asarray(run.time)[kept], values[kept], color=color, linestyle=style, label=label)
+
+
+def _by_unit(ax: Axes, run: "Trajectory", values: np.ndarray) -> None:
+    for unit in range(values.shape[1]):
+        _line(ax, run, values[:, unit], CYCLE[unit % len(CYCLE)], f"unit {unit + 1}")
+
+
+def _position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
+    turns = plant.load.unit == "rad"
+    factor, unit = (180 / np.pi, "°") if turns else (1e3, "mm")
+    q = factor * np.asarray(run.seen.position)
+    _line(ax, run, q, BLACK, "position")
+    ax.axhline(q[0], color=GRAY, linewidth=0.8, linestyle=(0, (1, 1.5)))
+    ax.annotate(
+        "start", (1, q[0]), xycoords=("axes fraction", "data"), xytext=(3, 0),
+        textcoords="offset points", va="center", color=GRAY,
+    )  # fmt: skip
+    ax.set_ylabel(f"{'Angle' if turns else 'Position'} q [{unit}]")
+    stop = plant.load.stop
+    if stop is None:
+        return
+    low, high = ax.get_ylim()
+    band = {"facecolor": "none", "edgecolor": GRAY, "hatch": "////", "linewidth": 0}
+    # only stops that it came near, so that the motion isn't squeezed into a line
+    near = 0.5 * (high - low)
+    if factor * float(stop.high) < high + near:
+        ax.axhspan(factor * float(stop.high), high + near, **band)
+        high = max(high, factor * float(stop.high) + 0.1 * near)
+    if factor * float(stop.low) > low - near:
+        ax.axhspan(low - near, factor * float(stop.low), **band)
+        low = min(low, factor * float(stop.low) - 0.1 * near)
+    ax.set_ylim(low, high)
+
+
+def _valves(ax: Axes, run: "Trajectory") -> None:
+    time = np.asarray(run.time)
+    to_supply = np.asarray(run.seen.supply) > _OPEN
+    to_room = np.asarray(run.seen.exhaust) > _OPEN
+    units = to_supply.shape[1]
+    for unit in range(units):
+        what = np.where(to_supply[:, unit], 1, np.where(to_room[:, unit], 2, 0))
+        changes = np.concatenate([[0], np.flatnonzero(np.diff(what)) + 1, [len(what) - 1]])
+        for begin, end in itertools.pairwise(changes):
+            span = (float(time[begin]), float(time[end] - time[begin]))
+            color = (_SHUT, SKY, ORANGE)[what[begin]]
+            ax.broken_barh([span], (unit + 0.6, 0.8), facecolors=color, linewidth=0)
+    ax.set_yticks(range(1, units + 1), [f"unit {unit + 1}" for unit in range(units)])
+    ax.set_ylim(units + 0.6, 0.4)
+    ax.grid(visible=False)

@@ -1,0 +1,143 @@
+"""A run in time as labelled values: what a plant showed, where the energy went, what happened."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .labelled import Table, Variable
+
+
+if TYPE_CHECKING:
+    from ..dynamics import Audit, Plant, Trajectory
+
+_LAST = {
+    "supplied": "from the supply", "valve": "lost in valves", "exhaust": "lost in warm exhaust",
+    "mixing": "lost in mixing", "wall": "lost through walls", "fluid_work": "on the muscles",
+    "mismatch": "made by the volume", "mass": "into the chambers",
+    "enthalpy": "into the chambers", "heat": "out through walls",
+    "displaced": "absolute, on the muscles", "pull": "on the load",
+    "damper": "lost in the damper", "stop": "lost in the stop", "friction": "lost in friction",
+    "motor": "of a given motion",
+}  # fmt: skip
+_STORED = {"fluid": "exergy of a gas, energy of a liquid", "muscles": "in the muscles",
+           "motion": "kinetic", "load": "potential", "stop": "in the stop's springs",
+           "friction": "in friction's springs"}  # fmt: skip
+
+
+def simulated(plant: "Plant", run: "Trajectory", found: "Audit | None" = None) -> Table:
+    """A run, a moment a row, and its balances.
+
+    **Arguments:**
+
+    - `plant`: that ran [-].
+    - `run`: one run, not a batch of them [SI].
+    - `found`: its `audit` [-]; left out, the table has no balances, but still says what happened.
+
+    **Returns:** a table [-]: with `time` everything that changes, with `balance` what is left over
+    of each, with `event` what happened.
+    """
+    from ..dynamics import events
+
+    seen, unit = run.seen, plant.load.unit
+    n = plant.units
+
+    def now(values: Any, unit: str, about: str) -> Variable:
+        return Variable(("time",), np.asarray(values), unit, about)
+
+    def each(values: Any, unit: str, about: str) -> Variable:
+        shape = (len(run.time), n)
+        return Variable(
+            ("time", "motor_unit"), np.broadcast_to(np.asarray(values), shape), unit, about
+        )
+
+    side = np.asarray(plant.sides) + 1
+    counted = np.arange(1, n + 1)
+    command = np.arange(1, run.commands.shape[-1] + 1)
+    return Table(
+        {
+            "time": now(run.time, "s", "from the start"),
+            "position": now(seen.position, unit, "of the load, rising as the bundle contracts"),
+            "velocity": now(seen.velocity, f"{unit}/s", "of the load"),
+            "motor_unit": Variable(("motor_unit",), counted, "-", "in the order of recruitment"),
+            "bundle": Variable(("motor_unit",), side, "-", "to which the unit belongs"),
+            "muscles": Variable(("motor_unit",), plant.counts, "-", "in the unit"),
+            "pressure": each(seen.pressures, "Pa", "gauge, in each unit's chamber"),
+            "temperature": each(seen.temperatures, "K", "in each unit's chamber"),
+            "strain": each(seen.strains, "-", "contraction over length at rest"),
+            "force": each(seen.forces, "N", "pulling force of the unit's muscles together"),
+            "volume": each(
+                seen.volumes, "m³", "of fluid in the unit's muscles, without dead volume"
+            ),
+            "fluid_mass": each(seen.masses, "kg", "in each unit's chamber"),
+            "supply_opening": each(seen.supply, "-", "share of the valve open to the supply"),
+            "exhaust_opening": each(seen.exhaust, "-", "share of the valve open to the room"),
+            "drawn": each(seen.drawn, "kg/s", "flow from the supply into the chamber"),
+            "vented": each(seen.vented, "kg/s", "flow from the chamber to the room"),
+            "supply_pressure": now(seen.supply_pressure, "Pa", "gauge"),
+            "valve": Variable(("valve",), command, "-", "that has a command"),
+            "command": Variable(
+                ("time", "valve"), np.asarray(run.commands), "-", "held from then on"
+            ),
+            "status": now(seen.status, "-", _bits()),
+            **_energies(run),
+            **_balances(found),
+            **_events(events(run)),
+        }
+    )
+
+
+def _bits() -> str:
+    from ..dynamics.motion import STATUS
+
+    listed = ", ".join(f"{1 << place} {name}" for place, name in enumerate(STATUS))
+    return f"sum of what holds: {listed}"
+
+
+def _energies(run: "Trajectory") -> dict[str, Variable]:
+    from ..dynamics.motion import STORES
+    from ..dynamics.state import ACCOUNT
+
+    account = {
+        f"account_{name}": Variable(
+            ("time",), np.asarray(run.account)[:, place], "kg" if name == "mass" else "J",
+            f"up to then: {_LAST[name]}",
+        )
+        for place, name in enumerate(ACCOUNT)
+    }  # fmt: skip
+    store = np.asarray(run.seen.store)
+    return account | {
+        f"stored_{name}": Variable(("time",), store[:, place], "J", f"stored: {_STORED[name]}")
+        for place, name in enumerate(STORES)
+    }
+
+
+def _balances(found: "Audit | None") -> dict[str, Variable]:
+    if found is None:
+        return {}
+    every = found.balances
+
+    def each(values: Any, unit: str, about: str) -> Variable:
+        return Variable(("balance",), np.array(values), unit, about)
+
+    return {
+        "balance": each([one.name for one in every], "-", "what is balanced"),
+        "left_over": each([one.left for one in every], "J", "in kg of the fluid's mass"),
+        "left_over_share": each([one.share for one in every], "-", "of the largest term"),
+        "closes_within": each([one.closes_within for one in every], "-", "share that is let pass"),
+        "closes": each([one.closes for one in every], "-", "whether it does"),
+    }
+
+
+def _events(happened: Any) -> dict[str, Variable]:
+    def each(values: Any, unit: str, about: str, kind: Any = None) -> Variable:
+        return Variable(("event",), np.array(values, kind), unit, about)
+
+    return {
+        "event": each([one.name for one in happened], "-", "what happened", str),
+        "event_first": each([one.first for one in happened], "s", "when first", float),
+        "event_last": each([one.last for one in happened], "s", "when last", float),
+        "event_trusted": each(
+            [one.trusted for one in happened], "-", "whether the run can be trusted all the same",
+            bool,
+        ),
+    }  # fmt: skip
