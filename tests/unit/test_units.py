@@ -34,7 +34,7 @@ def test_the_table_agrees_with_pint(kind, unit):
         ("20 °C", "temperature", 293.15),
         ("-20 degC", "temperature", 253.15),
         ("0.1 L/(s·bar)", "sonic_conductance", 1e-9),
-        ("6 L/min/bar", "sonic_conductance", pytest.approx(1e-9, rel=1e-14)),
+        ("6 L/(min*bar)", "sonic_conductance", 1e-9),
         ("1e-12 m³/Pa", "compliance", 1e-12),
         ("50 N s/m", "damping", 50.0),
         ("6.35 mm", "length", 6.35e-3),

@@ -38,6 +38,7 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
         **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
         "units": ("spool",),
     },
+    "moved": {"position": ("load",), "pressures": ("run", "pressures")},
     "part": {"gas": ("medium",), "liquid": ("medium",)},
     "schedule": {},
 }

@@ -12,6 +12,8 @@ from pydantic import BaseModel, ValidationError
 from ..bundle import Bundle, MotorUnit
 from ..core.checks import one_of
 from ..dynamics import (
+    AntagonisticJoint,
+    MaxwellSlip,
     Plant,
     Schedule,
     State,
@@ -39,7 +41,7 @@ from ..fluid import (
 )
 from ..muscle import Muscle
 from .places import Place
-from .problems import from_validation
+from .problems import from_validation, nearest
 from .reading import described, load, loads, parsed, text_of
 from .scenario_schema import PARTS, chosen
 from .shipped import names as shipped
@@ -129,20 +131,32 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
     bundles = _bundles(data, source, place, folder)
     given = {key: _given(getattr(file, key)) for key in classes}
     units = sum(len(bundle.motor_units) for bundle in bundles)
+    sides = 2 if classes["load"] is AntagonisticJoint else 1
+    if len(bundles) != sides:
+        rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
+        raise place.refuse(("bundle",), f"{rule}, got {len(bundles)}.")
     for key, part in PARTS.items():
-        if key in given and part.many and key != "hysteresis":
-            _one_for_each(given[key], units, place.inner(key, kind="part"))
+        if key in given and part.many:
+            springs = classes[key] is MaxwellSlip
+            many = np.size(given[key].get("stiffness", 0)) if springs else units
+            what = "springs" if springs else "motor units"
+            _one_for_each(given[key], many, what, place.inner(key, kind="part"))
     room = _Room.of(given["fluid"], classes["fluid"], place.inner("fluid", kind="part"))
     parts = _parts(given, classes, room, units, place)
     run = file.run
     options = {key: x for key in ("law", "volume") if (x := getattr(run, key)) is not None}
     with place.naming():
         plant = Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
+    if not np.subtract(*plant.way) < 0:
+        rule = "leaves no way on which all muscles' strains are known: check its sizes."
+        raise place.refuse(("load",), rule)
     dt, duration = _times(run, place.inner("run", kind="part"))
     schedule, notes = _schedule(file.schedule, plant, dt, duration, place)
     if plant.load.moved and run.position is not None:
         raise place.refuse(("run", "position"), "the load's motion is given: drop this key.")
-    with place.naming():
+    # where a motion is given, it is that which leads too far
+    begins = Place(source, data, (), "moved") if plant.load.moved else place
+    with begins.naming():
         start = rest(plant, 0.0 if run.pressures is None else run.pressures, run.position)
     about = file.source or ""
     return Scenario(file.name or name, plant, schedule, start, dt, duration, about, notes)
@@ -180,10 +194,10 @@ def _given(section: BaseModel) -> dict[str, Any]:
     }
 
 
-def _one_for_each(given: Mapping[str, Any], units: int, place: Place) -> None:
+def _one_for_each(given: Mapping[str, Any], many: int, what: str, place: Place) -> None:
     for key, value in given.items():
-        if isinstance(value, np.ndarray) and len(value) != units:
-            rule = f"must be one value, or one for each of the {units} motor units"
+        if isinstance(value, np.ndarray) and len(value) != many:
+            rule = f"must be one value, or a list of one for each of the {what}, {many}"
             raise place.refuse((key,), f"{rule}, got {len(value)}.")
 
 
@@ -201,14 +215,11 @@ def _bundles(data: dict[str, Any], source: str, place: Place, folder: Path) -> l
     known, found = shipped(_EXAMPLES), []
     for name in names:
         path = folder / name
+        if name not in known and not path.exists():
+            rule = f"{name!r} is neither a file nor a named example{nearest(name, known)}"
+            raise place.refuse(("bundle",), rule)
         with place.inner("bundle", kind="part").naming():
-            if name in known:
-                made = loads(shipped_text(_EXAMPLES, name), name)
-            elif path.exists():
-                made = load(path)
-            else:
-                one_of(name, known, "")
-                raise AssertionError
+            made = loads(shipped_text(_EXAMPLES, name), name) if name in known else load(path)
         found.append(_as_bundle(made))
     return found
 
@@ -301,7 +312,7 @@ def _schedule(
         if np.size(row.command) not in (1, many) or (
             np.ndim(row.command) and np.size(row.command) != many
         ):
-            rule = f"must be one number, or one for each of the {many} commands"
+            rule = f"must be one number, or a list of one for each command, {many}"
             raise at.refuse(("command",), f"{rule}, got {np.size(row.command)}.")
         with at.naming():
             commands.append(np.broadcast_to(checked_commands(row.command), (many,)))

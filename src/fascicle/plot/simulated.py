@@ -38,7 +38,14 @@ def traces(plant: "Plant", run: "Trajectory") -> Figure:
     position, pressure, force, valves = axes[:, 0]
     _position(position, plant, run)
     _by_unit(pressure, run, np.asarray(run.seen.pressures) / 1e3)
-    _line(pressure, run, np.asarray(run.seen.supply_pressure) / 1e3, BLACK, "supply", (0, (4, 2)))
+    _line(
+        pressure,
+        run,
+        np.asarray(run.seen.supply_pressure) / 1e3,
+        BLACK,
+        "supply",
+        linestyle=(0, (4, 2)),
+    )
     pressure.set_ylabel("Pressure P [kPa]")
     _by_unit(force, run, np.asarray(run.seen.forces))
     force.set_ylabel("Force F [N]")
@@ -92,15 +99,19 @@ def _named(plant: "Plant", unit: int) -> str:
 
 
 def _line(
-    ax: Axes, run: "Trajectory", values: np.ndarray, color: str, label: str, style: Any = "-"
+    ax: Axes, run: "Trajectory", values: np.ndarray, color: str, label: str, **more: Any
 ) -> None:
     kept = drawn(values)
-    ax.plot(np.asarray(run.time)[kept], values[kept], color=color, linestyle=style, label=label)
+    ax.plot(np.asarray(run.time)[kept], values[kept], color=color, label=label, **more)
 
 
 def _by_unit(ax: Axes, run: "Trajectory", values: np.ndarray) -> None:
-    for unit in range(values.shape[1]):
-        _line(ax, run, values[:, unit], CYCLE[unit % len(CYCLE)], f"unit {unit + 1}")
+    units = values.shape[1]
+    for unit in range(units):
+        # the later the thinner, so that curves on top of one another can be told apart
+        width = 1.0 + 1.2 * (units - 1 - unit) / max(units - 1, 1)
+        color = CYCLE[unit % len(CYCLE)]
+        _line(ax, run, values[:, unit], color, f"unit {unit + 1}", linewidth=width)
 
 
 def _position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:

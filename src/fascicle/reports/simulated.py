@@ -73,7 +73,7 @@ def _verdict(doubts: Sequence[str], audited: "Audit | None") -> str:
     if doubts:
         return "This run can't be trusted."
     assert audited is not None
-    worst = max(audited.balances, key=lambda one: one.share / one.closes_within)
+    worst = max(audited.balances, key=lambda one: one.share)
     return (
         f"All {len(audited.balances)} balances close: at worst {worst.share:.0e} of the largest"
         f" term is left over, in the {worst.name}."
@@ -104,7 +104,8 @@ def _caption(scenario: "Scenario", run: "Trajectory") -> str:
             " the largest of each stretch among them."
         )
     stop = " Hatched: the stop's." if scenario.plant.load.stop is not None else ""
-    way = "forth" if scenario.plant.load.unit == "rad" else "as the bundle contracts"
+    turns = scenario.plant.load.unit == "rad"
+    way = "where the first bundle pulls" if turns else "as the bundle contracts"
     return f"The load's coordinate rises {way}.{stop}{thinned}"
 
 
@@ -160,4 +161,4 @@ def _row(one: "Balance") -> list[str]:
 
 
 def _terms(terms: dict[str, float], unit: str) -> str:
-    return "<br>".join(f"{escape(name)}: {x:.4g} {unit}" for name, x in terms.items())
+    return "<br>".join(f"{escape(name)}: {x + 0.0:.4g} {unit}" for name, x in terms.items())

@@ -1,4 +1,4 @@
-"""`fascicle init`: a commented muscle or task file to begin with."""
+"""`fascicle init`: a commented muscle, task or scenario file to begin with."""
 
 from typing import Annotated
 
@@ -56,7 +56,7 @@ def run(
         str | None,
         typer.Argument(
             metavar="FILE",
-            help="Where it goes; left out, muscle.toml or task.toml.",
+            help="Where it goes; left out, muscle.toml, task.toml or scenario.toml.",
             show_default=False,
         ),
     ] = None,
@@ -73,18 +73,28 @@ def run(
     task: Annotated[
         bool, typer.Option("--task", help="A task file for `fascicle design` instead.")
     ] = False,
+    scenario: Annotated[
+        bool,
+        typer.Option("--scenario", help="A scenario file for `fascicle simulate` instead."),
+    ] = False,
     overwrite: Replace = False,
 ) -> None:
-    """Write a commented muscle or task file, to be edited."""
+    """Write a commented muscle, task or scenario file, to be edited."""
     from ...core.atomic import check_writable, write_text
-    from ...files import example_text
+    from ...files import example_text, scenarios
     from ...files.ours import replacing
 
     if task and example is not None:
         raise UserError("--task and --from: muscles are begun from an example, take one.")
-    path = path or ("task.toml" if task else "muscle.toml")
+    if task and scenario:
+        raise UserError("--task and --scenario: one file is written, take one.")
+    path = path or ("task.toml" if task else "scenario.toml" if scenario else "muscle.toml")
     with refusing():
         check_writable(path)
+        if scenario:
+            if example is not None and example not in scenarios():
+                raise UserError(f"--from {example}: no scenario, take {', '.join(scenarios())}.")
+            example = example or "lift_gas"
         begun = TASK_TEMPLATE if task else _template()
         text = begun if example is None else example_text(example)
         with replacing(path, overwrite):
