@@ -25,7 +25,7 @@ from ..core.checks import concrete, finite, positive, within
 from ..core.limits import Range, plausible
 from ..core.modules import Module
 from ..core.refused import Refused
-from ..core.types import Batch, Values
+from ..core.types import Batch, BoolBatch, Values
 
 
 GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
@@ -97,7 +97,7 @@ class Stop(Module):
         over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
         return self.stiffness * (over**2 + under**2) / 2
 
-    def touched(self, position: Batch) -> Batch:
+    def touched(self, position: Batch) -> BoolBatch:
         """Whether it is reached [-] at `position` [SI]."""
         return (position > self.high) | (position < self.low)
 
