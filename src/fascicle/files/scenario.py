@@ -41,7 +41,7 @@ from ..fluid import (
 )
 from ..muscle import Muscle
 from .places import Place
-from .problems import from_validation, nearest
+from .faults import from_validation, nearest
 from .reading import described, load, loads, parsed, text_of
 from .scenario_schema import PARTS, chosen
 from .shipped import names as shipped

@@ -38,7 +38,7 @@ from ..fluid import (
 )
 from ..units import parse, sample
 from .places import Place
-from .problems import nearest
+from .faults import nearest
 from .schema import Section
 
 

@@ -11,7 +11,7 @@ from ..inputs import read_scenario
 from ..options import AsCsv, AsJson, Out, Plot, Replace
 from ..outputs import Outputs, say
 from ..problems import UserError, refusing
-from ..tables import decimals, number, show
+from ..printed import decimals, number, show
 from ..telling import telling
 
 
