@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["panel", "serve"]
 
 _HOMES = {
-    "panel": "page",
+    "panel": "layout",
     "serve": "server",
 }
 

@@ -37,8 +37,8 @@ from ..fluid import (
     Tank,
 )
 from ..units import parse, sample
-from .places import Place
 from .faults import nearest
+from .places import Place
 from .schema import Section
 
 
