@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 
 import fascicle as fs
+from fascicle.calibrate.after.pictures import fitted_of
 from fascicle.calibrate.fits.comparing import compare_tension, left_out_errors
 from fascicle.calibrate.fits.fitting import fit
 from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
-from fascicle.reports.fitted import fitted_of
 
 
 DATA = Path("martens-boblan-2017", "dmsp-20-300.csv")

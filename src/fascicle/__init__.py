@@ -16,6 +16,7 @@ TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than a
 if TYPE_CHECKING:
     from . import calibrate as calibrate
     from . import design as design
+    from . import dynamics as dynamics
     from . import energetics as energetics
     from . import fluid as fluid
     from . import records as records
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from .muscle import Muscle as Muscle
     from .muscle import Switch as Switch
     from .muscle import Tuning as Tuning
+    from .muscle import UnitSurface as UnitSurface
     from .muscle import buckling as buckling
     from .muscle import collapse as collapse
     from .muscle import materials as materials
@@ -54,10 +56,12 @@ _HOMES = {
     "Refused": "core.refused",
     "Switch": "muscle",
     "Tuning": "muscle",
+    "UnitSurface": "muscle",
     "buckling": "muscle",
     "calibrate": "",
     "collapse": "muscle",
     "design": "",
+    "dynamics": "",
     "energetics": "",
     "example": "files",
     "examples": "files",
@@ -83,10 +87,12 @@ __all__ = [
     "Refused",
     "Switch",
     "Tuning",
+    "UnitSurface",
     "buckling",
     "calibrate",
     "collapse",
     "design",
+    "dynamics",
     "energetics",
     "example",
     "examples",

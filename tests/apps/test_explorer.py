@@ -240,7 +240,7 @@ def test_downloads_parse(visit):
     for label, check in (
         ("Picture, SVG", lambda raw: ET.fromstring(raw).tag.endswith("svg")),  # noqa: S314 ours
         ("Picture, PNG", lambda raw: raw.startswith(b"\x89PNG")),
-        ("Data, CSV", lambda raw: np.genfromtxt(io.BytesIO(raw), delimiter=",").shape == (202, 5)),
+        ("Data, CSV", lambda raw: np.genfromtxt(io.BytesIO(raw), delimiter=",").shape == (202, 9)),
         ("Data, netCDF", lambda raw: raw[1:4] == b"HDF"),
         ("Python", lambda raw: compile(raw, "muscle.py", "exec")),
     ):

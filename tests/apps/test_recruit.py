@@ -1,6 +1,10 @@
 """`fascicle recruit`."""
 
 import json
+import os
+import pty
+import subprocess
+import sys
 
 import pytest
 from numpy.testing import assert_allclose
@@ -46,3 +50,34 @@ def test_bad_input_is_one_line(fascicle, options, message):
     code, out, err = fascicle("recruit", "kim2021_bundle_1_1", *options)
     assert (code, out) == (2, "")
     assert message in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["recruit", BUNDLE, "-f", "40N,60N", "-s", "0.1,0.12"], "the pressures of 4 demands"),
+        (["space", BUNDLE, "--strain", "0,0.1"], "what each state reaches"),
+    ],
+)
+def test_a_terminal_sees_what_is_done(options, told, tmp_path):
+    """On standard error alone: what is printed stays whole."""
+    command = [sys.executable, "-m", "fascicle", *options, "--scheme", "free", "--json"]
+    terminal, end = pty.openpty()
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=end, cwd=tmp_path)
+    os.close(end)
+    seen = b""
+    with process, os.fdopen(terminal, "rb", buffering=0) as screen:
+        try:
+            while some := screen.read(4096):
+                seen += some
+        except OSError:  # Linux says so where nobody writes anymore
+            pass
+        assert json.loads(process.stdout.read())["strain"]
+    assert process.returncode == 0 and told in seen.decode()
+
+
+def test_an_efficiency_that_has_no_answer_names_the_option_that_has(fascicle):
+    code, out, err = fascicle("efficiency", BUNDLE, "--scheme", "free")
+    assert (code, out) == (2, "") and "--path isotonic" in err and err.count("\n") == 1
+    code, out, err = fascicle("efficiency", BUNDLE, "--scheme", "free", "--path", "isotonic")
+    assert (code, err) == (0, "") and "isotonic" in out

@@ -4,9 +4,9 @@ import fascicle
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
     "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
-    "buckling", "calibrate", "collapse", "design", "energetics", "example", "examples", "fluid",
-    "load", "materials", "post_collapse", "records", "recruitment", "reversal", "save", "schemes",
-    "tables", "tension",
+    "UnitSurface", "buckling", "calibrate", "collapse", "design", "dynamics", "energetics",
+    "example", "examples", "fluid", "load", "materials", "post_collapse", "records",
+    "recruitment", "reversal", "save", "schemes", "tables", "tension",
 ]  # fmt: skip
 
 

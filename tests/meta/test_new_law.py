@@ -175,7 +175,7 @@ assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
 from dataclasses import replace
 from fascicle.explorer.tabs.law_inputs import LawInputs
 from fascicle.explorer.parts.look import LIGHT
-from fascicle.explorer.curves.laws import alternatives
+from fascicle.explorer.curves.other_laws import alternatives
 from fascicle.explorer.tabs.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
 assert "tension:toy2026" in alternatives(muscle.replace(tension="ideal"))

@@ -6,6 +6,8 @@ Plain quadrature and differences of the oracle's own force; it never imports the
     V*(P, e) = V(0) + dW/dP
 """
 
+from itertools import pairwise
+
 import numpy as np
 import oracle_force
 import oracle_muscle
@@ -32,7 +34,7 @@ def work(muscle, pressure, strain):
             lambda s: pull(a + (b - a) * s * s) * 2 * s * (b - a), 0, 1, epsabs=1e-14, epsrel=1e-12
         )[0]
 
-    return muscle.length * sum(stretch(a, b) for a, b in zip(stops, stops[1:], strict=False))
+    return muscle.length * sum(stretch(a, b) for a, b in pairwise(stops))
 
 
 def conjugate_volume(muscle, pressure, strain, step=400.0):
@@ -59,7 +61,11 @@ def cycle(volume, force, corners, points=400):
     x, w = np.polynomial.legendre.leggauss(points)
     P = (low + high) / 2 + (high - low) / 2 * x
     e = (begin + end) / 2 + (end - begin) / 2 * x
-    in_P = [np.sum(w * np.array([volume(p, at) for p in P])) * (high - low) / 2 for at in (begin, end)]
-    in_e = [np.sum(w * np.array([force(at, s) for s in e])) * (end - begin) / 2 for at in (low, high)]
+    in_P = [
+        np.sum(w * np.array([volume(p, at) for p in P])) * (high - low) / 2 for at in (begin, end)
+    ]
+    in_e = [
+        np.sum(w * np.array([force(at, s) for s in e])) * (end - begin) / 2 for at in (low, high)
+    ]
     # P dV round the loop is -V dP round it
     return in_P[1] - in_P[0], in_e[1] - in_e[0]

@@ -1,23 +1,16 @@
-r"""Recruitment: which motor units are active at which pressure, and what that reaches.
+r"""Recruitment: which motor units are active at which pressure.
 
 A scheme says which units are held at supply pressure in recruitment state $k$ and which
 are throttled: *orderly* recruitment holds $1 \dots k-1$ and throttles unit $k$, *batch*
 recruitment gives all of $1 \dots k$ one pressure, *free* recruitment has one state, in
-which each unit has a pressure of its own. As the throttled pressure goes from zero to the
-supply's, a state sweeps a region of the force-strain space. The force isn't
-monotone in that pressure where resistance counts, so a region's edges are the least and
-the largest force over all pressures, and regions of different states overlap: points that
-two states reach. `recruit` is the way back, from a force to the pressures that give it.
+which each unit has a pressure of its own. `space` is what that reaches, `recruit` the way back,
+from a force to the pressures that give it.
 
-**Resolution:** regions are taken over a fixed number of pressures; their edges are exact
-where the force is linear in pressure, that is, wherever the muscle pulls.
-**Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
+**Source:** Kim, Mazzoleni and Bryant (2021), section 4, Fig. 8.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
 from typing import Any
 
 import jax
@@ -26,82 +19,38 @@ import numpy as np
 from jaxtyping import Float
 
 from ..core.arrays import given, library
-from ..core.checks import as_given, concrete, finite, one_of, within
-from ..core.domain import HIGHEST_PRESSURE
+from ..core.checks import as_given, concrete, finite, one_of
 from ..core.evaluate import COMPILE_ABOVE, at_rest, evaluate, traced
-from ..core.limits import plausible
 from ..core.refused import Refused
 from ..core.types import Numbers, Values
 from .alike import unlike
 from .bundle import Bundle
+from .own import scheme_used, supply_of
 from .recruit.carried import carried
 from .recruit.curves import Bank, bank
 from .recruit.free import freed
 from .recruit.inverse import Recruited, Solutions, recruited
 from .schemes import AbstractScheme, scheme_of
-from .states import common, states_of
-from .tables import unit_tables
+from .space import Overlap, Space, overlap, space
+from .states import states_of
 from .volumes import unit_volume_change
 
 
+__all__ = [
+    "Overlap",
+    "Recruited",
+    "Solutions",
+    "Space",
+    "overlap",
+    "pressures_of",
+    "recruit",
+    "space",
+]
+
 PREFERENCES = ("efficiency", "nearest")
-_LEVELS = 241  # pressures over which a region's edges are taken
 _PART, _LARGE_PART = 2**12, 2**14  # demands at once, where a law is compiled for them the second
 _SETS = 2**22  # of a set of units and a demand at once: some 0.2 GB
 LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
-Forces = Float[np.ndarray, "state strain"]
-
-
-@dataclass(frozen=True)
-class Space:
-    """Force-strain space of a bundle: curves at constant pressure, and regions.
-
-    `force` [N] has state, level and strain axes; `low` and `high` [N] state and strain:
-    the edges of each state's region. `level` [Pa] is the throttled pressure, `strain` [-].
-    """
-
-    scheme: str
-    supply_pressure: float
-    strain: Float[np.ndarray, " strain"]
-    level: Float[np.ndarray, " level"]
-    force: Float[np.ndarray, "state level strain"]
-    low: Forces
-    high: Forces
-
-    def outline(self, state: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-        """Outline of the region of a `state`, counted from 1: strain [-] and force [N].
-
-        Where the bundle would push, the outline is at zero force.
-        """
-        low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
-        reached = self.high[state - 1] >= 0
-        strain = self.strain[reached]
-        return np.r_[strain, strain[::-1]], np.r_[high[reached], low[reached][::-1]]
-
-
-@dataclass(frozen=True)
-class Overlap:
-    """Points that two states reach. Row by row: `states`, counted from 1, the edges `low`
-    and `high` [N] over `strain` [-] (NaN where there is no overlap), and the `area` [N].
-    """
-
-    states: tuple[tuple[int, int], ...]
-    strain: Float[np.ndarray, " strain"]
-    low: Float[np.ndarray, "pair strain"]
-    high: Float[np.ndarray, "pair strain"]
-    area: Float[np.ndarray, " pair"]
-
-    @property
-    def width(self) -> Float[np.ndarray, "pair strain"]:
-        """Height of the overlap in force [N] at each strain, zero where there is none."""
-        return np.nan_to_num(self.high - self.low)
-
-    def outline(self, pair: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-        """Outline of a row `pair`: strain [-] and force [N], empty where there is none."""
-        there = np.isfinite(self.low[pair])
-        strain = self.strain[there]
-        low, high = self.low[pair][there], self.high[pair][there]
-        return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
 
 
 def pressures_of(
@@ -133,65 +82,6 @@ def pressures_of(
     throttled, full = states.throttled[state - 1], states.full[state - 1]
     level = np.asarray(level, dtype=float)[..., None]
     return np.where(throttled, level, np.where(full, float(supply_pressure), 0.0))
-
-
-def space(
-    bundle: Bundle,
-    supply_pressure: Values = None,
-    levels: Values = 7,
-    strain: Values = None,
-    resistance: bool = True,
-    scheme: AbstractScheme | str | None = None,
-) -> Space:
-    """The force-strain space of every recruitment state.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: [Pa]; left out, the bundle's own.
-    - `levels`: throttled pressures of the curves [Pa], or how many of them [-], evenly from
-      zero to the supply's.
-    - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
-    - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
-
-    **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
-
-    **Raises:** `ValueError` where no supply pressure is known or a value is off.
-    """
-    supply = supply_of(bundle, supply_pressure)
-    scheme = scheme_used(bundle, scheme)
-    if np.ndim(levels) == 0:
-        levels = np.linspace(0.0, supply, int(levels))
-    levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
-    if strain is None:
-        full = np.full(len(bundle.motor_units), supply)
-        strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
-    strain = np.asarray(strain, dtype=float)
-    fine = np.linspace(0.0, supply, _LEVELS)
-    states = states_of(scheme, len(bundle.motor_units))
-    region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)
-    curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
-    return Space(scheme.name, supply, strain, levels, curves, *states.edges(*region))
-
-
-def overlap(space: Space) -> Overlap:
-    """Where the regions of two states overlap, at forces of zero and above.
-
-    **Arguments:** `space`: a force-strain space [-].
-
-    **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
-    """
-    pairs = tuple(combinations(range(1, len(space.low) + 1), 2))
-    shape = (len(pairs), len(space.strain))
-    low, high = np.full(shape, np.nan), np.full(shape, np.nan)
-    for row, (i, j) in enumerate(pairs):
-        bottom, top = common(*((space.low[k - 1], space.high[k - 1]) for k in (i, j)))
-        # regions that share an edge alone don't overlap: it is the same sum, rounded
-        there = top - bottom > 1e-9 * np.abs(space.high).max()
-        low[row, there], high[row, there] = bottom[there], top[there]
-    area = np.trapezoid(np.nan_to_num(high - low), space.strain, axis=1)
-    return Overlap(pairs, space.strain, low, high, area)
 
 
 def recruit(
@@ -340,39 +230,6 @@ def _bank(bundle: Bundle, supply: Numbers, scheme: AbstractScheme, resistance: b
     if bundle.is_numpy and given(supply):
         kept[key] = (supply, made)
     return made
-
-
-def scheme_used(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
-    """The scheme that is asked for, or the bundle's own.
-
-    **Arguments:** `bundle` [-]; `scheme`: by name or as an object [-], or `None`.
-
-    **Returns:** the scheme [-].
-
-    **Raises:** `ValueError` for an unknown name.
-    """
-    return bundle.scheme if scheme is None else scheme_of(scheme)
-
-
-def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
-    """The supply pressure that holds: the one given, else the bundle's own.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: the one given [Pa], or None.
-
-    **Returns:** supply pressure [Pa].
-
-    **Raises:** `ValueError` where there is neither.
-    """
-    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
-    if supply is None:
-        raise Refused(
-            "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
-        )
-    P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
-    return float(plausible(P, "supply_pressure"))
 
 
 def _supply(bundle: Bundle, supply: Values) -> Numbers:

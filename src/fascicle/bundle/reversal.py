@@ -19,8 +19,9 @@ from ..core.checks import within
 from ..core.refused import Refused
 from ..core.types import Values
 from .bundle import Bundle
+from .own import supply_of
 from .plates import muscle_strain
-from .recruitment import pressures_of, supply_of
+from .recruitment import pressures_of
 
 
 _GRID = 129  # pressures at which the fall and the onset are looked for, again and again

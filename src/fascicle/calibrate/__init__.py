@@ -11,6 +11,7 @@ from ..core.lazy import lazily
 if TYPE_CHECKING:
     from .after.calibration import Calibration as Calibration
     from .after.calibration import Estimate as Estimate
+    from .after.pictures import figures as figures
     from .after.posterior import Posterior as Posterior
     from .after.posterior import sample as sample
     from .after.profiling import Profile as Profile
@@ -35,6 +36,7 @@ __all__ = [
     "Row",
     "compare",
     "compare_tension",
+    "figures",
     "find",
     "fit",
     "profiles",
@@ -52,6 +54,7 @@ _HOMES = {
     "Row": "fits.comparing",
     "compare": "fits.comparing",
     "compare_tension": "fits.comparing",
+    "figures": "after.pictures",
     "find": "fits.finding",
     "fit": "fits.fitting",
     "profiles": "after.profiling",
@@ -69,7 +72,7 @@ _WENT = {
     "finding": "calibrate.fits.finding",
     "fitting": "calibrate.fits.fitting",
     "grid": "calibrate.data.grid",
-    "judging": "calibrate.after.judging",
+    "judging": "calibrate.after.warned",
     "leaving_out": "calibrate.after.leaving_out",
     "linear": "calibrate.problem.linear",
     "misfit": "calibrate.problem.misfit",

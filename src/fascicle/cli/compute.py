@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..bundle import Bundle, recruitment
+from ..bundle.own import scheme_used
 from ..core.refused import Refused
 from ..energetics.efficiency import EfficiencyMap, efficiency_map
 from ..results import tables
@@ -100,7 +101,7 @@ def bundle_recruit(
 
 def is_free(bundle: Bundle, scheme: str | None) -> bool:
     """Whether a `bundle`'s units have a pressure each, by its own `scheme` or by this one [-]."""
-    return recruitment.scheme_used(bundle, scheme).independent
+    return scheme_used(bundle, scheme).independent
 
 
 def bundle_efficiency(

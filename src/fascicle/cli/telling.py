@@ -13,11 +13,10 @@ def telling(first: str) -> Iterator[Callable[[str], None]]:
 
     **Returns:** what is to be told the next [-].
     """
-    from rich.console import Console
-
-    console = Console(file=sys.stderr)
-    if not console.is_terminal:
+    if not sys.stderr.isatty():
         yield lambda _: None
         return
-    with console.status(first) as status:
+    from rich.console import Console
+
+    with Console(file=sys.stderr).status(first) as status:
         yield status.update

@@ -1,15 +1,12 @@
-r"""Roots, series and elliptic integrals, elementwise, in whatever array library is at work.
+r"""Roots, elementwise, in whatever array library is at work.
 
 A root is searched for with the slope that its residual gives, and without any derivative.
 Two Newton steps from it, $x - f/f'$, carry every derivative up to the third: at the root the
 first makes $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$, and each step doubles the orders
 that are right. So no iteration is ever differentiated, and a law stays a pure function.
-
-**Source:** complete elliptic integrals, the amplitude and Jacobi's epsilon by the
-arithmetic-geometric mean: Abramowitz and Stegun (1964), 16.4 and 17.6.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -17,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from .arrays import absolute, arcsin, both, either, library, maximum, minimum, sin, sqrt, where
+from .arrays import absolute, both, either, library, maximum, minimum, where
 from .dual import Dual
 from .types import Batch, BatchLike, BoolBatch
 
@@ -26,7 +23,6 @@ _STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0,
 _WRITTEN_OUT = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
-_AGM_STEPS = 6  # the mean's error squares at each step: 5 suffice up to m = 0.9
 
 _NEVER_MOVES = frozenset({float, np.float64, np.ndarray})  # looked at before any tree is
 
@@ -176,51 +172,3 @@ def _stopped(x: Any) -> Any:
     if at_work is np:
         return x
     return lax.stop_gradient(x) if at_work is jnp else at_work.still(x)
-
-
-def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batch]:
-    """A polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
-    value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
-    for term in coefficients[-2::-1]:
-        value, slope = value * x + term, slope * x + value
-    return value, slope
-
-
-def series(coefficients: Sequence[float], x: BatchLike) -> Batch:
-    """The sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
-    last, before = 0.0 * x, 0.0 * x
-    for term in coefficients[:0:-1]:
-        last, before = 2 * x * last - before + term, last
-    return x * last - before + coefficients[0]
-
-
-class Elliptic(NamedTuple):
-    """Complete elliptic integrals, and the mean's steps that give the incomplete ones."""
-
-    K: Batch
-    E: Batch
-    means: tuple[Batch, ...]
-    differences: tuple[Batch, ...]
-
-
-def elliptic(m: BatchLike) -> Elliptic:
-    """$K(m)$ and $E(m)$ of parameter $m = k^2$ in [0, 0.9], smooth at $m = 0$."""
-    a, b = 1.0 + 0.0 * m, sqrt(1.0 - m)
-    means, differences, total = [a], [0.0 * m], 0.5 * m
-    for n in range(_AGM_STEPS):
-        a, b, c = (a + b) / 2, sqrt(a * b), (a - b) / 2
-        means.append(a)
-        differences.append(c)
-        total = total + 2**n * c**2
-    K = np.pi / (2 * a)
-    return Elliptic(K, K * (1 - total), tuple(means), tuple(differences))
-
-
-def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
-    r"""Amplitude $\varphi = \mathrm{am}(u)$ and incomplete integral $E(\varphi)$ at $u$."""
-    phase = 2.0**_AGM_STEPS * integrals.means[-1] * u
-    epsilon = u * integrals.E / integrals.K
-    for a, c in zip(integrals.means[:0:-1], integrals.differences[:0:-1], strict=True):
-        epsilon = epsilon + c * sin(phase)
-        phase = (phase + arcsin(c / a * sin(phase))) / 2
-    return phase, epsilon

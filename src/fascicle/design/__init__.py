@@ -9,9 +9,9 @@ from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
+    from .judge.allowed import Limit as Limit
     from .judge.cases import Cases as Cases
     from .judge.judging import evaluate as evaluate
-    from .judge.limits import Limit as Limit
     from .judge.objectives import OBJECTIVES as OBJECTIVES
     from .judge.objectives import objective as objective
     from .judge.outcome import Outcome as Outcome
@@ -74,7 +74,7 @@ _HOMES = {
     "Catalog": "searches.catalog",
     "Designs": "space.designs",
     "Found": "searches.exhaustive",
-    "Limit": "judge.limits",
+    "Limit": "judge.allowed",
     "OBJECTIVES": "judge.objectives",
     "Outcome": "judge.outcome",
     "Product": "searches.catalog",
@@ -104,14 +104,14 @@ _WENT = {
     "catalog": "design.searches.catalog",
     "checkpoint": "design.searches.checkpoint",
     "cluster": "design.sweeps.cluster",
-    "curves": "design.judge.curves",
+    "curves": "design.judge.compositions",
     "designs": "design.space.designs",
     "examples": "design.space.examples",
     "first_zero": "design.judge.first_zero",
     "genetic": "design.searches.genetic",
     "judging": "design.judge.judging",
-    "levels": "design.judge.levels",
-    "limits": "design.judge.limits",
+    "levels": "design.judge.every_level",
+    "limits": "design.judge.allowed",
     "objectives": "design.judge.objectives",
     "outcome": "design.judge.outcome",
     "packing": "design.space.packing",
@@ -129,7 +129,7 @@ _WENT = {
     "study": "design.searches.study",
     "summary": "design.searches.summary",
     "sweep": "design.sweeps.running",
-    "table": "design.judge.table",
+    "table": "design.judge.forces",
     "task": "design.space.task",
     "unlike": "design.judge.unlike",
 }

@@ -14,12 +14,14 @@ from .hysteresis import AbstractHysteresis as AbstractHysteresis
 from .hysteresis import Coulomb as Coulomb
 from .hysteresis import Dahl as Dahl
 from .hysteresis import MaxwellSlip as MaxwellSlip
+from .integrate import integrate as integrate
 from .loads import AbstractLoad as AbstractLoad
 from .loads import AntagonisticJoint as AntagonisticJoint
 from .loads import HangingMass as HangingMass
 from .loads import InertiaSpringDamper as InertiaSpringDamper
 from .loads import PrescribedMotion as PrescribedMotion
 from .loads import Stop as Stop
+from .motion import Seen as Seen
 from .plant import Plant as Plant
 from .rest import rest as rest
 from .schedule import Measurement as Measurement
@@ -27,4 +29,5 @@ from .schedule import Schedule as Schedule
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .state import State as State
+from .stepping import Pace as Pace
 from .stepping import pace as pace

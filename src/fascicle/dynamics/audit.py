@@ -25,6 +25,7 @@ import numpy as np
 
 from ..core.refused import Refused
 from ..fluid import AdiabaticWall
+from .hysteresis import MaxwellSlip
 from .motion import STATUS, STORES
 from .muscles import Exact
 from .plant import Plant
@@ -32,9 +33,9 @@ from .simulate import Trajectory
 from .state import ACCOUNT
 
 
-# of the largest term: what Runge-Kutta's steps leave where the law is smooth, and where a table's
-# cells are crossed
-SMOOTH, TABULATED, COUNTED = 1e-6, 1e-5, 1e-12
+# of the largest term: what Runge-Kutta's steps leave where the law is smooth, where a table's cells
+# are crossed, and where springs begin to slip, which is a kink of force within a step
+SMOOTH, TABULATED, SLIPPING, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
 WORDS = {
     "folded": "a muscle's volume fell with pressure by more than its fluid and hose give way:"
@@ -103,7 +104,10 @@ class Audit(NamedTuple):
             verdict = "closes" if one.closes else "DOES NOT CLOSE"
             lines.append(f"{one.name}: {verdict}, {one.share:.1e} of its largest term is left over")
             for side, terms in (("in", one.into), ("out", one.went)):
-                lines += [f"  {side:>3} {name:<28} {value:>14.6g} {one.unit}" for name, value in terms.items()]
+                lines += [
+                    f"  {side:>3} {name:<28} {value:>14.6g} {one.unit}"
+                    for name, value in terms.items()
+                ]
         lines += [f"{e.name} from {e.first:.4g} s: {e.words}" for e in self.events]
         return "\n".join(lines)
 
@@ -127,11 +131,13 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     if np.ndim(run.time) != 1 or np.ndim(run.account) != 2:
         raise Refused("run", "must be one run", np.shape(run.account), shown="a batch")
     rows = np.asarray(run.account)
-    a = dict(zip(ACCOUNT, rows[-1] - rows[0], strict=True))
-    most = dict(zip(ACCOUNT, np.abs(rows - rows[0]).max(axis=0), strict=True))
+    a: dict[str, Any] = dict(zip(ACCOUNT, rows[-1] - rows[0], strict=True))
+    most: dict[str, Any] = dict(zip(ACCOUNT, np.abs(rows - rows[0]).max(axis=0), strict=True))
     store = np.asarray(run.seen.store)
     d = dict(zip(STORES, store[-1] - store[0], strict=True))
-    most |= {f"Δ{name}": x for name, x in zip(STORES, np.abs(store - store[0]).max(axis=0), strict=True)}
+    most |= {
+        f"Δ{name}": x for name, x in zip(STORES, np.abs(store - store[0]).max(axis=0), strict=True)
+    }
 
     exact = isinstance(plant.muscles, Exact)
     law = SMOOTH if exact else TABULATED
@@ -144,11 +150,12 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
                  {"pull on the load": a["pull"], "stored in the muscles": d["muscles"],
                   "made by the volume": a["mismatch"]}, ("fluid_work", "pull", "Δmuscles")),
-        _balance("energy of the motion", law, most,
+        _balance("energy of the motion", _of_motion(plant, law), most,
                  {"pull of the muscles": a["pull"], "motor": a["motor"]},
                  {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
-                  "stop, lost": a["stop"], "stop, stored": d["stop"], "friction, lost": a["friction"],
-                  "friction, stored": d["friction"]}, ("pull", "motor", "Δmotion", "Δload")),
+                  "stop, lost": a["stop"], "stop, stored": d["stop"],
+                  "friction, lost": a["friction"], "friction, stored": d["friction"]},
+                 ("pull", "motor", "Δmotion", "Δload")),
         _mass(run, a, most),
     ]  # fmt: skip
     if isinstance(plant.chamber, AdiabaticWall):
@@ -179,6 +186,10 @@ def _balance(
     return Balance(name, unit, into, went, left, abs(left) / size if size > 0 else 0.0, within)
 
 
+def _of_motion(plant: Plant, law: float) -> float:
+    return SLIPPING if isinstance(plant.hysteresis, MaxwellSlip) else law
+
+
 def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
     held = np.sum(np.asarray(run.seen.masses), axis=-1)
     into, went = {"flowed in": a["mass"]}, {"held": held[-1] - held[0]}
@@ -186,9 +197,7 @@ def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
     return _balance("mass of the fluid", COUNTED, most, into, went, ("mass", "held"), unit="kg")
 
 
-def _first_law(
-    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
-) -> Balance:
+def _first_law(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
     # U = p V/(γ − 1), from what is seen rather than from the state that was integrated
     p = np.asarray(run.seen.pressures) + plant.chamber.room_pressure
     V = np.asarray(run.seen.volumes) + plant.chamber.dead_volume

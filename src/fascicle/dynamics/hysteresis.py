@@ -10,7 +10,8 @@ $$z_j \leftarrow \operatorname{clip}(z_j + k_j\,\Delta x, -f_j, f_j), \tag{H1}$$
 and so is `Dahl`'s, one spring that yields little by little,
 
 $$\frac{\mathrm{d}z}{\mathrm{d}x} = k (1 - z \operatorname{sgn}(\mathrm{d}x)/f), \qquad
-  z \leftarrow s f + (z - s f) e^{-k |\Delta x|/f}, \quad s = \operatorname{sgn} \Delta x. \tag{H2}$$
+  z \leftarrow s f + (z - s f) e^{-k |\Delta x|/f}, \quad s = \operatorname{sgn} \Delta x.
+  \tag{H2}$$
 
 A closed loop between $\pm X$ costs $4 f (X - f/k)$ for (H1) and $4 f [X - (f/k) \tanh(k X/f)]$ for
 (H2). What is stored is $z^2/(2k)$, so that no way gives energy. $f$ may rise with pressure,
@@ -29,7 +30,6 @@ muscles are told: Chou and Hannaford (1996).
 import abc
 from typing import ClassVar, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from ..core.arrays import absolute, exp, library, maximum, minimum, where
@@ -59,8 +59,9 @@ class AbstractHysteresis(Module):
 
     @abc.abstractmethod
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """What it is after a way that doesn't turn.
 
         **Arguments:**
@@ -68,7 +69,7 @@ class AbstractHysteresis(Module):
         - `kept`: its forces before, on the last axis [N].
         - `way`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
-        - `pressure`: $P$ now [Pa].
+        - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `Slid`: forces [N] and energy [J].
@@ -98,7 +99,14 @@ class MaxwellSlip(AbstractHysteresis):
     slip_force_slope: Numbers
 
     def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
-        """**Arguments:** those of the class."""
+        """**Arguments:**
+
+        - `stiffness`: $k_j$, one for each spring [N/m].
+        - `slip_force`: $f_j$ at no pressure [N].
+        - `slip_force_slope`: $f_P$, their rise with pressure [m²].
+
+        **Raises:** `ValueError` for numbers that can't be, and for unlike many.
+        """
         self.stiffness = np.atleast_1d(positive(stiffness, "stiffness", "N/m"))
         self.slip_force = np.atleast_1d(_from_zero(slip_force, "slip_force", "N"))
         if np.shape(self.stiffness) != np.shape(self.slip_force):
@@ -115,22 +123,29 @@ class MaxwellSlip(AbstractHysteresis):
         return int(np.shape(self.stiffness)[-1])
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H1).
 
-        **Arguments:** those of `AbstractHysteresis.slid`.
+        **Arguments:**
+
+        - `kept`: its forces before, on the last axis [N].
+        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `velocity`: $\\dot x$ now [m/s].
+        - `pressures`: $P$ before and now [Pa].
+        - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `Slid`: forces [N] and energy [J].
         """
         del velocity, by_pressure
         k = self.stiffness
-        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
-        # a slip force that fell lets go of what is above it
-        held = minimum(maximum(kept, -f), f)
-        bent = held + k * way[..., None]
-        now = minimum(maximum(bent, -f), f)
-        lost = f * absolute(bent - now) / k + (kept**2 - held**2) / (2 * k)
+        before, f = (
+            self.slip_force + self.slip_force_slope * maximum(P, 0.0)[..., None] for P in pressures
+        )
+        now = minimum(maximum(kept + k * way[..., None], -f), f)
+        # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
+        lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
         add = library(now).sum
         return Slid(now, add(now, axis=-1), add(lost, axis=-1))
 
@@ -148,8 +163,8 @@ class MaxwellSlip(AbstractHysteresis):
 class Dahl(AbstractHysteresis):
     """A spring that yields little by little, equation (H2).
 
-    `stiffness`: $k$ [N/m]. `slip_force`: $f$ at no pressure [N]. `slip_force_slope`: $f_P$, its rise
-    with pressure [N/Pa].
+    `stiffness`: $k$ [N/m]. `slip_force`: $f$ at no pressure [N]. `slip_force_slope`: $f_P$, its
+    rise with pressure [m²].
     """
 
     source: ClassVar[str] = "Dahl (1976)"
@@ -158,7 +173,14 @@ class Dahl(AbstractHysteresis):
     slip_force_slope: Batch
 
     def __init__(self, stiffness: Values, slip_force: Values, slip_force_slope: Values = 0.0):
-        """**Arguments:** those of the class."""
+        """**Arguments:**
+
+        - `stiffness`: $k$ [N/m].
+        - `slip_force`: $f$ at no pressure [N].
+        - `slip_force_slope`: $f_P$, its rise with pressure [m²].
+
+        **Raises:** `ValueError` for numbers that can't be.
+        """
         self.stiffness = positive(stiffness, "stiffness", "N/m")
         self.slip_force = positive(slip_force, "slip_force", "N")
         self.slip_force_slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
@@ -169,17 +191,24 @@ class Dahl(AbstractHysteresis):
         return 1
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H2).
 
-        **Arguments:** those of `AbstractHysteresis.slid`.
+        **Arguments:**
+
+        - `kept`: its forces before, on the last axis [N].
+        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `velocity`: $\\dot x$ now [m/s].
+        - `pressures`: $P$ before and now [Pa].
+        - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `Slid`: forces [N] and energy [J].
         """
         del velocity, by_pressure
         k = self.stiffness
-        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)
+        f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
         before = kept[..., 0]
         held = minimum(maximum(before, -f), f)
         end = where(way >= 0, f, -f)
@@ -211,7 +240,13 @@ class Coulomb(AbstractHysteresis):
     velocity: Batch
 
     def __init__(self, width: Values, velocity: Values = 1e-3):
-        """**Arguments:** those of the class."""
+        """**Arguments:**
+
+        - `width`: $w$ [Pa].
+        - `velocity`: $v_0$ [m/s].
+
+        **Raises:** `ValueError` for numbers that can't be.
+        """
         self.width = _from_zero(width, "width", "Pa")
         self.velocity = positive(velocity, "velocity", "m/s")
 
@@ -221,16 +256,25 @@ class Coulomb(AbstractHysteresis):
         return 0
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressure: Batch, by_pressure: Batch
-    ) -> Slid:
+        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        by_pressure: Batch,
+    ) -> Slid:  # fmt: skip
         """Equation (H3).
 
-        **Arguments:** those of `AbstractHysteresis.slid`.
+        **Arguments:**
+
+        - `kept`: its forces before, on the last axis [N].
+        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `velocity`: $\\dot x$ now [m/s].
+        - `pressures`: $P$ before and now [Pa].
+        - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
 
         **Returns:** a `Slid`: forces [N] and no energy [J], which `lost_power` tells.
         """
-        del pressure
-        force = self.width * absolute(by_pressure) * library(velocity).tanh(velocity / self.velocity)
+        del pressures
+        force = (
+            self.width * absolute(by_pressure) * library(velocity).tanh(velocity / self.velocity)
+        )
         return Slid(kept, force, 0.0 * way)
 
     def stored(self, kept: Numbers) -> Batch:
@@ -240,7 +284,12 @@ class Coulomb(AbstractHysteresis):
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
         way = 0.0 * velocity
-        return self.slid(way[..., None][..., :0], way, velocity, pressure, by_pressure).force * velocity
+        return (
+            self.slid(
+                way[..., None][..., :0], way, velocity, (pressure, pressure), by_pressure
+            ).force
+            * velocity
+        )
 
 
 def _from_zero(value: Values, name: str, unit: str) -> Batch:

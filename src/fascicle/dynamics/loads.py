@@ -15,7 +15,7 @@ and likewise at the low end, so that no event has to be found.
 """
 
 import abc
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
@@ -25,7 +25,7 @@ from ..core.checks import concrete, finite, positive, within
 from ..core.limits import Range, plausible
 from ..core.modules import Module
 from ..core.refused import Refused
-from ..core.types import Batch, Values
+from ..core.types import Batch, BoolBatch, Values
 
 
 GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
@@ -34,28 +34,28 @@ _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 
 
-def _above(name: str, unit: str) -> "eqx.field":
+def _above(name: str, unit: str) -> Any:
     def checked(value: Values) -> Batch:
         return positive(value, name, unit)
 
     return eqx.field(converter=checked)
 
 
-def _from_zero(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+def _from_zero(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, 0.0, np.inf, name, unit, closed=(True, False))
 
     return eqx.field(converter=checked, default=default)
 
 
-def _any(name: str, unit: str, default: float = 0.0) -> "eqx.field":
+def _any(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return finite(value, name, unit)
 
     return eqx.field(converter=checked, default=default)
 
 
-def _end(name: str, default: float) -> "eqx.field":
+def _end(name: str, default: float) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
 
@@ -79,7 +79,7 @@ class Stop(Module):
             raise Refused("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """What it takes off [N or N·m] at `position` [SI] and `velocity` [SI], and of that the
+        """What it takes off [SI] at `position` [SI] and `velocity` [SI], and of that the
         damper's.
         """
         over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
@@ -97,7 +97,7 @@ class Stop(Module):
         over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
         return self.stiffness * (over**2 + under**2) / 2
 
-    def touched(self, position: Batch) -> Batch:
+    def touched(self, position: Batch) -> BoolBatch:
         """Whether it is reached [-] at `position` [SI]."""
         return (position > self.high) | (position < self.low)
 
@@ -122,11 +122,11 @@ class AbstractLoad(Module):
     @property
     @abc.abstractmethod
     def inertia(self) -> Batch:
-        """$M$ [kg or kg·m²]."""
+        """$M$, of mass or moment [SI]."""
 
     @abc.abstractmethod
     def force(self, position: Batch) -> Batch:
-        """$-\\mathrm{d}U/\\mathrm{d}q$ [N or N·m] at `position` [SI]."""
+        """$-\\mathrm{d}U/\\mathrm{d}q$ [SI] at `position` [SI]."""
 
     @abc.abstractmethod
     def potential(self, position: Batch) -> Batch:
@@ -135,12 +135,12 @@ class AbstractLoad(Module):
     @property
     @abc.abstractmethod
     def damper(self) -> Batch:
-        """$d$ [N·s/m or N·m·s/rad]."""
+        """$d$ [SI]."""
 
     @property
     @abc.abstractmethod
     def stiffness(self) -> Batch:
-        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [N/m or N·m/rad]."""
+        """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
 
     @abc.abstractmethod
     def motion(self, time: Batch) -> tuple[Batch, Batch]:
@@ -185,7 +185,7 @@ class HangingMass(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """$d$ [N·s/m]."""
+        """$d$ [SI]."""
         return self.damping
 
     @property
@@ -242,7 +242,7 @@ class InertiaSpringDamper(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """$d$ [N·s/m]."""
+        """$d$ [SI]."""
         return self.damping
 
     @property
@@ -281,7 +281,7 @@ class AntagonisticJoint(AbstractLoad):
 
     @property
     def inertia(self) -> Batch:
-        """Of the joint [kg·m²]."""
+        """Moment of inertia of the joint [SI]."""
         return self.inertia_moment
 
     def force(self, position: Batch) -> Batch:
@@ -294,12 +294,12 @@ class AntagonisticJoint(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """$d$ [N·m·s/rad]."""
+        """$d$ [SI]."""
         return self.damping
 
     @property
     def stiffness(self) -> Batch:
-        """The pendulum's at most [N·m/rad]."""
+        """The pendulum's at most [SI]."""
         return self.gravity_moment
 
     def motion(self, time: Batch) -> tuple[Batch, Batch]:
@@ -351,7 +351,7 @@ class PrescribedMotion(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """None [N·s/m]."""
+        """None [SI]."""
         return 0.0 * self.mean
 
     @property

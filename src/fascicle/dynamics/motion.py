@@ -37,10 +37,13 @@ _NEWTON = 2  # from where the rates led: two steps leave 1e-12 of a pressure
 
 
 class Anchor(NamedTuple):
-    """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI]."""
+    """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI] and the
+    units' `pressures` [Pa].
+    """
 
     kept: Numbers
     position: Batch
+    pressures: Numbers
 
 
 class Seen(NamedTuple):
@@ -279,6 +282,7 @@ def _fluid_powers(
         (1 - T_a / T) * heat,
     )
 
+
 def _friction(
     plant: Plant, anchor: Anchor, q: Batch, v: Batch, P: Numbers, at: Surface
 ) -> tuple[Batch, Batch]:
@@ -287,7 +291,9 @@ def _friction(
         return 0.0 * q, 0.0 * q
     add, per = library(q).sum, plant.lengths * plant.gains
     way, speed = per * (q - anchor.position)[..., None], per * v[..., None]
-    slid = plant.hysteresis.slid(anchor.kept, way, speed, P, at.force_by_pressure)
+    slid = plant.hysteresis.slid(
+        anchor.kept, way, speed, (anchor.pressures, P), at.force_by_pressure
+    )
     lost = plant.hysteresis.lost_power(speed, P, at.force_by_pressure)
     return add(plant.counts * per * slid.force, axis=-1), add(plant.counts * lost, axis=-1)
 
@@ -301,9 +307,9 @@ def rubbed(
     assert plant.hysteresis is not None
     per = plant.lengths * plant.gains
     way, none = per * (position - anchor.position)[..., None], 0.0 * pressures
-    slid = plant.hysteresis.slid(anchor.kept, way, none, pressures, none)
+    slid = plant.hysteresis.slid(anchor.kept, way, none, (anchor.pressures, pressures), none)
     lost = library(slid.lost).sum(plant.counts * slid.lost, axis=-1)
-    return Anchor(slid.kept, position), lost
+    return Anchor(slid.kept, position, pressures), lost
 
 
 def _stores(
@@ -316,7 +322,7 @@ def _stores(
     if plant.hysteresis is not None:
         per = plant.lengths * plant.gains
         way = per * (q - anchor.position)[..., None]
-        now = plant.hysteresis.slid(anchor.kept, way, 0.0 * P, P, 0.0 * P).kept
+        now = plant.hysteresis.slid(anchor.kept, way, 0.0 * P, (anchor.pressures, P), 0.0 * P).kept
         kept = add(plant.counts * plant.hysteresis.stored(now), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),
@@ -337,7 +343,7 @@ def _status(
     some = at_work.any
     low, high = plant.muscles.strains
     P, lowest = fluid.pressures, plant.chamber.lowest_pressure
-    off = (eps < low) | (eps > high) | (P > plant.muscles.highest_pressure)
+    off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
     true = (
         some(fluid.folded, axis=-1),
         # within a thousandth of an atmosphere of it
@@ -346,14 +352,13 @@ def _status(
         some(fluid.unsettled, axis=-1),
         plant.supply.empty(state.supply),
         load_stopped(plant, q),
-        q != q,
+        False,  # `simulate` tells whether it is too stiff
         ~at_work.isfinite(at_work.sum(store, axis=-1) + at_work.sum(P, axis=-1)),
     )
-    bits = (at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
-    return sum(bits)
+    return sum(at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
 
 
 def load_stopped(plant: Plant, position: Batch) -> BoolBatch:
     """Whether the load is at its stop [-] at `position` [SI]."""
     stop = plant.load.stop
-    return position != position if stop is None else stop.touched(position)
+    return position < -np.inf if stop is None else stop.touched(position)

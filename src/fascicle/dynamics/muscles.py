@@ -6,9 +6,10 @@ conjugate one, which makes or loses energy where muscles buckle: an audit names 
 """
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -61,15 +62,15 @@ class Tables(AbstractMuscles):
         each = [tables[i] for i in which]
         table = UnitSurface(
             np.stack([one.coefficients for one in tables]),
-            np.stack([one.root_step for one in each]),
-            tuple(np.stack([one.strains[k] for one in each]) for k in (0, 1)),
-            np.stack([one.rest_length for one in each]),
-            tuple(float(x) for x in np.max([one.errors for one in tables], axis=0)),
+            _row(each, lambda one: one.root_step),
+            (_row(each, lambda one: one.strains[0]), _row(each, lambda one: one.strains[1])),
+            _row(each, lambda one: one.rest_length),
+            _worst([one.errors for one in tables]),
         )
         return cls(table, np.array(which))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
+        """What each does at its `pressure` [Pa] and `strain` [-], (V3)."""
         return looked_up(self.table, pressure, strain, self.which)
 
     @property
@@ -83,14 +84,24 @@ class Tables(AbstractMuscles):
         return self.table.highest_pressure
 
 
+def _row(tables: Sequence[UnitSurface], number: Callable[[UnitSurface], Any]) -> Numbers:
+    return np.array([float(number(one)) for one in tables])
+
+
+def _worst(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
+    median, most, largest = (max(column) for column in zip(*errors, strict=True))
+    return median, most, largest
+
+
 class Exact(AbstractMuscles):
     """By the law itself, integrated anew each time: right to rounding, and a hundred times slower.
 
-    `rows`: units of the same laws, as of a bundle; `ends`: of the strains that are known [-];
-    `top`: the highest pressure [Pa].
+    `groups`: muscles of the same laws in a row, as of a bundle, `places` of their units;
+    `ends`: of the strains that are known [-]; `top`: the highest pressure [Pa].
     """
 
-    rows: tuple[tuple[tuple[int, ...], Muscle], ...]
+    groups: tuple[Muscle, ...]
+    places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
     ends: tuple[Numbers, Numbers]
     top: Numbers
 
@@ -102,18 +113,21 @@ class Exact(AbstractMuscles):
         `ends` [-].
         """
         top = np.full(len(muscles), highest_pressure)
-        return cls(tuple(stacked(list(muscles))), ends, top)
+        rows = stacked(list(muscles))
+        return cls(tuple(m for _, m in rows), tuple(places for places, _ in rows), ends, top)
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V1)."""
+        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
         P = minimum(maximum(pressure, 0.0), self.top)
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
         found = [
             _exact(muscles, P[..., np.array(places)], eps[..., np.array(places)])
-            for places, muscles in self.rows
+            for places, muscles in zip(self.places, self.groups, strict=True)
         ]
-        order = np.argsort([i for places, _ in self.rows for i in places])
-        at = Surface(*(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True)))
+        order = np.argsort([i for places in self.places for i in places])
+        at = Surface(
+            *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True))
+        )
         past = pressure - P  # the volume stays there, and the force is linear
         return at._replace(
             coenergy=at.coenergy + at.volume * past,

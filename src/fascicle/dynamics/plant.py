@@ -19,9 +19,9 @@ import equinox as eqx
 import numpy as np
 
 from ..bundle.bundle import Bundle
+from ..core.arrays import library
 from ..core.checks import one_of
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.arrays import library
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers
@@ -134,7 +134,7 @@ class Plant(Module):
 
     @property
     def gains(self) -> Numbers:
-        """$g_i$, how much each unit's muscles contract by the load's coordinate [1/m or 1/rad]."""
+        """$g_i$, how much each unit's muscles contract by the load's coordinate [SI]."""
         return self._of_sides(1) / self.lengths
 
     @property

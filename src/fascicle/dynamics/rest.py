@@ -2,16 +2,18 @@ r"""Where a plant stands still: a state from which nothing jerks.
 
 At given pressures the load rests where
 
-$$\sum_i n_i F_i(P_i, \varepsilon_i)\, L_i g_i - \frac{\mathrm{d} U}{\mathrm{d} q} - F_{stop}(q) = 0;
-  \tag{T5}$$
+$$\sum_i n_i F_i(P_i, \varepsilon_i)\, L_i g_i - \frac{\mathrm{d} U}{\mathrm{d} q} - F_{stop}(q)
+  = 0; \tag{T5}$$
 
 of several such places it is the one that is reached first from the least contraction, and stable.
 Chambers hold fluid at those pressures in the volume that goes with that strain, as warm as the
 room; friction is relaxed.
 """
 
+from typing import Any
+
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
@@ -26,20 +28,22 @@ from .state import ACCOUNT, State
 _LOOKS = 801  # places at which the balance is looked at: a table has 200 cells
 
 
-def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None) -> State:
+def rest(
+    plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None
+) -> State:
     """A state at rest, equation (T5).
 
     **Arguments:**
 
     - `plant`: it [-].
     - `pressures`: gauge, of each unit [Pa]; one for all of them is enough.
-    - `position`: of the load [SI], where it is held there until it begins; left out, where it rests.
+    - `position`: of the load [SI], where it is held until it begins; left out, where it rests.
     - `command`: at which valves' spools stand [-]; left out, in the middle.
 
     **Returns:** the state [SI].
 
-    **Raises:** `ValueError` for pressures off the domain, for a `position` that muscles aren't known
-    at, and for a load that the bundle can't hold at rest at these pressures.
+    **Raises:** `ValueError` for pressures off the domain, for a `position` that muscles aren't
+    known at, and for a load that the bundle can't hold at rest at these pressures.
     """
     closed = (True, True)
     P = within(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
@@ -54,7 +58,9 @@ def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command
         _known(q - size, low, high, load.unit)
         _known(q + size, low, high, load.unit)
     elif position is not None:
-        q = _known(float(within(position, -np.inf, np.inf, "position", load.unit)), low, high, load.unit)
+        q = _known(
+            float(within(position, -np.inf, np.inf, "position", load.unit)), low, high, load.unit
+        )
     else:
         q = _resting(plant, P, low, high)
     with np.errstate(all="ignore"):  # of branches that aren't taken
@@ -62,9 +68,7 @@ def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command
         at = plant.muscles.at(P, eps)
         V, _, _ = volumes(plant.muscles, at, eps, plant.lengths)
         V = np.asarray(plant.counts * V)
-        chambers = np.broadcast_to(
-            plant.chamber.start(P, V), (plant.units, plant.chamber.count)
-        )
+        chambers = np.broadcast_to(plant.chamber.start(P, V), (plant.units, plant.chamber.count))
     spools = plant.spool.states(plant.units)
     spool = np.zeros(spools) if command is None else checked_commands(command) + np.zeros(spools)
     v = float(load.motion(0.0)[1]) if load.moved else 0.0
@@ -75,7 +79,7 @@ def rest(plant: Plant, pressures: Values = 0.0, position: Values = None, command
 
 
 def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
-    def left(q: np.ndarray) -> np.ndarray:
+    def left(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
             pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)
@@ -104,7 +108,9 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
     k = falls[0]
     if found[k + 1] == 0:
         return float(looks[k + 1])
-    return float(brentq(lambda q: float(left(np.float64(q))), looks[k], looks[k + 1], xtol=1e-16, rtol=1e-14))
+    # to rounding of the way
+    found = root_scalar(left, bracket=(looks[k], looks[k + 1]), xtol=1e-16, rtol=1e-14)
+    return float(found.root)
 
 
 def _known(position: float, low: float, high: float, unit: str) -> float:

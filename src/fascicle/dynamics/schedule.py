@@ -35,7 +35,9 @@ class Controller(Protocol):
         """With which it begins [-]."""
         ...
 
-    def __call__(self, memory: Any, measurement: Measurement, reference: Any) -> tuple[Any, Numbers]:
+    def __call__(
+        self, memory: Any, measurement: Measurement, reference: Any
+    ) -> tuple[Any, Numbers]:
         """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
         the `reference` now [any unit].
         """
@@ -50,7 +52,10 @@ class Schedule:
     """
 
     def __init__(self, times: Values, commands: Values):
-        """**Arguments:** those of the class.
+        """**Arguments:**
+
+        - `times`: rising, the first at 0 [s].
+        - `commands`: one row for each of them [-], in [-1, 1].
 
         **Raises:** `ValueError` for times that don't rise, and commands outside [-1, 1].
         """

@@ -57,7 +57,7 @@ def simulate(
     - `plant`: what moves [-].
     - `controller`: acts at the beginning of each step [-]; or a `Schedule`; or the commands [-]
       themselves, one row for each step.
-    - `reference`: for the controller, one row for each step [any unit].
+    - `reference`: for the controller, one row for each step, of any unit [-].
     - `dt`: a step [s].
     - `duration`: of the run [s], with a `Schedule`; left out, as many steps as there are rows.
     - `start`: the state it begins with [SI]; left out, at `rest` without pressure.
@@ -74,9 +74,8 @@ def simulate(
     if substeps is None:
         looked = pace(plant, dt)
         substeps = looked.substeps
-    else:
-        if substeps != int(substeps) or not 1 <= substeps:
-            raise Refused("substeps", "must be a whole number of at least 1", substeps)
+    elif substeps != int(substeps) or not substeps >= 1:
+        raise Refused("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _driven(plant, controller, reference, dt, duration)
     layout = Layout.of(plant)
     found = _run(plant, layout, act, memory, inputs, begin, np.float64(dt), int(substeps))
@@ -100,7 +99,7 @@ def _driven(
     if callable(controller):
         if reference is None:
             raise Refused("reference", "must have a row for each step", None, shown="none")
-        return controller, controller.memory, jnp.asarray(reference)
+        return controller, getattr(controller, "memory", ()), jnp.asarray(reference)
     if isinstance(controller, Schedule):
         end = controller.times[-1] + dt if duration is None else positive(duration, "duration", "s")
         rows = controller.at(dt * np.arange(max(1, round(float(end) / dt))))
@@ -144,7 +143,7 @@ def _run(
         return (*after, memory), (row, anchor, command)
 
     steps = jnp.arange(len(inputs), dtype=float)
-    begun = (row, Anchor(kept, jnp.asarray(begin.position)), memory)
+    begun = (row, Anchor(kept, jnp.asarray(begin.position), jnp.asarray(begin.pressures)), memory)
     (row, anchor, _), (rows, anchors, commands) = lax.scan(step, begun, (steps, inputs))
     rows = jnp.concatenate([rows, row[None]])
     anchors = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), anchors, anchor)
@@ -162,4 +161,6 @@ def _measured(
     idle = jnp.zeros(plant.commands)
     _, seen = rates(plant, time, layout.apart(row), idle, anchor)
     force = jnp.sum(plant.lengths * plant.gains * seen.forces, axis=-1)
-    return Measurement(time, seen.position, seen.velocity, seen.pressures, force, seen.supply_pressure)
+    return Measurement(
+        time, seen.position, seen.velocity, seen.pressures, force, seen.supply_pressure
+    )

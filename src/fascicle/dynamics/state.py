@@ -3,6 +3,7 @@
 An integrator adds rows. `Layout` knows which of their numbers is what.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +18,8 @@ class State(NamedTuple):
 
     `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
     of each unit's [SI], on the last axis; `pressures`: about the units' [Pa], from which a search
-    for them begins; `supply`: its state [SI]; `account`: of energies so far [J] and mass [kg], named
-    in `ACCOUNT`.
+    for them begins; `supply`: its state [SI]; `account`: of energies so far [J] and mass [kg],
+    named in `ACCOUNT`.
     """
 
     position: Batch
@@ -85,8 +86,6 @@ class Layout(NamedTuple):
         """A `row` [SI] as a state."""
         sizes = (self.spool, self.units * self.chamber, self.units, self.supply, len(ACCOUNT))
         ends = 2 + np.cumsum([0, *sizes])
-        spool, chambers, pressures, supply, account = (
-            row[..., a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)
-        )
+        spool, chambers, pressures, supply, account = (row[..., a:b] for a, b in pairwise(ends))
         chambers = chambers.reshape((*np.shape(row)[:-1], self.units, self.chamber))
         return State(row[..., 0], row[..., 1], spool, chambers, pressures, supply, account)

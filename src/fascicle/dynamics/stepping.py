@@ -126,7 +126,10 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     M = float(load.inertia)
     top = float(plant.supply.pressure_at(plant.supply.start()))
     low, high = plant.way
-    P, eps = np.linspace(0.0, top, 31)[:, None, None], plant.strains(np.linspace(low, high, 41)[:, None])
+    P, eps = (
+        np.linspace(0.0, top, 31)[:, None, None],
+        plant.strains(np.linspace(low, high, 41)[:, None]),
+    )
     with np.errstate(all="ignore"):  # of branches that aren't taken
         P, eps = np.broadcast_arrays(P, eps)
         at = plant.muscles.at(P, eps)
@@ -137,7 +140,9 @@ def _load_rates(plant: Plant) -> dict[str, float]:
         slope = balance.by_pressure + (along + balance.by_volume) * n * by_pressure
         rise = -(along + balance.by_volume) * n * by_strain / slope  # of pressure with strain [Pa]
         spring = -n * L * g**2 * (at.force_by_strain + at.force_by_pressure * rise)
-    stiff = float(np.nanmax(np.where(slope > 0, np.abs(np.sum(spring, axis=-1, keepdims=True)), 0.0)))
+    stiff = float(
+        np.nanmax(np.where(slope > 0, np.abs(np.sum(spring, axis=-1, keepdims=True)), 0.0))
+    )
     if plant.hysteresis is not None and hasattr(plant.hysteresis, "stiffness"):
         stiff += float(np.sum(n * (L * g) ** 2) * np.sum(np.asarray(plant.hysteresis.stiffness)))
     rates = {

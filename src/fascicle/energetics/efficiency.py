@@ -17,10 +17,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..bundle import Bundle
-from ..bundle.recruitment import scheme_used, supply_of
+from ..bundle.own import scheme_used, supply_of
 from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
-from ..bundle.tables import distinct
+from ..bundle.unit_tables import distinct
 from ..bundle.volumes import unit_volume_change
 from ..core.checks import one_of
 from ..core.refused import Refused
@@ -86,8 +86,8 @@ def efficiency_map(
             "path",
             f"must be 'isotonic' with scheme {scheme.name!r}",
             path,
-            "at one force and strain its units' pressures, and so the work on the way, may be any"
-            " of many",
+            "its units may be at any of many pressures at one force and strain, each with a work of"
+            ' its own on the way; ask for path="isotonic" (--path isotonic)',
         )
     few, places = distinct(bundle)
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(places.tolist())

@@ -13,19 +13,15 @@ muscle's volume is taken at its own strain.
 smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-from itertools import pairwise
-
 import numpy as np
 
 from ..bundle.bundle import Bundle, pressurized
 from ..bundle.volumes import unit_volume_change
-from ..core.arrays import library, maximum, minimum, nodes, total, where
+from ..core.arrays import library
 from ..core.evaluate import evaluate
 from ..core.types import Batch, Numbers, PerUnit, Values
+from ..muscle.coenergy import EVALUATIONS, contraction_work
 from ..muscle.piecewise import Pressurized
-
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
@@ -61,7 +57,7 @@ def unit_work(
     **Returns:** works [J], motor units on the last axis.
     """
     P, eps = bundle._pressures(pressures), bundle._strain(strain)
-    points = int(np.size(P) * np.size(eps)) * 4 * len(_NODES)
+    points = int(np.size(P) * np.size(eps)) * EVALUATIONS
     return evaluate(_unit_work, bundle, P, eps, points=points, static=(bool(resistance),))
 
 
@@ -84,16 +80,7 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
 
 def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
     def one(muscle: Pressurized, strain: Numbers, rest: Numbers) -> Numbers:
-        kinks = muscle.kinks if resistance else muscle.kinks[:1]
-        # no stretch starts below rest or ends past the strain asked for, either way
-        low, high = minimum(strain, rest), maximum(strain, rest)
-        stops = [minimum(maximum(kink, low), high) for kink in kinks]
-        done = 0.0
-        for a, b in pairwise([low, *stops, high] if resistance else [low, *stops]):
-            middle, half = (a + b) / 2, (b - a) / 2
-            node, weight = (nodes(x, middle) for x in (_NODES, _WEIGHTS))
-            done = done + half * total(weight * muscle.force(middle + half * node)[0])
-        return muscle.column.rest_length * where(strain < rest, -done, done)
+        return contraction_work(muscle, strain, rest, resistance)
 
     # of a muscle that isn't as long as the plates are apart, the strain at rest isn't zero;
     # its own length times its own strain is the plates' way all the same

@@ -11,7 +11,7 @@ from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
-    from .page import panel as panel
+    from .layout import panel as panel
     from .server import serve as serve
 
 __all__ = ["panel", "serve"]

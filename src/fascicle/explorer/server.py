@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 
 from .guard import EVERYWHERE, LOOPBACK, guard, names_of
-from .page import build, opening
+from .layout import build, opening
 from .parts.address import from_query
 from .parts.browser import attach
 from .parts.look import look_of, page_css

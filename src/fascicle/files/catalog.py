@@ -15,9 +15,9 @@ from ..core.checks import one_of, within
 from ..core.refused import Refused
 from ..design.searches.catalog import Product
 from ..muscle import Muscle
+from .faults import from_validation
 from .places import Place
 from .prices import Price
-from .problems import from_validation
 from .reading import parsed, text_of
 from .shipped import abouts, names, text
 from .task_schema import CatalogFileSection, ProductSection

@@ -11,7 +11,7 @@ from typing import Any
 from ..core.refused import Refused
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from .problems import line, value
+from .faults import line, value
 
 
 # where an argument of a constructor stands, if not under its own name

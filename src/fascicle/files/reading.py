@@ -17,8 +17,8 @@ from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..muscle.tuning import Tuning
+from .faults import from_validation, line, nearest
 from .places import Place
-from .problems import from_validation, line, nearest
 from .schema import (
     BundleSection,
     FileSection,

@@ -13,7 +13,7 @@ from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
 from ..core.checks import one_of
 from ..core.refused import Refused
-from ..design.judge.limits import Limit, checked
+from ..design.judge.allowed import Limit, checked
 from ..design.judge.objectives import OBJECTIVES, known
 from ..design.judge.reach import SHARES, demanding
 from ..design.searches.catalog import Catalog
@@ -28,10 +28,10 @@ from ..records.fabrication import Scatter
 from ..units import parse
 from .catalog import Offer, offer, sections_of
 from .drawn import drawn
+from .faults import from_validation
 from .named import example, examples
 from .places import Place
 from .prices import Price
-from .problems import from_validation
 from .reading import load, parsed, provenance, text_of
 from .task_schema import (
     DesignSection,

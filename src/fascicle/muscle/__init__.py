@@ -15,4 +15,6 @@ from .laws import LAWS as LAWS
 from .materials import MooneyRivlin as MooneyRivlin
 from .muscle import Muscle as Muscle
 from .piecewise import Response as Response
+from .surface import Surface as Surface
+from .surface import UnitSurface as UnitSurface
 from .tuning import Tuning as Tuning

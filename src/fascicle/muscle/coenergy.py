@@ -7,8 +7,8 @@ co-energy
 $$\Pi^*(P, \varepsilon) = P V(0) + L_0 \int_0^\varepsilon F(P, \varepsilon')
   \,\mathrm{d}\varepsilon', \qquad
   F = \frac{1}{L_0} \frac{\partial \Pi^*}{\partial \varepsilon}, \qquad
-  V^* = \frac{\partial \Pi^*}{\partial P}
-      = V(0) + L_0 \frac{\partial}{\partial P} \int_0^\varepsilon F \,\mathrm{d}\varepsilon'. \tag{V1}$$
+  V^* = \frac{\partial \Pi^*}{\partial P} = V(0)
+    + L_0 \frac{\partial}{\partial P} \int_0^\varepsilon F \,\mathrm{d}\varepsilon'. \tag{V2}$$
 
 Up to the free strain $V^*$ is the braid's volume, as (3) says. Past it the force follows a
 bowed, then a hinged bladder, and the straight braid's volume at that strain is not what its
@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import maximum, minimum, nodes, stack, total, where
+from ..core.arrays import minimum, nodes, stack, total, where
 from ..core.derived import along
 from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
@@ -45,11 +45,13 @@ def contraction_work(
     `resistance` [-] past the free strain, too.
     """
     # no stretch starts below rest or ends past the strain asked for, either way
-    low, high = minimum(strain, rest), maximum(strain, rest)
+    back = strain < rest
+    low, high = where(back, strain, rest), where(back, rest, strain)
     free, onset, collapse = muscle.kinks
     folds = [minimum(fold, collapse) for fold in muscle.law.buckling.folds(muscle.column)]
     kinks = [free, onset, *folds, collapse] if resistance else [free]
-    stops = [minimum(maximum(kink, low), high) for kink in kinks]
+    # at a kink slopes are those of smaller strains, where a minimum would share them out
+    stops = [where(kink >= high, high, where(kink > low, kink, low)) for kink in kinks]
     ends = stack([low, *stops, high] if resistance else [low, *stops])
     # all stretches as one row of nodes: the law is asked once
     middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
@@ -57,11 +59,11 @@ def contraction_work(
     shape = (-1, *ends.shape[1:])
     at = (middle[:, None] + half[:, None] * node).reshape(shape)
     done = total((half[:, None] * weight).reshape(shape) * muscle.force(at)[0])
-    return muscle.column.rest_length * where(strain < rest, -done, done)
+    return muscle.column.rest_length * where(back, -done, done)
 
 
 def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V1)."""
+    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
 
     def work(P: Batch) -> Batch:
         return contraction_work(muscle.law.at(P), strain)

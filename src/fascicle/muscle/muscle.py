@@ -26,8 +26,8 @@ from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
 from .buckling import AbstractBuckling
-from .collapse import AbstractCollapse
 from .coenergy import EVALUATIONS, conjugate_volume_of
+from .collapse import AbstractCollapse
 from .column import Centerline
 from .entry import (
     centerline_points,
@@ -285,7 +285,7 @@ class Muscle(Module):
         return self._evaluated(volume_of, strained(strain, self.braid_angle))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume on which the pressure does the work that the ends and the store take, (V1).
+        """Volume on which the pressure does the work that the ends and the store take, (V2).
 
         Up to the free strain it is `volume`; past it, less: the muscle bows, and its braid no
         longer follows its ends. With any other volume a cycle of pressure and strain makes

@@ -1,11 +1,11 @@
 r"""A muscle as a table of its co-energy, from which force and volume both follow.
 
 In time a muscle is asked for thousands of times a second. A `UnitSurface` holds its co-energy
-$\Pi^*$, (V1), on a grid, and between the grid's nodes as a bicubic polynomial whose value and
+$\Pi^*$, (V2), on a grid, and between the grid's nodes as a bicubic polynomial whose value and
 slopes are continuous,
 
 $$F = \frac{1}{L_0} \frac{\partial \Pi^*}{\partial \varepsilon}, \qquad
-  V^* = \frac{\partial \Pi^*}{\partial P}. \tag{V2}$$
+  V^* = \frac{\partial \Pi^*}{\partial P}. \tag{V3}$$
 
 Both come from one table, so that no cycle of pressure and strain makes energy, however coarse
 the grid is: its error, which it states, is one of the law, not of the balance.
@@ -61,7 +61,7 @@ class Surface(NamedTuple):
 
 
 class UnitSurface(Module):
-    """A muscle's co-energy on a grid, (V2): `UnitSurface.tabulate(muscle)` makes it.
+    """A muscle's co-energy on a grid, (V3): `UnitSurface.tabulate(muscle)` makes it.
 
     `coefficients`: of the powers of both cell coordinates [J], cells first; `root_step`: between
     lines of pressure [√Pa]; `strains`: the table's ends [-]; `rest_length` [m]; `errors`: of its
@@ -133,7 +133,7 @@ class UnitSurface(Module):
         return looked_up(self, pressure, strain)
 
     def force(self, pressure: Values, strain: Values) -> Batch:
-        """Pulling force, (V2).
+        """Pulling force, (V3).
 
         **Arguments:**
 
@@ -147,7 +147,7 @@ class UnitSurface(Module):
         return self.at(*self.inside(pressure, strain)).force
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume that goes with the force, (V2).
+        """Volume that goes with the force, (V3).
 
         **Arguments:**
 
@@ -169,9 +169,7 @@ class UnitSurface(Module):
         return P, within(strain, low, high, "strain", "-", why, closed)
 
 
-def looked_up(
-    table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None
-) -> Surface:
+def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
     """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
     """
@@ -180,11 +178,12 @@ def looked_up(
     h, (low, high) = table.root_step, table.strains
     step = (high - low) / columns
 
+    pressure, strain = at_work.asarray(pressure), at_work.asarray(strain)
     P = minimum(maximum(pressure, 0.0), table.highest_pressure)
     # a root has no slope at zero, where the first cell doesn't ask for it
-    s = sqrt(where(P > h**2, P, h**2))
+    s = sqrt(where(h**2 < P, P, h**2))
     i = minimum(at_work.floor(sqrt(where(P > 0, P, 1.0)) / h), lines - 1.0)
-    i = where(P > h**2, i, 0.0).astype(int)
+    i = at_work.where(h**2 < P, i, 0.0).astype(int)
     first = i == 0
     u = where(first, P / h**2, s / h - i)
     u_P = where(first, 1 / h**2, 1 / (2 * s * h))
@@ -241,7 +240,7 @@ def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nod
     grid = [Dual(np.full(len(pressure), x), np.zeros((1, 1))) for x in strain]
     low, high = strain[0], strain[-1]
     inside = [np.minimum(np.maximum(kink, low), high) for kink in kinks]
-    stops = np.stack([*grid, *inside])  # [stop, pressure]
+    stops: Any = np.stack([*grid, *inside])  # [stop, pressure]
     order = np.argsort(stops.value, axis=0, kind="stable")
     stops = np.take_along_axis(stops, order, axis=0)
 
@@ -298,7 +297,7 @@ def _smoothed(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.nda
     both ends stay. A volume whose slope in pressure jumps takes an integrator ten times the steps.
     """
     per = 2 * roots[1:, None]
-    ends = ((1, slope[1] * per[0]), (1, slope[-1] * per[-1]))
+    ends: Any = ((1, slope[1] * per[0]), (1, slope[-1] * per[-1]))
     spline = CubicSpline(roots[1:], value[1:], bc_type=ends)
     return np.concatenate([slope[:1], spline(roots[1:], 1) / per])
 
@@ -311,7 +310,8 @@ def _errors(
     eps = (strain[1:] + strain[:-1])[None] / 2
     with np.errstate(all="ignore"):  # of branches that aren't taken
         off = np.abs(looked_up(table, P, eps).force - muscle.law.at(P).force(eps)[0])
-    return tuple(float(x) for x in np.quantile(off, (0.5, 0.99, 1.0)))
+    median, most, largest = np.quantile(off, (0.5, 0.99, 1.0))
+    return float(median), float(most), float(largest)
 
 
 def _shape(shape: tuple[int, int]) -> tuple[int, int]:

@@ -5,7 +5,7 @@ go with pressure, dark where it is low. A clipped reading is a hollow triangle t
 down: the force was not above it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from .profiles import Profiled, profiles
 from .style import (
     BLACK,
     BLUE,
@@ -98,6 +99,32 @@ class Read:
     curve_pressure: np.ndarray
     blocked_force_curve: np.ndarray
     free_strain_curve: np.ndarray
+
+
+def figures(
+    fitted: Fitted, read: Read | None = None, profiled: Sequence[Profiled] = ()
+) -> dict[str, Figure]:
+    """All figures of a calibration.
+
+    **Arguments:**
+
+    - `fitted`: readings and curves [-].
+    - `read`: what was read at each pressure [-], or `None`.
+    - `profiled`: profiles of its parameters [-].
+
+    **Returns:** figures by name: "fit", "residuals", then "readings" and "profiles" if there
+    are any [-].
+    """
+    found = {"fit": fit(fitted), "residuals": residuals(fitted)}
+    if read is not None:
+        found["readings"] = readings(read)
+    if profiled:
+        found["profiles"] = profiles(profiled)
+    for figure in found.values():
+        # a layout moves a little each time it is made: the files of one figure would differ
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    return found
 
 
 @styled

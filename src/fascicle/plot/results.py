@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..bundle import Bundle
-from ..bundle.recruitment import Space, overlap
+from ..bundle.space import Space, overlap
 from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .curves import bundle_force_strain, force_strain

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..bundle.recruitment import Overlap, Space
+from ..bundle.space import Overlap, Space
 from .style import (
     CYCLE,
     DOUBLE,

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
 
-from ..bundle.recruitment import Overlap, Space
+from ..bundle.space import Overlap, Space
 from .space import draw_space
 from .style import BLACK, SINGLE, VERMILION, new_figure, styled
 

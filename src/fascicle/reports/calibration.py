@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calibrate.after.calibration import Calibration, Estimate
-from ..calibrate.after.judging import hysteresis
 from ..calibrate.after.profiling import Profile
 from ..calibrate.after.trends import ALPHA
+from ..calibrate.after.warned import hysteresis
 from ..files.calibrated import laws_of
 from ..plot.style import to_bytes
 from ..units import pretty

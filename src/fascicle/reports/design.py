@@ -4,7 +4,7 @@ from html import escape
 
 import numpy as np
 
-from ..bundle.recruitment import Space, overlap
+from ..bundle.space import Space, overlap
 from ..bundle.states import states_of
 from ..design.judge.cases import Bench
 from ..design.judge.objectives import OBJECTIVES

@@ -1,4 +1,4 @@
 """Published figures made anew from the muscles' sizes, their claims checked beside them."""
 
 from .claims import Claim as Claim
-from .record import Record as Record
+from .reproduced import Record as Record

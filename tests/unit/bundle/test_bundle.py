@@ -71,25 +71,39 @@ def test_equilibria_are_zeros_with_the_stability_of_the_slope():
     assert list(np.asarray(zeros.stable)[:n]) == list(np.asarray(falls))
 
 
-def test_equilibria_miss_none_that_a_fine_grid_finds():
-    """Three zeros at once, as the spec says of Table 1's stouter muscle."""
-    tuning = fs.Tuning(
+stout = fs.Muscle.from_dimensions(
+    **SIZES | {"length": 0.102},
+    tuning=fs.Tuning(
         youngs_modulus_factor=1.25,
         collapse_moment_factor=1.1,
         hinge_stiffness_factor=1.25,
         hinge_stiffness_slope=0.87e-5,
         transition_rate=100.0,
-    )
-    stout = fs.Muscle.from_dimensions(**SIZES | {"length": 0.102}, tuning=tuning)
-    bundle = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
+    ),
+)
+STOUT = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
+
+
+def test_equilibria_miss_none_that_a_fine_grid_finds():
+    """Three zeros at once, as the spec says of Table 1's stouter muscle."""
     P = np.array([FULL, 69e3])
-    zeros = bundle.equilibria(P)
+    zeros = STOUT.equilibria(P)
     grid = np.linspace(1e-6, 0.3, 30001)
-    signs = np.asarray(bundle.force(P, grid)) > 0
+    signs = np.asarray(STOUT.force(P, grid)) > 0
     brute = grid[1:][signs[1:] != signs[:-1]]
     assert_allclose(np.asarray(zeros.strain)[: int(zeros.count)], brute, atol=1e-5)
     assert_allclose(brute, [0.186, 0.196, 0.230], atol=5e-4)  # model.md, where .1959 is cut to .195
     assert list(np.asarray(zeros.stable)[:3]) == [True, False, True]
+
+
+def test_compiled_equilibria_have_room_for_all():
+    """As many as there may be are listed for all bundles together, not only one for each."""
+    P = np.array([[FULL, 66e3], [FULL, 69e3], [FULL, 72e3], [FULL, 75e3]])
+    P = np.concatenate([P, P])
+    found, plain = jax.jit(STOUT.equilibria)(jnp.asarray(P)), STOUT.equilibria(P)
+    assert plain.count.sum() > len(P) + 5  # with room for fewer, some would be lost
+    assert found.count.tolist() == plain.count.tolist()
+    assert_allclose(found.strain, plain.strain, rtol=0, atol=1e-12)
 
 
 LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUnit(muscle, 2)],

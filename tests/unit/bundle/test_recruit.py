@@ -128,6 +128,19 @@ def test_many_are_answered_as_few_are(monkeypatch, scheme):
     assert_allclose(few.solutions.pressure, many.solutions.pressure, rtol=0, atol=1e-9 * SUPPLY)
 
 
+@pytest.mark.parametrize("scheme", ["orderly", "free"])
+def test_units_of_unlike_laws(scheme):
+    """Their muscles are in rows apart, each by its own law."""
+    other = fs.Muscle.from_dimensions(
+        0.127, 8e-3, 1.6e-3, math.radians(30), "silicone_kim2021", tension="ideal"
+    )
+    mixed = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(other, 2), fs.MotorUnit(thin, 3)], SUPPLY)
+    force, strain = np.array([20.0, 150.0, 500.0, 900.0]), 0.1
+    found = recruit(mixed, force, strain, scheme=scheme)
+    assert found.status.tolist() == [0] * 4
+    assert_allclose(mixed.force(found.pressures, strain), force, rtol=0, atol=1e-8)
+
+
 def test_states_and_shapes():
     force, strain = np.array([[0.0], [40.0], [400.0]]), np.array([0.02, 0.12])
     found = recruit(bundle, force, strain)
@@ -156,6 +169,17 @@ def test_exact_ends_are_found_and_counted_once():
     at_supply = np.isclose(found.solutions.pressure[1], SUPPLY).sum()
     at_nothing = (np.asarray(found.solutions.pressure[1]) == 0).sum()
     assert (at_supply, at_nothing) == (1, 0)
+
+
+@pytest.mark.parametrize("state", [1, 2])
+def test_levels_close_to_a_states_ends_are_found(state):
+    """A curve's end that is met is counted as such; a crossing beside it is another thing."""
+    level = SUPPLY * np.array([1e-4, 0.003, 0.03, 0.97, 0.997, 0.9999])
+    P, strain = pressures_of(state, level, SUPPLY, 2), 0.1
+    found = recruit(bundle, bundle.force(P, strain), strain)
+    there = found.solutions.state == state
+    away = np.where(there, np.abs(found.solutions.pressure - level[:, None]), np.inf)
+    assert found.status.tolist() == [0] * 6 and np.all(away.min(axis=1) < 1e-3)
 
 
 def test_out_of_reach_is_answered_with_the_nearest():

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle.recruitment import overlap, pressures_of, space
-from fascicle.bundle.tables import distinct
+from fascicle.bundle.unit_tables import distinct
 
 
 SUPPLY = 413.7e3
@@ -40,6 +40,22 @@ def test_a_region_holds_its_curves_and_has_an_outline():
     strain, force = found.outline(1)
     assert strain.shape == force.shape and np.all(force >= 0)
     assert_allclose(force.max(), two.force([SUPPLY, 0.0], 0.0))
+
+
+def test_a_region_begins_at_no_pressure_whatever_curves_are_asked_for():
+    found = space(two, levels=[1e5])
+    assert np.all(found.low[0] <= two.force(np.zeros(2), found.strain))
+    assert_allclose(found.high[1], space(two).high[1], rtol=1e-12)
+
+
+def test_outlines_go_there_and_back():
+    found = space(two)
+    shared = overlap(found)
+    for strain, force in (found.outline(2), shared.outline(0)):
+        half = len(strain) // 2
+        assert np.all(np.diff(strain[:half]) > 0) and np.array_equal(strain, strain[::-1])
+        top, bottom = force[:half], force[half:][::-1]
+        assert np.all(top >= bottom) and np.any(top > bottom)
 
 
 def test_states_overlap_with_resistance_only_and_most_near_the_largest_free_strain():

@@ -56,6 +56,21 @@ def test_onset_at_rest_is_no_pressure_at_all_and_beyond_reach_none():
     assert onset_pressure(even, 0.25, supply_pressure=100e3) == math.inf
 
 
+@pytest.mark.parametrize("unit", [1, 2])
+def test_onset_in_a_bundle_of_two_lengths(unit):
+    """Each muscle has a strain of its own."""
+    longer = fs.Muscle.from_dimensions(0.14, 9e-3, 2.25e-3, math.radians(33), "silicone_kim2021")
+    mixed = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(longer)], SUPPLY, length=0.127)
+    strain = 0.15
+    found = onset_pressure(mixed, strain, unit)
+    assert 0 < found < SUPPLY
+    # well below it the unit pushes back more than unfed, above it less
+    P = np.zeros((3, 2))
+    P[:, unit - 1] = [0.0, 0.999 * found, 1.001 * found]
+    none, below, above = mixed.force(P, strain)
+    assert below < none < above
+
+
 def test_refuses_a_unit_that_does_not_exist():
     with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
         onset_pressure(even, 0.1, unit=3)

@@ -15,6 +15,7 @@ from fascicle.bundle.schemes import (
     Free,
     Orderly,
     State,
+    listed,
     name_of,
     scheme_of,
 )
@@ -39,6 +40,15 @@ class LastFirst(AbstractScheme):
         return [State(full=range(k + 1, units), throttled=[k]) for k in reversed(range(units))]
 
 
+class EachThenBoth(AbstractScheme):
+    """One, then the other instead, then both."""
+
+    name = "each then both"
+
+    def states(self, units):
+        return [State([], [0]), State([], [1]), State([0], range(1, units))]
+
+
 class OneOrAll(AbstractScheme):
     """One unit throttled, or that one held and all others together; a gap lies between."""
 
@@ -56,6 +66,9 @@ def test_the_two_of_the_paper():
     assert orderly.in_turn and batch.together and orderly.joined and batch.joined
     assert extends(Orderly(), 5) and extends(Batch(), 5) and not extends(LastFirst(), 3)
     assert states_of(Free(), 3).size == 1 and states_of(Free(), 3).sets()[0].size == 7
+    # few before many, of as many the earlier: of sets that take as little the first is taken
+    fed = states_of(Free(), 3).sets()[0].throttled
+    assert fed.sum(axis=1).tolist() == [1, 1, 1, 2, 2, 2, 3] and fed[3].tolist() == [1, 1, 0]
     # of four alike none, one, … are fed: which ones doesn't matter
     assert states_of(Free(), 4).sets([0] * 4)[0].size == 4
 
@@ -67,6 +80,45 @@ def test_a_scheme_equals_and_prints_as_its_name():
     for kept in (copy.deepcopy(three), copy.copy(three)):
         assert kept == three and kept.scheme == "orderly"
     assert Task.of([1.0], [0.1], SUPPLY, scheme="batch").scheme == "batch"
+
+
+class Detour(AbstractScheme):
+    """Each state feeds more than the first, but not than the one before it."""
+
+    name = "detour"
+
+    def states(self, units):
+        return [State([], [0]), *(State([0], [unit]) for unit in range(1, units))]
+
+
+def test_states_are_nested_where_each_feeds_more_than_the_one_before():
+    assert states_of(Orderly(), 3).nested and not states_of(Detour(), 3).nested
+    assert not states_of(EachThenBoth(), 3).nested
+    assert not states_of(Detour(), 3).in_turn and not states_of(LastFirst(), 3).together
+
+
+class OneOrOther(AbstractScheme):
+    """The first unit alone, or the second: a later state takes less fluid where its unit does."""
+
+    name = "one or other"
+
+    def states(self, units):
+        return [State([], [unit]) for unit in range(units)]
+
+
+def test_of_states_that_feed_other_units_the_one_with_least_fluid_is_taken():
+    force = [2.0, 5.0]
+    for units, best in (((thick, thin), 2), ((thin, thick), 1)):
+        bundle = fs.Bundle([fs.MotorUnit(one) for one in units], SUPPLY, OneOrOther())
+        found = fs.recruitment.recruit(bundle, force, 0.1)
+        assert found.state.tolist() == [best, best] and np.all(found.count >= 2)
+    free = fs.recruitment.recruit(bundle, force, 0.1, scheme="free")
+    assert free.solutions.state.tolist() == [[1], [1]] == free.state[:, None].tolist()
+
+
+def test_names_are_listed_in_words():
+    assert listed() == "orderly, batch or free"
+    assert listed("`", but=1) == "`batch` or `free`" and listed(but=2) == "free"
 
 
 def test_one_of_the_users_own_everywhere():

@@ -43,6 +43,7 @@ MOVED = {
     "design.summary.Summary": "design.searches.summary",
     "design.summary.summary_of": "design.searches.summary",
     "design.sweep.sweep": "design.sweeps.running",
+    "reports.fitted.figures": "calibrate.after.pictures",
 }
 
 

@@ -1,12 +1,11 @@
 import jax
 import jax.numpy as jnp
-import mpmath
 import numpy as np
 import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle.core.roots import elliptic, guarded, jacobi, polynomial, root, series, still
+from fascicle.core.roots import guarded, root, still
 
 
 def residual(theta, x):
@@ -118,55 +117,9 @@ def test_two_steps_carry_three_derivatives():
     assert_allclose(third, 3 / (8 * np.sqrt(2) ** 5), rtol=1e-12)
 
 
-def test_polynomial_and_its_slope():
-    x = np.linspace(-1, 1, 5)
-    value, slope = polynomial((1.0, -2.0, 0.0, 3.0), x)
-    assert_allclose(value, 1 - 2 * x + 3 * x**3, rtol=1e-15, atol=1e-15)
-    assert_allclose(slope, -2 + 9 * x**2, rtol=1e-15, atol=1e-15)
-
-
-def test_series_of_chebyshev_polynomials():
-    x, coefficients = np.linspace(-1, 1, 9), (0.5, -1.0, 0.25, 2.0)
-    expected = np.polynomial.chebyshev.chebval(x, coefficients)
-    assert_allclose(series(coefficients, x), expected, rtol=1e-15, atol=1e-15)
-
-
 def test_what_is_still_has_no_derivative():
     assert jax.grad(lambda x: x * still((x, np.float64(2)))[0])(3.0) == 3
     assert still(np.float64(3.0)) == 3
-
-
-@pytest.mark.parametrize("m", [-0.5, -1e-9, 0.0, 1e-12, 0.1, 0.5, 0.8261147659879693, 0.9])
-def test_complete_integrals(m):
-    ours = elliptic(m)
-    assert_allclose(ours.K, float(mpmath.ellipk(m)), rtol=1e-15, atol=0)
-    assert_allclose(ours.E, float(mpmath.ellipe(m)), rtol=2e-15, atol=0)
-
-
-@pytest.mark.parametrize("m", [0.2, 0.6, 0.82])
-def test_slopes_of_complete_integrals(m):
-    K, E = float(mpmath.ellipk(m)), float(mpmath.ellipe(m))
-    dK, dE = jax.grad(lambda m: elliptic(m).K)(m), jax.grad(lambda m: elliptic(m).E)(m)
-    assert_allclose(dK, (E - (1 - m) * K) / (2 * m * (1 - m)), rtol=1e-13)
-    assert_allclose(dE, (E - K) / (2 * m), rtol=1e-13)
-
-
-def test_complete_integrals_are_smooth_at_zero():
-    # K = π/2 (1 + m/4 + 9m²/64 …), E = π/2 (1 − m/4 − 3m²/64 …)
-    K, E = (lambda m: elliptic(m).K), (lambda m: elliptic(m).E)
-    assert_allclose([jax.grad(K)(0.0), jax.grad(E)(0.0)], [np.pi / 8, -np.pi / 8], rtol=1e-15)
-    assert_allclose(jax.grad(jax.grad(K))(0.0), 9 * np.pi / 64, rtol=1e-14)
-
-
-@pytest.mark.parametrize("m", [0.0, 0.3, 0.7, 0.82])
-def test_amplitude_and_incomplete_integral(m):
-    u = np.linspace(0, 4 * float(mpmath.ellipk(m)), 17)
-    phase, epsilon = jacobi(u, elliptic(m))
-    expected = [float(mpmath.ellipfun("sn", u=x, m=m)) for x in u]
-    assert_allclose(np.sin(phase), expected, rtol=0, atol=3e-15)
-    assert_allclose(phase[-1], 2 * np.pi, rtol=1e-15)  # four quarters are a full turn
-    incomplete = [float(mpmath.ellipe(mpmath.mpf(float(p)), m)) for p in phase]
-    assert_allclose(epsilon, incomplete, rtol=0, atol=1e-14)
 
 
 def test_a_guarded_branch_leaves_no_trace_in_the_gradient():

@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
+from fascicle.design.judge.forces import Resolution
 from fascicle.design.judge.judging import sizes_of
 from fascicle.design.judge.objectives import judged
 from fascicle.design.judge.outcome import Demand
 from fascicle.design.judge.shared import prepared, shared_objectives
-from fascicle.design.judge.table import Resolution
 from fascicle.design.judge.unlike import unlike_objectives, unlike_outcome
 from fascicle.design.space.splits import compositions, partitions
 
@@ -32,7 +32,7 @@ def values(five, task):
     return evaluate(five, task, NAMES)
 
 
-def test_the_two_kernels_agree(muscle, five, task):
+def test_like_and_unlike_units_are_judged_the_same(muscle, five, task):
     demand = Demand.of(task)
     rows = np.array([0, 1, 7, 15])
     known = prepared(muscle, 5, demand, most=5, needs=NEEDS, resolution=COARSE)

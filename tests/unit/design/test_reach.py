@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.judge.limits import within_limits
+from fascicle.design.judge.allowed import within_limits
 from fascicle.design.judge.reach import demanding, enough, may_miss, others
 
 

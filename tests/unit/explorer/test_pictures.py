@@ -8,8 +8,8 @@ import pytest
 import fascicle as fs
 from fascicle.bundle import reversal
 from fascicle.explorer.curves import bundle_space, efficiency_maps, reversal_curves
-from fascicle.explorer.curves.laws import alternative, alternatives
 from fascicle.explorer.curves.muscle_curves import FAMILY, picture, widest
+from fascicle.explorer.curves.other_laws import alternative, alternatives
 from fascicle.explorer.curves.tube import AROUND, RINGS, quads, solid
 from fascicle.explorer.state import Unit, scaled, view_of
 from fascicle.muscle import LAWS

@@ -8,6 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle import units
 from fascicle.calibrate.after.calibration import Calibration
+from fascicle.calibrate.after.pictures import figures, fitted_of, profiled_of, read_of
 from fascicle.calibrate.after.posterior import Posterior
 from fascicle.calibrate.after.profiling import Profile
 from fascicle.calibrate.data.taking import taken
@@ -21,7 +22,6 @@ from fascicle.files import provenance
 from fascicle.files.calibrated import provenance_of
 from fascicle.records import Record, Source
 from fascicle.reports.calibration import report
-from fascicle.reports.fitted import figures, fitted_of, profiled_of, read_of
 
 
 DATE = "2026-05-04"

@@ -111,7 +111,7 @@ class Bank(NamedTuple):
     """A bundle's kinds of muscle, and how many of each [-] a state has: `throttled`, at `no` and
     at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
     throttle one. `counted`: which states' beginnings and ends are solutions of their own [-]. Where
-    units are independent each is a state by itself.
+    units are independent each is a state by itself, and nothing beside it is `held`.
     """
 
     rows: tuple[Kinds, ...]
@@ -123,6 +123,7 @@ class Bank(NamedTuple):
     supply: Numbers
     resistance: bool
     counted: tuple[np.ndarray, np.ndarray]
+    by_itself: bool
 
     @property
     def states(self) -> int:
@@ -146,6 +147,10 @@ class Bank(NamedTuple):
         """What the units that a state doesn't throttle give [N] at each `strain` [-], states
         last, and its slope in strain [N].
         """
+        if self.by_itself:
+            at_work = library(strain, self.supply)
+            nothing = at_work.zeros((*np.shape(strain), self.states))
+            return nothing, nothing
         return tuple(
             none @ self.no.T + full @ self.full.T
             for none, full in self.forces(nodes((0.0, 1.0), strain) + 0.0 * strain, strain)
@@ -155,6 +160,8 @@ class Bank(NamedTuple):
         """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-], and its slope
         in strain [N].
         """
+        if self.by_itself:
+            return self._alone(state, level, strain)
         at_work = library(level, strain, self.supply)
         of_level = at_work.stack([0.0 * level, level, 1.0 + 0.0 * level]) + 0.0 * strain
         shares = at_work.stack([self.no[state], self.throttled[state], self.full[state]])
@@ -169,16 +176,8 @@ class Bank(NamedTuple):
         if self.alone is None:
             found, _ = self.forces(level, strain[:, None])
             return self.throttled[state][:, None, :] * found
-        total, first = 0.0, 0
-        kind = library(state).asarray(self.alone)[state]
-        for row in self.rows:
-            place = kind - first
-            here = row.picked(place[:, None])
-            found, _ = self._kept(here.force(level * self.supply, strain[:, None]))
-            inside = (place >= 0) & (place < row.size)
-            total = total + where(inside[:, None], found, 0.0)
-            first += row.size
-        return (self.throttled[state, kind][:, None] * total)[..., None]
+        found, _ = self._alone(state[:, None], level, strain[:, None])
+        return found[..., None]
 
     def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """The same forces [N] and their slopes by level [N]."""
@@ -207,6 +206,21 @@ class Bank(NamedTuple):
             at_work.asarray([0.0, *_BETWEEN, 1.0]), (*own.shape[:2], 2 + len(_BETWEEN))
         )
         return at_work.sort(at_work.concatenate([own, fixed], axis=-1), axis=-1)
+
+    def _alone(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force [N] of the one kind that each `state` throttles, and its slope in strain [N]."""
+        total, slope, first = 0.0, 0.0, 0
+        kind = library(state).asarray(self.alone)[state]
+        for row in self.rows:
+            place = kind - first
+            found = self._kept(row.picked(place).force(level * self.supply, strain))
+            inside = (place >= 0) & (place < row.size)
+            total, slope = (
+                x + where(inside, more, 0.0) for x, more in zip((total, slope), found, strict=True)
+            )
+            first += row.size
+        share = self.throttled[state, kind]
+        return share * total, share * slope
 
     def _kept(self, found: tuple[Numbers, Numbers]) -> tuple[Numbers, Numbers]:
         if self.resistance:
@@ -246,7 +260,9 @@ def bank(
     if all(len(one) == 1 for one in members):
         alone = np.array([one.pop() for one in members])
     kinks = tuple(_kinks(row, supply) for row in rows)
-    return Bank(rows, throttled, no, full, alone, kinks, supply, resistance, counted)
+    return Bank(
+        rows, throttled, no, full, alone, kinks, supply, resistance, counted, states.independent
+    )
 
 
 def _kinks(row: Kinds, supply: Numbers) -> Kinks:

@@ -38,7 +38,7 @@ _BEYOND = 100.0  # times that, and 10 N: no muscle gives as much, and 1e-13 of i
 
 
 def freed(
-    live: Bank,
+    bank: Bank,
     force: Numbers,
     strain: Numbers,
     taken: Numbers,
@@ -51,7 +51,7 @@ def freed(
 
     **Arguments:**
 
-    - `live`: a state for each unit that throttles it alone [-].
+    - `bank`: a state for each unit that throttles it alone [-].
     - `force`: demanded [N], one for each `strain`.
     - `strain`: the bundle's contractions [-].
     - `taken`: by each unit since rest [m³], units last.
@@ -61,15 +61,25 @@ def freed(
 
     **Returns:** what to do for each demand [-], without derivatives.
     """
-    fixed, f, eps, volume = still((live, force, strain, taken))
+    fixed, f, eps, volume = still((bank, force, strain, taken))
     at_work = library(f, eps, volume, fixed.supply)
     units = len(alike)
     few = [list(alike).index(kind) for kind in range(len(set(alike)))]
-    none, full, least, most, at_least, at_most = (
-        x[:, np.array(alike)] for x in _limits(fixed, few, eps)
-    )
+    # a strain that many demands share is looked at once
+    once, place = eps, np.arange(len(eps))
+    if at_work is np:
+        once, place = np.unique(eps, return_inverse=True)
+    seen = _seen(fixed, few, once)
+    none, full = (seen[end][place][:, np.array(alike)] for end in (0, -1))
     chosen = sets.throttled.T.astype(float)
     base = full @ sets.full.T.astype(float) + none @ (~sets.full).T.astype(float)
+    # what pulls less than a set at its beginning is of no use to a demand for more, nor the reverse
+    needed = [at_work.max(base, axis=1) > f, at_work.min(base, axis=1) <= f]
+    if at_work is np:
+        needed = [np.bincount(place, one, len(once)) > 0 for one in needed]
+    least, most, at_least, at_most = (
+        x[place][:, np.array(alike)] for x in _limits(fixed, few, once, seen, needed)
+    )
     low, high = base + (least - none) @ chosen, base + (most - none) @ chosen
     wanted = f[:, None]
     off = maximum(maximum(low - wanted, wanted - high), 0.0)
@@ -137,30 +147,44 @@ def _throttled(
     return level, *_forces(bank, level, strain)
 
 
-def _limits(bank: Bank, units: Sequence[int], strain: Numbers) -> tuple[Numbers, ...]:
-    """Forces [N] of `units` unfed and at full supply, their least and their largest, and at which
-    levels [-] these are, at each `strain` [-], units last.
-    """
-    at_work, count = library(strain, bank.supply), len(strain)
-    shape = (count, len(units))
-    state, eps = np.tile(np.array(units), count), at_work.repeat(strain, len(units))
-    seen = at_work.stack([
+def _seen(bank: Bank, units: Sequence[int], strain: Numbers) -> Numbers:
+    """Forces [N] of `units` at some even levels, which are first, and each `strain` [-]."""
+    at_work = library(strain, bank.supply)
+    state, eps = np.array(units), strain[:, None]
+    return at_work.stack([
         bank.state_force(state, level + 0.0 * eps, eps)[0]
         for level in np.linspace(0.0, 1.0, _SEEN)
     ])  # fmt: skip
+
+
+def _limits(
+    bank: Bank, units: Sequence[int], strain: Numbers, seen: Numbers, needed: Sequence[Any]
+) -> tuple[Numbers, ...]:
+    """Least and largest forces [N] of `units`, and at which levels [-] these are, at each `strain`
+    [-], units last; where one isn't `needed`, that of the unit unfed. `seen`: some forces [N].
+    """
+    at_work, shape = library(strain, bank.supply), (2, *seen.shape[1:])
     beyond = _BEYOND * at_work.max(at_work.abs(seen), axis=0) + 10.0
-    asked = at_work.concatenate([-beyond, beyond])
-    twice, state = at_work.concatenate([eps, eps]), np.concatenate([state, state])
-    level = solve(bank, asked, twice, state).nearest
-    force, _ = bank.state_force(state, level, twice)
-    ends = (x[part] for x in (force, level) for part in (slice(0, eps.size), slice(eps.size, None)))
-    return tuple(x.reshape(shape) for x in (seen[0], seen[-1], *ends))
+    force, level = at_work.stack([seen[0], seen[0]]), at_work.zeros(shape)
+    side, row, column = np.indices(shape).reshape(3, -1)
+    if at_work is np:
+        side, row, column = np.nonzero(np.broadcast_to(np.stack(needed)[..., None], shape))
+    if len(side):
+        state, eps = np.array(units)[column], strain[row]
+        asked = where(side > 0, 1.0, -1.0) * beyond[row, column]
+        levels = solve(bank, asked, eps, state).nearest
+        forces, _ = bank.state_force(state, levels, eps)
+        if at_work is np:
+            force[side, row, column], level[side, row, column] = forces, levels
+        else:
+            force, level = forces.reshape(shape), levels.reshape(shape)
+    return *force, *level
 
 
-def _forces(live: Bank, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+def _forces(bank: Bank, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
     """Force [N] of all units at their own `level` [-], and its slope in `strain` [N]."""
-    at_work, (count, units) = library(level, strain, live.supply), level.shape
+    at_work, (count, units) = library(level, strain, bank.supply), level.shape
     state = np.tile(np.arange(units), count)
-    found = live.state_force(state, level.reshape(-1), at_work.repeat(strain, units))
+    found = bank.state_force(state, level.reshape(-1), at_work.repeat(strain, units))
     force, slope = (at_work.sum(x.reshape(count, units), axis=1) for x in found)
     return force, slope

@@ -65,7 +65,7 @@ class Recruited(NamedTuple):
 
 
 def recruited(
-    live: Bank,
+    bank: Bank,
     force: Numbers,
     strain: Numbers,
     present: Numbers | None = None,
@@ -77,7 +77,7 @@ def recruited(
 
     **Arguments:**
 
-    - `live`: the bundle's curves [-].
+    - `bank`: the bundle's curves [-].
     - `force`: demanded [N], one for each `strain`.
     - `strain`: the bundle's contractions [-].
     - `present`: pressures now [Pa], units last, or None.
@@ -86,7 +86,7 @@ def recruited(
 
     **Returns:** what to do for each demand [-], without derivatives.
     """
-    fixed, f, eps = still((live, force, strain))
+    fixed, f, eps = still((bank, force, strain))
     at_work = library(f, eps, fixed.supply)
     found = solve(fixed, f, eps)
     met = found.met

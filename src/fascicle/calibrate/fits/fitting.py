@@ -19,9 +19,9 @@ from ...records.record import Record
 from ..after.calibration import Calibration
 from ..after.causes import causes, untold
 from ..after.discrepancy import from_trends, table, widening
-from ..after.judging import remarks
 from ..after.remainder import remainder
 from ..after.trends import looked
+from ..after.warned import remarks
 from ..data.grid import Grid, trimmed
 from ..data.pulling import strain_of, untuned
 from ..data.readings import Readings, smooth_free_strain, tables_of

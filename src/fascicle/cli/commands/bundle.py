@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..equilibria import check_zeros, show_states
 from ..inputs import check_grid, read_bundle, read_list, read_states
 from ..options import (
     DEFAULT_STRAIN,
@@ -16,9 +17,9 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import refusing
-from ..states import check_zeros, show_states
-from ..tables import decimals, number, show
+from ..telling import telling
 
 
 def run(
@@ -44,7 +45,7 @@ def run(
     from ...results.tables import bundle_force
     from ..compute import bundle_equilibria
 
-    with refusing():
+    with telling("finding equilibria and forces"), refusing():
         # the zeros take most memory, and refuse what has none
         zeros = bundle_equilibria(bundle, states, not no_resistance)
         variables = {**bundle_force(bundle, states, strains, not no_resistance), **zeros}

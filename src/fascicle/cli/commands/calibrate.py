@@ -162,7 +162,7 @@ def run(
     as_json: AsJson = False,
 ) -> None:
     """Fit a muscle to what a dynamometer measured, and say how sure it is."""
-    from .calibrating import Begin, Reading, Search, calibrated
+    from .calibrate_work import Begin, Reading, Search, calibrated
 
     begin = Begin(
         muscle,

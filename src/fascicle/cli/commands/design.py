@@ -86,8 +86,8 @@ def run(
     reach it; the exit code is 3 then.
     """
     from ..startup import prepare
-    from .designed import as_json as to_json
-    from .designed import print_answer, write
+    from .design_results import as_json as to_json
+    from .design_results import print_answer, write
 
     folder = folder_for("design", out, task, as_json, overwrite)
     _check(generations, checkpoint)

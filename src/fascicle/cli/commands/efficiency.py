@@ -18,8 +18,9 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import number, show
 from ..problems import UserError, fall_short, refusing
-from ..tables import number, show
+from ..telling import telling
 
 
 _PATHS = ("isobaric", "isotonic")
@@ -54,7 +55,7 @@ def run(
     paths = _PATHS if path is None else (path,)
     from ..compute import bundle_efficiency
 
-    with refusing():
+    with telling("finding efficiencies"), refusing():
         variables, maps = bundle_efficiency(
             bundle,
             supply_pressure,

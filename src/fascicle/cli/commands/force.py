@@ -16,8 +16,9 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import refusing
-from ..tables import decimals, number, show
+from ..telling import telling
 
 
 _MARKS = ("", "b", "c", "s")
@@ -42,7 +43,7 @@ def run(
     muscle = read_muscle(file, "fascicle bundle")
     from ...results.tables import muscle_force
 
-    with refusing():
+    with telling("finding forces"), refusing():
         variables = muscle_force(muscle, pressures, strains)
     outputs.give(
         variables,

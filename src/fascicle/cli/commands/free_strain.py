@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..equilibria import check_zeros, show_states
 from ..inputs import check_grid, is_bundle, read_list, read_states, read_target
 from ..options import (
     DEFAULT_PRESSURE,
@@ -15,9 +16,9 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import UserError, refusing
-from ..states import check_zeros, show_states
-from ..tables import decimals, number, show
+from ..telling import telling
 
 
 def run(
@@ -42,7 +43,7 @@ def run(
     if is_bundle(found):
         states = read_states(pressure, found)
         check_grid(len(states), len(states[0]))
-        with refusing():
+        with telling("finding equilibria"), refusing():
             variables = bundle_equilibria(found, states, not no_resistance)
         table = show_states
     else:
@@ -50,7 +51,7 @@ def run(
             raise UserError("--no-resistance: it is for bundles; a muscle's free strain has none.")
         text = ",".join(pressure or [DEFAULT_PRESSURE])
         pressures = read_list(text, "pressure", "--pressure")
-        with refusing():
+        with telling("finding free strains"), refusing():
             variables = muscle_free_strain(found, pressures)
         table = _table
     outputs.give(

@@ -7,8 +7,9 @@ import typer
 from ..inputs import check_grid, read_bundle, read_list, read_one
 from ..options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Supply, Target
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import fall_short, refusing
-from ..tables import decimals, number, show
+from ..telling import telling
 
 
 Force = Annotated[
@@ -58,7 +59,8 @@ def run(
     bundle = read_bundle(file)
     from ..compute import bundle_recruit, is_free
 
-    with refusing():
+    told = f"finding the pressures of {len(forces) * len(strains)} demands"
+    with telling(told), refusing():
         variables = bundle_recruit(
             bundle, forces, strains, supply_pressure, scheme, not no_resistance
         )

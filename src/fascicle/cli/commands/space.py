@@ -17,8 +17,9 @@ from ..options import (
     Target,
 )
 from ..outputs import Outputs
+from ..printed import decimals, number, show
 from ..problems import refusing
-from ..tables import decimals, number, show
+from ..telling import telling
 
 
 def run(
@@ -43,7 +44,7 @@ def run(
     bundle = read_bundle(file)
     from ..compute import bundle_space
 
-    with refusing():
+    with telling("finding what each state reaches"), refusing():
         variables, space = bundle_space(
             bundle, supply_pressure, pressures, strains, not no_resistance, scheme
         )

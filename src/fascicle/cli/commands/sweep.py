@@ -124,7 +124,7 @@ def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
     from ...results.designed import case_variables, front_variables
     from ...results.labelled import write
     from ..outputs import SOURCE
-    from .designed import print_answer
+    from .design_results import print_answer
 
     index, values = np.arange(len(file.space)), store.all()
     found = concluded(

@@ -30,8 +30,9 @@ from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows
 from ..space.task import Task
+from .forces import SHARED, UNLIKE, tabulated
+from .kernel import Unlike, highest
 from .outcome import MET, MOST_SETS, Demand
-from .table import SHARED, UNLIKE, highest, tabulated
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
@@ -257,7 +258,7 @@ class Bench:
             none = np.zeros(strain.shape)
             demand = Demand(none, reached, none, np.float64(supply), scheme, by_stroke=False)
             table = tabulated(self._rows, demand, (), self.level).take(self.which)
-            return _bounded(np.max(highest(self.counts, table, states), axis=0), strain)
+            return _bounded(np.max(highest(Unlike(self.counts), table, states), axis=0), strain)
         parts = [
             states.edges(*self.table(supply, reached[rows]))[1].max(axis=0)
             for rows in _blocks(len(strain))

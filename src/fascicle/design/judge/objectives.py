@@ -8,8 +8,10 @@ docs read that. Weights are the task's, over their sum.
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+import numpy as np
+
 from ...bundle.schemes import AbstractScheme
-from ...core.arrays import stack, where
+from ...core.arrays import library, stack, where
 from ...core.checks import one_of
 from ...core.refused import Refused
 from ...core.types import Numbers
@@ -87,7 +89,7 @@ def mean_efficiency(outcome: Outcome) -> PerDesign:
 @objective("J", "min")
 def peak_energy(outcome: Outcome) -> PerDesign:
     """Largest fluid energy that any point of the task takes [J]; `outcome` [-]."""
-    return outcome.energy.max(axis=0)
+    return _largest(outcome.energy)
 
 
 @objective("J", "min")
@@ -115,7 +117,7 @@ def margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over the task's points [N], negative where one isn't reached; the
     demanded load could be larger by that everywhere. `outcome` [-].
     """
-    return outcome.spare.min(axis=0)
+    return -_largest(-outcome.spare)
 
 
 @objective("N", "min")
@@ -127,7 +129,7 @@ def shortfall(outcome: Outcome) -> PerDesign:
 @objective("N", "min")
 def worst_shortfall(outcome: Outcome) -> PerDesign:
     """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
-    return outcome.shortfall.max(axis=0)
+    return _largest(outcome.shortfall)
 
 
 @objective("-", "min")
@@ -136,7 +138,7 @@ def relative_shortfall(outcome: Outcome) -> PerDesign:
     nothing is; `outcome` [-].
     """
     F = outcome.force
-    return (outcome.shortfall / where(F > 0, F, F.max())).max(axis=0)
+    return _largest(outcome.shortfall / where(F > 0, F, F.max()))
 
 
 @objective("N", "max")
@@ -150,7 +152,7 @@ def force_resolution(outcome: Outcome) -> PerDesign:
     """Largest step of the blocked force from one fully active state to the next [N], which
     is what full pressure alone can't tell apart; `outcome` [-].
     """
-    return outcome.blocked.max(axis=0)
+    return _largest(outcome.blocked)
 
 
 @objective("-", "min")
@@ -231,6 +233,17 @@ def judged(outcome: Outcome, names: Iterable[str]) -> Numbers:
 
 def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
     return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
+
+
+def _largest(values: Numbers) -> PerDesign:
+    """Of the points, or of the units."""
+    at_work = library(values)
+    if at_work is np:
+        return values.max(axis=0)
+    # by its place: a compiler may evaluate what it compares a second time, with other last bits,
+    # and none is then equal to the largest, nor has any its derivative
+    place = at_work.argmax(values, axis=0)[None]
+    return at_work.take_along_axis(values, place, axis=0)[0]
 
 
 def _asked(values: PerDesign | None, name: str) -> PerDesign:

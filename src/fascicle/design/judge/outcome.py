@@ -19,7 +19,7 @@ exact where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -37,7 +37,7 @@ MOST_SETS = 255  # that independent units are fed in: all of eight
 
 
 class Demand(eqx.Module):
-    """A task as the kernels take it: `force` [N], `travel`, a strain [-] or `by_stroke` a length
+    """A task as the kernel takes it: `force` [N], `travel`, a strain [-] or `by_stroke` a length
     [m], `weight` [-], `supply` [Pa]. What it says of bundles of some `length` [m] has points on
     the first axis, and those of the length after it.
     """
@@ -58,17 +58,17 @@ class Demand(eqx.Module):
 
     def strain(self, length: Numbers) -> Numbers:
         """Contractions [-] of a bundle of `length` [m], no larger than the laws know."""
-        travel = _laid(self.travel, np.ndim(length))
+        travel = laid(self.travel, np.ndim(length))
         return minimum(travel / length, LARGEST_STRAIN) if self.by_stroke else travel
 
     def work(self, length: Numbers) -> Numbers:
         """Work [J] of each point, for a bundle of `length` [m]."""
-        work = _laid(self.force * self.travel, np.ndim(length))
+        work = laid(self.force * self.travel, np.ndim(length))
         return work if self.by_stroke else work * length
 
     def can_be(self, length: Numbers) -> Marks:
         """Whether a bundle of `length` [m] can be that much shorter, whatever it pulls with."""
-        travel = _laid(self.travel, np.ndim(length))
+        travel = laid(self.travel, np.ndim(length))
         return travel <= (LARGEST_STRAIN * length if self.by_stroke else np.inf)
 
 
@@ -165,8 +165,7 @@ def visited(
     **Returns:** the visit [-].
     """
     axes, at_work = np.ndim(high[0]) - 1, library(high[0])
-    F, can_be = _laid(demand.force, axes), demand.can_be(length)
-    can_be = can_be.reshape(can_be.shape + (1,) * (axes + 1 - can_be.ndim))
+    F, can_be = laid(demand.force, axes), laid(demand.can_be(length), axes)
     last = at_work.broadcast_to(there.sum(axis=0) - 1, high[0].shape)
     top, state, least, miss = -np.inf, last, np.inf, np.inf
     # from the last state to the first, so that the lowest that is enough has the word
@@ -192,6 +191,6 @@ def visited(
     return Visit(reached, where(reached, 0.0, miss), spare, state)
 
 
-def _laid(points: Numbers, axes: int) -> Numbers:
-    """Values of the `points` [any unit] with so many `axes` more."""
-    return points.reshape(points.shape + (1,) * axes)
+def laid(points: Numbers | Marks, axes: int) -> Any:
+    """Values of the points [any unit] with so many `axes` [-] in all after their own."""
+    return points.reshape(points.shape + (1,) * (axes + 1 - points.ndim))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .limits import Limit, Limits, Values, within_limits
+from .allowed import Limit, Limits, Values, within_limits
 from .objectives import known
 from .outcome import MET
 

@@ -18,12 +18,12 @@ from ...bundle.states import states_of
 from ...core.arrays import library, where
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
-from ..space.packing import bowed_diameter
 from ..space.rows import Rows
-from .curves import Curves, curves_of, depths, overlaps
+from .compositions import Curves, curves_of, depths, overlaps
+from .forces import SHARED, Resolution, Table, run, tabulated
+from .kernel import Alike, outcome
 from .objectives import judged
-from .outcome import Demand, Outcome, existing, states_for, visited
-from .table import SHARED, Resolution, Table, run, tabulated
+from .outcome import Demand, Outcome, existing, states_for
 
 
 class Prepared(NamedTuple):
@@ -135,43 +135,11 @@ def _objectives(known: Prepared, counts: Whole, demand: Demand, names: tuple[str
 def shared_outcome(known: Prepared, counts: Whole, demand: Demand) -> Outcome:
     """What compositions of one muscle do; arguments as of `shared_objectives` [-]."""
     n = counts.T
-    table, N = known.table, known.muscles
     states = states_for(demand.scheme, len(n))
-    at_full, throttled = (mask.astype(int) @ n for mask in (states.full, states.throttled))
-    fed = at_full + throttled
-    full, none, largest = (x[:, None] for x in (table.full, table.unfed, table.largest))
-    # not stacked: states are looked at in turn, and needn't be written to memory
-    high = [
-        at_full[k] * full + (N - fed[k]) * none + throttled[k] * largest for k in range(states.size)
-    ]
-    there, at_work = existing(demand.scheme, n > 0), library(counts, full)
-    if states.nested:
-        visit = visited(demand, table.length, high, there)
-        # few states: a sum over them is faster than to look the state up
-        before = at_work.concatenate([0 * fed[:1], fed[:-1]])
-        active = sum(where(visit.state >= k, (fed - before)[k], 0) for k in range(states.size))
-    else:
-        # all take the same volume: the fewest muscles take the least
-        visit = visited(demand, table.length, high, there, cost=1.0 * fed[:, None])
-        active = at_work.take_along_axis(fed, visit.state, axis=0)
-    size = None
-    if table.radius is not None and table.bulge is not None:
-        radii = library(counts, table.radius).broadcast_to(table.radius, counts.shape)
-        size = bowed_diameter(radii, counts, table.bulge)
-    return Outcome(
-        force=demand.force[:, None],
-        weight=demand.weight[:, None],
-        work=demand.work(table.length)[:, None],
-        reached=visit.reached,
-        shortfall=visit.shortfall,
-        spare=visit.spare,
-        energy=demand.supply * table.volume[:, None] * active,
-        blocked=n * table.blocked,
-        units=(n > 0).sum(axis=0),
-        size=size,
-        depth=_deepest(known.depth, n[states.order]),
-        overlap=_widest(known.overlap, where(there, fed, 0)),
-    )
+    fed = where(existing(demand.scheme, n > 0), states.fed.astype(int) @ n, 0)
+    depth = _deepest(known.depth, n[states.order])
+    overlap = _widest(known.overlap, fed)
+    return outcome(Alike(n), known.table, known.table.length, demand, depth=depth, overlap=overlap)
 
 
 def _deepest(table: Numbers | None, n: Whole) -> Numbers | None:

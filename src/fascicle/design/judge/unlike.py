@@ -5,7 +5,6 @@ design is that of the force law at no and at full pressure, unless its curves ar
 units share one throttled pressure: then it is that at all its units' levels and strains.
 """
 
-from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -14,16 +13,15 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Float
 
-from ...core.arrays import library, where
 from ...core.evaluate import COMPILE_ABOVE
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
-from ..space.packing import bowed_diameter
 from ..space.rows import Rows
-from .levels import at_every_level
+from .every_level import at_every_level
+from .forces import UNLIKE, Resolution, Table, filled_up, run, tabulated
+from .kernel import Unlike, outcome
 from .objectives import judged
-from .outcome import Demand, Outcome, existing, states_for, visited
-from .table import UNLIKE, Resolution, Table, filled_up, highest, run, tabulated
+from .outcome import Demand, Outcome, states_for
 
 
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache
@@ -104,8 +102,7 @@ def whole_law(demand: Demand, units: int, needs: tuple[str, ...]) -> bool:
 def _objectives(
     table: Table, counts: Whole, length: Numbers, demand: Demand, names: tuple[str, ...]
 ) -> Numbers:
-    high = highest(counts, table, states_for(demand.scheme, len(counts)))
-    return judged(_outcome(counts, table, high, length, demand), names)
+    return judged(outcome(Unlike(counts), table, length, demand), names)
 
 
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))
@@ -142,50 +139,4 @@ def unlike_outcome(
     rows = Rows(drawing, sizes.length + 0.0 * sizes.radius, *sizes[2:])
     n = sizes.counts
     table, low, high, depth, overlap = at_every_level(rows, n, demand, needs, resolution)
-    return _outcome(n, table, high, sizes.length, demand, low, depth, overlap)
-
-
-def _outcome(
-    n: Whole,
-    table: Table,
-    high: Sequence[Numbers] | Numbers,
-    length: Numbers,
-    demand: Demand,
-    low: Numbers | None = None,
-    depth: Numbers | None = None,
-    overlap: Numbers | None = None,
-) -> Outcome:
-    """Of the `table` of units and the largest force `high` of each state [N], and their least where
-    gaps are between them; designs last.
-    """
-    there, axes = n > 0, np.ndim(n) - 1
-    states, volume = states_for(demand.scheme, len(n)), n * table.volume
-    at_work, exist = library(volume), existing(demand.scheme, there)
-    if states.nested:
-        visit = visited(demand, length, high, exist, low)
-        first = states.first.reshape((-1,) + (1,) * axes)
-        fed = first <= visit.state[:, None]
-    else:
-        # what flows back counts as nothing, as a set that feeds more isn't cheaper
-        cost = at_work.moveaxis(at_work.maximum(volume, 0.0), 1, -1) @ states.fed.T.astype(float)
-        visit = visited(demand, length, high, exist, low, at_work.moveaxis(cost, -1, 0))
-        fed = at_work.moveaxis(at_work.asarray(states.fed)[visit.state], -1, 1)
-    taken = where(fed, volume, 0.0).sum(axis=1)
-    size = None
-    if table.radius is not None and table.bulge is not None:
-        bulge = where(there, table.bulge, 0.0).max(axis=0)
-        size = bowed_diameter(table.radius.T, n.T, bulge)
-    return Outcome(
-        force=demand.force.reshape((-1,) + (1,) * axes),
-        weight=demand.weight.reshape((-1,) + (1,) * axes),
-        work=demand.work(length),
-        reached=visit.reached,
-        shortfall=visit.shortfall,
-        spare=visit.spare,
-        energy=demand.supply * taken,
-        blocked=n * table.blocked,
-        units=there.sum(axis=0),
-        size=size,
-        depth=depth,
-        overlap=overlap,
-    )
+    return outcome(Unlike(n), table, sizes.length, demand, high, low, depth, overlap)

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ...muscle import Muscle
-from ..judge.limits import Values
+from ..judge.allowed import Values
 from ..space.designs import Designs
 from ..space.task import Task
 

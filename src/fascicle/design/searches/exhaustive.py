@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ..judge.allowed import Limit, Limits, checked, within_limits
 from ..judge.judging import Values, evaluate
-from ..judge.limits import Limit, Limits, checked, within_limits
 from ..judge.reach import SHARES, demanding, others, reaching, recorded
 from ..space.designs import Designs
 from ..space.grids import Space

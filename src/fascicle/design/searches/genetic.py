@@ -19,8 +19,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ...core.refused import Refused
+from ..judge.allowed import Limits, checked, within_limits
 from ..judge.judging import Values, evaluate, of_one_number, sizes_of
-from ..judge.limits import Limits, checked, within_limits
 from ..judge.objectives import needs
 from ..judge.outcome import Demand
 from ..judge.reach import demanding, others, reaching, recorded

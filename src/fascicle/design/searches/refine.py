@@ -22,11 +22,11 @@ from jaxtyping import Array, Float
 from ...core.checks import one_of
 from ...core.refused import Refused
 from ...muscle import Muscle
+from ..judge.forces import UNLIKE
 from ..judge.judging import evaluate, size_of
 from ..judge.objectives import OBJECTIVES, judged, known, needs
 from ..judge.outcome import Demand
 from ..judge.reach import SHARES
-from ..judge.table import UNLIKE
 from ..judge.unlike import Sizes, unlike_outcome
 from ..space.designs import Designs, joined
 from ..space.task import Task

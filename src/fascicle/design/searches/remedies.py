@@ -16,9 +16,9 @@ import numpy as np
 from jaxtyping import Float
 
 from ...core.domain import HIGHEST_PRESSURE
+from ..judge.allowed import Limits
 from ..judge.cases import Bench
 from ..judge.judging import evaluate
-from ..judge.limits import Limits
 from ..judge.reach import enough, others
 from ..space.designs import Designs
 from ..space.task import Task

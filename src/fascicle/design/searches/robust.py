@@ -22,12 +22,12 @@ from ...core.refused import Refused
 from ...core.types import Values
 from ...muscle import Muscle
 from ...records.fabrication import Scatter
+from ..judge.allowed import Limits, within_limits
+from ..judge.forces import UNLIKE, Resolution
 from ..judge.judging import size_of
-from ..judge.limits import Limits, within_limits
 from ..judge.objectives import check_turns, judged, known, needs
 from ..judge.outcome import Demand
 from ..judge.reach import demanding
-from ..judge.table import UNLIKE, Resolution
 from ..judge.unlike import Sizes, unlike_outcome
 from ..space.designs import Designs
 from ..space.task import Task

@@ -15,8 +15,8 @@ import jax
 import numpy as np
 
 from ...core.refused import Refused
+from ..judge.allowed import Limit, checked
 from ..judge.judging import Values, evaluate
-from ..judge.limits import Limit, checked
 from ..judge.reach import demanding, recorded
 from ..space.grids import Space
 from ..space.task import Task

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...bundle import Bundle, recruitment
 from ...bundle.plates import muscle_strain
-from ...bundle.recruitment import Overlap, Space
+from ...bundle.space import Overlap, Space
 from ...core.refused import Refused
 from ...units import DIMENSIONS
 from ..state import View

@@ -112,7 +112,7 @@ def tuned_file(choice: "Choice", date: str) -> str:
 
 def report_page(choice: "Choice", date: str) -> str:
     """The report [-] of what was found, made on a `date` [-]."""
+    from ...calibrate.after.pictures import figures
     from ...reports.calibration import report
-    from ...reports.fitted import figures
 
     return report(choice.made, date, figures(choice.made), choice=choice)

@@ -18,7 +18,7 @@ from ...core.refused import Refused
 from ...energetics import PATHS
 from ...files import dumps, example, examples, loads
 from ...units import exact, parse
-from ..curves.laws import check_compared
+from ..curves.other_laws import check_compared
 from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
 
 

@@ -1,7 +1,8 @@
 """What a tab gives away: its picture, its data, and the Python that makes both.
 
-The picture is one of `fascicle.plot`, the data are the library's own labelled results. The
-Python is plain text, written for a reader; it is never run here.
+The picture is one of `fascicle.plot`, the data are a table of `fascicle.tables`, with the command
+line's columns, where there is one of that kind, else labelled variables. The Python is plain text,
+written for a reader; it is never run here.
 """
 
 import io
@@ -15,7 +16,8 @@ import numpy as np
 import panel as pn
 
 from ... import plot
-from ...bundle.recruitment import overlap, space
+from ...bundle.space import overlap, space
+from ...calibrate.after.pictures import beside
 from ...core.domain import HIGHEST_PRESSURE
 from ...energetics import efficiency_map
 from ...files import dumps
@@ -25,7 +27,7 @@ from ...plot.maps import efficiency as draw_efficiency
 from ...plot.space import space as draw_space
 from ...plot.style import to_bytes
 from ...records.record import Record
-from ...reports.fitted import beside
+from ...results import tables
 from ...results.labelled import Variable, to_csv, write
 from ..curves.measured import STARTS
 from ..curves.muscle_curves import widest
@@ -56,13 +58,10 @@ class Export:
             return path.read_bytes()
 
 
+_WITHOUT = "efficiency_without_resistance"
+_ABOUT = "the same where units past their own free strain don't push back"
 _HEAD = '''"""Made by `fascicle explore`: writes {stem}.svg and {stem}.csv."""
 
-import numpy as np
-
-from fascicle import plot
-from fascicle.files import loads
-from fascicle.results.labelled import Variable, write
 {imports}
 
 {what} = loads("""
@@ -74,57 +73,42 @@ def muscle(view: View) -> Export:
     """The muscle's curve at the chosen pressure, of a `view` [-]."""
     top, P = widest(view.muscle, view.supply), view.pressure
     strain = np.linspace(0.0, top, 201)
-    found = view.muscle.response(P, strain)
-    names = ("force", "mesh", "bladder", "bending")
-    variables = {"strain": Variable(("strain",), strain, "-")} | {
-        name: Variable(("strain",), np.asarray(getattr(found, name)), "N") for name in names
-    }
+    imports = (
+        "import numpy as np\n\n"
+        "from fascicle import plot, tables\n"
+        "from fascicle.files import loads\n"
+    )
     python = (
-        _head("muscle", "muscle", dumps(view.muscle))
+        _head("muscle", "muscle", dumps(view.muscle), imports)
         + f"""
 pressure = {P!r}  # Pa
 strain = np.linspace(0.0, {top!r}, 201)
-found = muscle.response(pressure, strain)
-variables = {{"strain": Variable(("strain",), strain, "-")}}
-for name in ("force", "mesh", "bladder", "bending"):
-    variables[name] = Variable(("strain",), np.asarray(getattr(found, name)), "N")
-write(variables, "muscle.csv")
+tables.muscle_force(muscle, [pressure], strain).write("muscle.csv")
 plot.force_strain(muscle, [pressure], strain).savefig("muscle.svg")
 """
     )
-    return Export("muscle", variables, lambda: plot.force_strain(view.muscle, [P], strain), python)
+    found = tables.muscle_force(view.muscle, [P], strain)
+    return Export("muscle", found, lambda: plot.force_strain(view.muscle, [P], strain), python)
 
 
 def bundle(view: View) -> Export:
     """The force-strain space of the bundle of a `view` [-]."""
     made = view.bundle
     found = space(made, levels=5, resistance=view.resistance)
-    states = np.arange(1, len(found.low) + 1)
-    variables = {
-        "state": Variable(("state",), states, "-"),
-        "strain": Variable(("strain",), found.strain, "-"),
-        "low": Variable(("state", "strain"), found.low, "N"),
-        "high": Variable(("state", "strain"), found.high, "N"),
-    }
     imports = (
-        "from fascicle.bundle.recruitment import overlap, space\n"
+        "from fascicle import recruitment, tables\n"
+        "from fascicle.files import loads\n"
         "from fascicle.plot.space import space as draw\n"
     )
     python = (
         _head("bundle", "bundle", dumps(made), imports)
         + f"""
-found = space(bundle, levels=5, resistance={view.resistance})
-variables = {{
-    "state": Variable(("state",), np.arange(1, len(found.low) + 1), "-"),
-    "strain": Variable(("strain",), found.strain, "-"),
-    "low": Variable(("state", "strain"), found.low, "N"),
-    "high": Variable(("state", "strain"), found.high, "N"),
-}}
-write(variables, "bundle.csv")
-draw(found, overlap(found)).savefig("bundle.svg")
+found = recruitment.space(bundle, levels=5, resistance={view.resistance})
+tables.space(found).write("bundle.csv")
+draw(found, recruitment.overlap(found)).savefig("bundle.svg")
 """
     )
-    return Export("bundle", variables, lambda: draw_space(found, overlap(found)), python)
+    return Export("bundle", tables.space(found), lambda: draw_space(found, overlap(found)), python)
 
 
 def reversal(view: View) -> Export:
@@ -139,8 +123,11 @@ def reversal(view: View) -> Export:
         name: Variable(("pressure",), values, "-") for name, values in strains.items()
     }
     imports = (
-        "from fascicle.bundle import Bundle, MotorUnit\n"
+        "import numpy as np\n\n"
+        "from fascicle import Bundle, MotorUnit, plot\n"
         "from fascicle.bundle.reversal import free_strain_curve\n"
+        "from fascicle.files import loads\n"
+        "from fascicle.results.labelled import Variable, write\n"
     )
     python = (
         _head("reversal", "muscle", dumps(view.muscle), imports)
@@ -172,16 +159,14 @@ def efficiency(view: View) -> Export:
     free = efficiency_map(
         made, path=view.path, resistance=False, force=found.force, strain=found.strain
     )
-    grid = ("force", "strain")
-    variables = {
-        "force": Variable(("force",), found.force, "N"),
-        "strain": Variable(("strain",), found.strain, "-"),
-        "efficiency": Variable(grid, found.efficiency, "-"),
-        "state": Variable(grid, found.state, "-"),
-        "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
-    }
+    variables = tables.efficiency([found])
+    variables[_WITHOUT] = variables["efficiency"]._replace(
+        values=free.efficiency[None], about=_ABOUT
+    )
     imports = (
+        "from fascicle import tables\n"
         "from fascicle.energetics import efficiency_map\n"
+        "from fascicle.files import loads\n"
         "from fascicle.plot.maps import efficiency as draw\n"
     )
     python = (
@@ -190,15 +175,11 @@ def efficiency(view: View) -> Export:
 found = efficiency_map(bundle, path={view.path!r})
 points = {{"force": found.force, "strain": found.strain}}
 free = efficiency_map(bundle, path={view.path!r}, resistance=False, **points)
-grid = ("force", "strain")
-variables = {{
-    "force": Variable(("force",), found.force, "N"),
-    "strain": Variable(("strain",), found.strain, "-"),
-    "efficiency": Variable(grid, found.efficiency, "-"),
-    "state": Variable(grid, found.state, "-"),
-    "efficiency_without_resistance": Variable(grid, free.efficiency, "-"),
-}}
-write(variables, "efficiency.csv")
+variables = tables.efficiency([found])
+variables[{_WITHOUT!r}] = variables["efficiency"]._replace(
+    values=free.efficiency[None], about={_ABOUT!r}
+)
+variables.write("efficiency.csv")
 draw(found).savefig("efficiency.svg")
 """
     )
@@ -228,10 +209,13 @@ def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clippe
         "muscle": Variable(("reading",), np.asarray(shown.force(P, record.strain)), "N"),
     }
     imports = (
+        "import numpy as np\n\n"
         "from fascicle import records\n"
         "from fascicle.calibrate import fit\n"
+        "from fascicle.calibrate.after.pictures import beside\n"
+        "from fascicle.files import loads\n"
         "from fascicle.plot import calibration\n"
-        "from fascicle.reports.fitted import beside\n"
+        "from fascicle.results.labelled import Variable, write\n"
     )
     given = f"rest_length={record.rest_length!r}" + (", clipped_at_zero=True" if clipped else "")
     tune = "" if tuned is None else f"muscle = fit(record, muscle, starts={STARTS}).muscle\n"
@@ -275,7 +259,7 @@ def downloads(look: Look, name: str, made: Callable[[], Export]) -> list[Any]:
     ]  # fmt: skip
 
 
-def _head(stem: str, what: str, toml: str, imports: str = "") -> str:
+def _head(stem: str, what: str, toml: str, imports: str) -> str:
     # a file's text is data in the script: nothing in it may end the string it stands in
     return _HEAD.format(stem=stem, what=what, imports=imports, toml=escaped(toml))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..curves.laws import is_tuned
+from ..curves.other_laws import is_tuned
 from ..state import View
 
 

@@ -230,7 +230,7 @@ class DataView(Tab):
         self.message.say(text)
 
     def _show_fit(self, found: tuple[Any, str]) -> None:
-        from ...calibrate.after.judging import (
+        from ...calibrate.after.warned import (
             hysteresis,  # loads what a page that fits nothing needn't
         )
 

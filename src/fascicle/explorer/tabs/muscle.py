@@ -8,8 +8,8 @@ import panel as pn
 from bokeh.models import HoverTool, LabelSet
 
 from ...units import pretty
-from ..curves.laws import alternative, alternatives
 from ..curves.muscle_curves import REGIONS, Picture, picture, strips, widest
+from ..curves.other_laws import alternative, alternatives
 from ..curves.tube import solid
 from ..parts.background import Latest
 from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css

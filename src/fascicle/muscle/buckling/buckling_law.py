@@ -63,7 +63,9 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strains [-] past the onset at which the force may jump; inf where it doesn't."""
+        """Strains [-] past the onset at which the force of a `column` [-] may jump; inf where it
+        doesn't.
+        """
 
     @abc.abstractmethod
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:

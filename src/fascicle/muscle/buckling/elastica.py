@@ -64,7 +64,9 @@ from ...core.arrays import (
     where,
 )  # fmt: skip
 from ...core.domain import LARGEST_STRAIN
-from ...core.roots import elliptic, guarded, jacobi, polynomial, root, still
+from ...core.elliptic import elliptic, jacobi
+from ...core.roots import guarded, root, still
+from ...core.series import polynomial
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull

@@ -28,7 +28,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...core.arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
-from ...core.roots import root, series, still
+from ...core.roots import root, still
+from ...core.series import series
 from ...core.types import Batch, BatchLike, BoolBatch
 
 

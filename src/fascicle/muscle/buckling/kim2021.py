@@ -82,7 +82,8 @@ class Kim2021(AbstractBuckling):
         return column.free_strain
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """None: one state follows the other [-]."""
+        """None [-] for any `column` [-]: one state follows the other."""
+        del column
         return ()
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:

@@ -21,7 +21,7 @@ from ...plot.style import (
     styled,
 )
 from ...results.labelled import Variable
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .variants import LEVELS, PAPER, Variant, all_variants, variant
 

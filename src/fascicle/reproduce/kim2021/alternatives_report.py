@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 
 from ...reports.page import Page
-from ..record import Written
+from ..reproduced import Written
 from . import setting
 from .variants import VARIANTS, Variant, all_variants
 

@@ -6,7 +6,7 @@ from ...plot.shapes import draw_states
 from ...plot.style import in_kilopascals
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .progression import JUST, PRESSURE, Progression, progression
 

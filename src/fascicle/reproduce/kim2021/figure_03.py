@@ -7,7 +7,7 @@ from ...plot.shapes import dimension
 from ...plot.style import in_kilopascals, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .pair import draw_pair
 from .progression import BENT, PRESSURE, Progression, progression

@@ -10,7 +10,7 @@ from ...plot.shapes import dimension, guide, label
 from ...plot.style import BLACK, BLUE, DOUBLE, GRAY, VERMILION, in_kilopascals, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .progression import BENT, PRESSURE, Progression, progression
 

@@ -7,7 +7,7 @@ from ...plot.components import Components, components_legend, draw_components
 from ...plot.style import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

@@ -8,7 +8,7 @@ from ...muscle import Muscle
 from ...plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

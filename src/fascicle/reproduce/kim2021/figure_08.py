@@ -10,7 +10,7 @@ from ...bundle.recruitment import pressures_of
 from ...plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

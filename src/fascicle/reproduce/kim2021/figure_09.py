@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 
-from ...bundle.recruitment import Overlap, Space, overlap, space
+from ...bundle.space import Overlap, Space, overlap, space
 from ...plot.space import spaces
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

@@ -15,7 +15,7 @@ from ...plot.maps import draw_efficiency
 from ...plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

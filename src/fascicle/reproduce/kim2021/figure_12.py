@@ -18,7 +18,7 @@ from ...plot.style import (
 )
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .figure_06 import least_force, resistance_after
 

@@ -28,7 +28,7 @@ from ...plot.style import (
 from ...records.dynamometer import VirtualDynamometer
 from ...records.record import Record as Measured
 from ...results.labelled import Variable
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .figure_12 import NAMES, PRESSURES
 

@@ -14,7 +14,7 @@ from ...plot.curves import draw_free_strain
 from ...plot.style import BLACK, GRAY, SINGLE, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 
 

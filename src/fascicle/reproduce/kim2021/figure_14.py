@@ -10,7 +10,7 @@ from ...bundle.reversal import Reversal, free_strain_curve, reversal
 from ...plot.style import BLACK, CYCLE, SINGLE, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
-from ..record import Record
+from ..reproduced import Record
 from . import setting
 from .figure_13 import PRESSURES
 

@@ -10,7 +10,7 @@ from html import escape
 from ...plot.style import DOUBLE
 from ...reports.page import Page, prose, quotation, verdict
 from ..claims import KINDS, Claim, as_data, of_kind, summary
-from ..record import Written
+from ..reproduced import Written
 from .alternatives_report import add_alternatives
 
 

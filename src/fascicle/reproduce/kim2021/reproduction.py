@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ...core.atomic import write_text
 from ..claims import Claim
-from ..record import Record, Written, write_record
+from ..reproduced import Record, Written, write_record
 from . import (
     alternatives,
     figure_02,

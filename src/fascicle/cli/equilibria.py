@@ -3,8 +3,8 @@
 import math
 from typing import Any
 
+from .printed import number, show
 from .problems import fall_short
-from .tables import number, show
 
 
 def check_zeros(variables: Any) -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..outputs import say
+from ..printed import show
 from ..problems import INCOMPLETE
-from ..tables import show
 
 
 if TYPE_CHECKING:

@@ -15,10 +15,9 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ...bundle.states import States
 from ...core.arrays import maximum, minimum, most, nodes, stack, where
 from ...core.evaluate import COMPILE_ABOVE, compiled
-from ...core.types import Numbers, Whole
+from ...core.types import Numbers
 from ...muscle import Muscle
 from ...muscle.column import ROUNDING
 from ...muscle.piecewise import Piecewise, Pressurized
@@ -103,25 +102,6 @@ def tabulated(
     return table._replace(full=full, largest=largest)
 
 
-def highest(n: Whole, table: Table, states: States) -> list[Numbers]:
-    """Largest force of each state.
-
-    **Arguments:**
-
-    - `n`: muscles in each unit, on the first axis [-].
-    - `table`: of a muscle of each unit, points ahead of units [-].
-    - `states`: of the scheme [-]; where two units share a pressure, they must be alike.
-
-    **Returns:** forces [N], of each state in turn.
-    """
-    full, unfed, largest = (n * x for x in (table.full, table.unfed, table.largest))
-    found = []
-    for at_full, throttled, none in zip(states.full, states.throttled, states.unfed, strict=True):
-        held = full[:, _run(at_full)].sum(axis=1) + unfed[:, _run(none)].sum(axis=1)
-        found.append(held + largest[:, _run(throttled)].sum(axis=1))
-    return found
-
-
 def run(law: Callable, compiling: bool, *static: Any) -> Callable:
     """A function of NumPy's arrays that gives NumPy's.
 
@@ -173,15 +153,6 @@ def sizes_at(
     # deepest where it collapses, if it does before, else at the end
     stops = stack([largest_strain, minimum(unfed.collapse, largest_strain)])
     return muscle.braid.radius_at(largest_strain), most(unfed.deflection(stops))
-
-
-def _run(mask: Bool[np.ndarray, " unit"]) -> Any:
-    """The places that are marked [-]: a slice if they follow one another, which copies nothing."""
-    places = np.flatnonzero(mask)
-    if not places.size:
-        return slice(0, 0)
-    first, last = int(places[0]), int(places[-1])
-    return slice(first, last + 1) if last - first + 1 == places.size else places
 
 
 def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:

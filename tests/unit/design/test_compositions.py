@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.design.judge.curves import curves_of, depths, overlaps
-from fascicle.design.judge.levels import first_zeros
-from fascicle.design.judge.table import Resolution
+from fascicle.design.judge.compositions import curves_of, depths, overlaps
+from fascicle.design.judge.every_level import first_zeros
+from fascicle.design.judge.forces import Resolution
 from fascicle.design.space.rows import Rows
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.plot import free_strain
-from fascicle.reproduce.record import Record, tables, write_record
+from fascicle.reproduce.reproduced import Record, tables, write_record
 from fascicle.results import labelled as results
 from fascicle.results.labelled import Variable
 

@@ -15,8 +15,8 @@ from ...bundle.states import States, common, states_of
 from ...core.types import Numbers, Whole
 from ..space.rows import Rows
 from .first_zero import first_push, share
+from .forces import Resolution, Table, sizes_at
 from .outcome import Demand, existing, states_for
-from .table import Resolution, Table, sizes_at
 
 
 class Looked(NamedTuple):

@@ -1,5 +1,5 @@
-"""A calibration as figures: its curves with what they are uncertain by, and the rest in plain
-values.
+"""What a calibration's pictures show, in plain arrays: its curves with what they are uncertain by,
+and the rest. `plot` draws them.
 """
 
 from collections.abc import Sequence
@@ -8,25 +8,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..calibrate.after.calibration import Calibration
-from ..calibrate.after.profiling import Profile
-from ..calibrate.data.grid import grid, trimmed
-from ..calibrate.data.pulling import force_of, strain_of, untuned
-from ..calibrate.problem.linear import linear
-from ..calibrate.problem.uncertainty import NORMAL
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.refused import Refused
-from ..muscle import Muscle
-from ..plot import calibration as plot
-from ..plot import profiles as plot_profiles
-from ..records.record import Record
-from ..units import DIMENSIONS
+from ...core.domain import HIGHEST_PRESSURE
+from ...core.refused import Refused
+from ...muscle import Muscle
+from ...plot import calibration as plot
+from ...plot.profiles import Profiled
+from ...records.record import Record
+from ...units import DIMENSIONS
+from ..data.grid import grid, trimmed
+from ..data.pulling import force_of, strain_of, untuned
+from ..problem.linear import linear
+from ..problem.uncertainty import NORMAL
+from .calibration import Calibration
+from .profiling import Profile
 
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibrate.after.posterior import Posterior
+    from .posterior import Posterior
 
 _PLACES = 161  # of a curve, so close that a kink looks like one
 _NO_PRESSURE = 0.01  # of the highest: below, nothing is read
@@ -48,17 +48,9 @@ def figures(
     **Returns:** figures by name: "fit", "residuals", then "readings" and "profiles" if there
     are any [-].
     """
-    fitted = fitted_of(made, posterior)
-    found = {"fit": plot.fit(fitted), "residuals": plot.residuals(fitted)}
-    if made.readings is not None:
-        found["readings"] = plot.readings(read_of(made))
-    if profiles:
-        found["profiles"] = plot_profiles.profiles(profiled_of(made, profiles))
-    for figure in found.values():
-        # a layout moves a little each time it is made: the files of one figure would differ
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-    return found
+    read = None if made.readings is None else read_of(made)
+    profiled = profiled_of(made, profiles) if profiles else ()
+    return plot.figures(fitted_of(made, posterior), read, profiled)
 
 
 def fitted_of(made: Calibration, posterior: "Posterior | None" = None) -> plot.Fitted:
@@ -220,7 +212,7 @@ def read_of(made: Calibration) -> plot.Read:
     )
 
 
-def profiled_of(made: Calibration, profiles: Sequence[Profile]) -> list[plot_profiles.Profiled]:
+def profiled_of(made: Calibration, profiles: Sequence[Profile]) -> list[Profiled]:
     """Profiles in the units that they are shown in.
 
     **Arguments:**
@@ -235,7 +227,7 @@ def profiled_of(made: Calibration, profiles: Sequence[Profile]) -> list[plot_pro
         kind = DIMENSIONS[one.dimension]
         scale = float(kind.factors[kind.shown])
         out.append(
-            plot_profiles.Profiled(
+            Profiled(
                 one.name,
                 kind.shown,
                 profile.value / scale,

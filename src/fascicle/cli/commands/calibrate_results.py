@@ -77,7 +77,7 @@ class Found:
 
     def show(self) -> None:
         """Print it for a reader."""
-        from ..tables import show
+        from ..printed import show
 
         made = self.made
         if made.record.synthetic:
@@ -118,7 +118,7 @@ class Found:
             f" {pretty(made.rmse, 'force')}, {100 * made.relative_rmse:.3g} % of the largest force;"
             f" {made.status}"
         )
-        from ...calibrate.after.judging import hysteresis
+        from ...calibrate.after.warned import hysteresis
 
         if made.loop is not None:
             print(hysteresis(made))
@@ -129,7 +129,7 @@ class Found:
         """What was tried, and why one of it was taken."""
         from textwrap import fill
 
-        from ..tables import show
+        from ..printed import show
 
         assert self.choice is not None
         heads = ["", "free", "rmse", "left out", ""]

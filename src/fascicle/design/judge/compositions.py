@@ -16,7 +16,7 @@ from ...core.types import Numbers
 from ...muscle.piecewise import Pressurized
 from ..space.rows import Rows
 from .first_zero import first_push, share
-from .table import Resolution, run
+from .forces import Resolution, run
 
 
 _TOGETHER = 8  # muscles of one call: with more their forces leave the cache

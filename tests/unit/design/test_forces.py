@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
+from fascicle.design.judge.forces import Resolution, tabulated
 from fascicle.design.judge.outcome import Demand
-from fascicle.design.judge.table import Resolution, tabulated
 from fascicle.design.space.rows import Rows, sized
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS

@@ -9,7 +9,7 @@ from ..inputs import read_muscle, read_one
 from ..problems import UserError, refusing
 from ..startup import prepare
 from ..telling import telling
-from .calibrated import Found
+from .calibrate_results import Found
 
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
             tell("comparing laws")
             found = replace(found, comparison=_compared(record, muscle, made, priors, how))
         if drawn:
-            from ...reports.fitted import figures
+            from ...calibrate.after.pictures import figures
 
             tell("drawing")
             pictures = figures(made, found.profiles, found.posterior)

@@ -1,0 +1,42 @@
+"""The scheme and the supply pressure that hold: those asked for, else the bundle's own."""
+
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.limits import plausible
+from ..core.refused import Refused
+from ..core.types import Values
+from .bundle import Bundle
+from .schemes import AbstractScheme, scheme_of
+
+
+def scheme_used(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
+    """The scheme that is asked for, or the bundle's own.
+
+    **Arguments:** `bundle` [-]; `scheme`: by name or as an object [-], or `None`.
+
+    **Returns:** the scheme [-].
+
+    **Raises:** `ValueError` for an unknown name.
+    """
+    return bundle.scheme if scheme is None else scheme_of(scheme)
+
+
+def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
+    """The supply pressure that holds: the one given, else the bundle's own.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: the one given [Pa], or None.
+
+    **Returns:** supply pressure [Pa].
+
+    **Raises:** `ValueError` where there is neither.
+    """
+    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
+    if supply is None:
+        raise Refused(
+            "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
+        )
+    P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
+    return float(plausible(P, "supply_pressure"))

@@ -1,0 +1,140 @@
+r"""The force-strain space of a bundle: what each recruitment state reaches, and where two overlap.
+
+As the throttled pressure goes from zero to the supply's, a state sweeps a region of the
+force-strain space. The force isn't monotone in that pressure where resistance counts, so a region's
+edges are the least and the largest force over all pressures, and regions of different states
+overlap: points that two states reach.
+
+**Resolution:** regions are taken over a fixed number of pressures; their edges are exact
+where the force is linear in pressure, that is, wherever the muscle pulls.
+**Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Float
+
+from ..core.checks import within
+from ..core.types import Values
+from .bundle import Bundle
+from .own import scheme_used, supply_of
+from .schemes import AbstractScheme
+from .states import common, states_of
+from .unit_tables import unit_tables
+
+
+_LEVELS = 241  # pressures over which a region's edges are taken
+Forces = Float[np.ndarray, "state strain"]
+
+
+@dataclass(frozen=True)
+class Space:
+    """Force-strain space of a bundle: curves at constant pressure, and regions.
+
+    `force` [N] has state, level and strain axes; `low` and `high` [N] state and strain:
+    the edges of each state's region. `level` [Pa] is the throttled pressure, `strain` [-].
+    """
+
+    scheme: str
+    supply_pressure: float
+    strain: Float[np.ndarray, " strain"]
+    level: Float[np.ndarray, " level"]
+    force: Float[np.ndarray, "state level strain"]
+    low: Forces
+    high: Forces
+
+    def outline(self, state: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Outline of the region of a `state`, counted from 1: strain [-] and force [N].
+
+        Where the bundle would push, the outline is at zero force.
+        """
+        low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
+        reached = self.high[state - 1] >= 0
+        strain = self.strain[reached]
+        return np.r_[strain, strain[::-1]], np.r_[high[reached], low[reached][::-1]]
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Points that two states reach. Row by row: `states`, counted from 1, the edges `low`
+    and `high` [N] over `strain` [-] (NaN where there is no overlap), and the `area` [N].
+    """
+
+    states: tuple[tuple[int, int], ...]
+    strain: Float[np.ndarray, " strain"]
+    low: Float[np.ndarray, "pair strain"]
+    high: Float[np.ndarray, "pair strain"]
+    area: Float[np.ndarray, " pair"]
+
+    @property
+    def width(self) -> Float[np.ndarray, "pair strain"]:
+        """Height of the overlap in force [N] at each strain, zero where there is none."""
+        return np.nan_to_num(self.high - self.low)
+
+    def outline(self, pair: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Outline of a row `pair`: strain [-] and force [N], empty where there is none."""
+        there = np.isfinite(self.low[pair])
+        strain = self.strain[there]
+        low, high = self.low[pair][there], self.high[pair][there]
+        return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
+
+
+def space(
+    bundle: Bundle,
+    supply_pressure: Values = None,
+    levels: Values = 7,
+    strain: Values = None,
+    resistance: bool = True,
+    scheme: AbstractScheme | str | None = None,
+) -> Space:
+    """The force-strain space of every recruitment state.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: [Pa]; left out, the bundle's own.
+    - `levels`: throttled pressures of the curves [Pa], or how many of them [-], evenly from
+      zero to the supply's.
+    - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
+    - `resistance`: whether units past their own free strain push back [-].
+    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
+
+    **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
+
+    **Raises:** `ValueError` where no supply pressure is known or a value is off.
+    """
+    supply = supply_of(bundle, supply_pressure)
+    scheme = scheme_used(bundle, scheme)
+    if np.ndim(levels) == 0:
+        levels = np.linspace(0.0, supply, int(levels))
+    levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
+    if strain is None:
+        full = np.full(len(bundle.motor_units), supply)
+        strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
+    strain = np.asarray(strain, dtype=float)
+    fine = np.linspace(0.0, supply, _LEVELS)
+    states = states_of(scheme, len(bundle.motor_units))
+    region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)
+    curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
+    return Space(scheme.name, supply, strain, levels, curves, *states.edges(*region))
+
+
+def overlap(space: Space) -> Overlap:
+    """Where the regions of two states overlap, at forces of zero and above.
+
+    **Arguments:** `space`: a force-strain space [-].
+
+    **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
+    """
+    pairs = tuple(combinations(range(1, len(space.low) + 1), 2))
+    shape = (len(pairs), len(space.strain))
+    low, high = np.full(shape, np.nan), np.full(shape, np.nan)
+    for row, (i, j) in enumerate(pairs):
+        bottom, top = common(*((space.low[k - 1], space.high[k - 1]) for k in (i, j)))
+        # regions that share an edge alone don't overlap: it is the same sum, rounded
+        there = top - bottom > 1e-9 * np.abs(space.high).max()
+        low[row, there], high[row, there] = bottom[there], top[there]
+    area = np.trapezoid(np.nan_to_num(high - low), space.strain, axis=1)
+    return Overlap(pairs, space.strain, low, high, area)

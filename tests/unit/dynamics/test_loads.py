@@ -1,0 +1,79 @@
+"""Loads: forces are slopes of their potentials, stops push one way, and what is refused."""
+
+import jax
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle import dynamics
+from fascicle.core.refused import Refused
+from fascicle.dynamics import Stop
+
+
+LOADS = [
+    dynamics.HangingMass(5.0),
+    dynamics.InertiaSpringDamper(5.0, 2e3, 10.0, rest=0.01, force_outside=20.0),
+    dynamics.AntagonisticJoint(0.01, 0.02, 0.01, gravity_moment=0.7),
+]
+
+
+@pytest.mark.parametrize("load", LOADS, ids=lambda load: type(load).__name__)
+def test_a_force_is_its_potential_s_slope(load):
+    for q in (-0.4, 0.0, 0.013, 0.7):
+        assert_allclose(load.force(q), -jax.grad(load.potential)(q), rtol=1e-12, atol=1e-14)
+        stiff = -jax.grad(load.force)(q)
+        assert stiff <= load.stiffness * (1 + 1e-12)
+
+
+def test_a_stop_pushes_one_way_only():
+    stop = Stop(-0.1, 0.2, 1e4, 1e2)
+    q = np.array([-0.11, -0.1, 0.0, 0.2, 0.21])
+    assert_allclose(stop.force(q, 0 * q)[0], [-100, 0, 0, 0, 100], rtol=1e-12)
+    # it doesn't pull back what leaves faster than its spring pushes
+    assert_array_equal(stop.force(np.array([0.21, -0.11]), np.array([-2.0, 2.0]))[0], 0)
+    assert_array_equal(stop.touched(q), [True, False, False, False, True])
+
+
+def test_a_stop_s_spring_and_damper_are_told_apart():
+    stop = Stop(-0.1, 0.2, 1e4, 1e2)
+    for q in (-0.15, 0.25):
+        spring = jax.grad(stop.energy)(q)
+        for v in (-9.0, -1.0, 0.0, 1.0, 9.0):
+            total, damped = stop.force(np.float64(q), np.float64(v))
+            assert_allclose(total - damped, spring, rtol=1e-12)
+            assert damped * v >= 0  # which never gives energy
+
+
+def test_a_motion_s_velocity_is_its_slope():
+    load = dynamics.PrescribedMotion(0.01, 0.005, 3.0)
+    for t in (0.0, 0.03, 0.2):
+        _, speed = jax.jvp(lambda t: load.motion(t)[0], (t,), (1.0,))
+        assert_allclose(load.motion(t)[1], speed, rtol=1e-12)
+    assert dynamics.PrescribedMotion(0.01).motion(0.7) == (0.01, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: dynamics.HangingMass(0.0), "`mass` must be positive and finite, got 0 kg."),
+        (lambda: dynamics.HangingMass("5"), "`mass` takes numbers in kg, got '5'."),
+        (lambda: dynamics.HangingMass(5.0, damping=-1), "`damping` must lie in [0, inf) N·s/m, got"
+         " -1 N·s/m."),
+        (lambda: dynamics.InertiaSpringDamper(1.0, -1.0), "`spring_stiffness` must lie in [0, inf)"
+         " N/m, got -1 N/m."),
+        (lambda: dynamics.InertiaSpringDamper(1.0, rest=np.inf), "`rest` must lie in (-inf,"
+         " inf) m, got inf m."),
+        (lambda: dynamics.AntagonisticJoint(0.01, 0.0), "`radius` must be positive and finite, got"
+         " 0 m."),
+        (lambda: dynamics.PrescribedMotion(0.0, 0.01), "`frequency` must be positive where there is"
+         " an amplitude, got 0.0."),
+        (lambda: dynamics.PrescribedMotion(0.0, -0.01, 1.0), "`amplitude` must lie in [0, inf) m,"
+         " got -0.01 m."),
+        (lambda: Stop(0.2, 0.1), "`low` must be less than `high`, got 0.2."),
+        (lambda: Stop(stiffness=-1.0), "`stiffness` must lie in [0, inf) N/m, got -1 N/m."),
+    ],
+)  # fmt: skip
+def test_what_can_t_be_is_refused(make, words):
+    with pytest.raises(Refused) as refused:
+        make()
+    assert str(refused.value) == words

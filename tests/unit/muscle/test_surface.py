@@ -1,0 +1,111 @@
+"""A muscle as a table of its co-energy: one potential, its error, its ends."""
+
+import re
+
+import jax
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+
+
+SIX = fs.example("kim2021_figure_6")
+TOP = 413.7e3
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fs.UnitSurface.tabulate(SIX, TOP)
+
+
+@pytest.fixture(scope="module")
+def points(table):
+    rng = np.random.default_rng(5)
+    return rng.uniform(-2e4, TOP, 2000), rng.uniform(*map(float, table.strains), 2000)
+
+
+def test_force_and_volume_are_slopes_of_one_potential(table, points):
+    P, eps = points
+    here = table.at(P, eps)
+    h, step = 1.0, 1e-6
+    up, down = table.at(P + h, eps), table.at(P - h, eps)
+    # of differences: the polynomials' third derivatives leave 1e-7, a line between leaves more
+    assert_allclose((up.coenergy - down.coenergy) / (2 * h), here.volume, rtol=1e-6, atol=1e-12)
+    right, left = table.at(P, eps + step), table.at(P, eps - step)
+    force = (right.coenergy - left.coenergy) / (2 * step * SIX.length)
+    assert_allclose(force, here.force, rtol=1e-5, atol=1e-3)
+    # Maxwell's relation, exactly: both are the same mixed slope
+    mixed = (right.volume - left.volume) / (2 * step * SIX.length)
+    assert_allclose(mixed, here.force_by_pressure, rtol=1e-4, atol=1e-8)
+    assert_allclose((up.force - down.force) / (2 * h), here.force_by_pressure, rtol=1e-4, atol=1e-8)
+
+
+def test_its_error_is_as_small_as_it_says(table, points):
+    P, eps = points
+    inside = (P > 0) & (eps > 0) & (eps < 0.31)
+    off = np.abs(table.force(P, eps) - SIX.force(np.maximum(P, 0), eps))[inside]
+    median, most, largest = np.quantile(off, (0.5, 0.99, 1))
+    # the issue's figures for a table of this many nodes
+    assert median < 1e-5 and most < 0.01 and largest < 0.14
+    assert all(a <= b for a, b in zip(table.errors, (1e-6, 0.05, 0.2), strict=True))
+
+
+def test_its_volume_is_the_conjugate_one(table, points):
+    P, eps = points
+    inside = P > 100
+    exact = SIX.conjugate_volume(P[inside], eps[inside])
+    off = np.abs(table.conjugate_volume(P, eps)[inside] / exact - 1)
+    assert np.quantile(off, 0.5) < 1e-6 and np.max(off) < 0.02  # the largest beside kinks
+
+
+def test_a_finer_one_is_better():
+    errors = [
+        fs.UnitSurface.tabulate(SIX, TOP, shape=shape).errors for shape in ((41, 51), (81, 101))
+    ]
+    assert all(fine < coarse for coarse, fine in zip(*errors, strict=True))
+
+
+def test_bends_in_pressure_are_continuous(table):
+    # from the second line on, where an integrator would see a jump of the volume's slope
+    lines = (float(table.root_step) * np.arange(2, 160)) ** 2
+    eps = np.linspace(0, 0.3, 31)[:, None]
+    low, high = (table.at(lines * (1 + d), eps).volume_by_pressure for d in (-1e-9, 1e-9))
+    assert_allclose(low, high, atol=1e-6 * np.max(np.abs(low)))
+
+
+def test_below_and_above_it_goes_on_linearly(table):
+    eps = np.linspace(-0.05, 0.3, 15)
+    empty = table.at(0.0, eps)
+    sucked = table.at(-28e3, eps)
+    assert_allclose(sucked.force, empty.force - 28e3 * empty.force_by_pressure, rtol=1e-12)
+    assert_allclose(sucked.volume, empty.volume, rtol=1e-12)
+    end = float(table.highest_pressure)
+    full, more = table.at(end, eps), table.at(end + 1e4, eps)
+    assert_allclose(more.volume, full.volume, rtol=1e-12)
+    assert_allclose(more.force - full.force, 1e4 * full.force_by_pressure, rtol=1e-9, atol=1e-12)
+
+
+def test_jax_agrees_and_is_differentiated(table, points):
+    P, eps = points
+    force = jax.jit(table.force)(P, eps)
+    assert_allclose(force, table.force(P, eps), rtol=1e-12, atol=1e-12)
+    slope = jax.vmap(jax.grad(lambda p, e: table.at(p, e).force))(P, eps)
+    assert_allclose(slope, table.at(P, eps).force_by_pressure, rtol=1e-9, atol=1e-12)
+    assert np.all(np.isfinite(jax.vmap(jax.grad(lambda p: table.at(p, 0.1).volume))(P)))
+    assert np.isfinite(jax.grad(lambda p: table.at(p, 0.1).coenergy)(0.0))
+
+
+@pytest.mark.parametrize(
+    ("call", "rule"),
+    [
+        (lambda t: t.force(1e5, 0.5), "`strain` must lie in [-0.14"),
+        (lambda t: t.force(5e5, 0.1), "`pressure` must lie in [-101325, 4137"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, -1.0), "`highest_pressure` must lie in (0, 1e6]"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, TOP, (0.1, 0.3)), "`strains` must enclose 0"),
+        (lambda _: fs.UnitSurface.tabulate(SIX, TOP, shape=(2, 9)), "`shape` must be two whole"),
+    ],
+)
+def test_what_it_can_t_say_is_refused(table, call, rule):
+    with pytest.raises(fs.Refused, match=re.escape(rule)):
+        call(table)
