@@ -40,8 +40,8 @@ from ..fluid import (
     checked_commands,
 )
 from ..muscle import Muscle
+from .faults import from_validation, nearest
 from .places import Place
-from .problems import from_validation, nearest
 from .reading import described, load, loads, parsed, text_of
 from .scenario_schema import PARTS, chosen
 from .shipped import names as shipped

@@ -37,8 +37,8 @@ from ..fluid import (
     Tank,
 )
 from ..units import parse, sample
+from .faults import nearest
 from .places import Place
-from .problems import nearest
 from .schema import Section
 
 

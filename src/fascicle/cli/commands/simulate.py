@@ -10,8 +10,8 @@ import typer
 from ..inputs import read_scenario
 from ..options import AsCsv, AsJson, Out, Plot, Replace
 from ..outputs import Outputs, say
+from ..printed import decimals, number, show
 from ..problems import UserError, refusing
-from ..tables import decimals, number, show
 from ..telling import telling
 
 
