@@ -309,20 +309,26 @@ def _factor(unit: str, dimension: str) -> Fraction | str:
     unknown = f"unknown unit {_quote(unit)}" + (f", did you mean {near[0]!r}?" if near else ".")
     if not _UNIT.fullmatch(tidy):
         return unknown
+    return _by_pint(unit, tidy, dimension) or unknown
+
+
+def _by_pint(unit: str, tidy: str, dimension: str) -> Fraction | str:
+    """As `_factor`, of a unit that pint may know; empty where it doesn't."""
     from pint import PintError  # half a second, and rarely needed
 
+    kind = DIMENSIONS[dimension]
     try:
-        known, si = _registry().parse_units(tidy.replace("^", "**")), kind.si.replace("^", "**")
-        if _registry().Quantity(0.0, known).to(si or "dimensionless").magnitude:
-            return unknown  # counted from a zero of its own, such as degrees Fahrenheit
-        quantity = _registry().Quantity(1.0, known)
-        return Fraction(quantity.to(si or "dimensionless").magnitude)
+        known = _registry().parse_units(tidy.replace("^", "**"))
+        si = kind.si.replace("^", "**") or "dimensionless"
+        if _registry().Quantity(0.0, known).to(si).magnitude:
+            return ""  # counted from a zero of its own, such as degrees Fahrenheit
+        return Fraction(_registry().Quantity(1.0, known).to(si).magnitude)
     except PintError as error:
         if type(error).__name__ == "DimensionalityError":
             return f"{_quote(unit)} is no unit of {kind.article.split(' ', 1)[1]}."
-        return unknown
+        return ""
     except Exception:  # noqa: BLE001 pint evaluates the user's text, and lets much out
-        return unknown
+        return ""
 
 
 @functools.cache

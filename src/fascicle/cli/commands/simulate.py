@@ -176,19 +176,16 @@ def _print(read: Any, found: Any, audited: Any) -> None:
 def _balances(audited: Any) -> None:
     rows = [
         [
-            one.name,
-            "\n".join([*_terms(one.into, ""), *_terms(one.went, "to ")]),
-            f"{one.left:.1e} {one.unit}",
+            one.name.replace(" of ", "\nof "),
+            "\n".join([*_terms(one.into, one.unit, ""), *_terms(one.went, one.unit, "to ")]),
             f"{one.share:.0e}",
             "closes" if one.closes else "DOES NOT CLOSE",
         ]
         for one in audited.balances
     ]
-    heads = ["balance", "what came and went", "left over", "share", ""]
-    show(
-        "Balances", heads, rows, "share: left over, of the largest term; terms of zero aren't told"
-    )
+    told = "left over: as a share of the largest term; terms that are zero aren't told"
+    show("Balances", ["balance", "what came and went", "left over", ""], rows, told)
 
 
-def _terms(terms: dict[str, float], mark: str) -> list[str]:
-    return [f"{mark}{name} {value:9.3g}" for name, value in terms.items() if value]
+def _terms(terms: dict[str, float], unit: str, mark: str) -> list[str]:
+    return [f"{mark}{name} {value:.3g} {unit}" for name, value in terms.items() if value]

@@ -1,0 +1,104 @@
+"""`fascicle simulate`."""
+
+import json
+import re
+
+import pytest
+
+from fascicle.files import example_text
+from fascicle.results.labelled import read
+
+
+SHORT = (
+    example_text("lift_gas")
+    .replace('duration = "6 s"', 'duration = "40 ms"')
+    .partition('[[schedule]]\ntime = "1 s"')[0]
+)
+
+
+def test_a_table_files_and_a_page(fascicle, tmp_path):
+    (tmp_path / "a.toml").write_text(SHORT)
+    code, out, err = fascicle(
+        "simulate", "a.toml", "-o", "a.nc", "--plot", "a.png", "--report", "a.html"
+    )
+    assert (code, err) == (0, "")
+    for part in ("0.04 s in 40 steps of 1 ms", "position mm", "P2 kPa", "supply kPa",
+                 "of the muscles", "left over", "closes", "wrote a.nc", "a.html"):  # fmt: skip
+        assert part in out
+    data = read(tmp_path / "a.nc")
+    assert data.attrs["title"] == "Simulation of a" and data.sizes["time"] == 41
+    assert "Where every joule went" in (tmp_path / "a.html").read_text()
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    # what it wrote itself it replaces; what was edited it doesn't
+    (tmp_path / "a.html").write_text("mine")
+    code, _, err = fascicle("simulate", "a.toml", "--report", "a.html")
+    assert code == 2 and "a.html" in err and (tmp_path / "a.html").read_text() == "mine"
+
+
+def test_a_supply_that_runs_dry_says_so(fascicle):
+    code, out, err = fascicle("simulate", "supply_runs_dry")
+    assert (code, err) == (0, "")
+    assert re.search(r"supply_empty from 2\.\d+ s to 4 s: the supply has nothing left", out)
+
+
+@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step"])
+def test_named_scenarios_close(fascicle, name):
+    code, out, err = fascicle("simulate", name, "--json")
+    found = json.loads(out)
+    assert (code, err, found["event"]) == (0, "", []) and all(found["closes"])
+    assert max(found["left_over_share"]) < 1e-5
+
+
+def test_what_cant_be_trusted_is_said_and_ends_with_1(fascicle, tmp_path):
+    # without compliance oil has no unique pressure where a muscle's volume falls with it
+    stiff = re.sub("compliance = .*", "", example_text("lift_oil"))
+    stiff = stiff.replace("command = [1, -1]", "command = [1, 0]").replace('"6 s"', '"1 s"')
+    (tmp_path / "a.toml").write_text(stiff.partition('[[schedule]]\ntime = "1.5 s"')[0])
+    code, out, err = fascicle("simulate", "a.toml", "-o", "a.nc")
+    assert code == 1 and err.startswith("a: the run can't be trusted: ") and err.count("\n") == 1
+    assert "cavitates" in err and "cavitates from" in out
+    data = read(tmp_path / "a.nc")  # written all the same, with what is wrong with it
+    assert "can't be trusted" in data.attrs["notes"] and "cavitates" in data["event"].values
+
+
+def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
+    fit = SHORT.replace('"adiabatic_wall"', '"polytropic"\nexponent = 1.2')
+    (tmp_path / "a.toml").write_text(re.sub("conductance = .*", "", fit))
+    code, out, err = fascicle("simulate", "a.toml", "--report", "a.html")
+    assert code == 1 and "Polytropic is a fit that keeps no balance" in err
+    assert "position mm" in out and "Balances" not in out
+    assert "This run can&#x27;t be trusted." in (tmp_path / "a.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["lift_gass"], "did you mean lift_gas?"),
+        (["nowhere/a.toml"], "no such file"),
+        (["kim2021_figure_6"], "no such file or named scenario, choose one of joint_step"),
+        (["lift_gas", "--report", "a.pdf"], "--report 'a.pdf': its name must end in .html"),
+        (["lift_gas", "-o", "a.txt"], "a result's name must end in"),
+        (["lift_gas", "--json", "--csv"], "both can't be printed"),
+    ],
+)
+def test_bad_input_is_one_line(fascicle, arguments, told):
+    code, out, err = fascicle("simulate", *arguments)
+    assert (code, out) == (2, "") and told in err and err.count("\n") == 1
+
+
+def test_a_file_that_cant_be_is_one_line_with_its_key(fascicle, tmp_path):
+    (tmp_path / "a.toml").write_text(SHORT.replace("b = 0.3", "b = 1.2"))
+    code, out, err = fascicle("simulate", "a.toml")
+    assert (code, out) == (2, "")
+    assert err == "error: a.toml: valve.b = 1.2: `b` must lie in (0, 1), got 1.2.\n"
+
+
+def test_init_writes_one_that_runs(fascicle, tmp_path):
+    assert fascicle("init", "--scenario")[0] == 0
+    assert (tmp_path / "scenario.toml").read_text() == example_text("lift_gas")
+    assert fascicle("init", "--scenario", "--from", "joint_step", "j.toml")[0] == 0
+    assert (tmp_path / "j.toml").read_text() == example_text("joint_step")
+    code, _, err = fascicle("init", "--scenario", "--from", "kim2021_figure_6", "k.toml")
+    assert code == 2 and "no scenario, take joint_step" in err
+    code, _, err = fascicle("force", "scenario.toml")
+    assert code == 2 and "`fascicle simulate` runs it" in err

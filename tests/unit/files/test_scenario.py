@@ -1,0 +1,167 @@
+"""Scenario files: what they say reaches the plant, and what can't be is refused by its key."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle import fluid
+from fascicle.files import example_text, loads_scenario, scenarios
+
+
+GAS, OIL, JOINT, DRY = map(example_text, ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry"))
+
+
+def edited(text, *edits):
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+def test_every_value_reaches_its_part():
+    read = loads_scenario(GAS)
+    plant = read.plant
+    assert plant.counts.tolist() == [1, 4] and plant.commands == 2 and not plant.liquid
+    assert_allclose([plant.load.mass, plant.load.damping], [10.0, 100.0])
+    assert_allclose([plant.load.stop.low, plant.load.stop.high], [-0.02, 0.03])
+    assert_allclose(plant.chamber.dead_volume, [2e-6, 8e-6])
+    assert_allclose(plant.chamber.conductance, 0.2)
+    assert_allclose(plant.supply.pressure, 413.7e3)
+    assert plant.valve == fluid.SonicValve(1e-9, 0.3) and plant.exhaust_valve == plant.valve
+    assert (read.dt, read.duration, read.notes) == (1e-3, 6.0, ())
+    assert read.schedule.times.tolist() == [0, 1, 2, 4, 5]
+    assert read.schedule.commands.tolist() == [[1, 0], [0, 0], [0, 1], [0, -1], [-1, 0]]
+    # at rest without pressure
+    assert_allclose(plant.load.force(read.start.position), -98.0665)
+    pull = plant.muscles.at(np.zeros(2), plant.strains(read.start.position)).force
+    assert_allclose(np.sum(plant.counts * pull), 98.0665, rtol=1e-9)
+
+
+def test_a_joint_turns_in_angles():
+    plant = loads_scenario(JOINT).plant
+    assert plant.sides == (0, 0, 1, 1)
+    assert_allclose([plant.load.stop.low, plant.load.stop.high], np.radians([-60, 60]))
+    assert_allclose(loads_scenario(JOINT).start.pressures, 100e3)
+
+
+def test_water_and_nitrogen_flow_as_such():
+    water = loads_scenario(edited(OIL, ('medium = "oil"', 'medium = "water"'))).plant
+    assert_allclose(water.valve.density, fluid.WATER.reference_density)
+    nitrogen = loads_scenario(edited(GAS, ('medium = "air"', 'medium = "nitrogen"'))).plant
+    # through one hole, of gases of one γ, by the root of their densities: 1.185 kg/m³ of air
+    assert_allclose(nitrogen.valve.reference_density, 1.185 * np.sqrt(287.05 / 296.80))
+    assert nitrogen.chamber.gas == fluid.NITROGEN
+
+
+def test_the_room_is_everybodys():
+    warm = ("conductance =", 'room_temperature = "30 °C"\nroom_pressure = "90 kPa"\nconductance =')
+    tank = ('kind = "constant"', 'kind = "tank"\nvolume = "5 L"')
+    for edits in ([warm], [warm, tank]):
+        plant = loads_scenario(edited(GAS, *edits)).plant
+        state = plant.supply.start()
+        assert_allclose(plant.supply.temperature_at(state), 303.15)
+        assert_allclose(plant.supply.pressure_at(state), 413.7e3)
+        assert plant.chamber.room_pressure == 90e3
+
+
+def test_a_bundle_may_be_written_out_or_stand_beside(tmp_path):
+    bundle = fs.example("kim2021_bundle_1_4")
+    fs.save(bundle, tmp_path / "mine.toml")
+    name = 'bundle = "kim2021_bundle_1_4"'
+    (tmp_path / "a.toml").write_text(edited(GAS, (name, 'bundle = "mine.toml"')))
+    inline = fs.files.dumps(bundle).replace("format = 1", "")
+    (tmp_path / "b.toml").write_text(edited(GAS, (name, "")) + inline)
+    for file in ("a.toml", "b.toml"):
+        assert fs.load(tmp_path / file).plant.bundles == (bundle,)
+    assert fs.load(tmp_path / "mine.toml") == bundle
+
+
+def test_what_isnt_done_as_written_is_noted():
+    late = loads_scenario(edited(GAS, ('time = "5 s"', 'time = "7 s"')))
+    assert late.notes == ("the command at 7 s never comes: the run ends at 6 s.",)
+    between = loads_scenario(edited(GAS, ('time = "5 s"', 'time = "5.0005 s"')))
+    assert between.notes == ("the command at 5.0005 s comes with the next step, at 5.001 s.",)
+
+
+MOVED = "\n".join(
+    [
+        '[load]\nkind = "prescribed_motion"\nmean = "5 mm"\namplitude = "50 mm"',
+        'frequency = "1 Hz"\n[fluid]',
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "edits", "told"),
+    [
+        # the issue's list
+        (GAS, [("b = 0.3", "b = 1.2")], "valve.b = 1.2: `b` must lie in (0, 1)"),
+        (GAS, [("b = 0.3", "b = 0")], "valve.b = 0: `b` must lie in (0, 1)"),
+        (GAS, [("0.1 L/(s*bar)", "0 L/(s*bar)")], "valve.C = \"0 L/(s*bar)\": `C` must be"),
+        (GAS, [("413.7 kPa", "0 kPa")], "supply.pressure = \"0 kPa\": `pressure` must lie above"),
+        (GAS, [("413.7 kPa", "-20 kPa")], "must lie above the room's"),
+        (GAS, [('dt = "1 ms"', 'dt = "0 ms"')], 'run.dt = "0 ms": must be positive'),
+        (
+            GAS,
+            [('"adiabatic_wall"', '"polytropic"\nexponent = 0.9'), ('conductance = "0.2 W/K"', "")],
+            "fluid.exponent = 0.9: `exponent` must lie in [1, 2]",
+        ),
+        (GAS, [('"2 mL"', '"-2 mL"')], "fluid.dead_volume: `dead_volume` must lie in [0, inf) m³"),
+        (GAS, [('time = "2 s"', 'time = "1 s"')], "schedule[2].time = \"1 s\": times must rise"),
+        (GAS, [('time = "0 s"', 'time = "1 s"')], "schedule[0].time = \"1 s\": the first must be"),
+        (GAS, [("[1, 0]", "[1.5, 0]")], "schedule[0].command: `command` must lie in [-1, 1]"),
+        (
+            GAS,
+            [('"10 kg"', '"1000 kg"'), ('low = "-20 mm"', "")],
+            "load: `load` must be one that the bundle can hold at rest",
+        ),
+        (
+            GAS,
+            [("conductance =", 'room_pressure = "0 kPa"\nconductance =')],
+            "fluid.room_pressure = \"0 kPa\": `room_pressure` is absolute",
+        ),
+        (GAS, [('mass = "10 kg"', "mass = 10")], "load.mass = 10: `mass` must be a mass, such as"),
+        (GAS, [("[run]", '[run]\nposition = "80 mm"')], "run.position = \"80 mm\": `pos"),
+        (GAS, [(GAS[GAS.index("[load]") : GAS.index("[fluid]") + 7], MOVED)], "load: `position`"),
+        # what else may be wrong
+        (GAS, [('dt = "1 ms"', 'dt = "7 ms"')], "whole steps of 0.007 s: take 5.999 s"),
+        (GAS, [('dt = "1 ms"', 'dt = "1 ns"')], "more than 2000000: take a longer `dt`"),
+        (GAS, [('mass = "10 kg"', 'mas = "10 kg"')], 'load.mas: unknown key, did you mean "mass"?'),
+        (GAS, [('mass = "10 kg"', "")], "load.mass: missing, write mass ="),
+        (GAS, [('"hanging_mass"', '"hanging_mess"')], 'did you mean "hanging_mass"?'),
+        (GAS, [('kind = "hanging_mass"', "")], "load.kind: missing, write kind = one of"),
+        (GAS, [("[run]", "[running]")], 'running: unknown key, did you mean "run"?'),
+        (GAS, [('medium = "air"', 'medium = "oil"')], "oil is a liquid: take chamber = liquid"),
+        (GAS, [("[1, 0]", "[1, 0, 0]")], "a list of one for each command, 2, got 3"),
+        (GAS, [('["2 mL", "8 mL"]', '["2 mL"]')], "one for each of the motor units, 2, got 1"),
+        (GAS, [('"constant"', '"accumulator"\nvolume = "1 L"\nprecharge = "1 bar"')], "a liq"),
+        (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind = \"tank\": it holds a gas"),
+        (DRY, [('"200 kPa"', '"500 kPa"')], "supply.pressure = \"413.7 kPa\": `pressure` must lie"),
+        (GAS, [('"-20 mm"', '"40 mm"')], "load.stop.low = \"40 mm\": `low` must be less than"),
+        (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
+        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no way on which all muscles' strains"),
+        (JOINT, [('["kim2021_bundle_1_1", ', "["), ], "bundle: must be a list of two for a joint"),
+        (GAS, [("_1_4", "_1_5")], 'did you mean "kim2021_bundle_1_4"?'),
+        (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle: must name a bundle or its file"),
+        (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law = \"exat\": `law` 'exat' is unknown"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_with_its_key(text, edits, told):
+    with pytest.raises(ValueError, match=r"x\.toml: ") as error:
+        loads_scenario(edited(text, *edits), "x.toml")
+    line = str(error.value)
+    assert told in line and "\n" not in line
+
+
+@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step", "supply_runs_dry"])
+def test_named_scenarios_say_what_they_are(name):
+    assert name in scenarios() and len(scenarios()[name]) > 30
+    assert "made up" in fs.example(name).source
+
+
+def test_a_scenario_is_no_muscle(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(GAS)
+    with pytest.raises(ValueError, match=r"load: a scenario, not a muscle or bundle: `fascicle"):
+        fs.files.loads(GAS)

@@ -1,0 +1,108 @@
+"""A short run as labelled values, as a picture, and as a page."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.dynamics import audit
+from fascicle.files import example_text, loads_scenario
+from fascicle.plot.sankey import energies, sides
+from fascicle.plot.simulated import MOST, drawn, traces
+from fascicle.reports.simulated import report
+
+
+SHORT = (
+    example_text("lift_gas")
+    .replace('duration = "6 s"', 'duration = "40 ms"')
+    .replace('time = "1 s"', 'time = "20 ms"')
+    .partition('[[schedule]]\ntime = "2 s"')[0]
+)
+
+
+@pytest.fixture(scope="module")
+def ran():
+    read = loads_scenario(SHORT)
+    found = read.run()
+    return read, found, audit(read.plant, found)
+
+
+def test_all_of_a_run_is_told_with_units(ran):
+    read, found, audited = ran
+    data = fs.tables.simulated(read.plant, found, audited).dataset(title="t", source="s")
+    assert data.sizes == {"time": 41, "motor_unit": 2, "valve": 2, "balance": 5, "event": 0}
+    units = {"position": "m", "velocity": "m/s", "pressure": "Pa", "temperature": "K",
+             "strain": "1", "force": "N", "fluid_mass": "kg", "supply_opening": "1",
+             "drawn": "kg/s", "command": "1", "status": "1", "account_supplied": "J",
+             "account_mass": "kg", "stored_load": "J"}  # fmt: skip
+    assert {name: data[name].attrs["units"] for name in units} == units
+    assert all(data[name].attrs["long_name"] for name in data.variables)
+    assert_allclose(data["pressure"][-1], found.seen.pressures[-1])
+    assert_allclose(data["command"][[0, 19, 20, -1], 0], [1, 1, 0, 0])
+    assert data["closes"].values.all()
+    # a term of the account is the one of its name: the mass that came in is what is there
+    came = data["account_mass"][-1] - data["account_mass"][0]
+    held = data["fluid_mass"].sum("motor_unit")
+    assert_allclose(came, held[-1] - held[0], rtol=1e-9)
+    potential = 10 * 9.80665 * (data["position"][-1] - data["position"][0])
+    assert_allclose(data["stored_load"][-1] - data["stored_load"][0], potential, rtol=1e-9)
+
+
+def test_a_table_of_a_joint_has_radians():
+    text = example_text("joint_step").replace('duration = "3 s"', 'duration = "1 ms"')
+    read = loads_scenario(text)
+    table = fs.tables.simulated(read.plant, read.run())
+    assert table["position"].unit == "rad" and table["velocity"].unit == "rad/s"
+    assert table["bundle"].values.tolist() == [1, 1, 2, 2]
+    assert "balance" not in table
+
+
+def test_csv_and_json_hold_it_too(ran):
+    table = fs.tables.simulated(ran[0].plant, *ran[1:])
+    head, *rows = table.to_csv().splitlines()
+    assert head.startswith("time [s],position [m],velocity [m/s]") and len(rows) == 41
+    assert "pressure_2 [Pa]" in head
+    assert json.loads(table.to_json())["closes"] == [True] * 5
+
+
+def test_no_peak_is_lost_where_a_curve_is_thinned():
+    values = np.sin(np.linspace(0, 40, 100_000))
+    values[31_415], values[77_777] = 3.0, -2.0
+    kept = drawn(values)
+    assert len(kept) <= MOST + 2 and {0, 31_415, 77_777, 99_999} <= set(kept.tolist())
+    assert drawn(values[:100]).tolist() == list(range(100))
+
+
+def test_what_is_negative_comes_from_the_other_side(ran):
+    from fascicle.dynamics import Balance
+
+    went = {"pull": 3.0, "stored": -1.0, "tiny": 1e-9, "none": 0.0}
+    one = Balance("energy", "J", {"work": 2.0}, went, 0.0, 0.0, 1e-6)
+    came, left, small = sides(one)
+    assert came == {"work": 2.0, "stored, given back": 1.0} and left == {"pull": 3.0}
+    assert small == ["tiny"]
+
+
+def test_pictures_are_labelled(ran):
+    read, found, audited = ran
+    figure = traces(read.plant, found)
+    labels = [ax.get_ylabel() for ax in figure.axes]
+    assert labels[:3] == ["Position q [mm]", "Pressure P [kPa]", "Force F [N]"]
+    drawn = energies([one for one in audited.balances if one.unit == "J"])
+    texts = [text.get_text() for text in drawn.axes[0].texts]
+    assert any(re.match(r"supplied .* J, 1?[0-9.]+ %", text) for text in texts)
+
+
+def test_the_page_says_whether_to_believe_it(ran):
+    read, found, audited = ran
+    page = report(read, found, audited, [], "2026-05-04")
+    for part in ("All 5 balances close", "nothing on this page was measured", "made up",
+                 "exergy of the fluid", "of the largest term", "✓"):  # fmt: skip
+        assert part in page
+    assert "http" not in re.sub(r'href="data:[^"]*"|src="data:[^"]*"', "", page)
+    doubted = report(read, found, None, ["`chamber` is <a fit>"], "2026-05-04")
+    assert "This run can&#x27;t be trusted." in doubted
+    assert "&lt;a fit&gt;" in doubted and "balances close" not in doubted
