@@ -36,6 +36,7 @@ MODULES = (
     "growing",
     "inverse",
     "designing",
+    "in_time",
     "fitting",
     "roofline",
     "gpu",

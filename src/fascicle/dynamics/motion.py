@@ -235,9 +235,8 @@ def _flows(plant: Plant, state: State, P: Numbers, command: Numbers) -> _Flows:
     T_s = T_s[..., None] if np.ndim(T_s) else T_s
     to_supply, to_room = plant.spool.openings(command, state.spool)
     drawn = plant.valve.flow(p_s, P + room, T_s, T, to_supply)
-    if plant.liquid:  # an accumulator without liquid gives none, whatever its gas presses with
-        gone = plant.supply.empty(state.supply)
-        drawn = where(gone[..., None] if np.ndim(gone) else gone, minimum(drawn, 0.0), drawn)
+    # what is empty takes, but gives no more
+    drawn = where(supply.empty(state.supply)[..., None] & (drawn > 0), 0.0, drawn)
     vented = plant.exhaust_valve.flow(P + room, room, T, T_a, to_room)
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     drawn_H = drawn * c_p * where(drawn > 0, T_s, T)

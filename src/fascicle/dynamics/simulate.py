@@ -17,6 +17,7 @@ from ..core.checks import concrete, positive
 from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
+from ..fluid import checked_commands
 from .motion import STATUS, Anchor, Seen, rates
 from .plant import Plant
 from .rest import rest
@@ -104,7 +105,7 @@ def _driven(
         end = controller.times[-1] + dt if duration is None else positive(duration, "duration", "s")
         rows = controller.at(dt * np.arange(max(1, round(float(end) / dt))))
     else:
-        rows = jnp.asarray(controller, float)
+        rows = checked_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
     if rows.shape[-1] != plant.commands:
         raise Refused(

@@ -1,0 +1,221 @@
+"""Runs of fixed steps: their order, halving, batches, where they end, and what is refused."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle import dynamics
+from fascicle.core.refused import Refused
+
+
+BEGIN = 1.5e5  # gauge [Pa], at which the load hangs in the air
+SHORT, LONG = 100, 4000  # steps of runs: each number of them is compiled anew
+
+
+def up(time):
+    """A smooth command of 0.1 to 0.5."""
+    return 0.3 + 0.2 * np.sin(20 * np.asarray(time))
+
+
+def test_the_method_is_of_fourth_order(ideal):
+    # off the kinks: ideal muscles pull all the time, flows are subsonic, one command is held
+    start = dynamics.rest(ideal, [BEGIN, 1.1 * BEGIN], position=0.012)
+    command = np.tile([[0.25, 0.2]], (10, 1))
+
+    def ended(substeps):
+        run = dynamics.simulate(ideal, command, dt=4e-3, start=start, substeps=substeps)
+        ratio = (run.seen.pressures + 101325) / (413.7e3 + 101325)
+        assert np.all((ratio > 0.3) & (ratio < 0.999))
+        return run.seen.position[-1]
+
+    at = np.array([ended(n) for n in (1, 2, 4)])
+    steps = np.abs(np.diff(at))
+    order = np.log2(steps[:-1] / steps[1:])
+    assert_allclose(order, 4, rtol=0, atol=0.2)
+
+
+def test_halving_the_steps_changes_little(lift):
+    start = dynamics.rest(lift, BEGIN)
+    time = 1e-3 * np.arange(SHORT)
+    rows = np.stack([up(time), -0.3 * up(time)], axis=1)
+    whole = dynamics.simulate(lift, rows, start=start, substeps=2)
+    halves = dynamics.simulate(lift, rows, start=start, substeps=4)
+    # across a table's cells, of which second derivatives jump
+    assert_allclose(whole.seen.position, halves.seen.position, rtol=0, atol=1e-7 * 0.127)
+    assert_allclose(whole.seen.pressures, halves.seen.pressures, rtol=1e-6)
+
+
+def test_a_run_that_goes_on_is_the_same_run(lift):
+    start = dynamics.rest(lift, BEGIN)
+    whole = dynamics.simulate(lift, np.tile([[0.3, -0.1]], (SHORT, 1)), start=start, substeps=2)
+    again = dynamics.simulate(
+        lift,
+        dynamics.Schedule([0.0], [[0.3, -0.1]]),
+        duration=1e-3 * SHORT,
+        start=start,
+        substeps=2,
+    )
+    assert_array_equal(whole.seen.position, again.seen.position)
+    assert_allclose(whole.time, 1e-3 * np.arange(SHORT + 1), rtol=1e-12)
+    assert len(whole.commands) == len(whole.account) == SHORT + 1
+
+
+def test_it_ends_where_the_statics_do(lift, bundle):
+    # shut again after 0.1 s, and damped for long: the law at the pressures of then
+    start = dynamics.rest(lift, BEGIN)
+    schedule = dynamics.Schedule([0, 0.1], [[0.5, 0.2], [0, 0]])
+    run = dynamics.simulate(lift, schedule, dt=2 / LONG, duration=2.0, start=start, substeps=2)
+    seen = run.seen
+    assert abs(seen.velocity[-1]) < 1e-5  # the air still cools
+    held = lift.load.mass * lift.load.gravity
+    assert_allclose(seen.forces[-1].sum(), held, rtol=1e-4)
+    found = bundle.strain_at(held, seen.pressures[-1])
+    # a table's largest error of force over the bundle's stiffness is what it may be off
+    h = 1e-5
+    stiff = (
+        bundle.force(seen.pressures[-1], seen.strains[-1, 0] - h)
+        - bundle.force(seen.pressures[-1], seen.strains[-1, 0] + h)
+    ) / (2 * h)
+    off = np.sum(lift.counts) * lift.muscles.table.errors[2] / stiff
+    assert off < 5e-4
+    assert_allclose(seen.strains[-1, 0], np.atleast_1d(found.strain)[0], rtol=0, atol=off)
+
+
+def test_slow_filling_follows_the_statics(lift):
+    # the lag behind the static law at the pressures of the moment falls with the time it takes
+    start = dynamics.rest(lift, BEGIN)
+
+    def lag(duration):
+        rows = np.tile([[0.04, 0.16]], (LONG, 1)) / duration
+        run = dynamics.simulate(lift, rows, dt=duration / LONG, start=start, substeps=2)
+        at = round(0.8 * LONG)
+        still = dynamics.rest(lift, run.seen.pressures[at])
+        assert run.seen.position[at] > start.position + 1e-3  # it moves
+        return (still.position - run.seen.position[at]) / 0.127
+
+    fast, slow = lag(1.0), lag(4.0)
+    assert 0 < slow < fast < 1e-2
+    # 1/T, but for how far the air cools meanwhile
+    assert_allclose(fast / slow, 4, rtol=0.2)
+
+
+class PI(eqx.Module):
+    """Proportional and integral, of the load's position."""
+
+    gain: object
+    rate: object
+
+    @property
+    def memory(self):
+        return jnp.zeros(())
+
+    def __call__(self, memory, seen, reference):
+        error = reference - seen.position
+        memory = memory + 1e-3 * error
+        u = jnp.tanh(self.gain * error + self.rate * memory)
+        return memory, jnp.stack([u, 0.5 * u])
+
+
+def test_a_controller_sees_and_acts(lift):
+    start = dynamics.rest(lift, BEGIN)
+    reference = np.full(SHORT, start.position + 0.003)
+    run = dynamics.simulate(lift, PI(300.0, 2e3), reference, start=start, substeps=2)
+    error = reference[0] - run.seen.position[:-1]
+    u = np.tanh(300.0 * error + 2e3 * np.cumsum(1e-3 * error))
+    assert_allclose(run.commands[:-1], np.stack([u, 0.5 * u], axis=1), rtol=1e-12)
+    assert run.seen.position[-1] > start.position + 1e-3
+
+
+@pytest.fixture(scope="module")
+def tracking(lift):
+    """A cost of tracking by gains, from a start, with its slopes, forward and in reverse."""
+    begin = dynamics.rest(lift, BEGIN)
+    reference = begin.position + 0.004 * np.sin(np.linspace(0, 3, SHORT))
+
+    def cost(gains, start):
+        run = dynamics.simulate(lift, PI(*gains), reference, start=start, substeps=2)
+        return 1e6 * jnp.mean((run.seen.position[:-1] - reference) ** 2)
+
+    return begin, cost, jax.jit(jax.jacfwd(cost)), jax.jit(jax.grad(cost))
+
+
+def test_slopes_by_gains_are_right(tracking):
+    start, cost, forward, reverse = tracking
+    gains, h = jnp.array([300.0, 2e3]), np.array([3e-2, 2e-1])
+    slopes = forward(gains, start)
+    assert_allclose(reverse(gains, start), slopes, rtol=1e-10)
+    central = [
+        (cost(gains + d, start) - cost(gains - d, start)) / (2 * np.sum(d)) for d in np.diag(h)
+    ]
+    assert_allclose(slopes, central, rtol=1e-4)
+
+
+@pytest.mark.parametrize("case", ["shut valves", "no pressure", "supply's pressure"])
+def test_slopes_are_finite_where_nothing_flows(tracking, lift, case):
+    gains = jnp.zeros(2) if case == "shut valves" else jnp.array([300.0, 2e3])
+    pressure = {"shut valves": BEGIN, "no pressure": 0.0, "supply's pressure": 413.7e3}[case]
+    _, _, forward, reverse = tracking
+    start = dynamics.rest(lift, pressure, position=0.01)
+    slopes = forward(gains, start)
+    assert np.all(np.isfinite(slopes)) and np.any(slopes != 0)
+    # at a valve that just opens a slope is one of two; which one, both ways agree on
+    assert_allclose(reverse(gains, start), slopes, rtol=1e-10)
+
+
+def test_a_batch_is_its_runs(lift):
+    rng = np.random.default_rng(5)
+    start = dynamics.rest(lift, BEGIN)
+    commands, masses = rng.uniform(-1, 1, (8, SHORT, 2)), rng.uniform(8, 16, 8)
+
+    def heavier(mass):
+        return eqx.tree_at(lambda p: p.load.mass, lift, mass)
+
+    def ran(rows, mass):
+        return dynamics.simulate(heavier(mass), rows, start=start, substeps=2)
+
+    many = jax.vmap(lambda u, m: ran(u, m).seen)(commands, masses)
+    for k in range(8):
+        one = ran(commands[k], masses[k]).seen
+        # sums in another order
+        assert_allclose(many.position[k], one.position, rtol=0, atol=1e-13)
+        assert_allclose(many.pressures[k], one.pressures, rtol=1e-10)
+        assert_array_equal(many.status[k], one.status)
+
+
+def test_substeps_are_told(lift):
+    looked = dynamics.pace(lift, 1e-3)
+    run = dynamics.simulate(lift, np.zeros((SHORT, 2)), start=dynamics.rest(lift, BEGIN))
+    assert run.substeps == looked.substeps and run.pace == looked
+    assert 1e-3 / looked.substeps * looked.rate <= 2
+    assert dynamics.pace(lift, 1e-2).substeps > looked.substeps
+    assert dynamics.pace(lift, 1.0).stiff
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"dt": 0.0}, "`dt` must be positive and finite, got 0 s."),
+        ({"dt": -1e-3}, "`dt` must be positive and finite, got -0.001 s."),
+        ({"dt": np.nan}, "`dt` must be positive and finite, got nan s."),
+        ({"substeps": 0}, "`substeps` must be a whole number of at least 1, got 0."),
+        ({"controller": np.zeros((3, 3))}, "`commands` must have 2 columns, one for each command,"
+         " got 3."),
+        ({"controller": np.full((3, 2), 1.5)}, "`commands` must lie in [-1, 1] from open exhaust to"
+         " open supply, got 1.5."),
+        ({"controller": np.full((3, 2), np.nan)}, "`commands` must lie in [-1, 1] from open exhaust"
+         " to open supply, got nan."),
+        ({"controller": dynamics.Schedule(0.0, 0.5)}, "`commands` must have 2 columns, one for each"
+         " command, got 1."),
+        ({"controller": PI(1.0, 1.0)}, "`reference` must have a row for each step, got none."),
+        ({"controller": dynamics.Schedule(0.0, [[0.5, 0.5]]), "duration": 0.0}, "`duration` must be"
+         " positive and finite, got 0 s."),
+    ],
+)  # fmt: skip
+def test_what_can_t_be_is_refused(lift, arguments, words):
+    arguments = {"controller": np.zeros((3, 2)), "start": dynamics.rest(lift, BEGIN)} | arguments
+    with pytest.raises(Refused) as refused:
+        dynamics.simulate(lift, **arguments)
+    assert str(refused.value) == words

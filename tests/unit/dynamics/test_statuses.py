@@ -1,0 +1,131 @@
+"""What can go wrong in a run is flagged, with numbers that are finite, and no exception."""
+
+import equinox as eqx
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle import dynamics, fluid
+
+
+@pytest.fixture(scope="module")
+def mesh(muscle):
+    return fs.Bundle([fs.MotorUnit(muscle.replace(tension="ideal"))])
+
+
+@pytest.fixture(scope="module")
+def single(muscle):
+    return fs.Bundle([fs.MotorUnit(muscle)])
+
+
+def happened(plant, run):
+    """Events by name, all numbers finite up to where one says that they aren't."""
+    broken = [e.first for e in dynamics.events(run) if e.name == "broken"]
+    until = run.time < min([np.inf, *broken])
+    assert all(np.all(np.isfinite(x[until])) for x in (*run.seen, run.account))
+    assert dynamics.audit(plant, run).closes == all(
+        [e.trusted for e in dynamics.events(run)]
+        + [b.closes for b in dynamics.audit(plant, run).balances]
+    )
+    return {event.name: event for event in dynamics.events(run)}
+
+
+def test_a_shut_liquid_that_is_pulled_apart_cavitates(mesh):
+    # lengthened, a braid takes less; contracted, more than a shut chamber has
+    plant = dynamics.Plant(
+        mesh, dynamics.PrescribedMotion(0.015, 0.004, 2.0), fluid.ConstantSupply(413.7e3),
+        fluid.LiquidChamber(compliance=1e-12), fluid.Orifice(1e-6),
+    )  # fmt: skip
+    run = dynamics.simulate(plant, np.zeros((100, 1)), start=dynamics.rest(plant, 2e4))
+    found = happened(plant, run)
+    assert "cavitates" in found and not found["cavitates"].trusted
+    first = np.argmax(run.time >= found["cavitates"].first)
+    assert np.all(run.seen.pressures[:first] > -101325)
+    assert "cavitates" in str(dynamics.audit(plant, run))
+    assert not dynamics.audit(plant, run).closes
+
+
+def test_too_stiff_a_chamber_is_told(single):
+    plant = dynamics.Plant(
+        single, dynamics.HangingMass(5.0), fluid.ConstantSupply(8e5), fluid.LiquidChamber(),
+        fluid.Orifice(1e-3),
+    )  # fmt: skip
+    looked = dynamics.pace(plant, 1e-3)
+    assert looked.stiff and looked.substeps == 64 and looked.part == "a chamber and its valve"
+    start = dynamics.rest(plant, 1e5, position=0.01)
+    found = happened(plant, dynamics.simulate(plant, np.ones((20, 1)), start=start))
+    assert found["stiff"].first == 0 and not found["stiff"].trusted
+
+
+@pytest.fixture(scope="module")
+def stopped(single):
+    """A light mass under air, with a stop."""
+    load = dynamics.HangingMass(2.0, damping=60.0, stop=dynamics.Stop(high=0.01))
+    return dynamics.Plant(
+        single, load, fluid.ConstantSupply(413.7e3), fluid.AdiabaticWall(dead_volume=2e-6),
+        fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+
+
+def test_a_stop_holds_and_says_so(stopped):
+    run = dynamics.simulate(stopped, np.full((600, 1), 0.5), start=dynamics.rest(stopped, 2e4))
+    event = happened(stopped, run)["stop"]
+    assert event.trusted and 0 < event.first < event.last == run.time[-1]
+    seen, load = run.seen, stopped.load
+    over = seen.position[-1] - 0.01
+    # at rest its spring takes what the muscle pulls too much, and stores k s²/2
+    assert_allclose(1e5 * over, seen.forces[-1, 0] - 2.0 * load.gravity, rtol=1e-4)
+    place = dynamics.motion.STORES.index("stop")
+    assert_allclose(seen.store[-1, place], 1e5 * over**2 / 2, rtol=1e-9)
+    assert np.all(seen.store[seen.position < 0.01, place] == 0)
+
+
+def test_a_load_that_pulls_past_the_table_is_told(stopped):
+    plant = eqx.tree_at(lambda p: p.load.mass, stopped, np.float64(200.0))
+    start = dynamics.rest(plant, 1e5, position=0.0)
+    run = dynamics.simulate(plant, np.zeros((600, 1)), start=start)
+    found = happened(plant, run)
+    assert not found["off_table"].trusted
+    inside = run.time < found["off_table"].first
+    assert np.all(run.seen.position[inside] >= plant.way[0])
+
+
+def test_an_accumulator_gives_what_it_has_and_no_more(single):
+    supply = fluid.Accumulator(2e-5, 1e5, 1.2e5)
+    plant = dynamics.Plant(
+        single, dynamics.HangingMass(2.0, damping=100.0), supply,
+        fluid.LiquidChamber(compliance=1e-11), fluid.Orifice(2e-6),
+    )  # fmt: skip
+    # filled and emptied again and again
+    command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
+    run = dynamics.simulate(plant, command, start=dynamics.rest(plant, 5e4))
+    found = happened(plant, run)
+    assert found["supply_empty"].trusted
+    empty = run.time > found["supply_empty"].first
+    drawn = np.trapezoid(run.seen.drawn[:, 0], run.time)
+    had = supply.start()[0]
+    # up to a step's flow
+    assert_allclose(drawn, had, rtol=0.02)
+    assert np.all(run.seen.drawn[empty] <= 0)
+    # it falls to its precharge, below which there is no liquid
+    assert_allclose(run.seen.supply_pressure[-1], 1e5, rtol=0.01)
+
+
+def test_a_tank_loses_pressure(single):
+    plant = dynamics.Plant(
+        single, dynamics.HangingMass(2.0, damping=100.0),
+        fluid.Tank(fluid.AdiabaticWall(), 1e-5, 2e5), fluid.AdiabaticWall(),
+        fluid.SonicValve(2e-9, 0.3),
+    )  # fmt: skip
+    command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
+    run = dynamics.simulate(plant, command, start=dynamics.rest(plant, 5e4))
+    found = happened(plant, run)
+    assert set(found) <= {"supply_empty"}
+    assert run.seen.supply_pressure[-1] < 0.05 * 2e5
+    # what left the tank is in the chamber or in the room
+    vented = np.trapezoid(run.seen.vented[:, 0], run.time)
+    drawn = np.trapezoid(run.seen.drawn[:, 0], run.time)
+    held = run.seen.masses[-1, 0] - run.seen.masses[0, 0]
+    # trapezoids over a step in which a valve turns
+    assert_allclose(drawn - vented, held, rtol=0, atol=0.02 * drawn)
