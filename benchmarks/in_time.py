@@ -26,7 +26,7 @@ def plant() -> dynamics.Plant:
     bundle = fs.Bundle([fs.MotorUnit(muscle, 1), fs.MotorUnit(muscle, 4)])
     return dynamics.Plant(
         bundle,
-        dynamics.HangingMass(5.0, damping=50.0),
+        dynamics.HangingMass(mass=5.0, damping=50.0),
         fluid.ConstantSupply(413.7e3),
         fluid.AdiabaticWall(conductance=0.5, dead_volume=np.array([2e-6, 8e-6])),
         fluid.SonicValve(1e-9, 0.3),
@@ -43,7 +43,9 @@ class Proportional(eqx.Module):
     def memory(self) -> tuple:
         return ()
 
-    def __call__(self, memory, seen, wanted):
+    def __call__(
+        self, memory: tuple, seen: dynamics.Measurement, wanted: jax.Array
+    ) -> tuple[tuple, jax.Array]:
         u = jnp.tanh(self.gain * (wanted - seen.position) - self.damping * seen.velocity)
         return memory, jnp.stack([u, u])
 
@@ -61,15 +63,15 @@ def rows(small: bool = False) -> list[Row]:
     wanted = 0.01 + 0.005 * np.sin(np.arange(max(1, steps // 10)) * DT)
 
     @jax.jit
-    def many(commands):
-        def one(rows):
+    def many(commands: jax.Array) -> jax.Array:
+        def one(rows: jax.Array) -> jax.Array:
             return dynamics.simulate(
                 moved, rows, dt=DT, start=begin, substeps=SUBSTEPS
             ).seen.position
 
         return jax.vmap(one)(commands)
 
-    def cost(gains):
+    def cost(gains: jax.Array) -> jax.Array:
         act = Proportional(gains[0], gains[1])
         seen = dynamics.simulate(moved, act, wanted, dt=DT, start=begin, substeps=SUBSTEPS).seen
         return jnp.mean((seen.position[1:] - wanted) ** 2)
@@ -78,8 +80,8 @@ def rows(small: bool = False) -> list[Row]:
     gains = jnp.array([300.0, 5.0])
 
     @jax.jit
-    def pendulum(x):
-        def stage(y, _):
+    def pendulum(x: jax.Array) -> jax.Array:
+        def stage(y: jax.Array, _: None) -> tuple[jax.Array, None]:
             return y + 1e-4 * jnp.stack([y[1], -jnp.sin(y[0])]), None
 
         return lax.scan(stage, x, None, length=4 * SUBSTEPS * steps)[0]
@@ -91,8 +93,8 @@ def rows(small: bool = False) -> list[Row]:
                 moved, schedule, dt=DT, duration=seconds, start=begin, substeps=SUBSTEPS
             ),
             "many": lambda: jax.block_until_ready(many(some)),
-            "cost": lambda: value(gains).block_until_ready(),
-            "slope": lambda: slope(gains)[0].block_until_ready(),
+            "cost": lambda: jax.block_until_ready(value(gains)),
+            "slope": lambda: jax.block_until_ready(slope(gains)),
         },
         repeats=3 if small else 7,
         budget=120.0,

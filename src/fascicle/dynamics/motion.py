@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, log, maximum, minimum, where
+from ..core.arrays import library, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid.chamber import row
