@@ -176,7 +176,7 @@ def _fitting(plant: Plant) -> None:
             raise Refused("bundle", "must be a Bundle", bundle)
     if len(plant.bundles) != sides:
         kind = type(plant.load).__name__
-        raise Refused("bundle", f"must be {sides} for a {kind}", len(plant.bundles))
+        raise Refused("bundle", f"must be {sides} for {kind}", len(plant.bundles))
     flows = {"a gas": SonicValve, "a liquid": Orifice}
     fluid = "a liquid" if plant.liquid else "a gas"
     for name in ("valve", "exhaust_valve"):

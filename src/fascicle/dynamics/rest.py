@@ -52,6 +52,11 @@ def rest(
     P = np.broadcast_to(P, (plant.units,)) + 0.0
     load = plant.load
     low, high = plant.way
+    if not low < high:
+        raise Refused(
+            "load", "must leave a way on which all muscles are within their tables", low,
+            "take other lengths, or another contraction at its beginning", shown="none",
+        )  # fmt: skip
     if load.moved:
         q = float(load.motion(0.0)[0])
         size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
