@@ -1,5 +1,7 @@
 """Plants at rest: nothing jerks, and what can't rest or doesn't go together is refused."""
 
+import copy
+
 import equinox as eqx
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import fascicle as fs
 from fascicle import dynamics, fluid
 from fascicle.core.refused import Refused
 from fascicle.dynamics.motion import rates
+from fascicle.dynamics.plant import _fitting
 from fascicle.dynamics.rest import rest
 from fascicle.dynamics.stepping import pace
 
@@ -146,6 +149,25 @@ def test_parts_that_don_t_go_together_are_refused(bundle, air, changes, words):
     with pytest.raises(Refused) as refused:
         _plant(bundle, air, **changes)()
     assert str(refused.value).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("load", 5.0, "`load` must be a Load, got float."),
+        ("supply", None, "`supply` must be a Supply, got NoneType."),
+        ("chamber", fluid.AIR, "`chamber` must be a Chamber, got Gas."),
+        ("valve", fluid.AIR, "`valve` must be a SonicValve or Orifice, got Gas."),
+        ("hysteresis", 1.0, "`hysteresis` must be a Hysteresis or None, got float."),
+    ],
+)
+def test_parts_of_another_kind_are_refused(lift, name, value, words):
+    # tests check annotations, which would be first
+    other = copy.copy(lift)
+    object.__setattr__(other, name, value)
+    with pytest.raises(Refused) as refused:
+        _fitting(other)
+    assert str(refused.value) == words
 
 
 def test_a_fit_is_refused_by_an_audit(lift, air):
