@@ -92,7 +92,10 @@ class Plant(Module):
 
         **Raises:** `ValueError`, one line, for what doesn't go together.
         """
-        self.bundles = (bundle,) if isinstance(bundle, Bundle) else tuple(bundle)
+        self.bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
+        for one in self.bundles:
+            if not isinstance(one, Bundle):
+                raise Refused("bundle", "must be a Bundle", one, shown=type(one).__name__)
         self.load, self.supply, self.chamber = load, supply, chamber
         self.valve = valve
         self.exhaust_valve = valve if exhaust_valve is None else exhaust_valve
@@ -168,12 +171,11 @@ def _fitting(plant: Plant) -> None:
     for name, kind in kinds.items():
         value: Any = getattr(plant, name)
         if not isinstance(value, kind):
-            named = getattr(kind, "__name__", str(kind)).removeprefix("Abstract")
-            raise Refused(name, f"must be a {named}", value)
+            each = getattr(kind, "__args__", (kind,))
+            named = " or ".join(one.__name__.removeprefix("Abstract") for one in each)
+            rule = f"must be a {named}".replace("NoneType", "None")
+            raise Refused(name, rule, value, shown=type(value).__name__)
     sides = len(plant.load.arms)
-    for bundle in plant.bundles:
-        if not isinstance(bundle, Bundle):
-            raise Refused("bundle", "must be a Bundle", bundle)
     if len(plant.bundles) != sides:
         kind = type(plant.load).__name__
         raise Refused("bundle", f"must be {sides} for {kind}", len(plant.bundles))

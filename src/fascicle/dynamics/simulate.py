@@ -78,6 +78,9 @@ def simulate(
     elif substeps != int(substeps) or not substeps >= 1:
         raise Refused("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _driven(plant, controller, reference, dt, duration)
+    if not len(inputs):
+        name = "reference" if callable(controller) else "commands"
+        raise Refused(name, "must have a row for each step", 0, shown="none")
     layout = Layout.of(plant)
     found = _run(plant, layout, act, memory, inputs, begin, np.float64(dt), int(substeps))
     if concrete(found):

@@ -207,6 +207,7 @@ def test_substeps_are_told(lift):
          " open supply, got 1.5."),
         ({"controller": np.full((3, 2), np.nan)}, "`commands` must lie in [-1, 1] from open exhaust"
          " to open supply, got nan."),
+        ({"controller": np.zeros((0, 2))}, "`commands` must have a row for each step, got none."),
         ({"controller": dynamics.Schedule(0.0, 0.5)}, "`commands` must have 2 columns, one for each"
          " command, got 1."),
         ({"controller": PI(1.0, 1.0)}, "`reference` must have a row for each step, got none."),

@@ -1,0 +1,182 @@
+"""Plants at rest: nothing jerks, and what can't rest or doesn't go together is refused."""
+
+import copy
+
+import equinox as eqx
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle import dynamics, fluid
+from fascicle.core.refused import Refused
+from fascicle.dynamics.motion import rates
+from fascicle.dynamics.plant import _fitting
+from fascicle.dynamics.rest import rest
+from fascicle.dynamics.stepping import pace
+
+
+def _at(plant, state, command):
+    anchor = dynamics.motion.Anchor(np.zeros((plant.units, 0)), state.position, state.pressures)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return rates(plant, np.float64(0.0), state, command, anchor)
+
+
+@pytest.mark.parametrize("pressures", [1.5e5, [1e5, 3e5], [4.1e5, 0.0]])
+def test_nothing_jerks_with_shut_valves(lift, pressures):
+    state = rest(lift, pressures)
+    moving, seen = _at(lift, state, np.zeros(2))
+    # of gravity: what rounding of the balance of forces leaves
+    assert abs(moving.velocity) < 1e-9 * 9.8
+    assert moving.position == 0
+    assert_allclose(seen.pressures, np.broadcast_to(pressures, 2), rtol=1e-12, atol=1e-6)
+    assert_allclose(moving.pressures, 0, atol=1e-3)
+    assert_allclose(moving.chambers, 0, atol=1e-12)
+    assert_allclose(seen.temperatures, 293.15, rtol=1e-12)
+
+
+def test_it_rests_where_the_bundle_holds_the_load(lift, bundle):
+    state = rest(lift, [1e5, 2e5])
+    eps = float(lift.strains(state.position)[0])
+    weight = float(lift.load.mass * lift.load.gravity)
+    # the table's error of force
+    off = 5 * lift.muscles.table.errors[2]
+    assert_allclose(bundle.force([1e5, 2e5], eps), weight, rtol=0, atol=off)
+
+
+def test_it_starts_where_it_is_held(lift):
+    state = rest(lift, 1.5e5, position=0.005)
+    assert state.position == 0.005 and state.velocity == 0
+    moving, _ = _at(lift, state, np.zeros(2))
+    assert moving.velocity > 0  # there it pulls more than the load weighs
+
+
+def test_a_motion_s_start_is_its_own(bundle, air):
+    load = dynamics.PrescribedMotion(0.01, 0.005, 2.0)
+    state = rest(dynamics.Plant(bundle, load, **air), 1e5)
+    assert state.position == 0.01
+    assert_allclose(state.velocity, 2 * np.pi * 2.0 * 0.005, rtol=1e-12)
+
+
+def test_a_free_swing_is_that_of_the_closed_form(muscle):
+    # ideal muscles without pressure pull nothing: spring, damper, and the air that is pushed about
+    mesh, V_0, n = muscle.replace(tension="ideal"), 1e-3, 2
+    load = dynamics.InertiaSpringDamper(3.0, 4e3, 12.0)
+    plant = dynamics.Plant(
+        fs.Bundle([fs.MotorUnit(mesh, n)]), load, fluid.ConstantSupply(4e5),
+        fluid.AdiabaticWall(dead_volume=V_0), fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    A = 1e-5  # so small that all is linear to 1e-3 of it
+    steps = 400
+    run = dynamics.simulate(plant, np.zeros((steps, 1)), start=rest(plant, 0.0, position=A))
+    V = V_0 + n * float(mesh.volume(0.0))
+    swept = n * float(mesh.force(1e5, 0.0)) / 1e5  # dV/dx = F/P of the ideal mesh
+    of_air = 1.4 * 101325 * swept**2 / V
+    k = 4e3 + of_air
+    assert of_air > 0.01 * k
+    decay = 12.0 / (2 * 3.0)
+    omega = np.sqrt(k / 3.0 - decay**2)
+    t = run.time
+    shape = np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    middle = of_air / k * A  # the air is at the room's pressure where it begins
+    swing = middle + (A - middle) * shape
+    assert_allclose(run.seen.position, swing, rtol=0, atol=1e-3 * A)
+
+
+def _plant(bundle, air, **changes):
+    return lambda: dynamics.Plant(**{"bundle": bundle, "load": dynamics.HangingMass(12.0), **air}
+                                  | changes)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"pressures": [1e5]}, "`pressures` must be one for each of the 2 units, got 1."),
+        ({"pressures": [1e5] * 3}, "`pressures` must be one for each of the 2 units, got 3."),
+        ({"pressures": -1.0}, "`pressures` must lie in [0, 1e6] Pa (gauge), got -1 Pa."),
+        ({"pressures": 1.1e6}, "`pressures` must lie in [0, 1e6] Pa (gauge), got 1.1e6 Pa."),
+        ({"pressures": np.nan}, "`pressures` must lie in [0, 1e6] Pa (gauge), got nan Pa."),
+        ({"position": np.nan}, "`position` must lie in (-inf, inf) m, got nan m."),
+        ({"command": [1.5, 0]}, "`command` must lie in [-1, 1] from open exhaust to open supply,"
+         " got 1.5."),
+    ],
+)  # fmt: skip
+def test_what_can_t_be_is_refused(lift, arguments, words):
+    with pytest.raises(Refused) as refused:
+        rest(lift, **arguments)
+    assert str(refused.value) == words
+
+
+def test_a_place_that_no_table_has_is_refused(lift):
+    low, high = lift.way
+    for q in (low - 1e-6, high + 1e-6):
+        with pytest.raises(
+            Refused, match=r"`position` must lie in .* where the muscles' tables end"
+        ):
+            rest(lift, 1e5, position=q)
+
+
+@pytest.mark.parametrize(("mass", "side"), [(500.0, "weak"), (1e-3, "strong")])
+def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
+    plant = eqx.tree_at(lambda p: p.load.mass, lift, np.float64(mass))
+    if side == "strong":  # a spring that pushes
+        load = dynamics.InertiaSpringDamper(1.0, force_outside=-1e4)
+        plant = eqx.tree_at(lambda p: p.load, lift, load)
+    with pytest.raises(Refused) as refused:
+        rest(plant, 1e5)
+    text = str(refused.value)
+    assert text.startswith("`load` must be one that the bundle can hold at rest")
+    assert f"too {side} by" in text and "\n" not in text and "give `position`" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"law": "tabel"}, "`law` 'tabel' is unknown: did you mean 'table'?"),
+        ({"volume": "straight"}, "`volume` 'straight' is unknown: choose one of"),
+        ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "`bundle` must be 2 for a"
+         " AntagonisticJoint, got 1."),
+        ({"chamber": fluid.LiquidChamber()}, "`valve` must be of Orifice for a liquid, got"
+         " SonicValve."),
+        ({"valve": fluid.Orifice(1e-6)}, "`valve` must be of SonicValve for a gas, got Orifice."),
+        ({"exhaust_valve": fluid.Orifice(1e-6)}, "`exhaust_valve` must be of SonicValve for a gas,"
+         " got Orifice."),
+        ({"spool": fluid.OrderlyValve(3, 0.01)}, "`units` must be the bundle's number of motor"
+         " units, 2, got 3"),
+    ],
+)  # fmt: skip
+def test_parts_that_don_t_go_together_are_refused(bundle, air, changes, words):
+    with pytest.raises(Refused) as refused:
+        _plant(bundle, air, **changes)()
+    assert str(refused.value).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("load", 5.0, "`load` must be a Load, got float."),
+        ("supply", None, "`supply` must be a Supply, got NoneType."),
+        ("chamber", fluid.AIR, "`chamber` must be a Chamber, got Gas."),
+        ("valve", fluid.AIR, "`valve` must be a SonicValve or Orifice, got Gas."),
+        ("hysteresis", 1.0, "`hysteresis` must be a Hysteresis or None, got float."),
+    ],
+)
+def test_parts_of_another_kind_are_refused(lift, name, value, words):
+    # tests check annotations, which would be first
+    other = copy.copy(lift)
+    object.__setattr__(other, name, value)
+    with pytest.raises(Refused) as refused:
+        _fitting(other)
+    assert str(refused.value) == words
+
+
+def test_a_fit_is_refused_by_an_audit(lift, air):
+    chamber = fluid.Polytropic(1.2, dead_volume=np.array([2e-6, 8e-6]))
+    plant = dynamics.Plant(lift.bundles, lift.load, **{**air, "chamber": chamber})
+    assert pace(plant, 1e-3).substeps <= 64
+    run = dynamics.simulate(plant, np.zeros((10, 2)), start=rest(plant, 1.5e5))
+    with pytest.raises(Refused) as refused:
+        dynamics.audit(plant, run)
+    assert str(refused.value) == (
+        "`chamber` Polytropic is a fit that keeps no balance: take AdiabaticWall or Isothermal."
+    )
