@@ -34,8 +34,8 @@ from .state import ACCOUNT
 
 
 # of the largest term: what Runge-Kutta's steps leave where the law is smooth, where a table's cells
-# are crossed, and where springs begin to slip, which is a kink of force within a step
-SMOOTH, TABULATED, SLIPPING, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
+# are crossed, and where springs begin to slip or a stop is met, a kink of force within a step
+SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
 WORDS = {
     "folded": "a muscle's volume fell with pressure by more than its fluid and hose give way:"
@@ -187,7 +187,8 @@ def _balance(
 
 
 def _of_motion(plant: Plant, law: float) -> float:
-    return SLIPPING if isinstance(plant.hysteresis, MaxwellSlip) else law
+    kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
+    return KINKED if kinked else law
 
 
 def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:

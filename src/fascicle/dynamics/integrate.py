@@ -99,7 +99,9 @@ def integrate(
     commands = schedule.at(moments)
     state = layout.apart(jnp.asarray(every))
     seen = numbers(_look(plant, jnp.asarray(moments), state, jnp.asarray(commands)))
-    return Trajectory(moments, seen, commands, np.asarray(state.account), 0, None)
+    return Trajectory(
+        moments, seen, commands, np.asarray(state.account), 0, None, layout.apart(row)
+    )
 
 
 @partial(jax.jit, static_argnums=(1,))

@@ -7,7 +7,8 @@ $$M \ddot q = \sum_i n_i F_i L_i \frac{\partial \varepsilon_i}{\partial q}
 
 with its potential $U$ and its damper $d$. A stop is a spring and a damper that push one way only,
 
-$$F_{stop} = \max(k s + c \dot s, 0), \qquad s = \max(q - q_{high}, 0), \tag{T2}$$
+$$F_{stop} = \max\left(k s + c \dot s \frac{s}{s + s_0}, 0\right), \qquad
+  s = \max(q - q_{high}, 0), \tag{T2}$$
 
 and likewise at the low end, so that no event has to be found.
 
@@ -62,8 +63,12 @@ def _end(name: str, default: float) -> Any:
     return eqx.field(converter=checked, default=default)
 
 
+# m or rad: a damper that took hold at once would be a jump of force, which no step resolves
+_TAKES_HOLD = 1e-3
+
+
 class Stop(Module):
-    """Two ends of the way, equation (T2).
+    """Two ends of the way, equation (T2), with $s_0$ of a millimeter or milliradian.
 
     `low`, `high`: where they begin, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
@@ -83,8 +88,9 @@ class Stop(Module):
         damper's.
         """
         over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
+        depth = over + under
         spring = self.stiffness * (over - under)
-        rate = where(over + under > 0, self.damping * velocity, 0.0)
+        rate = self.damping * velocity * depth / (depth + _TAKES_HOLD)
         total = where(
             over > 0,
             maximum(spring + rate, 0.0),

@@ -31,7 +31,8 @@ class Trajectory(NamedTuple):
 
     `time` [s]; `seen`: what the plant shows at each, a `Seen`; `commands` held from then on [-];
     `account`: energies up to then [J], by the names of `ACCOUNT`; `substeps` in each step [-];
-    `pace`: how stiff it is, where that was looked at.
+    `pace`: how stiff it is, where that was looked at; `end`: the state [SI] from which another
+    run can go on, with friction relaxed.
     """
 
     time: Numbers
@@ -40,6 +41,7 @@ class Trajectory(NamedTuple):
     account: Numbers
     substeps: int
     pace: Pace | None
+    end: State
 
 
 def simulate(
@@ -86,10 +88,12 @@ def simulate(
     if concrete(found):
         found = numbers(found)
     steps = len(inputs)
-    seen, commands, account = found
+    seen, commands, account, end = found
     if looked is not None and looked.stiff:
         seen = seen._replace(status=seen.status | (1 << STATUS.index("stiff")))
-    return Trajectory(dt * np.arange(steps + 1), seen, commands, account, int(substeps), looked)
+    return Trajectory(
+        dt * np.arange(steps + 1), seen, commands, account, int(substeps), looked, end
+    )
 
 
 class _Held(eqx.Module):
@@ -121,7 +125,7 @@ def _driven(
 def _run(
     plant: Plant, layout: Layout, act: Any, memory: Any, inputs: Numbers, begin: State, dt: Batch,
     substeps: int,
-) -> tuple[Seen, Numbers, Numbers]:  # fmt: skip
+) -> tuple[Seen, Numbers, Numbers, State]:  # fmt: skip
     hysteresis = plant.hysteresis
     kept = jnp.zeros((layout.units, 0 if hysteresis is None else hysteresis.count))
     row = layout.joined(State(*(jnp.asarray(x) for x in begin)))
@@ -156,7 +160,7 @@ def _run(
     # all moments at once, of which the loop carries no more than their rows
     state = layout.apart(rows)
     seen = jax.vmap(lambda t, s, c, a: rates(plant, t, s, c, a)[1])(times, state, commands, anchors)
-    return seen, commands, state.account
+    return seen, commands, state.account, jax.tree.map(lambda x: x[-1], state)
 
 
 def _measured(
