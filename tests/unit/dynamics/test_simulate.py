@@ -37,6 +37,17 @@ def test_the_method_is_of_fourth_order(ideal):
     assert_allclose(order, 4, rtol=0, atol=0.2)
 
 
+def test_a_run_goes_on_from_where_another_ended(lift):
+    start = dynamics.rest(lift, BEGIN)
+    rows = np.stack([up(1e-3 * np.arange(SHORT)), np.zeros(SHORT)], axis=1)
+    whole = dynamics.simulate(lift, np.concatenate([rows, rows]), start=start, substeps=2)
+    first = dynamics.simulate(lift, rows, start=start, substeps=2)
+    second = dynamics.simulate(lift, rows, start=first.end, substeps=2)
+    assert_array_equal(first.end.account, first.account[-1])
+    # where the second begins its pressures are searched for from the same place
+    assert_allclose(second.seen.position, whole.seen.position[SHORT:], rtol=1e-12)
+
+
 def test_halving_the_steps_changes_little(lift):
     start = dynamics.rest(lift, BEGIN)
     time = 1e-3 * np.arange(SHORT)
