@@ -134,7 +134,7 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
     [
         ({"law": "tabel"}, "`law` 'tabel' is unknown: did you mean 'table'?"),
         ({"volume": "straight"}, "`volume` 'straight' is unknown: choose one of"),
-        ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "`bundle` must be 2 for a"
+        ({"load": dynamics.AntagonisticJoint(0.01, 0.02)}, "`bundle` must be 2 for"
          " AntagonisticJoint, got 1."),
         ({"chamber": fluid.LiquidChamber()}, "`valve` must be of Orifice for a liquid, got"
          " SonicValve."),
