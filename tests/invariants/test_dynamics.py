@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.state import ACCOUNT
+from fascicle.dynamics.account import ACCOUNT
 
 
 few = settings(

@@ -17,8 +17,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.motion import STORES
-from fascicle.dynamics.state import ACCOUNT
+from fascicle.dynamics.account import ACCOUNT, STORES
 
 
 IDEAL = oracle_muscle.Muscle(tension="ideal", material=oracle_muscle.SILICONE)

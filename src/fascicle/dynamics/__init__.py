@@ -21,13 +21,13 @@ from .loads import HangingMass as HangingMass
 from .loads import InertiaSpringDamper as InertiaSpringDamper
 from .loads import PrescribedMotion as PrescribedMotion
 from .loads import Stop as Stop
-from .motion import Seen as Seen
+from .pace import Pace as Pace
+from .pace import pace as pace
 from .plant import Plant as Plant
 from .rest import rest as rest
 from .schedule import Measurement as Measurement
 from .schedule import Schedule as Schedule
+from .seen import Seen as Seen
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .state import State as State
-from .stepping import Pace as Pace
-from .stepping import pace as pace

@@ -13,8 +13,9 @@ where the last is what a volume makes that isn't the conjugate one; and the moti
 $$\int F\,\mathrm{d}x + W_{motor} = \Delta E_{kinetic} + \Delta U + E_{damper} + E_{stop}
   + E_{friction} + \Delta E_{friction}. \tag{A3}$$
 
-With them go the fluid's mass, and where a wall is simulated the first law. No term is what the
-others leave, so that what is left says how well a run can be believed.
+With them go a liquid supply's own energy, with what drives it, the fluid's mass, and where a wall
+is simulated the first law. No term is what the others leave, so that what is left says how well a
+run can be believed.
 
 **Source:** first and second law for open systems: Bejan (2016).
 """
@@ -25,12 +26,12 @@ import numpy as np
 
 from ..core.refused import Refused
 from ..fluid import AdiabaticWall
+from .account import ACCOUNT, STORES
 from .hysteresis import MaxwellSlip
-from .motion import STATUS, STORES
 from .muscles import Exact
 from .plant import Plant
+from .seen import STATUS
 from .simulate import Trajectory
-from .state import ACCOUNT
 
 
 # of the largest term: what Runge-Kutta's steps leave where the law is smooth, where a table's cells
@@ -158,6 +159,8 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
                  ("pull", "motor", "Δmotion", "Δload")),
         _mass(run, a, most),
     ]  # fmt: skip
+    if plant.liquid and plant.supply.count:
+        balances.append(_of_supply(plant, run, a, most))
     if isinstance(plant.chamber, AdiabaticWall):
         balances.append(_first_law(plant, run, a, most))
     return Audit(tuple(balances), events(run))
@@ -196,6 +199,16 @@ def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
     into, went = {"flowed in": a["mass"]}, {"held": held[-1] - held[0]}
     most = most | {"held": float(np.max(held))}
     return _balance("mass of the fluid", COUNTED, most, into, went, ("mass", "held"), unit="kg")
+
+
+def _of_supply(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
+    reserve = np.asarray(run.seen.reserve)
+    held = np.asarray(plant.supply.stored(reserve))
+    spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
+    into = {"shaft": spent.pop("shaft_work", 0.0)}
+    went = {"supplied": a["supplied"], "stored in the supply": held[-1] - held[0], **spent}
+    most = most | {"held": float(np.max(np.abs(held - held[0])))}
+    return _balance("energy of the supply", SMOOTH, most, into, went, ("supplied", "held"))
 
 
 def _first_law(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:

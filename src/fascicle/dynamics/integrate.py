@@ -7,7 +7,7 @@ error, in oil too: half of their steps fail at kinks.
 **Source:** Tsitouras (2011), by diffrax (Kidger, 2021).
 """
 
-from functools import partial
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -15,16 +15,20 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..core.arrays import library
 from ..core.checks import positive
 from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
-from .motion import Anchor, Seen, rates
+from .account import ACCOUNT, powers
+from .motion import Anchor, change, moment
 from .plant import Plant
 from .rest import rest
 from .schedule import Schedule
+from .seen import Seen, looked_at
 from .simulate import Trajectory
-from .state import Layout, State
+from .state import State
+from .stepping import set_right
 
 
 _MOST_STEPS = 1_000_000
@@ -42,7 +46,7 @@ def integrate(
 
     **Arguments:**
 
-    - `plant`: what moves [-], without a hysteresis that remembers.
+    - `plant`: what moves [-], without a hysteresis that remembers and a pump that is switched.
     - `schedule`: its commands [-].
     - `times`: at which it is seen [s], rising, the first at 0.
     - `start`: the state it begins with [SI]; left out, at `rest` without pressure.
@@ -50,30 +54,27 @@ def integrate(
 
     **Returns:** a `Trajectory` [SI], of no substeps.
 
-    **Raises:** `ValueError` for times that don't rise, a hysteresis that remembers, commands that
+    **Raises:** `ValueError` for times that don't rise, what `simulate` alone can, commands that
     don't fit, what `rest` refuses, and a run that the method gives up.
     """
     if plant.hysteresis is not None and plant.hysteresis.count:
         kind = type(plant.hysteresis).__name__
         remedy = "use `simulate`, or Coulomb's friction"
         raise Refused("hysteresis", "must remember nothing here", kind, remedy)
-    if schedule.commands.shape[-1] != plant.commands:
-        raise Refused(
-            "commands", f"must have {plant.commands} columns, one for each command",
-            schedule.commands.shape[-1],
-        )  # fmt: skip
+    if getattr(plant.supply, "band", None) is not None:
+        raise Refused("supply", "must switch nothing here", "a band", "use `simulate`", shown="")
+    plant.checked(schedule.commands)
     t = np.asarray(times, float)
     if t.ndim != 1 or t.size < 2 or t[0] != 0 or np.any(np.diff(t) <= 0):
         raise Refused("times", "must begin at 0 s and rise", t.shape, shown="other ones")
     tolerance = float(positive(tolerance, "tolerance", "-"))
     begin = rest(plant) if start is None else start
-    layout = Layout.of(plant)
-    row = np.asarray(layout.joined(begin))
+    size = _sizes(plant, begin)
+    row = _row(begin, np.zeros(len(ACCOUNT)))
     found = [row[None]]
     # each command by itself: a stage can't see the next one
     edges = [*schedule.times[schedule.times < t[-1]], t[-1]]
     seen_at = [np.zeros(1)]
-    size = _sizes(plant, layout, row)
     legs = [(low, high, t[(t > low) & (t <= high)]) for low, high in pairwise(edges)]
     most = 1 + max(len(inside) for _, _, inside in legs)
     for low, high, inside in legs:
@@ -83,8 +84,8 @@ def integrate(
         asked = np.append(more, asked)
         command = schedule.at(low)
         result, rows = _leg(
-            plant, layout, jnp.asarray(row), jnp.asarray(command), low, jnp.asarray(asked),
-            tolerance, jnp.asarray(size),
+            plant, jnp.asarray(row), jnp.asarray(command), low, jnp.asarray(asked), tolerance,
+            jnp.asarray(size),
         )  # fmt: skip
         if not bool(result):
             raise Refused(
@@ -97,24 +98,24 @@ def integrate(
         seen_at.append(inside)
     every, moments = np.concatenate(found), np.concatenate(seen_at)
     commands = schedule.at(moments)
-    state = layout.apart(jnp.asarray(every))
-    seen = numbers(_look(plant, jnp.asarray(moments), state, jnp.asarray(commands)))
-    return Trajectory(
-        moments, seen, commands, np.asarray(state.account), 0, None, layout.apart(row)
-    )
+    looked = _look(plant, jnp.asarray(moments), jnp.asarray(every), jnp.asarray(commands))
+    seen, account, states = numbers(looked)
+    end = State(*(x[-1] for x in states))
+    return Trajectory(moments, seen, commands, account, 0, None, end)
 
 
-@partial(jax.jit, static_argnums=(1,))
+@jax.jit
 def _leg(
-    plant: Plant, layout: Layout, row: Numbers, command: Numbers, low: Batch, asked: Numbers,
-    tolerance: Batch, size: Numbers,
+    plant: Plant, row: Numbers, command: Numbers, low: Batch, asked: Numbers, tolerance: Batch,
+    size: Numbers,
 ) -> tuple[Any, Numbers]:  # fmt: skip
     import diffrax
 
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
-        state = layout.apart(y)
-        moving, _ = rates(plant, t, state, command, _none(layout, state), _NEWTON)
-        return layout.joined(moving)
+        state, _ = _apart(plant, y)
+        state = set_right(plant, t, state, _NEWTON)
+        now = moment(plant, t, state, command, _none(plant, state))
+        return _row(change(plant, state, now, command), powers(plant, state, now))
 
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field), diffrax.Tsit5(), low, asked[-1], None, row,
@@ -126,37 +127,52 @@ def _leg(
 
 
 @jax.jit
-def _look(plant: Plant, times: Numbers, state: State, commands: Numbers) -> Seen:
-    layout = Layout.of(plant)
+def _look(
+    plant: Plant, times: Numbers, rows: Numbers, commands: Numbers
+) -> tuple[Seen, Numbers, State]:
+    def one(t: Batch, row: Numbers, c: Numbers) -> tuple[Seen, Numbers, State]:
+        state, account = _apart(plant, row)
+        state = set_right(plant, t, state, _NEWTON)
+        anchor = _none(plant, state)
+        now = moment(plant, t, state, c, anchor)
+        return looked_at(plant, state, anchor, now), account, state
 
-    def one(t: Batch, s: State, c: Numbers) -> Seen:
-        return rates(plant, t, s, c, _none(layout, s), _NEWTON)[1]
-
-    return jax.vmap(one)(times, state, commands)
+    return jax.vmap(one)(times, rows, commands)
 
 
-def _none(layout: Layout, state: State) -> Anchor:
+def _row(state: State, account: Numbers) -> Numbers:
+    """All numbers of a `state` [SI] and an `account` [SI] in one row."""
+    at_work = library(*state)
+    return at_work.concatenate([*(at_work.ravel(x) for x in state), account])
+
+
+def _apart(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
+    """A state and an account of a `row` [SI]."""
+    units = plant.units
+    shapes = State((), (), (plant.spool.states(units),), (units, plant.chamber.count), (units,),
+                   (plant.supply.count,))  # fmt: skip
+    ends = np.cumsum([math.prod(shape) for shape in shapes])
+    *parts, account = jnp.split(row, ends)
+    return State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True))), account
+
+
+def _none(plant: Plant, state: State) -> Anchor:
     """Friction that remembers nothing."""
-    return Anchor(jnp.zeros((layout.units, 0)), state.position, state.pressures)
+    return Anchor(jnp.zeros((plant.units, 0)), state.position, state.pressures)
 
 
-def _sizes(plant: Plant, layout: Layout, row: Numbers) -> Numbers:
-    """Of each number of a state [SI], to which its absolute tolerance is a share."""
-    top = float(plant.supply.pressure_at(plant.supply.start()))
+def _sizes(plant: Plant, state: State) -> Numbers:
+    """Of each number of a `state` [SI], to which its absolute tolerance is a share."""
     low, high = plant.way
-    state = layout.apart(row)
-    V = plant.counts * np.asarray(
-        plant.muscles.at(np.full(plant.units, top), plant.strains(0.0)).volume
-    )
-    full = np.broadcast_to(
-        plant.chamber.start(np.full(plant.units, top), V), (plant.units, plant.chamber.count)
-    )
-    energy = max(top * float(np.sum(V)), 1e-12)
-    account = np.full(len(state.account), energy)
-    account[7] = float(np.sum(full[..., 0]))
-    return layout.joined(
-        State(
-            np.float64(high - low), np.float64(high - low), np.ones(layout.spool), full,
-            np.full(plant.units, top), np.maximum(np.abs(state.supply), 1e-12), account,
-        )
+    top = np.full(plant.units, plant.supply_pressure)
+    full = plant.charged(top, 0.0)
+    swept = np.asarray(plant.muscles.at(top, plant.strains(0.0)).volume)
+    energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)
+    account = np.full(len(ACCOUNT), energy)
+    account[ACCOUNT.index("mass")] = np.sum(full[..., 0])
+    way = np.float64(high - low)
+    sizes = State(
+        way, way, np.ones(plant.spool.states(plant.units)), full, top,
+        np.maximum(np.abs(state.supply), 1e-12),
     )  # fmt: skip
+    return _row(sizes, account)

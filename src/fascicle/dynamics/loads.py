@@ -149,18 +149,36 @@ class AbstractLoad(Module):
         """About the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
 
     @abc.abstractmethod
-    def motion(self, time: Batch) -> tuple[Batch, Batch]:
-        """Position and velocity [SI] at `time` [s], where they are given."""
+    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Position and velocity [SI] at `time` [s], of a load that would move to `position` [SI]
+        with `velocity` [SI].
+        """
 
 
-class HangingMass(AbstractLoad):
+class AbstractFreeLoad(AbstractLoad):
+    """A load that moves as forces tell it, with a damper of its own."""
+
+    moved: ClassVar[bool] = False
+    damping: eqx.AbstractVar[Batch]
+
+    @property
+    def damper(self) -> Batch:
+        """$d$ [SI]."""
+        return self.damping
+
+    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Where it is: at `position` [SI] with `velocity` [SI], at any `time` [s]."""
+        del time
+        return position, velocity
+
+
+class HangingMass(AbstractFreeLoad):
     """A mass on the lower plate, lifted as the bundle contracts.
 
     `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its way [m], or none.
     """
 
     unit: ClassVar[str] = "m"
-    moved: ClassVar[bool] = False
     source: ClassVar[str] = "Newton's second law"
 
     mass: Batch = _above("mass", "kg")
@@ -190,21 +208,12 @@ class HangingMass(AbstractLoad):
         return self.mass * self.gravity * position
 
     @property
-    def damper(self) -> Batch:
-        """$d$ [SI]."""
-        return self.damping
-
-    @property
     def stiffness(self) -> Batch:
         """None [N/m]."""
         return 0.0 * self.mass
 
-    def motion(self, time: Batch) -> tuple[Batch, Batch]:
-        """Not given [m], [m/s] at any `time` [s]."""
-        return 0.0 * time, 0.0 * time
 
-
-class InertiaSpringDamper(AbstractLoad):
+class InertiaSpringDamper(AbstractFreeLoad):
     """A mass between the bundle, a spring and a damper.
 
     `mass` [kg]. `stiffness`: of the spring [N/m], slack nowhere. `damping` [N·s/m]. `rest`: where
@@ -213,7 +222,6 @@ class InertiaSpringDamper(AbstractLoad):
     """
 
     unit: ClassVar[str] = "m"
-    moved: ClassVar[bool] = False
     source: ClassVar[str] = "Newton's second law"
 
     mass: Batch = _above("mass", "kg")
@@ -247,21 +255,12 @@ class InertiaSpringDamper(AbstractLoad):
         return spring + self.force_outside * position
 
     @property
-    def damper(self) -> Batch:
-        """$d$ [SI]."""
-        return self.damping
-
-    @property
     def stiffness(self) -> Batch:
         """The spring's [N/m]."""
         return self.spring_stiffness
 
-    def motion(self, time: Batch) -> tuple[Batch, Batch]:
-        """Not given [m], [m/s] at any `time` [s]."""
-        return 0.0 * time, 0.0 * time
 
-
-class AntagonisticJoint(AbstractLoad):
+class AntagonisticJoint(AbstractFreeLoad):
     """Two bundles on a pulley, one pulling forward, one back, and a pendulum on its axis.
 
     `inertia_moment` [kg·m²]. `radius`: of the pulley [m]. `contraction`: of both bundles' plates
@@ -270,7 +269,6 @@ class AntagonisticJoint(AbstractLoad):
     """
 
     unit: ClassVar[str] = "rad"
-    moved: ClassVar[bool] = False
     source: ClassVar[str] = "Newton's second law"
 
     inertia_moment: Batch = _above("inertia_moment", "kg·m²")
@@ -299,18 +297,9 @@ class AntagonisticJoint(AbstractLoad):
         return self.gravity_moment * (1 - cos(position))
 
     @property
-    def damper(self) -> Batch:
-        """$d$ [SI]."""
-        return self.damping
-
-    @property
     def stiffness(self) -> Batch:
         """The pendulum's at most [SI]."""
         return self.gravity_moment
-
-    def motion(self, time: Batch) -> tuple[Batch, Batch]:
-        """Not given [rad], [rad/s] at any `time` [s]."""
-        return 0.0 * time, 0.0 * time
 
 
 class PrescribedMotion(AbstractLoad):
@@ -365,8 +354,11 @@ class PrescribedMotion(AbstractLoad):
         """None [N/m]."""
         return 0.0 * self.mean
 
-    def motion(self, time: Batch) -> tuple[Batch, Batch]:
-        """Position [m] and velocity [m/s] at `time` [s]."""
+    def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Position [m] and velocity [m/s] at `time` [s], whatever `position` [m] and `velocity`
+        [m/s] would be.
+        """
+        del position, velocity
         w = 2 * np.pi * self.frequency
         phase = w * time
         return (

@@ -7,7 +7,7 @@ conjugate one, which makes or loses energy where muscles buckle: an audit names 
 
 import abc
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -17,11 +17,19 @@ import numpy as np
 from ..bundle.alike import stacked, unlike
 from ..core.arrays import maximum, minimum, where
 from ..core.modules import Module
-from ..core.types import Batch, Numbers
+from ..core.types import Numbers
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import contraction_work
 from ..muscle.surface import Surface, UnitSurface, looked_up
+
+
+class Volumes(NamedTuple):
+    """A volume [m³], its slopes by strain [m³] and pressure [m³/Pa]."""
+
+    volume: Numbers
+    by_strain: Numbers
+    by_pressure: Numbers
 
 
 class AbstractMuscles(Module):
@@ -30,6 +38,13 @@ class AbstractMuscles(Module):
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """What each does at its `pressure` [Pa] and `strain` [-]."""
+
+    def volumes(self, at: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+        """Volume that fluid fills in one muscle of each unit, which is `at` work [SI] at its
+        `strain` [-]; `rest_length` [m].
+        """
+        del strain
+        return Volumes(at.volume, rest_length * at.force_by_pressure, at.volume_by_pressure)
 
     @property
     @abc.abstractmethod
@@ -177,10 +192,14 @@ class Geometric(AbstractMuscles):
         """What each does at its `pressure` [Pa] and `strain` [-], but for the volume."""
         return self.muscles.at(pressure, strain)
 
-    def volume(self, strain: Numbers) -> tuple[Batch, Batch]:
-        """Volume of one muscle [m³] at `strain` [-], and its slope in strain [m³]."""
+    def volumes(self, at: Surface, strain: Numbers, rest_length: Numbers) -> Volumes:
+        """Volume that fluid fills in one muscle of each unit at its `strain` [-], whatever it is
+        `at` [SI] and its `rest_length` [m].
+        """
+        del rest_length
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
-        return self.braid.volume(strain) - self.walls, self.braid.length * swept
+        volume = self.braid.volume(strain) - self.walls
+        return Volumes(volume, self.braid.length * swept, 0.0 * at.volume)
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
@@ -191,13 +210,3 @@ class Geometric(AbstractMuscles):
     def highest_pressure(self) -> Numbers:
         """Of its muscles [Pa]."""
         return self.muscles.highest_pressure
-
-
-def volumes(muscles: AbstractMuscles, at: Surface, strain: Numbers, rest_length: Numbers) -> Any:
-    """Volume [m³] that fluid fills in one muscle of each unit, and its slopes by strain [m³] and
-    pressure [m³/Pa].
-    """
-    if isinstance(muscles, Geometric):
-        V, by_strain = muscles.volume(strain)
-        return V, by_strain, 0.0 * at.volume
-    return at.volume, rest_length * at.force_by_pressure, at.volume_by_pressure

@@ -110,7 +110,7 @@ class Plant(Module):
         one_of(law, LAWS, "law")
         one_of(volume, VOLUMES, "volume")
         each = [unit.muscle for unit, _ in units]
-        top = min(_ABOVE_SUPPLY * float(supply.pressure_at(supply.start())), HIGHEST_PRESSURE)
+        top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
         muscles: AbstractMuscles = Tables.of(each, top, shape)
         if law == "exact":
             muscles = Exact.of(each, top, muscles.strains)
@@ -136,6 +136,11 @@ class Plant(Module):
         return isinstance(self.chamber, LiquidChamber)
 
     @property
+    def supply_pressure(self) -> float:
+        """Gauge pressure [Pa] that its supply begins with."""
+        return float(self.supply.pressure_at(self.supply.start()))
+
+    @property
     def gains(self) -> Numbers:
         """$g_i$, how much each unit's muscles contract by the load's coordinate [SI]."""
         return self._of_sides(1) / self.lengths
@@ -148,6 +153,24 @@ class Plant(Module):
     def _of_sides(self, which: int) -> Numbers:
         arms = [self.load.arms[side][which] for side in self.sides]
         return library(*arms).stack([arm + 0.0 for arm in arms])
+
+    def checked(self, commands: Numbers) -> Numbers:
+        """`commands` [-], refused unless they have a column for each one that it takes."""
+        if commands.shape[-1] != self.commands:
+            rule = f"must have {self.commands} columns, one for each command"
+            raise Refused("commands", rule, commands.shape[-1])
+        return commands
+
+    def charged(self, pressures: Numbers, position: Batch) -> Numbers:
+        """States of its chambers [SI] at `pressures` [Pa], as warm as the room, with the load at
+        `position` [SI].
+        """
+        with np.errstate(all="ignore"):  # of branches that aren't taken
+            eps = self.strains(np.asarray(position)[..., None])
+            P = pressures + 0.0 * eps
+            V, _, _ = self.muscles.volumes(self.muscles.at(P, eps), eps, self.lengths)
+            state = self.chamber.start(P, self.counts * np.asarray(V))
+        return np.array(np.broadcast_to(state, (*np.shape(P), self.chamber.count)))
 
     def strains(self, position: Batch) -> Numbers:
         """Strain of each unit's muscles [-] at the load's `position` [SI], (T3)."""

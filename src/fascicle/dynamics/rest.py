@@ -20,9 +20,8 @@ from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
 from ..core.types import Numbers, Values
 from ..fluid import checked_commands
-from .muscles import volumes
 from .plant import Plant
-from .state import ACCOUNT, State
+from .state import State
 
 
 _LOOKS = 801  # places at which the balance is looked at: a table has 200 cells
@@ -57,8 +56,9 @@ def rest(
             "load", "must leave a way on which all muscles are within their tables", low,
             "take other lengths, or another contraction at its beginning", shown="none",
         )  # fmt: skip
+    v = 0.0
     if load.moved:
-        q = float(load.motion(0.0)[0])
+        q, v = (float(x) for x in load.placed(0.0, 0.0, 0.0))
         size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
         _known(q - size, low, high, load.unit)
         _known(q + size, low, high, load.unit)
@@ -68,19 +68,10 @@ def rest(
         )
     else:
         q = _resting(plant, P, low, high)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        eps = plant.strains(q)
-        at = plant.muscles.at(P, eps)
-        V, _, _ = volumes(plant.muscles, at, eps, plant.lengths)
-        V = np.asarray(plant.counts * V)
-        chambers = np.broadcast_to(plant.chamber.start(P, V), (plant.units, plant.chamber.count))
     spools = plant.spool.states(plant.units)
     spool = np.zeros(spools) if command is None else checked_commands(command) + np.zeros(spools)
-    v = float(load.motion(0.0)[1]) if load.moved else 0.0
     supply = np.asarray(plant.supply.start(), float)
-    return State(
-        np.float64(q), np.float64(v), spool, np.array(chambers), P, supply, np.zeros(len(ACCOUNT))
-    )
+    return State(np.float64(q), np.float64(v), spool, plant.charged(P, q), P, supply)
 
 
 def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float:

@@ -18,12 +18,18 @@ from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from ..fluid import checked_commands
-from .motion import STATUS, Anchor, Seen, rates
+from .account import ACCOUNT
+from .motion import Anchor, moment
+from .pace import Pace, pace
 from .plant import Plant
 from .rest import rest
 from .schedule import Controller, Measurement, Schedule
-from .state import Layout, State
-from .stepping import Pace, pace, substep
+from .seen import STATUS, Seen, looked_at
+from .state import State
+from .stepping import Course, set_right, substep
+
+
+_NEWTON = 8  # a state that is given may be off
 
 
 class Trajectory(NamedTuple):
@@ -83,8 +89,11 @@ def simulate(
     if not len(inputs):
         name = "reference" if callable(controller) else "commands"
         raise Refused(name, "must have a row for each step", 0, shown="none")
-    layout = Layout.of(plant)
-    found = _run(plant, layout, act, memory, inputs, begin, np.float64(dt), int(substeps))
+    # numbers that a controller holds may be differentiated; all else about it is fixed
+    leaves, kind = jax.tree.flatten(act)
+    fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
+    given = [x if eqx.is_array_like(x) else None for x in leaves]
+    found = _run(plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps))
     if concrete(found):
         found = numbers(found)
     steps = len(inputs)
@@ -114,61 +123,56 @@ def _driven(
     else:
         rows = checked_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
-    if rows.shape[-1] != plant.commands:
-        raise Refused(
-            "commands", f"must have {plant.commands} columns, one for each command", rows.shape[-1]
-        )
-    return _Held(), (), rows
+    return _Held(), (), plant.checked(rows)
 
 
-@partial(jax.jit, static_argnums=(1, 7))
+@partial(jax.jit, static_argnums=(6, 7))
 def _run(
-    plant: Plant, layout: Layout, act: Any, memory: Any, inputs: Numbers, begin: State, dt: Batch,
-    substeps: int,
+    plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
+    fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[Seen, Numbers, Numbers, State]:  # fmt: skip
+    leaves, kind = fixed
+    act = jax.tree.unflatten(
+        kind, [x if y is None else y for x, y in zip(given, leaves, strict=True)]
+    )
     hysteresis = plant.hysteresis
-    kept = jnp.zeros((layout.units, 0 if hysteresis is None else hysteresis.count))
-    row = layout.joined(State(*(jnp.asarray(x) for x in begin)))
+    kept = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
+    state = set_right(plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON)
+    anchor = Anchor(kept, state.position, state.pressures)
     h = dt / substeps
 
     def step(carry: tuple, given: tuple) -> tuple[tuple, tuple]:
-        row, anchor, memory = carry
-        k, reference = given
-        time = k * dt
+        course, memory = carry
+        time, reference = given
         if isinstance(act, _Held):  # which measures nothing
             command = reference
         else:
-            memory, command = act(memory, _measured(plant, layout, time, row, anchor), reference)
+            memory, command = act(memory, _measured(plant, time, course), reference)
 
-        def sub(i: Any, now: tuple) -> tuple:
-            row, anchor = now
-            return substep(plant, layout, time + i * h, row, anchor, command, h)
+        def sub(i: Any, now: Course) -> Course:
+            return substep(plant, time + i * h, now, command, h)
 
-        if substeps == 1:
-            after = sub(0, (row, anchor))
-        else:
-            after = lax.fori_loop(0, substeps, sub, (row, anchor))
-        return (*after, memory), (row, anchor, command)
+        return (lax.fori_loop(0, substeps, sub, course), memory), (course, command)
 
-    steps = jnp.arange(len(inputs), dtype=float)
-    begun = (row, Anchor(kept, jnp.asarray(begin.position), jnp.asarray(begin.pressures)), memory)
-    (row, anchor, _), (rows, anchors, commands) = lax.scan(step, begun, (steps, inputs))
-    rows = jnp.concatenate([rows, row[None]])
-    anchors = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), anchors, anchor)
-    commands = jnp.concatenate([commands, commands[-1:]])
     times = dt * jnp.arange(len(inputs) + 1)
-    # all moments at once, of which the loop carries no more than their rows
-    state = layout.apart(rows)
-    seen = jax.vmap(lambda t, s, c, a: rates(plant, t, s, c, a)[1])(times, state, commands, anchors)
-    return seen, commands, state.account, jax.tree.map(lambda x: x[-1], state)
+    begun = Course(state, anchor, jnp.zeros(len(ACCOUNT))), memory
+    (last, _), (every, commands) = lax.scan(step, begun, (times[:-1], inputs))
+    every = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), every, last)
+    commands = jnp.concatenate([commands, commands[-1:]])
+
+    def look(time: Batch, course: Course, command: Numbers) -> Seen:
+        now = moment(plant, time, course.state, command, course.anchor)
+        return looked_at(plant, course.state, course.anchor, now)
+
+    seen = jax.vmap(look)(times, every, commands)
+    return seen, commands, every.account, last.state
 
 
-def _measured(
-    plant: Plant, layout: Layout, time: Batch, row: Numbers, anchor: Anchor
-) -> Measurement:
-    idle = jnp.zeros(plant.commands)
-    _, seen = rates(plant, time, layout.apart(row), idle, anchor)
-    force = jnp.sum(plant.lengths * plant.gains * seen.forces, axis=-1)
+def _measured(plant: Plant, time: Batch, course: Course) -> Measurement:
+    state = course.state
+    now = moment(plant, time, state, jnp.zeros(plant.commands), course.anchor)
+    # what all muscles pull with, friction not in it
     return Measurement(
-        time, seen.position, seen.velocity, seen.pressures, force, seen.supply_pressure
-    )
+        time, now.position, now.velocity, state.pressures, now.pull,
+        plant.supply.pressure_at(state.supply),
+    )  # fmt: skip

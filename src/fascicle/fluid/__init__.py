@@ -20,6 +20,7 @@ from .media import Gas as Gas
 from .media import Liquid as Liquid
 from .orifice import Orifice as Orifice
 from .polytropic import Polytropic as Polytropic
+from .pumped import PumpedAccumulator as PumpedAccumulator
 from .pumps import FixedPump as FixedPump
 from .pumps import PressureBand as PressureBand
 from .pumps import Relief as Relief

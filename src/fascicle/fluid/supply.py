@@ -57,6 +57,17 @@ class AbstractSupply(Module):
         `energy_in` [W] flow in; drawn from, both are negative.
         """
 
+    def switched(self, state: Numbers) -> Numbers:
+        """A `state` [SI] with what is switched at once set; the same where nothing is."""
+        return state
+
+    def spent(self, state: Numbers) -> dict[str, Batch]:
+        """What driving it took and lost [J] up to a `state` [SI], by name; nothing where it isn't
+        driven.
+        """
+        del state
+        return {}
+
     @abc.abstractmethod
     def stored(self, state: Numbers) -> Batch:
         """What a `state` [SI] keeps [J]: exergy of a gas, energy of a liquid."""

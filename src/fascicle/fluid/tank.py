@@ -18,6 +18,9 @@ from .polytropic import Polytropic
 from .supply import AbstractSupply, supply_pressure
 
 
+_NEARLY = 100.0  # Pa
+
+
 class Tank(AbstractSupply):
     """Gas in a volume that stays, equation (F17).
 
@@ -66,5 +69,7 @@ class Tank(AbstractSupply):
         return self.chamber.stored(state, self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether a `state` [SI] has fallen to the room's pressure: yes or no [-]."""
-        return self.pressure_at(state) <= 0
+        """Whether a `state` [SI] has fallen to the room's pressure, which it only nears, within a
+        thousandth of an atmosphere: yes or no [-].
+        """
+        return self.pressure_at(state) <= _NEARLY

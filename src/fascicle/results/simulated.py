@@ -87,15 +87,14 @@ def simulated(plant: "Plant", run: "Trajectory", found: "Audit | None" = None) -
 
 
 def _bits() -> str:
-    from ..dynamics.motion import STATUS
+    from ..dynamics.seen import STATUS
 
     listed = ", ".join(f"{1 << place} {name}" for place, name in enumerate(STATUS))
     return f"sum of what holds: {listed}"
 
 
 def _energies(run: "Trajectory") -> dict[str, Variable]:
-    from ..dynamics.motion import STORES
-    from ..dynamics.state import ACCOUNT
+    from ..dynamics.account import ACCOUNT, STORES
 
     account = {
         f"account_{name}": Variable(

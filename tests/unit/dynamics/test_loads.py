@@ -47,9 +47,9 @@ def test_a_stop_s_spring_and_damper_are_told_apart():
 def test_a_motion_s_velocity_is_its_slope():
     load = dynamics.PrescribedMotion(0.01, 0.005, 3.0)
     for t in (0.0, 0.03, 0.2):
-        _, speed = jax.jvp(lambda t: load.motion(t)[0], (t,), (1.0,))
-        assert_allclose(load.motion(t)[1], speed, rtol=1e-12)
-    assert dynamics.PrescribedMotion(0.01).motion(0.7) == (0.01, 0.0)
+        _, speed = jax.jvp(lambda t: load.placed(t, 0.0, 0.0)[0], (t,), (1.0,))
+        assert_allclose(load.placed(t, 0.0, 0.0)[1], speed, rtol=1e-12)
+    assert dynamics.PrescribedMotion(0.01).placed(0.7, 0.5, 0.5) == (0.01, 0.0)
 
 
 @pytest.mark.parametrize(

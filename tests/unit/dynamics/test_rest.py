@@ -10,16 +10,18 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle import dynamics, fluid
 from fascicle.core.refused import Refused
-from fascicle.dynamics.motion import rates
+from fascicle.dynamics.motion import Anchor, change, moment
+from fascicle.dynamics.pace import pace
 from fascicle.dynamics.plant import _fitting
 from fascicle.dynamics.rest import rest
-from fascicle.dynamics.stepping import pace
+from fascicle.dynamics.seen import looked_at
 
 
 def _at(plant, state, command):
-    anchor = dynamics.motion.Anchor(np.zeros((plant.units, 0)), state.position, state.pressures)
+    anchor = Anchor(np.zeros((plant.units, 0)), state.position, state.pressures)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        return rates(plant, np.float64(0.0), state, command, anchor)
+        now = moment(plant, np.float64(0.0), state, command, anchor)
+        return change(plant, state, now, command), looked_at(plant, state, anchor, now)
 
 
 @pytest.mark.parametrize("pressures", [1.5e5, [1e5, 3e5], [4.1e5, 0.0]])

@@ -1,0 +1,129 @@
+r"""Where each watt goes, and what is stored.
+
+Energies are powers of their own, integrated beside the motion; none is what others leave. Of a gas
+they are exergies: a kilogram that is throttled from $p_1$ to $p_2$ loses $R T_a \ln(p_1/p_2)$; one
+that comes at $T_{in}$ into a chamber at $T$ loses
+$c_p T_a (\ln(T/T_{in}) + T_{in}/T - 1)$; heat $\dot Q$ that leaves at $T$ takes
+$(1 - T_a/T)\,\dot Q$ along.
+
+**Source:** first and second law for open systems: Bejan (2016).
+"""
+
+from ..core.arrays import library, log, maximum, where
+from ..core.roots import guarded
+from ..core.types import Numbers
+from ..fluid.chamber import row
+from .flows import Flows
+from .motion import Anchor, Moment, slid
+from .plant import Plant
+from .state import State
+
+
+# each is an integral of its own power; none is what the others leave
+_OF_FLUID = (
+    "supplied",  # exergy of the gas that was drawn, energy of the liquid [J]
+    "valve",  # lost in throttling, on the way in and out [J]
+    "exhaust",  # what is left in a gas that leaves: its temperature [J]
+    "mixing",  # of gases of unlike temperature in a chamber [J]
+    "wall",  # of heat that leaves at a temperature above or below the room's [J]
+    "fluid_work",  # ∫ P dV of the fluid on the muscles [J]
+    "mismatch",  # of it what a volume that isn't the conjugate one makes [J]
+    "mass",  # of fluid that flowed into the chambers [kg]
+    "enthalpy",  # that it brought along, less what was taken out [J]
+    "heat",  # through the walls [J]
+    "displaced",  # ∫ p dV, absolute [J]
+)
+_OF_LOAD = (
+    "pull",  # ∫ F dx of the muscles on the load [J]
+    "damper",  # lost in the load's damper [J]
+    "stop",  # lost in its stop's [J]
+    "friction",  # lost in the muscles' [J]
+    "motor",  # work of a motion that is given [J]
+)
+ACCOUNT = (*_OF_FLUID, *_OF_LOAD)
+STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
+
+
+def powers(plant: Plant, state: State, now: Moment) -> Numbers:
+    """How fast each number of the `ACCOUNT` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
+    that is so `now` [SI].
+    """
+    n, L, load = plant.counts, plant.lengths, plant.load
+    at, P, flows = now.fluid.at, now.fluid.pressures, now.flows
+    V_dot, v = now.volume_rates, now.velocity
+    V_star_dot = n * (
+        L * at.force_by_pressure * now.strain_rates + at.volume_by_pressure * now.pressure_rates
+    )
+    heat = plant.chamber.heat(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
+    of_fluid = (
+        *_fluid_powers(plant, flows, heat),
+        P * V_dot,
+        P * (V_dot - V_star_dot),
+        flows.mass,
+        flows.enthalpy,
+        heat,
+        (P + plant.chamber.room_pressure) * V_dot,
+    )
+    at_work = library(v, P)
+    # of all units in one sum, which takes a fraction of the time
+    together = at_work.sum(row(*of_fluid), axis=-2)
+    of_load = row(
+        now.pull * v,
+        load.damper * v**2,
+        now.stop_damper * v,
+        now.rubbing_power,
+        -(now.pull - now.rubbing) * v if load.moved else 0.0 * v,
+    )
+    return at_work.concatenate([together, of_load], axis=-1)
+
+
+def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:
+    """Powers of each unit's fluid [W], of a gas's exergy or a liquid's energy: supplied, lost in
+    valves, at the exhaust, in mixing and through the wall.
+    """
+    chamber, P, P_s = plant.chamber, flows.pressures, flows.supply_pressure
+    if plant.liquid:
+        h = chamber.liquid.flow_energy
+        valve = flows.drawn * (h(P_s) - h(P)) + flows.vented * h(P)
+        none = 0.0 * P
+        return flows.drawn * h(P_s), valve, none, none, none
+    gas, room, T_a = chamber.gas, chamber.room_pressure, chamber.room_temperature
+    T, T_s, p = flows.temperatures, flows.supply_temperature, P + room
+    unit = gas.specific_gas_constant * T_a
+    p = guarded(p > 0, p, room)
+    valve = unit * (flows.drawn * log((P_s + room) / p) + flows.vented * log(p / room))
+
+    def mixed(inflow: Numbers, T_in: Numbers) -> Numbers:
+        warm = gas.c_p * T_a * (log(T / T_in) + T_in / T - 1)
+        return maximum(inflow, 0.0) * warm
+
+    leaving = gas.c_p * (T - T_a - T_a * log(T / T_a))
+    drawn_T = where(flows.drawn > 0, T_s, T)
+    return (
+        flows.drawn * gas.flow_exergy(P_s + room, drawn_T, room, T_a),
+        valve,
+        maximum(flows.vented, 0.0) * leaving,
+        mixed(flows.drawn, T_s) + mixed(-flows.vented, T_a),
+        (1 - T_a / T) * heat,
+    )
+
+
+def stored(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Numbers:
+    """Energies [J] named in `STORES` of a `plant` [-] in a `state` [SI] with friction's `anchor`
+    [SI] that is so `now` [SI].
+    """
+    q, v, load, P, at = now.position, now.velocity, plant.load, now.fluid.pressures, now.fluid.at
+    at_work = library(q, P)
+    add, kept = at_work.sum, 0.0 * q
+    if plant.hysteresis is not None:
+        forces = slid(plant, anchor, q, P).kept
+        kept = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
+    parts = (
+        add(plant.chamber.stored(state.chambers, P), axis=-1),
+        add(plant.counts * (P * at.volume - at.coenergy), axis=-1),
+        0.0 * v if load.moved else load.inertia * v**2 / 2,
+        load.potential(q),
+        load.stop.energy(q) if load.stop else 0.0 * q,
+        kept,
+    )
+    return at_work.stack(at_work.broadcast_arrays(*parts), axis=-1)

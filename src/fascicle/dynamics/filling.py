@@ -1,0 +1,98 @@
+r"""Chambers joined to their muscles: what pressure fluid has, and how fast that changes.
+
+A unit's chamber of state $s$ is joined to its muscles by their volume, which depends on strain and
+pressure. With $g(s, P, V) = 0$ and $\dot s$ affine in $\dot V$,
+
+$$\dot P = - \frac{g_s \cdot \dot s|_{\dot V = 0}
+  + (g_s \cdot \dot s_{\dot V} + g_V)\, V_\varepsilon \dot\varepsilon}
+  {g_P + (g_s \cdot \dot s_{\dot V} + g_V)\, V_P}, \qquad
+  \dot V = V_\varepsilon \dot\varepsilon + V_P \dot P. \tag{T4}$$
+
+The pressure itself is the root of $g$, which Newton's method takes from where the rates led.
+"""
+
+from typing import NamedTuple
+
+from ..core.arrays import absolute, library, maximum
+from ..core.roots import guarded
+from ..core.types import Batch, BoolBatch, Numbers
+from ..fluid.chamber import Balance
+from ..muscle.surface import Surface
+from .plant import Plant
+
+
+class Filled(NamedTuple):
+    """Chambers at `pressures` [Pa]: what muscles do there, the volume they fill [m³] with its
+    slopes by strain [m³] and pressure [m³/Pa], the residual (F12) there as a `balance` [SI], and
+    `moved`: $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
+    """
+
+    pressures: Numbers
+    at: Surface
+    volume: Numbers
+    by_strain: Numbers
+    by_pressure: Numbers
+    balance: Balance
+    moved: Numbers
+
+    @property
+    def slope(self) -> Numbers:
+        """$\\mathrm{d}g/\\mathrm{d}P$ [SI] of a state that stays."""
+        return self.balance.by_pressure + self.balance.by_volume * self.by_pressure
+
+    @property
+    def folded(self) -> BoolBatch:
+        """Whether [-] the volume falls with pressure by more than fluid and hose give way."""
+        return self.slope <= 0
+
+    @property
+    def rise(self) -> Numbers:
+        """$g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI], below the line of (T4)."""
+        return self.balance.by_pressure + self.moved * self.by_pressure
+
+    @property
+    def step(self) -> Numbers:
+        """Newton's step [Pa] towards the root."""
+        slope = guarded(self.slope > 0, self.slope, self.balance.by_pressure)
+        return -self.balance.value / slope
+
+    @property
+    def unsettled(self) -> BoolBatch:
+        """Whether [-] the root is farther away than a pascal and a ten thousandth."""
+        return absolute(self.step) > 1.0 + 1e-4 * absolute(self.pressures)
+
+    def pressure_rate(self, still: Numbers, strain_rate: Batch) -> Numbers:
+        """$\\dot P$ [Pa/s], equation (T4), of chambers that change by `still` [SI] in a volume that
+        stays, at a `strain_rate` [1/s].
+        """
+        at_work = library(still, strain_rate)
+        flowing = at_work.sum(self.balance.by_state * still, axis=-1)
+        push = flowing + self.moved * self.by_strain * strain_rate
+        return -push / guarded(self.rise > 0, self.rise, self.balance.by_pressure)
+
+
+def filled(plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers) -> Filled:
+    """`chambers` [SI] of a `plant` [-] at `strains` [-], taken to be at `pressures` [Pa]."""
+    n, chamber = plant.counts, plant.chamber
+    at = plant.muscles.at(pressures, strains)
+    V, by_strain, by_pressure = plant.muscles.volumes(at, strains, plant.lengths)
+    g = chamber.balance(chambers, pressures, n * V)
+    along = library(g.by_state).sum(
+        g.by_state * chamber.per_volume_rate(chambers, pressures), axis=-1
+    )
+    return Filled(
+        pressures, at, n * V, n * by_strain, n * by_pressure, g, along + g.by_volume
+    )  # fmt: skip
+
+
+def settled(
+    plant: Plant, chambers: Numbers, strains: Numbers, near: Numbers, steps: int
+) -> Numbers:
+    """The pressures [Pa] of `chambers` [SI] of a `plant` [-] at `strains` [-], from `near` [Pa], in
+    so many `steps` [-] of Newton's method.
+    """
+    P, lowest = near, plant.chamber.lowest_pressure
+    for _ in range(steps):
+        # half of the way to no fluid at all at most
+        P = maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2)
+    return P

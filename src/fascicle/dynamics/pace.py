@@ -1,0 +1,101 @@
+r"""How many fixed steps a plant needs.
+
+Between two actions of a controller there are as many equal substeps as the stiffest part needs: the
+method is stable while $h |\lambda| \le 2.78$, and is used up to 2.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.types import Numbers
+from .filling import Filled, filled
+from .plant import Plant
+
+
+MOST_SUBSTEPS = 64
+_FEWEST = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
+_STABLE = 2.0  # of h|λ|; the method's own limit is 2.78
+
+
+class Pace(NamedTuple):
+    """How stiff a plant is: its fastest `rate` [1/s], the part that is [-], the `substeps` that a
+    step needs, whether they would have to be more.
+    """
+
+    rate: float
+    part: str
+    substeps: int
+    stiff: bool
+
+
+def pace(plant: Plant, dt: float) -> Pace:
+    """How many substeps a step of `dt` [s] of a `plant` [-] needs."""
+    fastest = {**_chamber_rates(plant), **_load_rates(plant)}
+    part = max(fastest, key=lambda name: fastest[name])
+    need = max(_FEWEST, math.ceil(dt * fastest[part] / _STABLE))
+    return Pace(fastest[part], part, min(need, MOST_SUBSTEPS), need > MOST_SUBSTEPS)
+
+
+def _chamber_rates(plant: Plant) -> dict[str, float]:
+    """How fast chambers fill at most, valves wide open, and how fast spools move [1/s]."""
+    top, chamber = plant.supply_pressure, plant.chamber
+    # flow is steepest where pressures are nearly equal
+    near = top * np.logspace(-6, 0, 61)
+    P = np.concatenate([[0.0], near, (top - near)[:-1]])[:, None, None]
+    room, T_a = chamber.room_pressure, chamber.room_temperature
+    T_s = plant.supply.temperature_at(plant.supply.start())
+    c_p = 0.0 if plant.liquid else chamber.gas.c_p
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        s, fluid = _charged(plant, P, places=7)
+        one, none = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
+        rise = fluid.pressure_rate(one - none, np.zeros(1))  # of pressure with mass [Pa/kg]
+        step = 1e-4 * np.maximum(P, 1e-6 * top)
+        filling, venting = (
+            np.abs(flow(P + room + step) - flow(P + room - step)) / (2 * step)
+            for flow in (
+                lambda p: plant.valve.flow(top + room, p, T_s, T_a),
+                lambda p: plant.exhaust_valve.flow(p, room, T_a, T_a),
+            )
+        )
+        fastest = np.max(np.where(fluid.rise > 0, np.maximum(filling, venting) * rise, 0.0))
+    spool = getattr(plant.spool, "time_constant", None)
+    return {
+        "a chamber and its valve": float(fastest),
+        "a spool": 0.0 if spool is None else float(np.max(1 / np.asarray(spool))),
+    }
+
+
+def _load_rates(plant: Plant) -> dict[str, float]:
+    """How fast a load swings on its muscles with their valves shut, and on its stop, at most, and
+    how fast its dampers slow it [1/s].
+    """
+    load, n, L, g = plant.load, plant.counts, plant.lengths, plant.gains
+    if load.moved:
+        return {}
+    M = float(load.inertia)
+    P = np.linspace(0.0, plant.supply_pressure, 31)[:, None, None]
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        s, fluid = _charged(plant, P, places=41)
+        at, rise = fluid.at, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
+        spring = -n * L * g**2 * (at.force_by_strain + at.force_by_pressure * rise)
+        stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
+        stiff = float(np.nanmax(np.where(fluid.rise > 0, stiff, 0.0)))
+    if plant.hysteresis is not None and hasattr(plant.hysteresis, "stiffness"):
+        stiff += float(np.sum(n * (L * g) ** 2) * np.sum(np.asarray(plant.hysteresis.stiffness)))
+    rates = {
+        "the load on its muscles": math.sqrt((stiff + float(load.stiffness)) / M),
+        "the load's damper": float(load.damper) / M,
+    }
+    if load.stop:
+        rates["the stop"] = math.sqrt(float(load.stop.stiffness) / M) + float(load.stop.damping) / M
+    return rates
+
+
+def _charged(plant: Plant, pressures: Numbers, places: int) -> tuple[Numbers, Filled]:
+    """Chambers [SI] at rest at `pressures` [Pa] and so many `places` [-] of the load's way."""
+    q = np.linspace(*plant.way, places)
+    P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
+    s = plant.charged(P, q)
+    return s, filled(plant, s, eps, P)

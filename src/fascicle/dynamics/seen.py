@@ -1,0 +1,85 @@
+"""What a plant shows at a moment, and whether that can be trusted."""
+
+from typing import Any, NamedTuple
+
+from ..core.arrays import library
+from ..core.types import Batch, Numbers
+from .account import stored
+from .motion import Anchor, Moment
+from .plant import Plant
+from .state import State
+
+
+# why a run can't be trusted from then on, or what happened in it
+STATUS = (
+    "folded",  # a muscle's volume falls with pressure more than hose and fluid give
+    "cavitates",  # a fluid sucked to where it can't be
+    "off_table",  # a strain or pressure that the muscles aren't known at
+    "unsettled",  # a pressure that wasn't found
+    "supply_empty",
+    "stop",  # the load is at its stop
+    "stiff",  # it would have needed more substeps
+    "broken",  # numbers that are none
+)
+_NEARLY_ATMOSPHERE = 100.0  # Pa: within a thousandth of an atmosphere of no fluid
+
+
+class Seen(NamedTuple):
+    """What a plant shows at a moment.
+
+    `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
+    `forces` of its muscles together [N], `volumes` [m³], `masses` [kg], openings to `supply` and
+    `exhaust` [-], flows `drawn` and `vented` [kg/s]; `supply_pressure` [Pa]; energies in `store`:
+    of fluid, muscles, motion, load, stop and friction [J]; `status`: bits of `STATUS` [-];
+    `reserve`: the supply's own state [SI].
+    """
+
+    position: Batch
+    velocity: Batch
+    pressures: Numbers
+    temperatures: Numbers
+    strains: Numbers
+    forces: Numbers
+    volumes: Numbers
+    masses: Numbers
+    supply: Numbers
+    exhaust: Numbers
+    drawn: Numbers
+    vented: Numbers
+    supply_pressure: Batch
+    store: Numbers
+    status: Any
+    reserve: Numbers
+
+
+def looked_at(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Seen:
+    """What a `plant` [-] shows in a `state` [SI], with friction's `anchor` [SI], that is so `now`
+    [SI].
+    """
+    flows, store = now.flows, stored(plant, state, anchor, now)
+    return Seen(
+        now.position, now.velocity, flows.pressures, flows.temperatures, now.strains,
+        plant.counts * now.fluid.at.force, now.fluid.volume, state.chambers[..., 0], flows.supply,
+        flows.exhaust, flows.drawn, flows.vented, flows.supply_pressure[..., 0], store,
+        _status(plant, state, now, store), state.supply,
+    )  # fmt: skip
+
+
+def _status(plant: Plant, state: State, now: Moment, store: Numbers) -> Any:
+    """Bits of `STATUS`."""
+    q, P, eps = now.position, now.fluid.pressures, now.strains
+    at_work = library(q, P)
+    some, stop = at_work.any, plant.load.stop
+    low, high = plant.muscles.strains
+    off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
+    true = (
+        some(now.fluid.folded, axis=-1),
+        some(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
+        some(off, axis=-1),
+        some(now.fluid.unsettled, axis=-1),
+        plant.supply.empty(state.supply),
+        False if stop is None else stop.touched(q),
+        False,  # `simulate` tells whether it is too stiff
+        ~at_work.isfinite(at_work.sum(store, axis=-1) + at_work.sum(P, axis=-1)),
+    )
+    return sum(at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
