@@ -89,7 +89,7 @@ class PumpedAccumulator(AbstractSupply):
         return row(mass_in + flow - out, 0.0 * P, shaft, lost, wasted)
 
     def switched(self, state: Numbers) -> Numbers:
-        """A `state` [SI] with its pump switched by the band."""
+        """A `state` [SI] with its pump switched by the band [SI]."""
         if self.band is None:
             return state
         on = self.band.after(state[..., 1], self.pressure_at(state))

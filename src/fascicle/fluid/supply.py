@@ -58,7 +58,7 @@ class AbstractSupply(Module):
         """
 
     def switched(self, state: Numbers) -> Numbers:
-        """A `state` [SI] with what is switched at once set; the same where nothing is."""
+        """A `state` [SI] with what switches at once in it set [SI]; the same where nothing does."""
         return state
 
     def spent(self, state: Numbers) -> dict[str, Batch]:

@@ -1,6 +1,7 @@
 """`fascicle simulate`: a bundle driven in time, and where the energy went."""
 
 import datetime as dt
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -42,6 +43,8 @@ Report = Annotated[
     ),
 ]
 _DISTRUSTED = 1
+# of arrays up to so many bytes; what has been set is respected
+LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"
 _EVENTS = 20  # that are printed
 
 
@@ -61,6 +64,8 @@ def run(
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     _check(report, overwrite)
+    # a loop as one function of machine code, not a task for each of its operations
+    os.environ.setdefault("XLA_FLAGS", LOOPS)
     with telling("reading the scenario") as tell:
         read = read_scenario(scenario)
         from ...results.simulated import simulated
