@@ -13,6 +13,13 @@ from jaxtyping import install_import_hook
 
 
 _MANY_MAPS = 20_000
+# programs here run once or twice, so that making them fast costs more than they take: a quarter
+# of the compiler's time, the same numbers to rounding. `make slow` compiles as a user does
+_COMPILED_SOON = (
+    "--xla_backend_optimization_level=0",
+    "--xla_cpu_use_fusion_emitters=false",
+    "--xla_cpu_parallel_codegen_split_count=1",
+)
 
 install_import_hook("fascicle", "beartype.beartype")
 
@@ -24,6 +31,7 @@ def pytest_configure(config):
     folder = config.rootpath / ".pytest_cache" / "compiled"
     folder.mkdir(parents=True, exist_ok=True)
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
+    os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_SOON))
     os.environ["XDG_STATE_HOME"] = str(folder.parent / "state")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
 
