@@ -2,14 +2,20 @@
 
 import gc
 import os
+import sys
 from pathlib import Path
 
 
 # workers share the cores: each one's linear algebra on all of them would wait for the others'
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import jaxtyping
 import pytest
-from jaxtyping import install_import_hook
+
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from kinds import checked_once
 
 
 _MANY_MAPS = 20_000
@@ -21,7 +27,8 @@ _COMPILED_SOON = (
     "--xla_cpu_parallel_codegen_split_count=1",
 )
 
-install_import_hook("fascicle", "beartype.beartype")
+jaxtyping.jaxtyped = checked_once
+jaxtyping.install_import_hook("fascicle", "beartype.beartype")
 
 
 def pytest_configure(config):
