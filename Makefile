@@ -54,7 +54,7 @@ slow: $(STAMP)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going -q -b html docs docs/_build/html
 
 # takes up to ten minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)
