@@ -50,11 +50,12 @@ browser:
 unit: $(STAMP) browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
+# compiled as a user's programs are, where `unit` spares the compiler
 slow: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
+	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going -q -b html docs docs/_build/html
 
 # takes up to ten minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)

@@ -5,6 +5,7 @@ import logging
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 
 HERE = Path(__file__).parent
@@ -60,3 +61,8 @@ html_show_sphinx = False
 html_static_path = ["_static"]
 html_css_files = ["equations.css"]
 html_theme_options = {"navigation_with_keys": True}
+
+
+def setup(app: Any) -> None:
+    """Pages are read side by side: the only extension that doesn't say so copies files at the end."""
+    app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

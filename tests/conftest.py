@@ -2,19 +2,33 @@
 
 import gc
 import os
+import sys
 from pathlib import Path
 
 
 # workers share the cores: each one's linear algebra on all of them would wait for the others'
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import jaxtyping
 import pytest
-from jaxtyping import install_import_hook
+
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from kinds import checked_once
 
 
 _MANY_MAPS = 20_000
+# programs here run once or twice, so that making them fast costs more than they take: a quarter
+# of the compiler's time, the same numbers to rounding. `make slow` compiles as a user does
+_COMPILED_SOON = (
+    "--xla_backend_optimization_level=0",
+    "--xla_cpu_use_fusion_emitters=false",
+    "--xla_cpu_parallel_codegen_split_count=1",
+)
 
-install_import_hook("fascicle", "beartype.beartype")
+jaxtyping.jaxtyped = checked_once
+jaxtyping.install_import_hook("fascicle", "beartype.beartype")
 
 
 def pytest_configure(config):
@@ -24,6 +38,7 @@ def pytest_configure(config):
     folder = config.rootpath / ".pytest_cache" / "compiled"
     folder.mkdir(parents=True, exist_ok=True)
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
+    os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_SOON))
     os.environ["XDG_STATE_HOME"] = str(folder.parent / "state")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
 

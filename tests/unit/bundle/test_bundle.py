@@ -110,9 +110,10 @@ LONG = fs.Bundle([fs.MotorUnit(fs.Muscle.from_dimensions(**LONGER)), fs.MotorUni
                  length=0.127)  # fmt: skip
 
 
+@pytest.mark.parametrize("count", [6, pytest.param(30, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("bundle", [pair, unlike, LONG], ids=["pair", "unlike", "of two lengths"])
-def test_strains_that_hold_a_load_miss_none_that_a_fine_grid_finds(bundle):
-    random, count = np.random.default_rng(5), 30
+def test_strains_that_hold_a_load_miss_none_that_a_fine_grid_finds(bundle, count):
+    random = np.random.default_rng(5)
     P = random.uniform(0, FULL, (count, len(bundle.motor_units)))
     P[random.random(P.shape) < 0.3] = 0.0
     # from what stretches it to what pushes it together

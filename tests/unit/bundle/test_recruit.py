@@ -94,7 +94,12 @@ def check(seed: int, scheme: str, count: int, part: int = 0) -> int:
 
 @pytest.mark.parametrize(
     ("scheme", "count"),
-    [("orderly", 100), ("batch", 12), pytest.param("batch", 100, marks=pytest.mark.slow)],
+    [
+        ("orderly", 12),
+        ("batch", 12),
+        pytest.param("orderly", 100, marks=pytest.mark.slow),
+        pytest.param("batch", 100, marks=pytest.mark.slow),
+    ],
 )
 def test_none_is_missed(scheme, count):
     assert check(0, scheme, count) > count / 2
