@@ -28,7 +28,9 @@ def prepare() -> None:
     else:
         _check_platforms()
     with at_once():
+        from ..core.limits import pascals_meant
         from ..files import reading  # noqa: F401 and with it all laws
+    pascals_meant()  # options and files have their units
     folder = cache_folder()
     if folder is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))

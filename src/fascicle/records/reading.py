@@ -7,10 +7,12 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..core.refused import Refused
+from ..core.written import in_si
 from ..units import parse, pretty
 from .asking import Asked
 from .columns import POSITIONS, Column, check_roles, choose
@@ -45,7 +47,7 @@ def load(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-    rest_length: float | None = None,
+    rest_length: Any = None,
     clipped_at_zero: bool | None = None,
     sidecar: str | os.PathLike[str] | None = None,
 ) -> Record:
@@ -91,7 +93,7 @@ def loads(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-    rest_length: float | None = None,
+    rest_length: Any = None,
     clipped_at_zero: bool | None = None,
 ) -> Record:
     """Read what such a file holds.
@@ -135,12 +137,13 @@ def _given(
     said: Sidecar,
     columns: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
-    rest_length: float | None,
+    rest_length: Any,
     clipped_at_zero: bool | None,
 ) -> Sidecar:
     """What the TOML and the caller say together, the caller first."""
     for what, table in (("columns", columns or {}), ("units", units or {})):
         check_roles(table, what)
+    rest_length = in_si(rest_length, "rest_length", "m")
     if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
         raise Refused(
             "rest_length", "must be positive and finite", rest_length, shown=f"{rest_length} m"
