@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -54,8 +53,7 @@ def line(bundle: Any) -> str:
     more = ""
     if bundle.supply_pressure is not None and np.ndim(bundle.supply_pressure) == 0:
         more += f", supply_pressure={exact(float(bundle.supply_pressure), 'pressure')!r}"
-    if bundle.scheme != signature(type(bundle)).parameters["scheme"].default:
-        more += f", scheme={bundle.scheme.name!r}"
+    more += f", scheme={bundle.scheme.name!r}"
     if bundle.plate_distance is not None and np.ndim(bundle.plate_distance) == 0:
         more += f", length={exact(float(bundle.plate_distance), 'length')!r}"
     return f"Bundle({list(bundle.motor_units)!r}{more})"

@@ -49,6 +49,7 @@ def load(
     units: Mapping[str, str] | None = None,
     rest_length: Any = None,
     clipped_at_zero: bool | None = None,
+    header: int | None = None,
     sidecar: str | os.PathLike[str] | None = None,
 ) -> Record:
     """Read what a dynamometer wrote.
@@ -63,6 +64,7 @@ def load(
     - `units`: units of columns whose header has none, by role [-].
     - `rest_length`: the length that strains refer to [m]; lengths and displacements need it.
     - `clipped_at_zero`: whether forces of exactly zero are clipped readings [-].
+    - `header`: the line that the columns' names stand in [-]; left out, it is looked for.
     - `sidecar`: the TOML [-]; left out, the one of the same name, if there is one.
 
     **Returns:** the record [-].
@@ -75,7 +77,7 @@ def load(
             raise Refused("path", "must name at least one file", None, shown="none")
         return join([
             load(one, columns=columns, units=units, rest_length=rest_length,
-                 clipped_at_zero=clipped_at_zero, sidecar=sidecar) for one in path
+                 clipped_at_zero=clipped_at_zero, header=header, sidecar=sidecar) for one in path
         ])  # fmt: skip
     path = Path(path)
     raw = _bytes(path)
@@ -84,7 +86,7 @@ def load(
     else:
         said, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
     given = _given(said, columns, units, rest_length, clipped_at_zero)
-    return _record(raw, str(path), path.name, given, notes)
+    return _record(raw, str(path), path.name, given, notes, header)
 
 
 def loads(
@@ -95,6 +97,7 @@ def loads(
     units: Mapping[str, str] | None = None,
     rest_length: Any = None,
     clipped_at_zero: bool | None = None,
+    header: int | None = None,
 ) -> Record:
     """Read what such a file holds.
 
@@ -106,13 +109,14 @@ def loads(
     - `units`: as for `load` [-].
     - `rest_length`: as for `load` [m].
     - `clipped_at_zero`: as for `load` [-].
+    - `header`: as for `load` [-].
 
     **Returns:** the record [-].
 
     **Raises:** `ValueError` as `load`.
     """
     given = _given(Sidecar(), columns, units, rest_length, clipped_at_zero)
-    return _record(text.encode(), source, source, given, ())
+    return _record(text.encode(), source, source, given, (), header)
 
 
 def _bytes(path: Path) -> bytes:
@@ -160,8 +164,15 @@ def _given(
     )
 
 
-def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str, ...]) -> Record:
-    table = open_table(raw, source)
+def _record(
+    raw: bytes,
+    source: str,
+    name: str,
+    given: Sidecar,
+    notes: tuple[str, ...],
+    header: int | None,
+) -> Record:
+    table = open_table(raw, source, header)
     chosen, guessed = choose(table, given.columns, given.units)
     above = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]
