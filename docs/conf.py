@@ -59,7 +59,8 @@ html_title = f"fascicle {release}"
 html_copy_source = False
 html_show_sphinx = False
 html_static_path = ["_static"]
-html_css_files = ["equations.css"]
+html_css_files = ["equations.css", "copy.css"]
+html_js_files = ["copy.js"]
 html_theme_options = {"navigation_with_keys": True}
 
 

@@ -264,6 +264,15 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
     way = page.get_by_role("button", name=re.compile(r"^state \d"))
     way.first.wait_for()
     asked = source(page, "asked")
+    # slider, field and address have gone there, too
+    pointed = field(page, "Contraction ε, typed")
+    assert float(pointed.input_value()) == pytest.approx(asked["x"][0], abs=1e-4)
+    slid = float(handle(page, "Contraction ε").get_attribute("aria-valuenow"))
+    assert slid == pytest.approx(asked["x"][0], abs=2e-3)
+    page.wait_for_function(
+        "x => Math.abs(new URLSearchParams(location.search).get('strain') - x) < 1e-4",
+        arg=asked["x"][0],
+    )
     way.first.click()
     page.wait_for_function(
         f"old => Math.abs(({SOURCE})('bundle_force').force[0] - old) > 1e-6", arg=shown["force"][0]
@@ -287,6 +296,57 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
     means = source(page, "average_true")["y"]
     assert len(means) == 5
     assert means == sorted(means)
+
+
+def test_what_is_compared_is_there_after_a_reload(visit):
+    page = visit()
+    source(page, "chosen")
+    field(page, "Compare with").select_option(["buckling:elastica", "tension:ideal"])
+    both = "d => d.xs && d.xs.length === 2"
+    shown = source(page, "compared", both)
+    page.wait_for_function("() => location.search.includes('compare=')")
+    page.reload()
+    page.wait_for_function(READY)
+    assert source(page, "compared", both) == shown
+
+
+@pytest.mark.parametrize("tab", ["muscle", "bundle", "reversal", "efficiency", "data"])
+def test_a_phones_page_is_as_wide_as_the_phone(visit, tab):
+    page = visit(f"?muscle=kim2021_bundle_1_4&tab={tab}", width=390, height=844)
+    page.get_by_text("Data, CSV").first.wait_for()
+    assert page.evaluate("() => document.documentElement.scrollWidth") == 390
+
+
+def test_tabs_come_first_for_the_keyboard(visit):
+    page = visit()
+    source(page, "chosen")
+    page.locator("body").press("Tab")
+    deepest = """() => { let at = document.activeElement;
+      while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
+      return at.className + ' ' + at.textContent.trim(); }"""
+    assert "bk-tab" in page.evaluate(deepest)
+
+
+def test_a_page_follows_the_systems_preference_unless_the_address_says(browser, server):
+    for query, dark in (("", True), ("?theme=default", False)):
+        context = browser.new_context(color_scheme="dark")
+        page = context.new_page()
+        page.goto(server + query)
+        page.wait_for_function(READY, timeout=SLOW)
+        color = "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)"
+        page.wait_for_function(f"dark => ({color}[0] < 60) === dark", arg=dark, timeout=SLOW)
+        context.close()
+
+
+def test_an_example_record_is_there_to_try(visit):
+    page = visit("?tab=data")
+    page.get_by_role("button", name="Try an example record").click()
+    assert len(source(page, "readings")["x"]) == 300
+    page.get_by_text("synthetic").nth(1).wait_for()
+    rest = field(page, "Rest length, if the record")
+    rest.fill("nonsense")
+    rest.press("Enter")
+    assert "rest_length" in page.get_by_role("alert").first.inner_text()
 
 
 def test_a_record_is_calibrated_end_to_end(visit, tmp_path):

@@ -47,7 +47,7 @@ def test_record_keeps_a_file_that_may_be_a_measurement(fascicle, tmp_path):
         ([TEN], "Missing option '--out'"),
         (["kim2021_bundle_1_1", "-o", "d.csv"], "a bundle, not a muscle"),
         ([TEN, "-o", "no/d.csv"], "--out no/d.csv: can't be written: no such folder"),
-        ([TEN, "-o", "d.csv", "--noise", "-1%"], "`noise` must lie in"),
+        ([TEN, "-o", "d.csv", "--noise", "-1%"], "--noise must lie in"),
         ([TEN, "-o", "d.csv", "--resolution", "1"], "write it with its unit"),
         ([TEN, "-o", "d.csv", "-p", "0kPa"], "at least one pressure above 0 Pa"),
         ([TEN, "-o", "d.csv", "--samples", "1"], "Invalid value for '--samples'"),

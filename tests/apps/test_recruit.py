@@ -41,7 +41,7 @@ def test_a_table_and_a_line_for_what_is_out_of_reach(fascicle):
     ("options", "message"),
     [
         (["-f", "40", "-s", "0.1"], "--force"),
-        (["-f", "40N", "-s", "0.9"], "`strain` must lie in"),
+        (["-f", "40N", "-s", "0.9"], "--strain must lie in"),
         (["-f", "40N", "-s", "0.1", "--scheme", "bach"], "did you mean 'batch'"),
         (["-s", "0.1"], "--force"),
     ],

@@ -31,19 +31,24 @@ from ..core.arrays import library, spread, where
 from ..core.checks import as_given, concrete, finite, within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.evaluate import at_rest, evaluate
-from ..core.limits import whole
+from ..core.lazy import from_above
+from ..core.limits import pressed, whole
 from ..core.modules import Module, kept, renewed
 from ..core.refused import Refused
+from ..core.sheet import printed
 from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
+from ..core.written import is_written
 from ..muscle import Muscle
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
+from .printing import equilibria_sheet, line, sheet, unit_line, unit_sheet
 from .schemes import AbstractScheme, scheme_of
 from .zeros import carried, first_zero, loaded, zeros
 
 
+@printed(unit_sheet, unit_line)
 class MotorUnit(Module):
     """`count` equal muscles at one pressure, the smallest part that is activated."""
 
@@ -58,6 +63,7 @@ class MotorUnit(Module):
         self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
 
 
+@printed(equilibria_sheet)
 class Equilibria(NamedTuple):
     """Strains of zero force, rising along the last axis, which ends in NaN where there
     are fewer. `stable`: the force falls with strain there. `count`: how many there are.
@@ -68,6 +74,7 @@ class Equilibria(NamedTuple):
     count: Int[AnyArray, "*#points"]
 
 
+@printed(sheet, line)
 class Bundle(Module):
     """Motor units between rigid plates, in the order in which they are recruited."""
 
@@ -220,6 +227,23 @@ class Bundle(Module):
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
         return self._sought(_strain_at, P, F)
 
+    def plot(
+        self, pressures: Values = None, strains: Values = None, resistance: bool = True
+    ) -> Any:
+        """Its force-strain space, state by state; or at given pressures its force, unit by unit.
+
+        **Arguments:**
+
+        - `pressures`: one for each motor unit [Pa]; left out, the space up to the supply's.
+        - `strains`: contractions [-], rising; left out, to the largest free strain or past it.
+        - `resistance`: whether units past their own free strain push back [-].
+
+        **Returns:** a figure of matplotlib's [-].
+
+        **Raises:** `ValueError` where there are neither pressures nor a supply's.
+        """
+        return from_above("plot.objects.of_bundle")(self, pressures, strains, resistance)
+
     def replace(self, **changes: Any) -> "Bundle":
         """The same bundle, but for some of its arguments.
 
@@ -346,4 +370,6 @@ def _joined(values: list[Any]) -> Any:
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:
     checked = within(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    if not is_written(value):
+        pressed(checked)
     return as_given(value, checked)

@@ -23,6 +23,7 @@ from ..core.checks import as_given, concrete, finite, one_of
 from ..core.evaluate import COMPILE_ABOVE, at_rest, evaluate, traced
 from ..core.refused import Refused
 from ..core.types import Numbers, Values
+from ..core.written import in_si
 from .alike import unlike
 from .bundle import Bundle
 from .own import scheme_used, supply_of
@@ -80,8 +81,9 @@ def pressures_of(
     if not 1 <= state <= states.size:
         raise Refused("state", f"must lie in [1, {states.size}]", state)
     throttled, full = states.throttled[state - 1], states.full[state - 1]
-    level = np.asarray(level, dtype=float)[..., None]
-    return np.where(throttled, level, np.where(full, float(supply_pressure), 0.0))
+    level = np.asarray(in_si(level, "level", "Pa"), dtype=float)[..., None]
+    supply = float(in_si(supply_pressure, "supply_pressure", "Pa"))
+    return np.where(throttled, level, np.where(full, supply, 0.0))
 
 
 def recruit(

@@ -17,10 +17,12 @@ from jaxtyping import Float
 
 from ..core.checks import within
 from ..core.refused import Refused
+from ..core.sheet import printed
 from ..core.types import Values
 from .bundle import Bundle
 from .own import supply_of
 from .plates import muscle_strain
+from .printing import reversal_sheet
 from .recruitment import pressures_of
 
 
@@ -28,6 +30,7 @@ _GRID = 129  # pressures at which the fall and the onset are looked for, again a
 _ZOOMS = 6  # each narrows the bracket 64 times: to the last bits of a pressure
 
 
+@printed(reversal_sheet)
 @dataclass(frozen=True)
 class Reversal:
     """`pressure` [Pa] at the turn, `free_strain` [-] there and at no pressure (`initial`),

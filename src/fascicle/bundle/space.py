@@ -18,6 +18,7 @@ from jaxtyping import Float
 
 from ..core.checks import within
 from ..core.types import Values
+from ..core.written import in_si, is_written
 from .bundle import Bundle
 from .own import scheme_used, supply_of
 from .schemes import AbstractScheme
@@ -107,13 +108,15 @@ def space(
     """
     supply = supply_of(bundle, supply_pressure)
     scheme = scheme_used(bundle, scheme)
+    if is_written(levels):
+        levels = np.atleast_1d(in_si(levels, "levels", "Pa"))
     if np.ndim(levels) == 0:
         levels = np.linspace(0.0, supply, int(levels))
     levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
     if strain is None:
         full = np.full(len(bundle.motor_units), supply)
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
-    strain = np.asarray(strain, dtype=float)
+    strain = np.asarray(in_si(strain, "strain", "-"), dtype=float)
     fine = np.linspace(0.0, supply, _LEVELS)
     states = states_of(scheme, len(bundle.motor_units))
     region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)

@@ -6,6 +6,7 @@ answer at once.
 """
 
 import contextlib
+import inspect
 import io
 import os
 import sys
@@ -33,7 +34,8 @@ from .commands.simulate import run as simulate
 from .commands.space import run as space
 from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
-from .problems import UserError, too_large
+from .into_file import into, parted
+from .problems import UserError, as_typed, too_large
 
 
 _LONGEST = 600  # characters of a message
@@ -134,11 +136,16 @@ def _run(arguments: list[str]) -> tuple[int, str]:
     """Exit code of a command [-], and what to say."""
     code, message = 0, ""
     try:
-        result = app(arguments, prog_name="fascicle", standalone_mode=False)
+        arguments, option, path = parted(arguments)
+        flags = _flags(arguments).get("overwrite", ())
+        given = any(flag in arguments for flag in flags)
+        flag = min(flags, key=len, default="another name")
+        with into(path, option, given, flag):
+            result = app(arguments, prog_name="fascicle", standalone_mode=False)
         sys.stdout.flush()
         code = result if isinstance(result, int) else 0
     except UserError as error:
-        code, message = error.code, str(error)
+        code, message = error.code, as_typed(error, _options(arguments))
     except (KeyboardInterrupt, typer.Abort):
         code = CODE
     except OSError as error:  # of standard output itself
@@ -165,6 +172,26 @@ def _run(arguments: list[str]) -> tuple[int, str]:
                 ),
             )
     return code, message
+
+
+def _options(arguments: list[str]) -> dict[str, str]:
+    """The option for each argument of the command that was typed [-]."""
+    return {name: flags[0].split("/")[0] for name, flags in _flags(arguments).items()}
+
+
+def _flags(arguments: list[str]) -> dict[str, list[str]]:
+    """All spellings of the options of the command that was typed, by its argument's name [-]."""
+    commands = {one.name: one.callback for one in app.registered_commands}
+    run = next((commands[name] for name in arguments if name in commands), None)
+    found = {}
+    for name, kind in (inspect.get_annotations(run) if run else {}).items():
+        for told in getattr(kind, "__metadata__", ()):
+            # typer keeps the first spelling where a default would stand
+            spelled = (getattr(told, "default", None), *(getattr(told, "param_decls", None) or ()))
+            names = [one for one in spelled if isinstance(one, str) and one[:2] == "--"]
+            if names:
+                found[name] = names
+    return found
 
 
 def _drop_output() -> None:

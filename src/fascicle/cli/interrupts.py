@@ -24,7 +24,7 @@ def at_once() -> Iterator[None]:
         before = signal.getsignal(signal.SIGINT)
         if before is not signal.default_int_handler:  # ignored, or somebody else's
             raise ValueError
-        signal.signal(signal.SIGINT, lambda *_: os._exit(CODE))
+        signal.signal(signal.SIGINT, lambda *_: _leave())
     except ValueError:  # or not in the main thread
         yield
         return
@@ -32,6 +32,13 @@ def at_once() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _leave() -> None:
+    with contextlib.suppress(OSError, ValueError):
+        if sys.stderr.isatty():  # a spinner hides the cursor
+            os.write(sys.stderr.fileno(), b"\r\x1b[K\x1b[?25h")
+    os._exit(CODE)
 
 
 @contextlib.contextmanager

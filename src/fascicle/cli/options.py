@@ -118,8 +118,12 @@ Forces = Annotated[
         show_default=False,
     ),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, in SI units.")]
-AsCsv = Annotated[bool, typer.Option("--csv", help="Print CSV, in SI units.")]
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print JSON, in SI units; --json FILE.json writes it there.")
+]
+AsCsv = Annotated[
+    bool, typer.Option("--csv", help="Print CSV, in SI units; --csv FILE.csv writes it there.")
+]
 Out = Annotated[
     str | None,
     typer.Option(

@@ -1,6 +1,7 @@
 """Tables for a reader: numbers to four figures, as many columns as the terminal takes."""
 
 import math
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -26,14 +27,16 @@ def show(
     from rich.text import Text
 
     console = Console(file=sys.stdout, highlight=False, markup=False)
-    # each column's text, with the space and the line between it and the next
-    widths = [
-        max(len(line) for entry in column for line in entry.split("\n")) + 3
-        for column in zip(heads, *rows, strict=True)
-    ]
-    for columns in _blocks(widths, console.width - 2):
+    spaces = 3  # between two columns
+    widths = _widths(heads, rows)
+    if not console.is_terminal and not os.environ.get("COLUMNS"):
+        console.width = max(console.width, sum(widths) + spaces * len(widths) + 2)
+    if sum(widths) + spaces * len(widths) > console.width - 2:  # narrow: heads of two lines
+        heads, spaces = [_folded(head) for head in heads], 1
+        widths = _widths(heads, rows)
+    for columns in _blocks([width + spaces for width in widths], console.width - 1):
         console.print(Text(title, style="bold"))
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
+        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, spaces // 2, 0, spaces // 2))
         for index in columns:
             table.add_column(Text(heads[index]), justify="right", no_wrap=True)
         for row in rows:
@@ -41,6 +44,20 @@ def show(
         console.print(table)
     if caption:
         console.print(Text(caption))
+
+
+def _folded(head: str) -> str:
+    """A head's words below one another; spaces at its end, which keep a place, stay at each."""
+    end = " " * (len(head) - len(head.rstrip()))
+    return "\n".join(word + end for word in head.split())
+
+
+def _widths(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
+    """The longest line of each column."""
+    return [
+        max(len(line) for entry in column for line in entry.split("\n"))
+        for column in zip(heads, *rows, strict=True)
+    ]
 
 
 def _seen(entry: str) -> str:

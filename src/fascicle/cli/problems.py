@@ -3,10 +3,12 @@
 import contextlib
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NoReturn
 
 import typer
+
+from ..core.refused import Refused
 
 
 class UserError(Exception):
@@ -43,6 +45,42 @@ def refusing(prefix: str = "") -> Iterator[None]:
         raise
     except (ValueError, OSError) as error:
         raise UserError(f"{prefix}{error}") from error
+
+
+def as_typed(error: Exception, options: Mapping[str, str]) -> str:
+    """A refusal in the words that were typed: options rather than Python's arguments.
+
+    **Arguments:**
+
+    - `error`: what a command ended with [-].
+    - `options`: of the command, by the argument's name [-].
+
+    **Returns:** the line [-].
+    """
+    text, cause = str(error), error.__cause__
+    if not isinstance(cause, Refused):
+        return text
+    options = {**options, **{more: options[one] for more, one in _SAME.items() if one in options}}
+    if cause.argument == "supply_pressure" and cause.value is None and "supply" in options:
+        return f"{options['supply']}: missing, {cause.remedy}: give one, such as --supply 400kPa."
+
+    def option(found: re.Match[str]) -> str:
+        return options.get(found[1], found[0])
+
+    # what is told in both tongues, in this one
+    text = re.sub(r"\w+=\S+ \((--[^)]+)\)", r"\1", text)
+    return re.sub(r"`(\w+)`", option, text)
+
+
+# arguments of the library, and those of commands that fill them
+_SAME = {
+    "supply_pressure": "supply",
+    "pressures": "pressure",
+    "states": "pressure",
+    "strains": "strain",
+    "forces": "force",
+    "names": "fit",
+}
 
 
 def too_large(error: Exception) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from .interrupts import at_once
 from .problems import UserError
+from .telling import telling
 
 
 def prepare() -> None:
@@ -20,6 +21,19 @@ def prepare() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module="jax.*")
+    with telling("loading the laws"):
+        _load()
+    folder = cache_folder()
+    if folder is not None:
+        import jax
+
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        # below this, reading the file costs as much as compiling
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def _load() -> None:
+    """Import JAX and all laws."""
     with at_once():
         import jax
 
@@ -28,12 +42,9 @@ def prepare() -> None:
     else:
         _check_platforms()
     with at_once():
+        from ..core.limits import pascals_meant
         from ..files import reading  # noqa: F401 and with it all laws
-    folder = cache_folder()
-    if folder is not None:
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        # below this, reading the file costs as much as compiling
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+    pascals_meant()  # options and files have their units
 
 
 def _check_platforms() -> None:

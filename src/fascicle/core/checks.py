@@ -15,6 +15,7 @@ from jax.core import Tracer
 
 from .refused import Refused
 from .types import Batch, Values
+from .written import in_si
 
 
 def within(
@@ -31,6 +32,7 @@ def within(
     The interval is open unless `closed` says otherwise for its low or high end. `why`
     completes the rule in words: "to contract".
     """
+    value = in_si(value, name, unit)
     if not concrete(value):
         return jnp.asarray(value, dtype=float)
     x = _numeric(value, name, unit)
@@ -49,6 +51,7 @@ def within(
 
 def positive(value: Values, name: str, unit: str) -> Batch:
     """Return `value` as floats, NumPy's, refusing anything that is not > 0 and finite."""
+    value = in_si(value, name, unit)
     if not concrete(value):
         return jnp.asarray(value, dtype=float)
     x = _numeric(value, name, unit)

@@ -45,6 +45,14 @@ def lazily(
     return found, lambda: sorted({*vars(sys.modules[package]), *homes})
 
 
+def from_above(name: str) -> Any:
+    """What is called `name` [-], as "plot.objects.of_muscle", in a layer above the caller's: a
+    method hands on to it, and only then is it loaded.
+    """
+    module, _, inside = name.rpartition(".")
+    return getattr(importlib.import_module(f"fascicle.{module}"), inside)
+
+
 class _Successors:
     """Finds modules that moved, after all other finders, as what hands on to their successors."""
 

@@ -12,6 +12,7 @@ every law has a finite value. The limits are wide of what is built:
 
 import math
 import reprlib
+import sys
 import warnings
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -62,6 +63,36 @@ RANGES: Mapping[str, Range] = MappingProxyType({
     # a pascal is a tenth of a mm of water
     "supply_pressure": Range("Pa", 1.0, 1e3, HIGHEST_PRESSURE, HIGHEST_PRESSURE),
 })  # fmt: skip
+
+
+FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
+_OURS = ("fascicle", "jaxtyping")  # the latter stands between where tests check annotations
+_said_to_be_faint: list[float] = []
+
+
+def pressed(pressure: Any) -> None:
+    """Warn, once, of numbers of `pressure` [Pa] that are none at all: bar or kPa without a unit.
+    A range that begins so low is none of these, nor are zeros.
+    """
+    if _said_to_be_faint or not concrete(pressure) or not np.size(pressure):
+        return
+    highest = float(np.max(np.asarray(pressure)))
+    if 0 < highest < FAINT_PRESSURE:
+        _said_to_be_faint.append(highest)
+        frame, levels = sys._getframe(), 1  # up to the line that called fascicle
+        while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] in _OURS:
+            frame, levels = frame.f_back, levels + 1
+        meant = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
+        warnings.warn(
+            f"a pressure of {highest:g} Pa is next to nothing; numbers are in Pa: for {meant} write"
+            f' "{meant}". This is said once.',
+            stacklevel=levels,
+        )
+
+
+def pascals_meant() -> None:
+    """Let no low pressure be warned of, where all of them came with their units."""
+    _said_to_be_faint.append(0.0)
 
 
 def size(value: Values, name: str) -> Batch:

@@ -10,6 +10,7 @@ of its structure, by which modules are compared and compiled functions are found
 """
 
 from collections.abc import Callable
+from dataclasses import FrozenInstanceError, fields
 from inspect import signature
 from typing import Any, Generic, TypeVar, overload
 
@@ -22,6 +23,7 @@ from .checks import concrete, one_of
 
 
 Value = TypeVar("Value")
+_FEW = 8  # numbers that a line shows
 
 
 class kept(property, Generic[Value]):  # noqa: N801 as `property` is written
@@ -78,10 +80,42 @@ class Module(eqx.Module):
     # a class that says when it is equal has else no hash
     __hash__ = eqx.Module.__hash__
 
+    def __repr__(self) -> str:
+        """Its fields with their numbers; traced ones have none."""
+        return listed(self) if concrete(self) else super().__repr__()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Fields are set once, as it is made."""
+        try:
+            super().__setattr__(name, value)
+        except FrozenInstanceError:
+            kind = type(self).__name__
+            remedy = "make another one"
+            if hasattr(self, "replace") and name in signature(type(self)).parameters:
+                remedy = f"write {kind.lower()} = {kind.lower()}.replace({name}=…)"
+            raise FrozenInstanceError(
+                f"`{name}` can't be set, a {kind} stays as it was made: {remedy}."
+            ) from None
+
     @kept
     def is_numpy(self) -> bool:
         """Whether it holds NumPy's numbers and arrays alone [-]."""
         return given(*jax.tree.leaves(self))
+
+
+def listed(module: Module) -> str:
+    """The fields of a `module` [-] with their numbers, in one line [-]."""
+    shown = (f"{field.name}={_shown(getattr(module, field.name))}" for field in fields(module))
+    return f"{type(module).__name__}({', '.join(shown)})"
+
+
+def _shown(value: Any) -> str:
+    if not (given(value) or isinstance(value, jax.Array)):
+        return repr(value)
+    x = np.asarray(value)
+    if x.size > _FEW:
+        return f"<{' × '.join(map(str, x.shape))} numbers>"
+    return repr(x.tolist())
 
 
 def _same(one: Any, other: Any) -> bool:

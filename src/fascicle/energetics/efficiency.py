@@ -22,7 +22,7 @@ from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
 from ..bundle.unit_tables import distinct
 from ..bundle.volumes import unit_volume_change
-from ..core.checks import one_of
+from ..core.checks import finite, one_of
 from ..core.refused import Refused
 from ..core.types import Values
 from .paths import unit_work_along
@@ -99,7 +99,10 @@ def efficiency_map(
     if strain is None:
         reach = float(few.free_strain(full, resistance=False))
         strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
-    force, strain = np.atleast_1d(force).astype(float), np.atleast_1d(strain).astype(float)
+    force, strain = (
+        np.atleast_1d(finite(x, name, unit))
+        for x, name, unit in ((force, "force", "N"), (strain, "strain", "-"))
+    )
     if np.any(strain <= 0):
         raise Refused("strain", "must be positive", strain.min(), shown=f"{strain.min():g}")
 

@@ -20,6 +20,7 @@ from ..bundle.volumes import unit_volume_change
 from ..core.arrays import library
 from ..core.evaluate import evaluate
 from ..core.types import Batch, Numbers, PerUnit, Values
+from ..core.written import in_si
 from ..muscle.coenergy import EVALUATIONS, contraction_work
 from ..muscle.piecewise import Pressurized
 
@@ -74,6 +75,7 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
     **Returns:** $E$ [J].
     """
     taken = unit_volume_change(bundle, strain)
+    supply_pressure = in_si(supply_pressure, "supply_pressure", "Pa")
     at_work = library(taken, supply_pressure)
     return supply_pressure * at_work.sum(at_work.asarray(active) * taken, axis=-1)
 

@@ -8,7 +8,7 @@ import panel as pn
 from ..core.visible import visible
 from ..files import example, examples, loads
 from .parts.address import to_query
-from .parts.look import Look, widget_css
+from .parts.look import NARROW, WRAPPED, Look, widget_css
 from .parts.widgets import Message, choice
 from .state import SHOWN, Session, View, changed, view_of
 
@@ -21,15 +21,18 @@ _OTHER = "(own)"
 class Header:
     """Example, file, units and theme; keeps the address up to date."""
 
-    def __init__(self, session: Session, look: Look):
-        """**Arguments:** `session` [-]; `look`: the page's [-]."""
+    def __init__(self, session: Session, look: Look, asked: bool = False):
+        """**Arguments:** `session` [-]; `look`: the page's [-]; `asked`: whether the address asks
+        for it [-].
+        """
+        self._asked = asked
         self._session, self._look, self._silent = session, look, False
         self._pending: Any = None
         css = [widget_css(look)]
         self._example = choice(look, "Example", [*examples(), _OTHER], width=230, sizing_mode=None)
         self._example.param.watch(self._choose, "value")
         self._file = pn.widgets.FileInput(
-            label="Open a file", accept=".toml", stylesheets=css, width=210, margin=(2, 8)
+            label="Open a file", accept=".toml", stylesheets=css, width=256, margin=(2, 8)
         )
         self._file.param.watch(self._open, "value")
         self._save = pn.widgets.FileDownload(
@@ -42,14 +45,16 @@ class Header:
         }
         for kind, widget in self._units.items():
             widget.param.watch(self._showing(kind), "value")
-        self._name = pn.pane.HTML("", margin=(4, 8), width=185)
+        self._name = pn.pane.HTML("", margin=(4, 8), width=150)
         self._theme = pn.pane.HTML("", margin=(28, 8, 0, 8), width=90)
         self.message = Message("file")
         row = pn.Row(
             self._name, self._example, self._file, self._save, *self._units.values(), self._theme,
-            sizing_mode="stretch_width", margin=0,
+            sizing_mode="stretch_width", margin=0, stylesheets=[WRAPPED],
         )  # fmt: skip
-        self.panel = pn.Column(row, self.message.pane, margin=0, sizing_mode="stretch_width")
+        self.panel = pn.Column(
+            row, self.message.pane, margin=0, sizing_mode="stretch_width", stylesheets=[NARROW]
+        )
         session.watch(self._changed)
         self._show(session.view)
 
@@ -123,7 +128,9 @@ class Header:
     def _follow(self) -> None:
         self._pending = None
         view = self._session.view
-        query = to_query(view) | ({"theme": "dark"} if self._look.dark else {})
+        query = to_query(view)
+        if self._look.dark or self._asked:
+            query["theme"] = "dark" if self._look.dark else "default"
         self._link(view)
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)

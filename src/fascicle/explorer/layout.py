@@ -7,7 +7,7 @@ import panel as pn
 
 from .header import Header
 from .parts.exports import EXPORTS, downloads
-from .parts.look import Look, look_of, widget_css
+from .parts.look import NARROW, WRAPPED, Look, look_of, widget_css
 from .state import TABS, Session, View
 from .tabs.bundle import BundleView
 from .tabs.data import DataView
@@ -27,7 +27,9 @@ _VIEWS: dict[str, Callable[..., Any]] = {
 }
 
 
-def build(session: Session, theme: str = "default", refused: Sequence[str] = ()) -> Any:
+def build(
+    session: Session, theme: str = "default", refused: Sequence[str] = (), asked: bool = False
+) -> Any:
     """All of the explorer for one visitor.
 
     **Arguments:**
@@ -35,19 +37,21 @@ def build(session: Session, theme: str = "default", refused: Sequence[str] = ())
     - `session`: what is shown [-].
     - `theme`: "default" or "dark" [-].
     - `refused`: what the address asked for in vain, a line each [-].
+    - `asked`: whether the address asks for the theme [-].
 
     **Returns:** a Panel layout [-].
     """
     look = look_of(theme)
-    header = Header(session, look)
+    header = Header(session, look, asked)
     header.message.say(" ".join(refused))
     names = [name for name in TABS if name in _VIEWS]
     views: dict[str, Any] = {}
-    places = {name: pn.Column(sizing_mode="stretch_width", margin=0) for name in names}
+    narrow = {"sizing_mode": "stretch_width", "stylesheets": [NARROW]}
+    places = {name: pn.Column(margin=0, **narrow) for name in names}
     tabs = pn.Tabs(
         *((_TITLES[name], places[name]) for name in names),
         dynamic=True,
-        stylesheets=[widget_css(look)],
+        stylesheets=[widget_css(look), NARROW],
         sizing_mode="stretch_width",
         margin=(0, 8),
         active=names.index(session.view.tab) if session.view.tab in names else 0,
@@ -73,7 +77,9 @@ def build(session: Session, theme: str = "default", refused: Sequence[str] = ())
     tabs.param.watch(switched, "active")
     session.watch(follow)
     look_at(names[tabs.active])
-    return pn.Column(header.panel, tabs, name="explorer", sizing_mode="stretch_width", margin=0)
+    # tabs come first for the keyboard, and below the header for the eye
+    header.panel.styles = {"order": "-1"}
+    return pn.Column(tabs, header.panel, name="explorer", margin=0, **narrow)
 
 
 def opening(look: Look) -> Any:
@@ -89,7 +95,11 @@ def _with_downloads(session: Session, look: Look, name: str, view: Any) -> Any:
         return view.panel
     buttons = downloads(look, name, lambda: EXPORTS[name](session.view))
     return pn.Column(
-        view.panel, pn.Row(*buttons, margin=(0, 8)), sizing_mode="stretch_width", margin=0
+        view.panel,
+        pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED]),
+        sizing_mode="stretch_width",
+        margin=0,
+        stylesheets=[NARROW],
     )
 
 

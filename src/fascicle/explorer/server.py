@@ -13,7 +13,7 @@ from .guard import EVERYWHERE, LOOPBACK, guard, names_of
 from .layout import build, opening
 from .parts.address import from_query
 from .parts.browser import attach
-from .parts.look import look_of, page_css
+from .parts.look import NARROW, look_of, page_css
 from .state import Session, View
 from .stopping import Stop
 
@@ -97,13 +97,14 @@ def page(start: View) -> Any:
     theme = "dark" if query.get("theme") == "dark" else "default"
     look = look_of(theme)
     pn.config.raw_css = [page_css(look)]
-    shell = pn.Column(opening(look), sizing_mode="stretch_width", margin=0)
+    shell = pn.Column(opening(look), sizing_mode="stretch_width", margin=0, stylesheets=[NARROW])
 
     def fill() -> None:
         view, refused = from_query(query, start)
-        shell.objects = [build(Session(view, pn.io.unlocked), theme, refused)]
+        asked = "theme" in query
+        shell.objects = [build(Session(view, pn.io.unlocked), theme, refused, asked)]
 
-    attach(pn.state.curdoc)
+    attach(pn.state.curdoc, prefers="theme" not in query)
     pn.state.onload(fill)
     return shell
 

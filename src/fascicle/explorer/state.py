@@ -59,7 +59,7 @@ class View:
     resistance: bool = True
     compared: tuple[str, ...] = ()
     path: str = "isobaric"
-    splits: tuple[tuple[int, ...], ...] = ((1, 1), (1, 4), (2, 3))
+    splits: tuple[tuple[int, ...], ...] = ((1, 4), (2, 3), (4, 1))
     shown: Mapping[str, str] = of_dataclass(
         default_factory=lambda: {kind: units[0] for kind, units in SHOWN.items()}
     )

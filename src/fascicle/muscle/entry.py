@@ -4,6 +4,7 @@ Laws trust what has passed here. A single point is looked at quickly: the full c
 can name any array's worst value, would take longer than the law.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,9 +12,10 @@ import numpy as np
 
 from ..core.checks import as_given, concrete, one_of, within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
-from ..core.limits import tilted
+from ..core.limits import FAINT_PRESSURE, pressed, tilted
 from ..core.refused import Refused
 from ..core.types import Batch, Values
+from ..core.written import in_si, is_written
 from .tuning import Tuning
 
 
@@ -40,13 +42,22 @@ def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tun
     rows = tuning.pressures
     measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
     inside = lowest_strain(braid_angle) < strain <= LARGEST_STRAIN
-    return bool(measured and inside and 0 <= pressure <= HIGHEST_PRESSURE)
+    told = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
+    return bool(measured and inside and told)
+
+
+def point(muscle: Any, pressure: Values, strain: Values) -> tuple[Any, Any]:
+    """`pressure` [Pa] and `strain` [-] of a `muscle` [-], checked: a single point quickly."""
+    good = good_point(pressure, strain, muscle.braid_angle, muscle.tuning)
+    return (np.float64(pressure), np.float64(strain)) if good else muscle._checked(pressure, strain)
 
 
 def gauge(value: Values, tuning: Tuning) -> Batch:
     """A gauge pressure [Pa] of the domain; a warning where the `tuning` [-] was measured below."""
     closed = (True, True)
     checked = within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+    if not is_written(value):
+        pressed(checked)
     tuning.warn_beyond(checked)
     return as_given(value, checked)
 
@@ -66,6 +77,7 @@ def centerline_points(value: int) -> int:
 
 def contracting(value: Values) -> Batch:
     """A braid angle [rad] that contracts."""
+    value = in_si(value, "braid_angle", "rad")
     try:
         angle = within(value, 0.0, NEUTRAL_ANGLE, "braid_angle", "rad")
     except ValueError:
@@ -73,8 +85,15 @@ def contracting(value: Values) -> Batch:
             raise
         degrees, top = np.degrees(np.asarray(value, dtype=float)), np.degrees(NEUTRAL_ANGLE)
         bad = degrees[~((degrees > 0) & (degrees < top))].flat[0]
+        given = math.radians(bad)
+        # a number that would do in degrees
+        remedy = f'numbers are in rad, write "{given:g} deg"' if math.pi / 2 < given < top else ""
         raise Refused(
-            "braid_angle", f"must lie in (0, {top:.4f}) deg to contract", bad, shown=f"{bad:g} deg"
+            "braid_angle",
+            f"must lie in (0, {top:.4f}) deg to contract",
+            bad,
+            remedy,
+            shown=f"{bad:g} deg",
         ) from None
     tilted(angle)
     return angle

@@ -17,9 +17,11 @@ import numpy as np
 
 from ..core.checks import concrete
 from ..core.evaluate import evaluate
+from ..core.lazy import from_above
 from ..core.limits import size, slender
 from ..core.modules import Module, kept, renewed
 from ..core.refused import Refused
+from ..core.sheet import printed
 from ..core.tiles import fields
 from ..core.types import Batch, Values
 from .at import AtPressure, at_pressure
@@ -34,7 +36,7 @@ from .entry import (
     chosen,
     contracting,
     gauge,
-    good_point,
+    point,
     strained,
     thinner,
 )
@@ -42,6 +44,7 @@ from .laws import LAWS
 from .materials import LATEX, MATERIALS, AbstractMaterial
 from .piecewise import Piecewise, Response
 from .post_collapse import AbstractPostCollapse
+from .printing import line, sheet
 from .quantities import (
     blocked_force_of,
     collapse_moment_of,
@@ -60,6 +63,7 @@ from .tension import AbstractTension
 from .tuning import TunedTension, Tuning
 
 
+@printed(sheet, line)
 class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
 
@@ -195,7 +199,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(force_of, *_point(self, pressure, strain))
+        return self._evaluated(force_of, *point(self, pressure, strain))
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
@@ -209,7 +213,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(response_of, *_point(self, pressure, strain))
+        return self._evaluated(response_of, *point(self, pressure, strain))
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
         """Stiffness along the axis, by how much more it pulls a meter longer.
@@ -225,7 +229,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(stiffness_of, *_point(self, pressure, strain))
+        return self._evaluated(stiffness_of, *point(self, pressure, strain))
 
     def at(self, pressure: Values) -> AtPressure:
         """The muscle at a pressure: its roots solved for once, for forces at many strains.
@@ -349,6 +353,21 @@ class Muscle(Module):
         static = (centerline_points(points),)
         return self._evaluated(shape_of, *self._checked(pressure, strain), static=static)
 
+    def plot(
+        self, pressures: Values = None, strains: Values = None, components: bool = False
+    ) -> Any:
+        """Its force over contraction, a curve for each pressure.
+
+        **Arguments:**
+
+        - `pressures`: gauge pressures [Pa]; left out, five up to 400 kPa, or to what was measured.
+        - `strains`: contractions [-], rising; left out, to past the largest free strain.
+        - `components`: a panel for each of at most four pressures, with the force's parts [-].
+
+        **Returns:** a figure of matplotlib's [-].
+        """
+        return from_above("plot.objects.of_muscle")(self, pressures, strains, components)
+
     def compile(self) -> Callable[[Values, Values], Batch]:
         """The force alone, with this muscle held constant and nothing checked.
 
@@ -375,8 +394,3 @@ class Muscle(Module):
         tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
         leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
         return t.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
-
-
-def _point(muscle: Muscle, pressure: Values, strain: Values) -> tuple[Any, Any]:
-    good = good_point(pressure, strain, muscle.braid_angle, muscle.tuning)
-    return (np.float64(pressure), np.float64(strain)) if good else muscle._checked(pressure, strain)

@@ -22,13 +22,14 @@ $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (26) and (27).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.arrays import both, either, expm1, no, spread, stack, where
 from ..core.modules import Module
 from ..core.roots import guarded
+from ..core.sheet import Sheet, printed, short, sized
 from ..core.types import Batch, BoolBatch, IntBatch
 from .buckling.buckling_law import AbstractBuckling
 from .collapse.collapse_law import AbstractCollapse
@@ -38,8 +39,23 @@ from .tuning import TunedTension
 
 
 TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
+REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
 
+def _sheet(response: Any) -> Sheet:
+    """Forces [N] and the region's name, a row for each point."""
+    forces = (response.force, response.mesh, response.bladder, response.bending)
+    columns = [np.ravel(x) for x in (*forces, response.region, response.several)]
+    rows = [
+        [*map(short, parts), REGIONS[int(region)] + (" *" if several else "")]
+        for *parts, region, several in zip(*columns, strict=True)
+    ]
+    notes = ["* other equilibria exist there, too"] if np.any(response.several) else []
+    heads = ("force N", "mesh N", "bladder N", "bending N", "region")
+    return Sheet(sized("Response", response.force), (), heads, rows, notes)
+
+
+@printed(_sheet)
 class Response(NamedTuple):
     """What a muscle does at a pressure and strain; all of one shape.
 

@@ -36,6 +36,7 @@ from ..core.limits import plausible, signed, size
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import AnyArray, Batch, BatchLike, Symbol, Values
+from ..core.written import in_si
 from .bladder import Bladder
 from .tension.tension_law import AbstractTension, Pull
 
@@ -180,6 +181,7 @@ class TunedTension(Module):
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with its row at zero pressure, checked where its values can be seen."""
+    pressures, c1 = in_si(pressures, "pressures", "Pa"), in_si(c1, "c1", "N")
     at_work = np if concrete(pressures, c1, c2) else jnp
     P, rows1, rows2 = (
         at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from ..bundle import Bundle
 from ..core.refused import Refused
+from ..core.written import in_si
 from ..muscle import Muscle
 from .components import components_legend, components_of, draw_components
 from .style import (
@@ -43,7 +44,8 @@ def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool 
 
     **Raises:** `ValueError` for more than four pressures with components.
     """
-    P, eps = np.atleast_1d(np.asarray(pressures, float)), np.asarray(strains, float)
+    P = np.atleast_1d(np.asarray(in_si(pressures, "pressures", "Pa"), float))
+    eps = np.asarray(in_si(strains, "strain", "-"), float)
     if components:
         if P.size > _SIDE_BY_SIDE:
             raise Refused("pressures", f": at most {_SIDE_BY_SIDE} with components", P.size)
@@ -79,7 +81,8 @@ def bundle_force_strain(
 
     **Returns:** the figure [-].
     """
-    P, eps = np.asarray(pressures, float), np.asarray(strains, float)
+    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
+    eps = np.asarray(in_si(strains, "strain", "-"), float)
     each = np.asarray(bundle.unit_forces(P, eps, resistance))
     figure, axes = new_figure(width=SINGLE)
     ax = axes[0, 0]

@@ -11,6 +11,7 @@ from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .curves import bundle_force_strain, force_strain
 from .curves import free_strain as free_strain_curve
+from .maps import draw_efficiency
 from .style import CYCLE, DOUBLE, GRAY, SINGLE, in_kilopascals, letter, new_figure, styled
 from .style import force_strain_axes as label_axes
 
@@ -80,13 +81,10 @@ def efficiency(maps: list[EfficiencyMap]) -> Figure:
     """Efficiency over force and strain, a panel for each of `maps`."""
     figure, axes = new_figure(1, len(maps), SINGLE * len(maps), 0.72 * SINGLE)
     for ax, mark, found in zip(axes[0], "ab", maps, strict=False):
-        label_axes(ax)
-        mesh = ax.pcolormesh(
-            found.strain, found.force, found.efficiency, cmap="viridis", vmin=0, shading="nearest"
-        )
-        figure.colorbar(mesh, ax=ax, label="Efficiency η [–]")
+        highest = float(np.nanmax(found.efficiency)) if found.state.any() else 1.0
+        image = draw_efficiency(ax, found, highest)
+        figure.colorbar(image, ax=ax, label="Efficiency η [–]")
         letter(ax, mark, f"{found.path}, {found.average:.3f} on average")
-        ax.grid(visible=False)
     return figure
 
 

@@ -18,6 +18,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from ..core.written import in_si
 from ..muscle import Muscle
 from .style import BLACK, BLUE, DOUBLE, GRAY, new_figure, styled
 
@@ -60,7 +61,8 @@ def outlines(
 
     `collapse_strains` [-] at those pressures are computed if they aren't given.
     """
-    P, eps = np.asarray(pressures, float), np.asarray(strains, float)
+    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
+    eps = np.asarray(in_si(strains, "strain", "-"), float)
     collapse = np.asarray(
         muscle.collapse_strain(P) if collapse_strains is None else collapse_strains
     )

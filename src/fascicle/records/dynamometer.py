@@ -31,6 +31,7 @@ from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
 from ..core.types import Batch, BatchLike, Values
+from ..core.written import in_si
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
 from .fabrication import Scatter
@@ -115,24 +116,27 @@ class VirtualDynamometer:
     - `clip`: whether the gauge only pulls, so that it reads zero for a push [-].
     """
 
-    pressures: Sequence[float] = _LEVELS
+    pressures: Values = _LEVELS
     samples: int = 200
     both_ways: bool = True
-    speed: float = 1e-3
+    speed: Values = 1e-3
     noise: float = 0.005
-    resolution: float = 0.0
-    pressure_noise: float = 0.0
-    displacement_noise: float = 0.0
+    resolution: Values = 0.0
+    pressure_noise: Values = 0.0
+    displacement_noise: Values = 0.0
     hysteresis: float = 0.0
     mullins: float = 0.0
     mullins_cycles: float = 3.0
     preconditioning: int = 5
     length_scatter: float = 0.0
-    angle_scatter: float = 0.0
+    angle_scatter: Values = 0.0
     clip: bool = False
 
     def __post_init__(self):
         """**Raises:** `ValueError` for a setting that can't be."""
+        for name in ("pressures", *_NOT_NEGATIVE, "speed"):
+            unit = "Pa" if name == "pressures" else _unit(name)
+            object.__setattr__(self, name, in_si(getattr(self, name), name, unit))
         P = within(
             self.pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True)
         )

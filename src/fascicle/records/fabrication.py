@@ -14,6 +14,7 @@ import equinox as eqx
 import numpy as np
 
 from ..core.checks import within
+from ..core.types import Values
 from ..muscle import Muscle
 
 
@@ -22,12 +23,13 @@ class Scatter:
     """Standard deviations of `length`, over the length itself [-], and `braid_angle` [rad]."""
 
     length: float = 0.0
-    braid_angle: float = 0.0
+    braid_angle: Values = 0.0
 
     def __post_init__(self):
         """**Raises:** `ValueError` for a scatter that is negative or huge."""
         within(self.length, 0.0, 0.2, "length", "-", "of the length", (True, True))
-        within(self.braid_angle, 0.0, 0.2, "braid_angle", "rad", closed=(True, True))
+        angle = within(self.braid_angle, 0.0, 0.2, "braid_angle", "rad", closed=(True, True))
+        object.__setattr__(self, "braid_angle", float(angle))
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
         """Muscles as they come out.

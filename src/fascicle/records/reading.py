@@ -7,10 +7,12 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..core.refused import Refused
+from ..core.written import in_si
 from ..units import parse, pretty
 from .asking import Asked
 from .columns import POSITIONS, Column, check_roles, choose
@@ -45,8 +47,9 @@ def load(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-    rest_length: float | None = None,
+    rest_length: Any = None,
     clipped_at_zero: bool | None = None,
+    header: int | None = None,
     sidecar: str | os.PathLike[str] | None = None,
 ) -> Record:
     """Read what a dynamometer wrote.
@@ -61,6 +64,7 @@ def load(
     - `units`: units of columns whose header has none, by role [-].
     - `rest_length`: the length that strains refer to [m]; lengths and displacements need it.
     - `clipped_at_zero`: whether forces of exactly zero are clipped readings [-].
+    - `header`: the line that the columns' names stand in [-]; left out, it is looked for.
     - `sidecar`: the TOML [-]; left out, the one of the same name, if there is one.
 
     **Returns:** the record [-].
@@ -73,7 +77,7 @@ def load(
             raise Refused("path", "must name at least one file", None, shown="none")
         return join([
             load(one, columns=columns, units=units, rest_length=rest_length,
-                 clipped_at_zero=clipped_at_zero, sidecar=sidecar) for one in path
+                 clipped_at_zero=clipped_at_zero, header=header, sidecar=sidecar) for one in path
         ])  # fmt: skip
     path = Path(path)
     raw = _bytes(path)
@@ -82,7 +86,7 @@ def load(
     else:
         said, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
     given = _given(said, columns, units, rest_length, clipped_at_zero)
-    return _record(raw, str(path), path.name, given, notes)
+    return _record(raw, str(path), path.name, given, notes, header)
 
 
 def loads(
@@ -91,8 +95,9 @@ def loads(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-    rest_length: float | None = None,
+    rest_length: Any = None,
     clipped_at_zero: bool | None = None,
+    header: int | None = None,
 ) -> Record:
     """Read what such a file holds.
 
@@ -104,13 +109,14 @@ def loads(
     - `units`: as for `load` [-].
     - `rest_length`: as for `load` [m].
     - `clipped_at_zero`: as for `load` [-].
+    - `header`: as for `load` [-].
 
     **Returns:** the record [-].
 
     **Raises:** `ValueError` as `load`.
     """
     given = _given(Sidecar(), columns, units, rest_length, clipped_at_zero)
-    return _record(text.encode(), source, source, given, ())
+    return _record(text.encode(), source, source, given, (), header)
 
 
 def _bytes(path: Path) -> bytes:
@@ -135,12 +141,13 @@ def _given(
     said: Sidecar,
     columns: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
-    rest_length: float | None,
+    rest_length: Any,
     clipped_at_zero: bool | None,
 ) -> Sidecar:
     """What the TOML and the caller say together, the caller first."""
     for what, table in (("columns", columns or {}), ("units", units or {})):
         check_roles(table, what)
+    rest_length = in_si(rest_length, "rest_length", "m")
     if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
         raise Refused(
             "rest_length", "must be positive and finite", rest_length, shown=f"{rest_length} m"
@@ -157,8 +164,15 @@ def _given(
     )
 
 
-def _record(raw: bytes, source: str, name: str, given: Sidecar, notes: tuple[str, ...]) -> Record:
-    table = open_table(raw, source)
+def _record(
+    raw: bytes,
+    source: str,
+    name: str,
+    given: Sidecar,
+    notes: tuple[str, ...],
+    header: int | None,
+) -> Record:
+    table = open_table(raw, source, header)
     chosen, guessed = choose(table, given.columns, given.units)
     above = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]

@@ -183,13 +183,14 @@ class Table:
         raise self.fault(line, column, f"{shown!r} is no finite number{hint}.")
 
 
-def open_table(raw: bytes, source: str) -> Table:
+def open_table(raw: bytes, source: str, header_at: int | None = None) -> Table:
     """Read the header of a table.
 
     **Arguments:**
 
     - `raw`: the file's bytes [-].
     - `source`: what to call it in an error [-].
+    - `header_at`: the line it stands in [-], counted from 1; left out, it is looked for.
 
     **Returns:** the table, its cells still unread [-].
 
@@ -199,7 +200,15 @@ def open_table(raw: bytes, source: str) -> Table:
     lines, remarks = _opening(raw, source)
     if not lines:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
-    titles = _titles([text for text, _, _ in lines])
+    if header_at is None:
+        titles = _titles([text for text, _, _ in lines])
+    else:
+        titles = next((i for i, line in enumerate(lines) if line[2] == header_at), -1)
+        if titles < 0:
+            raise ValueError(
+                f"{source}, line {header_at}: no header can stand there: name one of the first"
+                f" {_PEEKED} lines that is neither blank nor a remark."
+            )
     header, top, header_line = lines[titles]
     after = lines[titles + 1] if len(lines) > titles + 1 else ("", len(raw), header_line + 1)
     peek, _, line = after

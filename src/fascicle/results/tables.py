@@ -10,6 +10,7 @@ import numpy as np
 
 from ..bundle import Bundle, recruitment
 from ..core.types import Values
+from ..core.written import in_si
 from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .labelled import Table, Variable
@@ -27,7 +28,7 @@ def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
 
     **Returns:** a table [-], in the order of the JSON.
     """
-    P, eps = np.asarray(pressures), np.asarray(strains)
+    P, eps = _row(pressures, "pressures", "Pa"), _row(strains, "strain", "-")
     found = muscle.response(P[:, None], eps)
     free, collapse = muscle.free_strain(P), muscle.collapse_strain(P)
     regions = "0 tension, 1 post-buckling, 2 post-collapse, 3 straight compression"
@@ -59,7 +60,7 @@ def muscle_free_strain(muscle: Muscle, pressures: Values) -> Table:
 
     **Returns:** a table [-].
     """
-    P = np.asarray(pressures)
+    P = _row(pressures, "pressures", "Pa")
     return Table(
         {
             "pressure": Variable(("pressure",), P, "Pa", "gauge pressure"),
@@ -97,7 +98,7 @@ def bundle_force(bundle: Bundle, states: Values, strains: Values, resistance: bo
 
     **Returns:** a table [-].
     """
-    P, eps = np.asarray(states), np.asarray(strains)
+    P, eps = _row(states, "states", "Pa"), _row(strains, "strain", "-")
     forces = bundle.unit_forces(P[:, None, :], eps, resistance)
     dims = ("state", "strain")
     return Table(
@@ -120,7 +121,7 @@ def bundle_equilibria(bundle: Bundle, states: Values, resistance: bool = True) -
 
     **Returns:** a table [-]; `equilibria` is NaN where there are fewer.
     """
-    P = np.asarray(states)
+    P = _row(states, "states", "Pa")
     found = bundle.equilibria(P, resistance)
     most = max(int(found.count.max()), 1)
     dims = ("state", "equilibrium")
@@ -180,7 +181,7 @@ def recruited(found: recruitment.Recruited, forces: Values, strains: Values) -> 
 
     **Returns:** a table [-]; `solution_pressure` is NaN where there are fewer.
     """
-    F, eps = np.asarray(forces), np.asarray(strains)
+    F, eps = _row(forces, "forces", "N"), _row(strains, "strain", "-")
     most = max(int(found.count.max()), 1)
     every = recruitment.Solutions(*(each[..., :most] for each in found.solutions))
     throttled = np.take_along_axis(found.pressures, found.unit[..., None] - 1, axis=-1)[..., 0]
@@ -237,3 +238,8 @@ def efficiency(maps: Sequence[EfficiencyMap]) -> Table:
             "reached": Variable(("path",), counts / grids[0].size, "-", "share of the points"),
         }
     )
+
+
+def _row(values: Values, name: str, unit: str) -> np.ndarray:
+    """An array [SI] of `values` [SI], or of text and quantities with units."""
+    return np.asarray(in_si(values, name, unit))

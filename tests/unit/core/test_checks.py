@@ -31,7 +31,7 @@ def test_positive_names_the_first_bad_value(value, words):
     assert str(caught.value).endswith(words)
 
 
-@pytest.mark.parametrize("value", ["3", None, True, 1 + 2j, [[1.0], [1.0, 2.0]], object()])
+@pytest.mark.parametrize("value", [b"3", None, True, 1 + 2j, [[1.0], [1.0, 2.0]], object()])
 def test_what_is_no_number_is_refused(value):
     with pytest.raises(ValueError, match=r"^`length` takes numbers in m, got "):
         positive(value, "length", "m")

@@ -56,7 +56,8 @@ def test_a_motion_s_velocity_is_its_slope():
     ("make", "words"),
     [
         (lambda: dynamics.HangingMass(0.0), "`mass` must be positive and finite, got 0 kg."),
-        (lambda: dynamics.HangingMass("5"), "`mass` takes numbers in kg, got '5'."),
+        (lambda: dynamics.HangingMass("5"), '`mass` must be a mass, such as "58 g", got the bare'
+         " number 5: write it with its unit."),
         (lambda: dynamics.HangingMass(5.0, damping=-1), "`damping` must lie in [0, inf) N·s/m, got"
          " -1 N·s/m."),
         (lambda: dynamics.InertiaSpringDamper(1.0, -1.0), "`spring_stiffness` must lie in [0, inf)"

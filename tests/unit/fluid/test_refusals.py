@@ -21,7 +21,10 @@ CASES = [
     (lambda: fluid.SonicValve(1e-8, 0.3, 0.0), "`m` must lie in (0, 1], got 0."),
     (lambda: fluid.SonicValve(1e-8, 0.3, 0.6, LINE), "`m` must be 0.5 with a `line`, got 0.6: "
      "leave `m` or `line` out."),
-    (lambda: fluid.SonicValve("1e-8", 0.3), "`C` takes numbers in m³/(s·Pa), got '1e-8'."),
+    (lambda: fluid.SonicValve("1e-8", 0.3),
+        '`C` must be a sonic conductance, such as "0.1 L/(s*bar)", got the bare number 1e-8: write'
+        " it with its unit.",
+    ),
     (lambda: fluid.Orifice(0.0), "`area` must be positive and finite, got 0 m²."),
     (lambda: fluid.Orifice(1e-6, discharge_coefficient=1.1), "`discharge_coefficient` must lie in "
      "(0, 1], got 1.1."),

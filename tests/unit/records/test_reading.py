@@ -384,3 +384,20 @@ def test_a_unit_row_below_titles_is_read():
 def test_decimal_commas_between_commas_are_told_apart_from_titles():
     with pytest.raises(ValueError, match=r"line 4: 6 cells, where.*part the columns by semicolons"):
         loads(_TITLED.replace(";", ","))
+
+
+TITLED = (
+    "Dynamometer 7\nrun,date\n3,2026-05-04\n\n"
+    "pressure [kPa],strain,force [N]\n100,0,50\n100,0.1,20\n"
+)
+
+
+def test_titles_above_the_header_are_passed_or_the_header_is_told():
+    by_itself = loads(TITLED)
+    assert by_itself.force.tolist() == [50.0, 20.0]
+    told = loads(TITLED, header=5)
+    assert told.force.tolist() == [50.0, 20.0]
+    assert any("Dynamometer 7" in note for note in told.notes)
+    for line in (4, 99):
+        with pytest.raises(ValueError, match=f"line {line}: no header can stand there"):
+            loads(TITLED, header=line)

@@ -27,7 +27,9 @@ from jaxtyping import Bool, Float, Int
 
 from ...core.arrays import library, where
 from ...core.roots import still
+from ...core.sheet import printed
 from ...core.types import AnyArray, Numbers
+from ..printing import recruited_sheet, solutions_sheet
 from ..states import States
 from .curves import Bank
 from .levels import Found, solve
@@ -36,6 +38,7 @@ from .levels import Found, solve
 REACHED, ABOVE, BELOW = 0, 1, 2
 
 
+@printed(solutions_sheet)
 class Solutions(NamedTuple):
     """All solutions on the last axis, by state and pressure: the throttled `pressure` [Pa],
     the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
@@ -46,6 +49,7 @@ class Solutions(NamedTuple):
     stable: Bool[AnyArray, "*points solution"]
 
 
+@printed(recruited_sheet)
 class Recruited(NamedTuple):
     """What to do for a demanded force. `pressures` [Pa], units on the last axis; `state`,
     counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ...core.sheet import printed
 from ...muscle import Muscle
 from ...records.loops import Loop, loop_of
 from ...records.record import Record
@@ -19,6 +20,7 @@ from ..problem.residuals import Problem
 from ..problem.solving import Solutions
 from ..problem.uncertainty import KNOWN, NORMAL, Conclusion
 from .causes import Cause
+from .printing import sheet
 from .trends import Looked
 
 
@@ -41,6 +43,7 @@ class Estimate:
     identifiable: bool
 
 
+@printed(sheet)
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """A muscle that was fitted to a record.

@@ -16,10 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core.checks import one_of
+from ...core.sheet import printed
 from ...muscle import Muscle
 from ...records.record import Record
 from ..after.calibration import Calibration, largest_force
 from ..after.leaving_out import folds, without
+from ..after.printing import choice_sheet
 from ..data.grid import WEIGHTS, Grid
 from ..data.pulling import force_of, untuned
 from ..data.readings import read, tables_of
@@ -49,6 +51,7 @@ _LONGEST = 64  # readings at a pressure while candidates are tried
 _STARTS = 2  # places each begins from, beside where the one before it ended
 
 
+@printed(choice_sheet)
 @dataclass(frozen=True, eq=False)
 class Choice:
     """The calibration that was found for a record: `made`; the `candidates` it was chosen from;

@@ -77,6 +77,16 @@ Column = Annotated[
         metavar="ROLE=HEADER",
     ),
 ]
+Header = Annotated[
+    int | None,
+    typer.Option(
+        "--header",
+        metavar="LINE",
+        min=1,
+        help="Line of the columns' names, where titles stand above it; left out, it is looked for.",
+        show_default=False,
+    ),
+]
 Clipped = Annotated[
     bool,
     typer.Option("--clipped-at-zero", help="Forces of exactly zero only say: not above."),
@@ -143,6 +153,7 @@ def run(
     rest_length: Rest = None,
     unit: Unit = None,
     column: Column = None,
+    header: Header = None,
     clipped_at_zero: Clipped = False,
     fit: Fit = None,
     prior: Prior = None,
@@ -172,8 +183,9 @@ def run(
          "post_collapse": post_collapse},
     )  # fmt: skip
     reading = Reading(
-        data, rest_length, pairs(unit, "--unit"), pairs(column, "--column"), clipped_at_zero
-    )
+        data, rest_length, pairs(unit, "--unit"), pairs(column, "--column"), clipped_at_zero,
+        header,
+    )  # fmt: skip
     search = Search(
         None if fit is None else [name.strip() for name in fit.split(",")],
         pairs(prior, "--prior"), loss, weights, starts, seed, posterior, compare,

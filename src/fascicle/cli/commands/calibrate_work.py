@@ -44,6 +44,7 @@ class Reading:
     units: Mapping[str, str]
     columns: Mapping[str, str]
     clipped_at_zero: bool
+    header: int | None = None
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,7 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         "units": reading.units,
         "columns": reading.columns,
         "clipped_at_zero": True if reading.clipped_at_zero else None,
+        "header": reading.header,
     }
     rest = None
     if reading.rest_length is not None:

@@ -10,6 +10,7 @@ from ...calibrate.data.grid import level_of
 from ...core.domain import HIGHEST_PRESSURE
 from ...muscle import Muscle
 from ...records import loads
+from ...records.asking import Asked
 from ...records.record import Record
 from ...units import pretty
 
@@ -36,7 +37,9 @@ class Beside:
     level: np.ndarray
 
 
-def read(raw: bytes, name: str, length: float, clipped: bool) -> Record:
+def read(
+    raw: bytes, name: str, length: float, clipped: bool, rest_length: float | None = None
+) -> Record:
     """Readings from a file that was sent.
 
     **Arguments:**
@@ -45,6 +48,7 @@ def read(raw: bytes, name: str, length: float, clipped: bool) -> Record:
     - `name`: what it is called [-]; nothing of that name is opened.
     - `length`: the muscle's [m], for strains where the file names no rest length.
     - `clipped`: whether forces of exactly zero are clipped readings [-].
+    - `rest_length`: that strains refer to [m]; left out, what the file says, else the muscle's.
 
     **Returns:** the record [-].
 
@@ -64,15 +68,60 @@ def read(raw: bytes, name: str, length: float, clipped: bool) -> Record:
         text = raw.decode("latin-1")
     given = True if clipped else None
     try:
-        record = loads(text, source=name, clipped_at_zero=given)
-    except ValueError:
-        # a length or displacement in a file that names no rest length; else it fails again
-        record = loads(text, source=name, clipped_at_zero=given, rest_length=length)
+        record = loads(text, source=name, clipped_at_zero=given, rest_length=rest_length)
+    except Asked as error:  # a length or displacement in a file that names no rest length
+        if error.argument != "rest_length":
+            raise
+        record = _over(text, name, given, length)
     if record.rest_length is None:
         told = pretty(length, "length")
         assumed = f"rest length not given: strains are taken over the muscle's, {told}"
         record = replace(record, rest_length=length, notes=(*record.notes, assumed))
     return record
+
+
+def synthetic(muscle: Muscle) -> bytes:
+    """A record to try [-]: of a virtual dynamometer on a `muscle` [-], and it says so. The muscle
+    is a little thicker and steeper than drawn, as one that was built is.
+    """
+    from ...records import VirtualDynamometer
+    from ...records.writing import dumps
+
+    pressures = [0.0, 1e5, 2e5, 3e5, 4e5]
+    machine = VirtualDynamometer(pressures, samples=60, both_ways=False)
+    built = muscle.replace(
+        outer_radius=1.02 * muscle.outer_radius, braid_angle=0.97 * muscle.braid_angle
+    )
+    return dumps(machine.record(built, seed=7)).encode()
+
+
+def _over(text: str, name: str, clipped: bool | None, length: float) -> Record:
+    """The record of a `text` [-] over the muscle's `length` [m]; that is said where it can't be."""
+    try:
+        return loads(text, source=name, clipped_at_zero=clipped, rest_length=length)
+    except ValueError as error:
+        told = pretty(length, "length")
+        raise ValueError(
+            f"{error} Contractions were taken over the muscle's length, {told}: give the record's"
+            " rest length if it is another."
+        ) from None
+
+
+def suited(muscle: Muscle, record: Record) -> str:
+    """Why a `record` [-] can hardly be of this `muscle` [-], in words [-]; empty where it can."""
+    highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
+    if not highest:
+        return "It holds no pressure above zero: nothing of tension can be told from it."
+    pulls = record.strain[record.force > 0.02 * record.force.max()]
+    farthest, free = float(pulls.max(initial=0.0)), float(muscle.free_strain(highest))
+    if farthest <= 1.4 * free:
+        return ""
+    over = muscle.length if record.rest_length is None else record.rest_length
+    return (
+        f"It still pulls at a contraction of {farthest:.3g}, where this muscle's free strain is"
+        f" {free:.3g}: contractions are taken over {pretty(float(over), 'length')}; give the rest"
+        " length if it is another, or open the muscle that was measured."
+    )
 
 
 def beside(muscle: Muscle, record: Record) -> Beside:

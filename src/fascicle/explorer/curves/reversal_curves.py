@@ -7,6 +7,7 @@ import numpy as np
 from ...bundle import Bundle, MotorUnit
 from ...bundle.reversal import Reversal, free_strain_curve, reversal
 from ...muscle import Muscle
+from ...plot.jumps import broken
 
 
 POINTS = 97
@@ -37,19 +38,17 @@ def through(one: Split) -> tuple[np.ndarray, np.ndarray]:
 
     **Returns:** pressures [Pa] and free strains [-], NaN in the gap.
     """
-    turn = one.turn
-    if turn.depth <= 0:
-        return one.pressure, one.resisted
-    after = int(np.searchsorted(one.pressure, turn.pressure))
-    strain = [turn.free_strain]
-    if turn.jump:
-        ends = np.abs(one.resisted[[max(after - 1, 0), min(after, POINTS - 1)]] - turn.free_strain)
-        strain = [np.nan, turn.free_strain] if ends[0] > ends[1] else [turn.free_strain, np.nan]
-    at = [after] * len(strain)
-    return (
-        np.insert(one.pressure, at, [turn.pressure] * len(strain)),
-        np.insert(one.resisted, at, strain),
-    )
+    return broken(one.pressure, one.resisted, one.turn)[0]
+
+
+def jump(one: Split) -> tuple[np.ndarray, np.ndarray]:
+    """The two ends of a split's jump.
+
+    **Arguments:** `one`: the split [-].
+
+    **Returns:** pressures [Pa] and free strains [-]; empty where it doesn't jump.
+    """
+    return broken(one.pressure, one.resisted, one.turn)[1]
 
 
 def split_curves(muscle: Muscle, splits: tuple[tuple[int, ...], ...], supply: float) -> list[Split]:

@@ -43,8 +43,21 @@ FileReader.prototype.readAsDataURL = function (file) {
 )
 
 
-def attach(doc: Any) -> None:
-    """Let the page of a Bokeh document [-] say what it can't."""
+_PREFERS = """
+const address = new URL(location);
+if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.has("theme")) {
+  address.searchParams.set("theme", "dark");
+  location.replace(address);
+}
+"""
+
+
+def attach(doc: Any, prefers: bool = False) -> None:
+    """Let the page of a Bokeh document [-] say what it can't; and take the system's own preference
+    of light or dark, where it `prefers` [-] that to an address that says nothing of it.
+    """
+    if prefers:
+        doc.js_on_event("document_ready", CustomJS(code=_PREFERS))
     doc.js_on_event("connection_lost", CustomJS(args={"text": _LOST}, code=_GONE))
     doc.js_on_event("client_reconnected", CustomJS(code=_BACK))
     doc.js_on_event("document_ready", CustomJS(args={"largest": LARGEST_FILE}, code=_SIZES))

@@ -51,6 +51,26 @@ def look_of(theme: str) -> Look:
     return DARK if theme == "dark" else LIGHT
 
 
+# rows whose parts stand below one another where the page is narrow, as on a phone
+STACKED = """
+@media (max-width: 860px) {
+  :host { flex-direction: column !important; height: auto !important; min-width: 0 !important; }
+  :host > div { width: 100% !important; min-width: 0 !important; max-width: 100% !important;
+    height: auto !important; flex: 0 0 auto !important; }
+}
+"""
+# Panel lets nothing be narrower than all its parts side by side
+NARROW = """
+@media (max-width: 860px) { :host, :host > div { min-width: 0 !important; } }
+"""
+# rows that go on in a next one
+WRAPPED = f":host {{ flex-wrap: wrap !important; }} {NARROW}"
+
+
+# what holds a figure is as high as it
+TALL = ":host { height: auto !important; flex: 0 0 auto !important; }"
+
+
 def plain_figure(look: Look, x: str, y: str, width: int, height: int, **more: Any) -> Any:
     """A figure `width` × `height` pixels [-], its axes labelled `x` and `y` [-] and fixed.
 
@@ -62,7 +82,11 @@ def plain_figure(look: Look, x: str, y: str, width: int, height: int, **more: An
         "y_range": Range1d(start=0, end=1),
         "output_backend": "canvas",
     } | more
-    fig = figure(width=width, height=height, sizing_mode="stretch_width", **given)
+    # as wide as there is room, and as high as the screen, within limits
+    high = f":host {{ height: clamp(340px, 100vh - 310px, {max(height, 760)}px) !important; }}"
+    fig = figure(
+        width=width, height=height, sizing_mode="stretch_width", stylesheets=[high], **given
+    )
     fig.toolbar.logo = None
     fig.toolbar.autohide = True
     fig.background_fill_color = fig.border_fill_color = look.paper
@@ -152,4 +176,5 @@ label, .bk-slider-title {{ color: {look.ink}; font-size: 13px; }}
 .bk-tab {{ color: {look.muted}; font-size: 15px; padding: 6px 16px; }}
 .bk-tab.bk-active {{ color: {look.ink}; background: {look.paper}; font-weight: 600;
   border-color: {look.muted}; border-bottom-color: {look.paper}; }}
+@media (max-width: 480px) {{ .bk-tab {{ font-size: 13.5px; padding: 6px 8px; }} }}
 """

@@ -25,6 +25,10 @@ def notes(view: View, tab: str) -> list[str]:
         )
     if tab == "reversal" and (own or sized):
         said.append("All units here are of unit 1's muscle, not of the bundle's several.")
+    if tab == "reversal" and len({sum(split) for split in view.splits}) > 1:
+        said.append(
+            "These splits don't have equally many muscles: what differs is not their order alone."
+        )
     if tab == "efficiency" and (own or sized):
         said.append(
             "On the right, unit 1's muscle alone is scaled to the section of the whole bundle."

@@ -95,7 +95,7 @@ class Field:
     def show(self, value: float, unit: str) -> None:
         """Show a `value` [SI] in a `unit` [-]."""
         self._unit, self._silent = unit, True
-        self.input.value = shown(value, unit, self._dimension)
+        self.input.value = shown(value, unit, self._dimension, 5)
         self._silent = False
         self.message.say("")
 
@@ -125,7 +125,7 @@ class Dial:
         )  # fmt: skip
         self.field = Field(look, f"{label}, typed", name, dimension, self._typed)
         self.field.input.stylesheets = [css, _UNSEEN_LABEL]
-        self.field.input.width, self.field.panel.width = 92, 108
+        self.field.input.width, self.field.panel.width = 106, 122
         self.field.input.sizing_mode = self.field.panel.sizing_mode = None
         self.field.input.margin = (8, 0, 0, 8)
         self.slider.param.watch(self._slid, "value")

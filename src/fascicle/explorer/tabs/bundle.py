@@ -11,7 +11,16 @@ from ...core.checks import within
 from ...core.domain import HIGHEST_PRESSURE
 from ..curves.bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
 from ..parts.background import Latest
-from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.look import (
+    STACKED,
+    TALL,
+    Look,
+    legend_style,
+    plain_figure,
+    set_range,
+    source_of,
+    widget_css,
+)
 from ..parts.notes import equilibria, notes
 from ..parts.solid import Scene
 from ..parts.widgets import Dial, Field, button, choice, factor, heading
@@ -56,10 +65,11 @@ class BundleView(Tab):
         self._way = Latest(self._show_ways, self._failed)
         left = pn.Column(
             self._scheme, self._supply.panel, self._resistance, self._rows.panel,
-            width=300, height=590, scroll=True, margin=0,
+            width=318, height=590, scroll=True, margin=0,
         )  # fmt: skip
         middle = pn.Column(
-            self._notes, self._strain.panel, self._status, pn.pane.Bokeh(self.figure, margin=0),
+            self._notes, self._strain.panel, self._status,
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
             self.message.pane, sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
         right = pn.Column(
@@ -67,7 +77,9 @@ class BundleView(Tab):
             heading("Pressures that reach a point (click in the space)"), self._ways,
             width=356, margin=0,
         )  # fmt: skip
-        self.panel = pn.Row(left, middle, right, sizing_mode="stretch_width", margin=0)
+        self.panel = pn.Row(
+            left, middle, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+        )
 
     def draw(self, view: View) -> None:
         """Show a `view` [-]."""
@@ -85,9 +97,9 @@ class BundleView(Tab):
         """Follow the sliders of pressure and strain."""
         if changed(before, after, "pressures"):
             self._rows.press(after)
-            self._ask_state(after)
-        elif changed(before, after, "strain"):
+        if changed(before, after, "strain"):
             self._strain.show(after.strain, "", self._top)
+        if changed(before, after, "pressures", "strain"):
             self._ask_state(after)
 
     def _set(self, **changes: Any) -> None:
@@ -236,7 +248,9 @@ class BundleView(Tab):
         with pn.io.unlocked():
             self._asked.data = {"x": [event.x], "y": [event.y]}
         self._ways.objects = [pn.pane.HTML(status("looking for pressures"))]
-        strain, force = float(event.x), float(event.y) * scale
+        # as finely as it can be pointed at; the slider, the field and the link follow
+        strain, force = round(float(event.x), 4), float(event.y) * scale
+        self.session.change(strain=strain)
         unit = view.shown["force"]
         self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance, unit)))
 
@@ -251,7 +265,9 @@ class BundleView(Tab):
             rows.append(
                 button(
                     self.look, f"state {way.state}: {told} {unit}{kept}",
-                    lambda way=way: self.session.change(pressures=way.pressures, strain=strain),
+                    lambda way=way: self.session.change(
+                        pressures=tuple(float(f"{P:.6g}") for P in way.pressures), strain=strain
+                    ),
                     sizing_mode="stretch_width", margin=(2, 8),
                 )
             )  # fmt: skip

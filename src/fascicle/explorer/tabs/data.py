@@ -18,12 +18,25 @@ from ..curves.measured import (
     fitted,
     read,
     report_page,
+    suited,
+    synthetic,
     tuned_file,
 )
 from ..parts.background import Latest
 from ..parts.exports import Export, data, downloads
-from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.look import (
+    STACKED,
+    TALL,
+    WRAPPED,
+    Look,
+    legend_style,
+    plain_figure,
+    set_range,
+    source_of,
+    widget_css,
+)
 from ..parts.widgets import button, factor
+from ..parts.widgets import read as read_field
 from ..state import Session, View, view_of
 from .reversal import grid
 from .tab import Tab, status
@@ -52,6 +65,16 @@ class DataView(Tab):
             sizing_mode="stretch_width",
         )
         self._file.param.watch(lambda _: self._opened(), "value")
+        self._example: bytes = b""  # instead of a file
+        self._try = button(
+            look, "Try an example record (synthetic)", self._tried, sizing_mode="stretch_width",
+            margin=(2, 8),
+        )  # fmt: skip
+        self._length = pn.widgets.TextInput(
+            label="Rest length, if the record doesn't say it",
+            stylesheets=css, sizing_mode="stretch_width", margin=(2, 8),
+        )  # fmt: skip
+        self._length.param.watch(lambda _: self._opened(), "value")
         self._clipped = pn.widgets.Checkbox(
             label="Forces of exactly zero only say: not above", stylesheets=css, margin=(6, 8)
         )
@@ -93,15 +116,19 @@ class DataView(Tab):
                 f" length or displacement, with units in its header; up to {MOST_ROWS} rows. It"
                 " stays in this session's memory.</div>", margin=(4, 8),
             ),
-            self._file, self.message.pane, self._clipped, self._calibrate, self._progress,
-            self._status, self._table, self._take, pn.Row(*self._saves, margin=0), self._notes,
+            self._file, self._try, self._length, self.message.pane, self._clipped,
+            self._calibrate, self._progress, self._status, self._table, self._take,
+            pn.Row(*self._saves, margin=0), self._notes,
             width=420, height=660, scroll=True, margin=0,
         )  # fmt: skip
         right = pn.Column(
-            pn.pane.Bokeh(self.figure, margin=0), pn.Row(*self._given, margin=(0, 8)),
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
+            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
-        self.panel = pn.Row(left, right, sizing_mode="stretch_width", margin=0)
+        self.panel = pn.Row(
+            left, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+        )
 
     def draw(self, view: View) -> None:
         """Show a `view` [-]."""
@@ -135,17 +162,23 @@ class DataView(Tab):
         fig.line([-1, 1], [0, 0], color=look.muted, line_width=1)
         legend_style(fig, look)
 
+    def _tried(self) -> None:
+        self._example = synthetic(self.session.view.muscle)
+        self._opened()
+
     def _opened(self) -> None:
-        raw = self._file.value
+        raw = self._file.value or self._example
         if not raw:
             return
         view, name = self.session.view, self._name
+        unit, typed = view.shown["length"], self._length.value.strip()
         try:
-            self.record = read(raw, name, float(view.muscle.length), self._clipped.value)
+            rest = read_field(typed, "length", unit, "rest_length") if typed else None
+            self.record = read(raw, name, float(view.muscle.length), self._clipped.value, rest)
         except ValueError as error:
             self.message.say(str(error))
             return
-        self.message.say("")
+        self.message.say(suited(view.muscle, self.record))
         self.made = None
         self._table.object = ""
         for widget in (self._take, *self._saves):
@@ -196,7 +229,8 @@ class DataView(Tab):
         record, muscle = self.record, self.session.view.muscle
         self._tunes = muscle
         self._calibrate.disabled = True
-        self._progress.active, self._begun = True, time.monotonic()
+        self._progress.value, self._progress.active = -1, True  # it moves
+        self._begun = time.monotonic()
         date = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
         stage = ["fitting"]
         self._stage = stage
@@ -221,7 +255,7 @@ class DataView(Tab):
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
-        self._progress.active = False
+        self._progress.value, self._progress.active = 0, False
         self._calibrate.disabled = False
         self._status.object = ""
 
@@ -263,6 +297,8 @@ class DataView(Tab):
 
     @property
     def _name(self) -> str:
+        if not self._file.value:
+            return "example.csv"
         return str(self._file.filename or "data.csv")[-60:]
 
     def _export(self) -> Export:

@@ -10,7 +10,7 @@ from bokeh.palettes import Cividis256
 from ...energetics import PATHS
 from ..curves.efficiency_maps import STATES, Maps, averages, maps
 from ..parts.background import Latest
-from ..parts.look import Look, legend_style, plain_figure, set_range, source_of
+from ..parts.look import STACKED, WRAPPED, Look, legend_style, plain_figure, set_range, source_of
 from ..parts.notes import notes
 from ..parts.widgets import choice, factor
 from ..state import Session, View
@@ -45,10 +45,12 @@ class EfficiencyView(Tab):
         self._maps = Latest(self._show, self._failed)
         self._averages = Latest(self._show_averages, self._failed)
         self.panel = pn.Column(
-            pn.Row(self._path, self._kind, self._numbers, margin=0),
+            pn.Row(
+                self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]
+            ),
             self.message.pane, self._notes, self._status,
             pn.Row(pn.pane.Bokeh(self.figure), pn.pane.Bokeh(self._bars, width=500),
-                   sizing_mode="stretch_width", margin=0),
+                   sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
 

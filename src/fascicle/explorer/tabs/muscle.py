@@ -1,5 +1,6 @@
 """The muscle's tab: its force over strain, taken apart, beside other laws, and itself."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,16 @@ from ..curves.muscle_curves import REGIONS, Picture, picture, strips, widest
 from ..curves.other_laws import alternative, alternatives
 from ..curves.tube import solid
 from ..parts.background import Latest
-from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.look import (
+    STACKED,
+    TALL,
+    Look,
+    legend_style,
+    plain_figure,
+    set_range,
+    source_of,
+    widget_css,
+)
 from ..parts.notes import branches, notes
 from ..parts.solid import Scene
 from ..parts.widgets import Dial, factor, heading
@@ -68,13 +78,16 @@ class MuscleView:
         left = pn.Column(self._inputs.panel, self._compare, width=262, margin=0)
         middle = pn.Column(
             self._notes, self._pressure.panel, self._strain.panel,
-            pn.pane.Bokeh(self.figure, margin=0), sizing_mode="stretch_width", margin=0,
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
+            sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
         right = pn.Column(
             pn.pane.Bokeh(self._scene.figure, margin=0), turn, self._play, heading("At this point"),
             self._numbers, width=356, margin=0,
         )  # fmt: skip
-        self.panel = pn.Row(left, middle, right, sizing_mode="stretch_width", margin=0)
+        self.panel = pn.Row(
+            left, middle, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+        )
 
     # what is told, and what follows
 
@@ -246,13 +259,13 @@ class MuscleView:
         rows = {
             "force": f"{found.force_here / scale:.4g} {unit}",
             "state": state,
-            fluid: f"{found.volume * 1e6:.4g} cm³",
+            fluid: _volume(found.volume, view.shown["length"]),
             "braid angle": pretty(drawn.angle, "angle"),
             "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
             "bows out": f"{found.deflection / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
-            "bending moment": f"{found.moment:.4g} N·m",
+            "bending moment": _moment(found.moment, view.shown),
         }
         if more := branches(found.strain[-1], found.branches):
             rows["several equilibria"] = more
@@ -313,8 +326,22 @@ class MuscleView:
         if view.tab != "muscle":
             self._play.value = False
             return
-        following = view.strain + self._top / 80
+        following = round(view.strain + self._top / 80, 4)
         self._session.change(strain=0.0 if following > self._top else following)
+
+
+def _volume(volume: float, length: str) -> str:
+    """A `volume` [m³] beside lengths in a unit `length` [-]."""
+    if length == "in":
+        return f"{volume / factor('in', 'length') ** 3:.4g} in³"
+    return f"{volume * 1e6:.4g} cm³"
+
+
+def _moment(moment: float, units: Mapping[str, str]) -> str:
+    """A `moment` [N·m] in the `units` shown [-] of force and length, meters for millimeters."""
+    length = "m" if units["length"] == "mm" else units["length"]
+    scale = factor(units["force"], "force") * factor(length, "length")
+    return f"{moment / scale:.4g} {units['force']}·{length}"
 
 
 def table(rows: dict[str, str]) -> str:

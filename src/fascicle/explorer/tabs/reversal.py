@@ -5,10 +5,19 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
-from ..curves.reversal_curves import Split, split_curves, through
+from ..curves.reversal_curves import Split, jump, split_curves, through
 from ..parts.address import parse_splits
 from ..parts.background import Latest
-from ..parts.look import Look, legend_style, plain_figure, set_range, source_of, widget_css
+from ..parts.look import (
+    STACKED,
+    TALL,
+    Look,
+    legend_style,
+    plain_figure,
+    set_range,
+    source_of,
+    widget_css,
+)
 from ..parts.notes import notes
 from ..parts.widgets import factor
 from ..state import Session, View
@@ -44,6 +53,9 @@ class ReversalView(Tab):
             fig.multi_line("xs", "ys", source=source, color="color", line_width=width,
                            line_dash=dash, **told)  # fmt: skip
             setattr(self, f"_{kind}", source)
+        self._jumps = source_of({"xs": [], "ys": [], "color": []}, name="reversal_jumps")
+        fig.multi_line("xs", "ys", source=self._jumps, color="color", line_width=2,
+                       line_dash="dotted")  # fmt: skip
         fig.scatter(
             "x", "y", source=self._turns, size=11, color="color", marker="inverted_triangle"
         )
@@ -58,14 +70,15 @@ class ReversalView(Tab):
             '<div style="max-width:330px;font-size:13.5px;opacity:.85">The first unit is at supply'
             " pressure. Where the second one, as it is fed, resists more at first than it did"
             " empty, the bundle's free strain falls, turns, and only then rises; where the curve"
-            " is broken it jumps. Dashed: what a model without resistance says.</div>",
+            " is dotted it jumps. Dashed: what a model without resistance says.</div>",
             margin=(8, 8),
         )
         self.panel = pn.Row(
-            pn.Column(self._splits, self.message.pane, self._status, pn.pane.Bokeh(fig),
+            pn.Column(self._splits, self.message.pane, self._status,
+                      pn.pane.Bokeh(fig, stylesheets=[TALL]),
                       sizing_mode="stretch_width", margin=0),
             pn.Column(about, self._notes, self._table, width=360, margin=0),
-            sizing_mode="stretch_width", margin=0,
+            sizing_mode="stretch_width", margin=0, stylesheets=[STACKED],
         )  # fmt: skip
 
     def draw(self, view: View) -> None:
@@ -107,6 +120,12 @@ class ReversalView(Tab):
                     for one in found
                 ],
             }
+        jumps = [jump(one) for one in found]
+        self._jumps.data = {
+            "xs": [pressure / scale for pressure, _ in jumps],
+            "ys": [strain for _, strain in jumps],
+            "color": colors,
+        }
         turning = [
             (one, color) for one, color in zip(found, colors, strict=True) if one.turn.depth > 0
         ]

@@ -11,6 +11,7 @@ from ...bundle.reversal import Reversal, free_strain_curve, reversal
 from ...muscle import Muscle
 from ...muscle.tension.ideal import Ideal
 from ...plot.curves import draw_free_strain
+from ...plot.jumps import broken
 from ...plot.style import BLACK, GRAY, SINGLE, new_figure, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion, over
@@ -117,6 +118,10 @@ def draw(found: dict[str, np.ndarray], turn: Reversal) -> Figure:
     for line, color in zip(ax.lines, (GRAY, None, None, BLACK, None, None), strict=True):
         if color is not None:
             line.set_color(color)
+    line = ax.lines[list(found).index(RESISTING)]
+    curve, jump = broken(PRESSURES, found[RESISTING], turn)
+    line.set_data(curve[0] / 1e3, curve[1])
+    ax.plot(jump[0] / 1e3, jump[1], color=BLACK, linestyle=":")
     ax.plot(turn.pressure / 1e3, turn.free_strain, "o", color=BLACK, markersize=4)
     ax.annotate(
         "reversal", (turn.pressure / 1e3, turn.free_strain), (6, -8), ha="left",

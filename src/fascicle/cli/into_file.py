@@ -1,0 +1,69 @@
+"""`--json FILE` and `--csv FILE`: what a command prints goes to a file, whole or not at all.
+
+The options stand for themselves, too, and a name after them is a file where it ends as they do, or
+where an equals sign joins them: `--json out.json`, `--json=out`. `-` is standard output.
+"""
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from .problems import refusing
+
+
+_ENDS = {"--json": ".json", "--csv": ".csv"}
+
+
+def parted(arguments: Sequence[str]) -> tuple[list[str], str, str]:
+    """The arguments of a command without the file that its output goes to.
+
+    **Arguments:** `arguments`: as they were typed [-].
+
+    **Returns:** the others, the option and the file, both empty where there is none [-].
+    """
+    out, option, path = [], "", ""
+    waiting = list(arguments)
+    while waiting:
+        one = waiting.pop(0)
+        name, equals, value = one.partition("=")
+        if name not in _ENDS:
+            out.append(one)
+            continue
+        out.append(name)
+        if not equals and waiting and (waiting[0] == "-" or _is_file(waiting[0], name)):
+            value = waiting.pop(0)
+        if value not in ("", "-"):
+            option, path = name, value
+    return out, option, path
+
+
+@contextlib.contextmanager
+def into(path: str, option: str, overwrite: bool, flag: str) -> Iterator[None]:
+    """Let what is printed inside go to a file, once all of it is there.
+
+    **Arguments:**
+
+    - `path`: of the file [-]; empty for none.
+    - `option`: that named it [-].
+    - `overwrite`: whether whatever stands there is replaced [-].
+    - `flag`: the option that says so [-].
+    """
+    if not path:
+        yield
+        return
+    from ..core.atomic import check_writable, write_text
+    from ..files.ours import check_file, replacing
+
+    with refusing(f"{option} "):
+        check_writable(path)
+        check_file(path, overwrite, flag)
+    told = io.StringIO()
+    with contextlib.redirect_stdout(told):
+        yield
+    with refusing(f"{option} "), replacing(path, overwrite, flag):
+        write_text(path, told.getvalue())
+
+
+def _is_file(text: str, option: str) -> bool:
+    return Path(text).suffix.lower() == _ENDS[option] and not text.startswith("-")

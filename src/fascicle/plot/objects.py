@@ -1,0 +1,86 @@
+"""What `muscle.plot()` and `bundle.plot()` draw: the usual picture, with usual pressures."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..bundle import Bundle, recruitment
+from ..bundle.space import overlap
+from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
+from ..core.refused import Refused
+from ..core.written import in_si
+from ..muscle import Muscle
+from .curves import bundle_force_strain, force_strain
+from .space import space
+
+
+_POINTS = 301  # along a curve
+_TOP = 400e3  # Pa, where no tuning says how far it was measured
+_PAST = 1.25  # strains go so far past the largest free strain
+
+
+def of_muscle(
+    muscle: Muscle, pressures: Any = None, strains: Any = None, components: bool = False
+) -> Figure:
+    """As `Muscle.plot`, of a `muscle` [-] with its arguments.
+
+    **Arguments:**
+
+    - `muscle`: one muscle [-].
+    - `pressures`: gauge pressures [Pa], or `None`.
+    - `strains`: contractions [-], rising, or `None`.
+    - `components`: a panel for each pressure with the force's parts [-].
+
+    **Returns:** the figure [-].
+
+    **Raises:** `ValueError` for rows of muscles and values off the domain.
+    """
+    if np.ndim(muscle.length + muscle.outer_radius + muscle.wall_thickness + muscle.braid_angle):
+        raise Refused("muscle", "must be a single one to be drawn, got rows of them", None)
+    if pressures is None:
+        rows = np.asarray(muscle.tuning.pressures)
+        measured = float(np.max(rows)) + float(muscle.tuning.dead_band)
+        top = min(measured, HIGHEST_PRESSURE) if rows.size > 1 else _TOP
+        pressures = np.linspace(0.0, top, 4 if components else 5)
+    P = np.atleast_1d(np.asarray(in_si(pressures, "pressure", "Pa"), float))
+    if strains is None:
+        strains = _strains(float(np.max(muscle.free_strain(P))))
+    return force_strain(muscle, P, strains, components)
+
+
+def of_bundle(
+    bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
+) -> Figure:
+    """As `Bundle.plot`, of a `bundle` [-] with its arguments.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `pressures`: one for each motor unit [Pa], or `None`.
+    - `strains`: contractions [-], rising, or `None`.
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** the figure [-].
+
+    **Raises:** `ValueError` where there are neither pressures nor a supply's.
+    """
+    if pressures is None and bundle.supply_pressure is None:
+        raise Refused(
+            "pressures",
+            "must be given in Pa, one for each motor unit",
+            None,
+            "the bundle has no supply pressure, for which its states would be drawn",
+        )
+    if pressures is None:
+        found = recruitment.space(bundle, strain=strains, resistance=resistance)
+        return space(found, overlap(found))
+    if strains is None:
+        strains = _strains(float(bundle.free_strain(pressures, resistance=False)))
+    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
+    return bundle_force_strain(bundle, P, strains, resistance)
+
+
+def _strains(free_strain: float) -> np.ndarray:
+    """From rest [-] to past the largest `free_strain` [-]."""
+    return np.linspace(0.0, min(max(_PAST * free_strain, 0.05), LARGEST_STRAIN), _POINTS)
