@@ -15,9 +15,11 @@ answered by the nearest pressure.
 **Sign:** as for a muscle. **Source:** derived here.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from jax import lax
 
 from ..bundle.bundle import Bundle
 from ..bundle.own import supply_of
@@ -51,7 +53,8 @@ class Branches(Module):
     """The rising branches of a bundle's motor units: `Branches.of(bundle, supply)` makes them.
 
     `muscles`: tables of one muscle of each unit [-]. `top`: the pressure at which branches end
-    [Pa]. Of each unlike muscle: the onset at its table's strains, `onsets` [Pa], and the branch's
+    [Pa]. Of each unlike muscle at its table's strains: `onsets` [Pa], `dips` [N] and
+    `dip_pressures` [Pa], and the branch's
     `pressures` at shares of its force, even in √φ [Pa]. Units are on the last axis of all that is
     asked and answered; one unit's force is that of a single muscle of it.
     """
@@ -59,6 +62,8 @@ class Branches(Module):
     muscles: Tables
     top: Numbers
     onsets: Numbers
+    dips: Numbers
+    dip_pressures: Numbers
     pressures: Numbers
 
     @classmethod
@@ -91,8 +96,8 @@ class Branches(Module):
             unit = int(np.flatnonzero(muscles.which == which)[0])
             low, high = (float(end[unit]) for end in table.strains)
             rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
-        onsets, pressures = (np.stack(part) for part in zip(*rows, strict=True))
-        return cls(muscles, np.float64(top), onsets, pressures)
+        parts = (np.stack(part) for part in zip(*rows, strict=True))
+        return cls(muscles, np.float64(top), *parts)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Force of one muscle of each unit [N] at a `pressure` [Pa] and `strain` [-]."""
@@ -105,16 +110,27 @@ class Branches(Module):
         between = (1 - w) * onsets[which, j] + w * onsets[which, j + 1]
         some = between > 0
         empty = self.force(0.0 * strain, strain)
-        p = between
-        for _ in range(2):
+
+        def step(p: Numbers) -> Numbers:
             at = self.muscles.at(p, strain)
             rises = some & (at.force_by_pressure > 0)
-            step = (at.force - empty) / guarded(rises, at.force_by_pressure)
+            way = (at.force - empty) / guarded(rises, at.force_by_pressure)
             # no pressure at all is a root as well, and past a kink a slope leads away
             reach = minimum(0.5 * between, 2e-3 * self.top)
-            near = minimum(maximum(p - step, between - reach), between + reach)
-            p = where(rises, near, p)
+            near = minimum(maximum(p - way, between - reach), between + reach)
+            return where(rises, near, p)
+
+        p = _repeated(step, between, 2)
         return minimum(maximum(p, 0.0), self.top)
+
+    def dip(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """How deep one muscle of each unit dips [N] at a `strain` [-], and at which pressure [Pa],
+        both between the table's strains.
+        """
+        j, w, which = self._column(strain)
+        rows = (library(strain).asarray(row) for row in (self.dips, self.dip_pressures))
+        depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
+        return depth, at
 
     def pressure(self, force: Numbers, strain: Numbers) -> Found:
         """The inverse, (K1).
@@ -138,14 +154,16 @@ class Branches(Module):
         inside = gains & ~low & ~high
         phi = where(inside, share, 0.5)
         onset = self.onset(strain)
-        p = self._looked_up(phi, strain)
-        for _ in range(_NEWTON):
+
+        def step(p: Numbers) -> Numbers:
             at = self.muscles.at(p, strain)
             rises = at.force_by_pressure > 0
-            step = (at.force - force) / guarded(rises, at.force_by_pressure)
+            way = (at.force - force) / guarded(rises, at.force_by_pressure)
             size = 0.1 * self.top
-            step = maximum(minimum(where(rises, step, 0.0), size), -size)
-            p = minimum(maximum(p - step, onset), self.top)
+            way = maximum(minimum(where(rises, way, 0.0), size), -size)
+            return minimum(maximum(p - way, onset), self.top)
+
+        p = _repeated(step, self._looked_up(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
         status = at_work.where(
             ~gains, HELPLESS,
@@ -175,10 +193,19 @@ class Branches(Module):
         return (1 - w) * left + w * right
 
 
-def _branch(
-    muscles: Tables, unit: int, strain: np.ndarray, top: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """One muscle's onset [Pa] at each strain, and the pressures of its branch [Pa]."""
+def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
+    """`step` done so many `times` [-]: as a loop, which is compiled once, where JAX is at work."""
+    if library(begin) is np:
+        for _ in range(times):
+            begin = step(begin)
+        return begin
+    return lax.fori_loop(0, times, lambda _, x: step(x), begin)
+
+
+def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple[np.ndarray, ...]:
+    """One muscle's onset [Pa], dip [N] and its pressure [Pa] at each strain, and the pressures of
+    its branch [Pa].
+    """
 
     def force(pressure: np.ndarray) -> np.ndarray:
         P, eps = np.broadcast_arrays(pressure[..., None], strain[:, None])
@@ -191,7 +218,8 @@ def _branch(
         # even in √P, as the table is: a muscle changes most at low pressure
         grid = top * np.linspace(0.0, 1.0, _FINE) ** 2
         empty = force(0.0 * strain)
-        gains = force(np.broadcast_to(grid[:, None], (_FINE, len(strain)))) > empty
+        taken = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
+        gains, deepest = taken < 0, np.argmax(taken, axis=0)
         last = _FINE - 1 - np.argmax(~gains[::-1], axis=0)
         helpless = last == _FINE - 1
         low, high = grid[last], grid[np.minimum(last + 1, _FINE - 1)]
@@ -207,4 +235,4 @@ def _branch(
         np.interp(shares * (f[-1] - f[0]) + f[0], f, p) if f[-1] > f[0] else np.full(_SHARES, top)
         for f, p in zip(pull.T, branch.T, strict=True)
     ]
-    return onset, np.stack(kept)
+    return onset, np.maximum(np.max(taken, axis=0), 0.0), grid[deepest], np.stack(kept)
