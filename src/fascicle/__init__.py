@@ -15,6 +15,7 @@ switch_on()
 TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than all of this
 if TYPE_CHECKING:
     from . import calibrate as calibrate
+    from . import control as control
     from . import design as design
     from . import dynamics as dynamics
     from . import energetics as energetics
@@ -60,6 +61,7 @@ _HOMES = {
     "buckling": "muscle",
     "calibrate": "",
     "collapse": "muscle",
+    "control": "",
     "design": "",
     "dynamics": "",
     "energetics": "",
@@ -91,6 +93,7 @@ __all__ = [
     "buckling",
     "calibrate",
     "collapse",
+    "control",
     "design",
     "dynamics",
     "energetics",

@@ -4,8 +4,8 @@ import fascicle
 # the public face; a name leaves it only through a deprecation
 EXPORTS = [
     "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
-    "UnitSurface", "buckling", "calibrate", "collapse", "design", "dynamics", "energetics",
-    "example", "examples", "fluid", "load", "materials", "post_collapse", "records",
+    "UnitSurface", "buckling", "calibrate", "collapse", "control", "design", "dynamics",
+    "energetics", "example", "examples", "fluid", "load", "materials", "post_collapse", "records",
     "recruitment", "reversal", "save", "schemes", "tables", "tension",
 ]  # fmt: skip
 

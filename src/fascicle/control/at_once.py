@@ -1,0 +1,109 @@
+"""Recruiting sets of units at once: `batch`, one pressure for all of them, and `energy_aware`.
+
+**Source:** `batch` as the scheme of that name, Kim, Mazzoleni and Bryant (2021); `energy_aware`
+takes the set of units whose chambers hold least fluid for the demand, derived here.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.arrays import library, minimum, where
+from ..core.checks import positive
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, Numbers
+from .units import Asked, Now, Units, shared
+
+
+_HALVINGS = 30  # of a common pressure's bracket: to 1e-9 of the supply
+_MOST = 6  # units, of which there are 63 sets
+_SAVED = 0.1  # of the fluid, for which another set is worth its change
+
+
+class Chosen(NamedTuple):
+    """Memory: which state or set was `chosen` [-]."""
+
+    chosen: Batch
+
+
+class Batched(Module):
+    """`batch`: as few units as suffice, all at one pressure, and fewer only when the demand is
+    lower than they hold by a `band` [N].
+    """
+
+    band: Batch
+
+    def begin(self, units: Units) -> Chosen:
+        """The memory [-] to begin with, for so many `units` [-]."""
+        return Chosen(1.0 + 0.0 * units.counts[0])
+
+    def __call__(
+        self, memory: Chosen, units: Units, asked: Asked, now: Now
+    ) -> tuple[Chosen, Numbers]:
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
+        can do `now` [-].
+        """
+        at_work, n = library(asked.strains, asked.force), units.counts
+        places = np.arange(units.many)
+        top = minimum(asked.supply, units.branches.top)
+        few = 1.0 + at_work.sum(where(asked.force > now.largest, 1.0, 0.0))
+        few_with_band = 1.0 + at_work.sum(where(asked.force > now.largest - self.band, 1.0, 0.0))
+        k = minimum(
+            where(few > memory.chosen, few, minimum(memory.chosen, few_with_band)), units.many
+        )
+        on = places < k
+        low, high = 0.0 * top, top
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            pull = at_work.sum(n * units.branches.force(where(on, middle, 0.0), asked.strains))
+            low, high = (
+                where(pull < asked.force, middle, low),
+                where(pull < asked.force, high, middle),
+            )
+        return Chosen(k + 0.0), where(on, high, 0.0)
+
+
+class EnergyAware(Module):
+    """`energy_aware`: of all sets of units that pull as much, each filled in turn, the one whose
+    chambers hold least; another one where that saves a tenth of it, or the last no longer suffices.
+    """
+
+    def begin(self, units: Units) -> Chosen:
+        """The memory [-] to begin with, for so many `units` [-]."""
+        if units.many > _MOST:
+            raise Refused("policy", f"energy_aware takes at most {_MOST} units", units.many)
+        return Chosen(0.0 * units.counts[0])
+
+    def __call__(
+        self, memory: Chosen, units: Units, asked: Asked, now: Now
+    ) -> tuple[Chosen, Numbers]:
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
+        can do `now` [-].
+        """
+        at_work = library(asked.strains, asked.force)
+        top = minimum(asked.supply, units.branches.top)
+        sets = np.array([[m >> i & 1 for i in range(units.many)] for m in range(1, 2**units.many)])
+        none = 0.0 * asked.strains
+        pressures = shared(units, now, asked, none + 0.0 * sets, top * sets)[0] * sets
+        held = at_work.sum(units.content(pressures, asked.strains), axis=-1)
+        full = at_work.sum(at_work.asarray(sets) * (now.full - now.empty), axis=-1)
+        most = full + at_work.sum(now.empty)
+        suffices = most >= asked.force
+        last = memory.chosen.astype(int)
+        cost = where(suffices, held, 1e3 - 1e-6 * most)
+        best = at_work.argmin(cost)
+        keep = (most[last] >= asked.force) & (cost[best] > (1 - _SAVED) * cost[last])
+        chosen = at_work.where(keep, last, best)
+        return Chosen(chosen + 0.0), pressures[chosen]
+
+
+def batch(band: Any) -> Batched:
+    """`Batched` [-] with a `band` [N]."""
+    return Batched(positive(band, "band", "N"))
+
+
+def energy_aware(band: Any) -> EnergyAware:
+    """`EnergyAware` [-], which has no `band` [N]: what it would save decides."""
+    del band
+    return EnergyAware()

@@ -1,0 +1,238 @@
+r"""A motor unit's rising branch as a table: from pressure to force and back, in microseconds.
+
+Past its free strain a muscle that is fed resists more before it pulls: at a strain $\varepsilon$
+its force is back to that of an empty one at the onset $p_{on}(\varepsilon)$, the last pressure at
+which $F(p, \varepsilon) = F(0, \varepsilon)$, and from there on it gains. On that branch, up to the
+supply's pressure, the inverse
+
+$$p(f, \varepsilon): \quad F(p, \varepsilon) = f, \qquad p_{on} \le p \le P_s, \tag{K1}$$
+
+is unique; where the force isn't monotonic beyond its onset, the largest pressure is meant. It is a
+table in strain and $\varphi = (f - F(0))/(F(P_s) - F(0))$, from which steps of Newton's method on
+the muscle's own table, (V3), lead to the root. What can't be reached is told by a status, and
+answered by the nearest pressure.
+
+**Sign:** as for a muscle. **Source:** derived here.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jax import lax
+
+from ..bundle.bundle import Bundle
+from ..bundle.own import supply_of
+from ..core.arrays import library, maximum, minimum, sqrt, where
+from ..core.modules import Module
+from ..core.roots import guarded
+from ..core.types import Numbers, Values, Whole
+from ..dynamics.muscles import Tables
+
+
+# what was asked of a unit: it can, pulls more when empty, less at the supply's pressure, or gains
+# nothing at this strain up to it
+REACHED, TOO_LITTLE, TOO_MUCH, HELPLESS = range(4)
+STATUS = ("reached", "too_little", "too_much", "helpless")
+
+_SHAPE = (161, 201)  # of the muscles' tables, as a plant has them
+_SHARES = 65  # φ at which pressures are kept, even in √φ, as forces begin with p² at small strains
+_FINE = 513  # pressures at which a branch is looked at
+_HALVINGS = 50
+_NEWTON = 4  # from the table within some percent: below 1e-9 of the supply but at kinks
+
+
+class Found(NamedTuple):
+    """Pressures [Pa], one for each motor unit on the last axis, and a `STATUS` [-] of each."""
+
+    pressure: Numbers
+    status: Whole
+
+
+class Branches(Module):
+    """The rising branches of a bundle's motor units: `Branches.of(bundle, supply)` makes them.
+
+    `muscles`: tables of one muscle of each unit [-]. `top`: the pressure at which branches end
+    [Pa]. Of each unlike muscle at its table's strains: `onsets` [Pa], `dips` [N] and
+    `dip_pressures` [Pa], and the branch's
+    `pressures` at shares of its force, even in √φ [Pa]. Units are on the last axis of all that is
+    asked and answered; one unit's force is that of a single muscle of it.
+    """
+
+    muscles: Tables
+    top: Numbers
+    onsets: Numbers
+    dips: Numbers
+    dip_pressures: Numbers
+    pressures: Numbers
+
+    @classmethod
+    def of(
+        cls, bundle: Bundle, supply_pressure: Values = None, shape: tuple[int, int] = _SHAPE
+    ) -> "Branches":
+        """Those of a bundle.
+
+        **Arguments:**
+
+        - `bundle`: the bundle [-].
+        - `supply_pressure`: at which they end [Pa]; left out, the bundle's own.
+        - `shape`: nodes of the muscles' tables in pressure and strain [-].
+
+        **Returns:** the branches [-].
+
+        **Raises:** `ValueError` for a supply's pressure that can't be.
+        """
+        supply = supply_of(bundle, supply_pressure)
+        muscles = [unit.muscle for unit in bundle.motor_units]
+        return cls.tabulated(Tables.of(muscles, supply, shape), supply)
+
+    @classmethod
+    def tabulated(cls, muscles: Tables, top: float) -> "Branches":
+        """Those of `muscles` [-] that are tables already, up to a pressure `top` [Pa]."""
+        table = muscles.table
+        columns = table.coefficients.shape[-3]
+        rows = []
+        for which in range(len(table.coefficients)):
+            unit = int(np.flatnonzero(muscles.which == which)[0])
+            low, high = (float(end[unit]) for end in table.strains)
+            rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
+        parts = (np.stack(part) for part in zip(*rows, strict=True))
+        return cls(muscles, np.float64(top), *parts)
+
+    def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
+        """Force of one muscle of each unit [N] at a `pressure` [Pa] and `strain` [-]."""
+        return self.muscles.at(pressure, strain).force
+
+    def onset(self, strain: Numbers) -> Numbers:
+        """$p_{on}$ [Pa] at a `strain` [-]: the top where no pressure up to it gains."""
+        j, w, which = self._column(strain)
+        onsets = library(strain).asarray(self.onsets)
+        between = (1 - w) * onsets[which, j] + w * onsets[which, j + 1]
+        some = between > 0
+        empty = self.force(0.0 * strain, strain)
+
+        def step(p: Numbers) -> Numbers:
+            at = self.muscles.at(p, strain)
+            rises = some & (at.force_by_pressure > 0)
+            way = (at.force - empty) / guarded(rises, at.force_by_pressure)
+            # no pressure at all is a root as well, and past a kink a slope leads away
+            reach = minimum(0.5 * between, 2e-3 * self.top)
+            near = minimum(maximum(p - way, between - reach), between + reach)
+            return where(rises, near, p)
+
+        p = _repeated(step, between, 2)
+        return minimum(maximum(p, 0.0), self.top)
+
+    def dip(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """How deep one muscle of each unit dips [N] at a `strain` [-], and at which pressure [Pa],
+        both between the table's strains.
+        """
+        j, w, which = self._column(strain)
+        rows = (library(strain).asarray(row) for row in (self.dips, self.dip_pressures))
+        depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
+        return depth, at
+
+    def pressure(self, force: Numbers, strain: Numbers) -> Found:
+        """The inverse, (K1).
+
+        **Arguments:**
+
+        - `force`: of one muscle of each unit [N], units on the last axis.
+        - `strain`: of each unit's muscles [-]; broadcasts against `force`.
+
+        **Returns:** pressures [Pa] and statuses: 0 where less is asked than an empty muscle's, or
+        where it can't gain, the top where more.
+        """
+        at_work = library(force, strain)
+        force, strain = at_work.broadcast_arrays(force, strain)
+        none = 0.0 * strain
+        empty, full = self.force(none, strain), self.force(none + self.top, strain)
+        gains = full > empty
+        share = (force - empty) / guarded(gains, full - empty)
+        low = share <= 0
+        high = share >= 1
+        inside = gains & ~low & ~high
+        phi = where(inside, share, 0.5)
+        onset = self.onset(strain)
+
+        def step(p: Numbers) -> Numbers:
+            at = self.muscles.at(p, strain)
+            rises = at.force_by_pressure > 0
+            way = (at.force - force) / guarded(rises, at.force_by_pressure)
+            size = 0.1 * self.top
+            way = maximum(minimum(where(rises, way, 0.0), size), -size)
+            return minimum(maximum(p - way, onset), self.top)
+
+        p = _repeated(step, self._looked_up(phi, strain), _NEWTON)
+        ends = where(high & gains, self.top, 0.0)
+        status = at_work.where(
+            ~gains, HELPLESS,
+            at_work.where(share < 0, TOO_LITTLE, at_work.where(share > 1, TOO_MUCH, REACHED)),
+        )  # fmt: skip
+        return Found(where(inside, p, ends), status)
+
+    def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
+        """Place of a `strain` [-] among the columns [-], how far into it [-], and whose it is."""
+        at_work = library(strain)
+        low, high = self.muscles.table.strains
+        columns = self.onsets.shape[-1] - 1
+        x = minimum(maximum((strain - low) / (high - low) * columns, 0.0), float(columns))
+        j = minimum(at_work.floor(x), columns - 1.0).astype(int)
+        return j, x - j, self.muscles.which
+
+    def _looked_up(self, share: Numbers, strain: Numbers) -> Numbers:
+        j, w, which = self._column(strain)
+        rows = self.pressures.shape[-1] - 1
+        x = sqrt(share) * rows
+        i = minimum(library(share).floor(x), rows - 1.0).astype(int)
+        u = x - i
+        p = library(share).asarray(self.pressures)
+        left, right = (
+            (1 - u) * p[which, j + side, i] + u * p[which, j + side, i + 1] for side in (0, 1)
+        )
+        return (1 - w) * left + w * right
+
+
+def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
+    """`step` done so many `times` [-]: as a loop, which is compiled once, where JAX is at work."""
+    if library(begin) is np:
+        for _ in range(times):
+            begin = step(begin)
+        return begin
+    return lax.fori_loop(0, times, lambda _, x: step(x), begin)
+
+
+def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple[np.ndarray, ...]:
+    """One muscle's onset [Pa], dip [N] and its pressure [Pa] at each strain, and the pressures of
+    its branch [Pa].
+    """
+
+    def force(pressure: np.ndarray) -> np.ndarray:
+        P, eps = np.broadcast_arrays(pressure[..., None], strain[:, None])
+        # of all units the one that is meant
+        many = np.shape(muscles.which)
+        found = muscles.at(np.broadcast_to(P, (*P.shape[:-1], *many)), eps + np.zeros(many))
+        return np.asarray(found.force)[..., unit]
+
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        # even in √P, as the table is: a muscle changes most at low pressure
+        grid = top * np.linspace(0.0, 1.0, _FINE) ** 2
+        empty = force(0.0 * strain)
+        taken = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
+        gains, deepest = taken < 0, np.argmax(taken, axis=0)
+        last = _FINE - 1 - np.argmax(~gains[::-1], axis=0)
+        helpless = last == _FINE - 1
+        low, high = grid[last], grid[np.minimum(last + 1, _FINE - 1)]
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            up = force(middle) > empty
+            low, high = np.where(up, low, middle), np.where(up, middle, high)
+        onset = np.where(helpless, top, np.where(last == 0, 0.0, high))
+        branch = onset + (top - onset) * np.linspace(0.0, 1.0, _FINE)[:, None] ** 2
+        pull = np.minimum.accumulate(force(branch)[::-1])[::-1]
+    shares = np.linspace(0.0, 1.0, _SHARES) ** 2
+    kept = [
+        np.interp(shares * (f[-1] - f[0]) + f[0], f, p) if f[-1] > f[0] else np.full(_SHARES, top)
+        for f, p in zip(pull.T, branch.T, strict=True)
+    ]
+    return onset, np.maximum(np.max(taken, axis=0), 0.0), grid[deepest], np.stack(kept)

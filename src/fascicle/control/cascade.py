@@ -1,0 +1,228 @@
+r"""A cascade of controllers: position, force, pressures of the units, valves.
+
+With the errors $e = r - q$ of the position and $e_F = F_r - F$ of the force,
+
+$$F_r = F_{load} + F_{friction} + k_p e + k_i \int e\,\mathrm{d}t - k_d \dot q, \qquad
+  F_{demand} = F_r + k_F e_F + k_{Fi} \int e_F\,\mathrm{d}t: \tag{K2}$$
+
+what the load and friction take is fed forward, the damping acts on what is measured. A policy makes
+pressures of the demand, and each valve opens as the flow is that brings its chamber's content $m$
+there with a time constant $\tau$,
+
+$$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
+  + \frac{\partial m}{\partial \varepsilon} \dot\varepsilon, \tag{K3}$$
+
+within what it can. Integrals stand still while no unit can give what is asked of it in their
+direction. Of a joint each bundle gets half of the moment, over its pulley's radius, and a
+`co_contraction` on top.
+
+**Sign:** as of the load's coordinate. **Source:** anti-windup by conditional integration: Åström
+and Hägglund (2006), Advanced PID Control; (K3) derived here.
+"""
+
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..core.arrays import library, maximum, minimum, where
+from ..core.modules import Module
+from ..core.types import Batch, Numbers
+from ..dynamics import Measurement, Plant
+from ..dynamics.hysteresis import AbstractHysteresis
+from .units import Asked, Units, looked
+
+
+_FILTER = 0.02  # s, of a demand's rate
+_STEP = 1e3  # Pa, over which a content's slope is taken
+_STRAIN = 1e-4
+
+
+class Gains(NamedTuple):
+    """Of the position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI]; of the force:
+    `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time` $\\tau$ [s].
+    """
+
+    position: Batch = 0.0
+    integral: Batch = 0.0
+    velocity: Batch = 0.0
+    force: Batch = 0.0
+    force_integral: Batch = 2.0
+    pressure_time: Batch = 3e-3
+
+
+class Memory(NamedTuple):
+    """What a controller remembers: integrals of its errors [SI], the `demand` of before and its
+    filtered `rate` [SI], friction's forces as it was `reckoned` [N], the reference before [SI],
+    each bundle's policy, measurements that are on their `way` [SI], commands that are `held` [-]
+    and for how many steps yet [-].
+    """
+
+    integral: Batch
+    force_integral: Batch
+    demand: Batch
+    rate: Batch
+    reckoned: Numbers
+    before: Batch
+    policies: tuple
+    way: Numbers
+    held: Numbers
+    wait: Batch
+    fresh: Batch
+
+
+class Cascade(Module):
+    """A controller of a plant, as `simulate` takes it: `control.cascade` makes it.
+
+    `plant`: that it knows [-]. `units`: of each bundle [-]. `policies`: one for each [-].
+    `gains`: `Gains` [SI]. `highest_pressure` [Pa], `flow_limit`: share of a valve's opening [-].
+    `friction`: that is compensated [-], or none. `co_contraction` [N]. `of`: "force" or "position";
+    `delay` of measurements and `every` how many steps it acts [-], in steps of `dt` [s].
+    """
+
+    plant: Plant
+    units: tuple[Units, ...]
+    policies: tuple[Any, ...]
+    gains: Gains
+    highest_pressure: Batch
+    flow_limit: Batch
+    friction: AbstractHysteresis | None
+    co_contraction: Batch
+    dt: Batch
+    of: str = eqx.field(static=True)
+    delay: int = eqx.field(static=True)
+    every: int = eqx.field(static=True)
+
+    @property
+    def memory(self) -> Memory:
+        """With which it begins [-]."""
+        none = jnp.zeros(())
+        n = self.plant.units
+        begun = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
+        return Memory(
+            none, none, none, none, jnp.zeros((n, self.friction.count if self.friction else 0)),
+            none, jax.tree.map(jnp.asarray, begun), jnp.zeros((self.delay, n + 4)), jnp.zeros(n),
+            none, none,
+        )  # fmt: skip
+
+    def __call__(
+        self, memory: Memory, measurement: Measurement, reference: Any
+    ) -> tuple[Memory, Numbers]:
+        """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
+        the `reference` now [SI].
+        """
+        seen, way = self._delayed(memory, measurement)
+        memory = memory._replace(way=way)
+        acted, commands = self._act(memory, seen, reference)
+        acts = memory.wait <= 0
+        kept = jax.tree.map(lambda a, b: jnp.where(acts, a, b), acted, memory)
+        commands = jnp.where(acts, commands, memory.held)
+        wait = jnp.where(acts, self.every - 1.0, memory.wait - 1)
+        return kept._replace(way=way, held=commands, wait=wait, fresh=jnp.ones(())), commands
+
+    def _act(self, memory: Memory, seen: Measurement, reference: Any) -> tuple[Memory, Numbers]:
+        dt, plant, gains = self.dt * self.every, self.plant, self.gains
+        if self.of == "position":
+            error = reference - seen.position
+            wanted = -plant.load.force(reference)
+            before = jnp.where(memory.fresh > 0, memory.before, reference)
+            friction, reckoned = self._friction(memory, reference, before, seen)
+            pulled = wanted + friction + gains.position * error - gains.velocity * seen.velocity
+            pulled = pulled + memory.integral
+            integral = memory.integral + gains.integral * error * dt
+        else:
+            error, pulled, integral = (
+                0.0 * seen.position,
+                reference + 0.0 * seen.position,
+                memory.integral,
+            )
+            before, reckoned = memory.before, memory.reckoned
+        missing = pulled - seen.force
+        demand = pulled + gains.force * missing + memory.force_integral
+        force_integral = memory.force_integral + gains.force_integral * missing * dt
+        change = jnp.where(memory.fresh > 0, (demand - memory.demand) / dt, 0.0)
+        rate = memory.rate + (change - memory.rate) * dt / (dt + _FILTER)
+
+        strains, speed = plant.strains(seen.position), plant.gains * seen.velocity
+        joint = len(self.units) == 2
+        policies, targets, lacks = [], [], []
+        for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
+            places = np.flatnonzero(np.array(plant.sides) == side)
+            arm = plant.load.arms[side][1]
+            shared = (1 / (2 * arm)) if joint else 1 / arm
+            extra = self.co_contraction if joint else 0.0
+            asked = Asked(
+                demand * shared + extra, rate * shared, strains[places], seen.pressures[places],
+                minimum(seen.supply_pressure, self.highest_pressure), dt,
+            )  # fmt: skip
+            now = looked(units, asked)
+            after, target = policy(memory.policies[side], units, asked, now)
+            policies.append(after)
+            targets.append(target)
+            lacks.append((asked.force > now.largest[-1], asked.force < jnp.sum(now.empty), shared))
+        # more isn't to be had where the bundle that pulls on can't, nor the other one less
+        more = jnp.any(jnp.stack([where(s > 0, a, b) for a, b, s in lacks]))
+        less = jnp.any(jnp.stack([where(s > 0, b, a) for a, b, s in lacks]))
+
+        def still(now: Batch, before: Batch) -> Batch:
+            return jnp.where((more & (now > before)) | (less & (now < before)), before, now)
+
+        commands = self._valves(jnp.concatenate(targets), seen, strains, speed)
+        return memory._replace(
+            integral=still(integral, memory.integral),
+            force_integral=still(force_integral, memory.force_integral),
+            demand=demand, rate=rate, reckoned=reckoned,
+            before=jnp.asarray(reference, float) if self.of == "position" else before,
+            policies=tuple(policies),
+        ), commands  # fmt: skip
+
+    def _valves(
+        self, target: Numbers, seen: Measurement, strains: Numbers, speed: Numbers
+    ) -> Numbers:
+        """Commands [-], equation (K3)."""
+        commands = []
+        for side, units in enumerate(self.units):
+            places = np.flatnonzero(np.array(self.plant.sides) == side)
+            P, eps, v = seen.pressures[places], strains[places], speed[places]
+            P_r = minimum(maximum(target[places], 0.0), self.highest_pressure)
+            m = units.content(P, eps)
+            by_pressure = (units.content(P + _STEP, eps) - m) / _STEP
+            by_strain = (units.content(P, eps + _STRAIN) - m) / _STRAIN
+            flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
+            into, out = units.flows(P, seen.supply_pressure + 0.0 * P)
+            opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
+            commands.append(minimum(maximum(opening, -self.flow_limit), self.flow_limit))
+        return jnp.concatenate(commands)
+
+    def _friction(
+        self, memory: Memory, reference: Batch, before: Batch, seen: Measurement
+    ) -> tuple[Batch, Numbers]:
+        """What friction will take along the reference [SI], and its forces there [N]."""
+        if self.friction is None:
+            return 0.0 * reference, memory.reckoned
+        plant, P = self.plant, maximum(seen.pressures, 0.0)
+        per = plant.lengths * plant.gains
+        way = per * (reference - before)
+        speed = way / (self.dt * self.every)
+        at = plant.muscles.at(P, plant.strains(reference))
+        slid = self.friction.slid(memory.reckoned, way, speed, (P, P), at.force_by_pressure)
+        return library(P).sum(plant.counts * per * slid.force), slid.kept
+
+    def _delayed(self, memory: Memory, seen: Measurement) -> tuple[Measurement, Numbers]:
+        """What was measured a delay ago, and what is on its way."""
+        if not self.delay:
+            return seen, memory.way
+        row = jnp.concatenate(
+            [
+                jnp.stack([seen.position, seen.velocity, seen.force, seen.supply_pressure]),
+                seen.pressures,
+            ]
+        )
+        way = jnp.where(memory.fresh > 0, memory.way, row)
+        q, v, F, P_s = (way[0, i] for i in range(4))
+        old = seen._replace(
+            position=q, velocity=v, force=F, supply_pressure=P_s, pressures=way[0, 4:]
+        )
+        return old, jnp.concatenate([way[1:], row[None]])

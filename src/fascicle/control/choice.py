@@ -1,0 +1,94 @@
+r"""Which policy to take, and why: by the reserve, the hand-over's time and the load.
+
+A dip of length $t_c$ moves a load of mass $M$ on its muscles' stiffness $k$ hardly while
+$t_c \sqrt{k/M} \ll 1$.
+
+**Source:** derived here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.types import Values
+from ..dynamics import Plant
+from .crossing import Crossing, Path, crossing, hand_over_time
+
+
+_HARMLESS = 0.2  # of t_c √(k/M), below which a dip moves the load by at most 2 % of what it would
+
+
+class Choice(NamedTuple):
+    """A `policy` [-], `why` [-], and the crossings that it was chosen by [-]."""
+
+    policy: str
+    why: str
+    crossings: tuple[Crossing, ...]
+
+
+def choose(plant: Plant, reference: Values, dt: float, of: str) -> Choice:
+    """A policy for a plant and its reference.
+
+    **Arguments:**
+
+    - `plant`: of one bundle or two [-].
+    - `reference`: one for each step [N, N·m, m or rad].
+    - `dt`: the step [s].
+    - `of`: what the reference is, "force" or "position" [-].
+
+    **Returns:** the `Choice` [-].
+
+    **Raises:** `ValueError` as `crossing` does.
+    """
+    if plant.units == 1:
+        return Choice("orderly", "there is one motor unit, nothing is handed over", ())
+    if max(plant.sides) > 0:
+        why = "of two bundles each goes its own way, which no path says beforehand"
+        return Choice("hand_over", why, ())
+    path = _path(plant, np.asarray(reference, float), dt, of)
+    bundle, supply = plant.bundles[0], float(plant.supply.pressure_at(plant.supply.start()))
+    units = range(2, plant.units + 1)
+    found = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
+    return Choice(*_chosen(plant, path, found), found)
+
+
+def _chosen(plant: Plant, path: Path, found: tuple[Crossing, ...]) -> tuple[str, str]:
+    needed = [one for one in found if one.needed is not None]
+    if not needed:
+        return "threshold", f"no crossing is needed: {found[0].reason}"
+    none = [one for one in needed if not one.found]
+    if none:
+        ratio = _ratio(plant, path)
+        if ratio < _HARMLESS:
+            why = f"{none[0].reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
+            return "fast_cross", why
+        return "hand_over", f"{none[0].reason}; it keeps the dip as small as it can be"
+    waits = max((one.needed or 0.0) - (one.end or 0.0) - (one.time or 0.0) for one in needed)
+    if waits > 0 and np.ptp(path.strain) > 1e-6:
+        why = f"the last crossing ends {waits:.3g} s before the unit is needed: {needed[0]}"
+        return "pre_charge", why
+    return "hand_over", f"there is a crossing without a dip, {needed[0]}"
+
+
+def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
+    """Demand and strain, as quasi-static motion has them."""
+    few = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
+    time, wanted = dt * few, reference[few]
+    low, high = plant.way
+    if of == "position":
+        q = np.clip(wanted, low, high)
+        return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
+    q = float(plant.load.motion(0.0)[0]) if plant.load.moved else 0.0
+    return Path.of(time, wanted, float(np.atleast_1d(plant.strains(q))[0]))
+
+
+def _ratio(plant: Plant, path: Path) -> float:
+    """$t_c \\sqrt{k/M}$ [-], the unit's valve wide open, at the path's middle strain."""
+    if plant.load.moved:
+        return np.inf
+    eps = float(np.median(path.strain))
+    bundle, supply = plant.bundles[0], float(plant.supply.pressure_at(plant.supply.start()))
+    time = float(hand_over_time(bundle, eps, plant, 2, supply))
+    muscles = plant.muscles.at(np.full(plant.units, supply / 2), np.full(plant.units, eps))
+    stiff = -np.sum(plant.counts * plant.lengths * plant.gains**2 * muscles.force_by_strain)
+    return time * float(np.sqrt(max(stiff, 0.0) / float(plant.load.inertia)))

@@ -1,0 +1,148 @@
+r"""Recruiting one unit after the other, and how the transition is crossed.
+
+All of these have the same memory: how many units are recruited, a whole number but while one is
+handed over to, when its fraction is the share of the onset that its pressure has come to. Units are
+filled in turn; one that is recruited stays at its onset or above.
+
+- `orderly`: the plain inverse. The next unit is fed when those before it no longer suffice.
+- `threshold`: the same, and back only when the demand is lower by a band.
+- `hand_over`: begins while there is just reserve enough for the dip, (X3); the unit's ramp is held
+  back by the pressure that the one before it is short of.
+- `pre_charge`: as much earlier as the valve takes: the unit is parked at its onset before.
+- `fast_cross`: when those before no longer suffice, with its valve wide open up to the onset.
+
+Where the reserve is less than the dip when it is noticed, no crossing without one exists any more:
+the unit is fed when it must be. Back they go by the same rule, at a demand lower by the band.
+
+**Source:** derived here.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.arrays import library, maximum, minimum, where
+from ..core.checks import positive
+from ..core.modules import Module
+from ..core.types import Batch, Numbers
+from .units import Asked, Now, Units, hand_over_time, shared
+
+
+_MARGIN = 0.02  # of the dip that is kept, for what the tables don't know
+_ABOVE = 0.01  # of the supply over the onset, where a recruited unit is parked
+_SLACK = 1.2  # of the valve's time: a ramp at its limit couldn't be followed
+_SHORT = 0.02  # of the supply: so far off, the unit before holds the next one's ramp
+
+
+class Turn(NamedTuple):
+    """Memory: how many units are `recruited` [-], and the `way` it goes [-]: 1, 0 or -1; the
+    `target` of each unit [Pa].
+    """
+
+    recruited: Batch
+    way: Batch
+    target: Numbers
+
+
+class InTurn(Module):
+    """One of the policies above: `band` [N], and whether [-] it is `early`, held back, by how many
+    of its valve's times it leads, whether it opens `wide`, and whether it stays at the onset.
+    """
+
+    band: Batch
+    early: Batch
+    lead: Batch
+    wide: Batch
+    parked: Batch
+
+    def begin(self, units: Units) -> Turn:
+        """The memory [-] to begin with, for so many `units` [-]."""
+        none = 0.0 * units.counts
+        return Turn(none[0] + 1.0, none[0], none)
+
+    def __call__(self, memory: Turn, units: Units, asked: Asked, now: Now) -> tuple[Turn, Numbers]:
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
+        can do `now` [-].
+        """
+        at_work = library(asked.strains, asked.force)
+        places = at_work.arange(units.many)
+        top = minimum(asked.supply, units.branches.top)
+        parked = minimum(now.onset + _ABOVE * top, top)
+        k = minimum(maximum(at_work.floor(memory.recruited + 1e-9), 1.0), float(units.many))
+        share = memory.recruited - k
+        # the last unit that is recruited and the next one; and those one back
+        last = where(places == at_work.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
+        next_ = where(places == at_work.stack([k, k - 1])[:, None], 1.0, 0.0)
+        reserve, dip, need = self._needed(units, now, asked, last, next_)
+        there = at_work.sum(next_[0] * where(now.gains, 1.0, 0.0)) > 0
+        late = reserve[0] < 0
+        in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
+        up = there & (late | in_time)
+        down = (k > 1) & (share == 0) & (reserve[1] > need[1] + self.band)
+        way = where(up, 1.0, where(down, -1.0, where(share > 0, memory.way, 0.0)))
+
+        # the further off the unit before is, the more the ramp is held
+        off = at_work.sum(last[0] * at_work.abs(memory.target - asked.pressures)) / (_SHORT * top)
+        held = maximum(1.0 - off, 0.0)
+        pulls = units.counts * units.branches.force(asked.pressures, asked.strains)
+        gained = at_work.sum(next_[0] * (pulls - now.empty))
+        rush = late | (reserve[0] + gained < 0)
+        time = _SLACK * at_work.sum(where(down, next_[1], next_[0]) * now.time)
+        slow = (self.early > 0) & ~(rush & (way > 0))
+        pace = where(slow, held / maximum(time, asked.dt), 1 / asked.dt)
+        moved = memory.recruited + way * pace * asked.dt
+        moved = minimum(maximum(moved, where(down, k - 1, k)), where(down, k, k + 1))
+        recruited = minimum(moved, float(units.many))
+
+        k = at_work.floor(recruited + 1e-9)
+        ramp = where(places == k, (recruited - k) * parked, 0.0)
+        low = where((places > 0) & (places < k), parked * self.parked, ramp)
+        high = where(places < k, top, ramp)
+        # in a rush, and while a unit is vented as fast as it goes, the one before gives room for
+        # what is felt, not for what is meant to come
+        hurried = (asked.pressures < low) & (self.early > 0) & rush
+        vented = (places == k) & (asked.pressures > low) & (self.early > 0) & (way < 0)
+        seen = maximum(asked.pressures, 0.0)
+        felt = where((places > 0) & (hurried | vented), seen, low)
+        target, _ = shared(units, now, asked, low, high, felt)
+        # wide open to the onset, and no further
+        opened = (self.wide > 0) & (places > 0) & (places < k) & (asked.pressures < now.onset)
+        return Turn(recruited, way, target), where(opened, top, target)
+
+    def _needed(
+        self, units: Units, now: Now, asked: Asked, last: Numbers, next_: Numbers
+    ) -> tuple[Numbers, Numbers, Numbers]:
+        """Of the states that end with the `last` unit [-], as ones among zeros: the reserve, the
+        `next_` unit's dip, and the reserve at which a hand-over to it begins [N].
+        """
+
+        def of(which: Numbers, values: Numbers) -> Numbers:
+            return library(values).sum(which * values, axis=-1)
+
+        reserve, dip = of(last, now.largest) - asked.force, of(next_, now.dip)
+        rise = maximum(asked.rate, 0.0)
+        rises = _SLACK * hand_over_time(units, now, asked, last, next_) * rise
+        part = of(next_, now.dip_pressure) / maximum(of(next_, now.onset), 1.0)
+        need = maximum(dip * (1 + _MARGIN) + rises * minimum(part, 1.0), rises)
+        need = need + of(last, now.near) + self.lead * rise * of(next_, now.time)
+        return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
+
+
+def _turn(**ways: float) -> Any:
+    def made(band: Any) -> InTurn:
+        known = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | ways
+        return InTurn(positive(band, "band", "N"), *map(np.float64, known.values()))
+
+    return made
+
+
+def orderly(band: Any = None) -> InTurn:
+    """The plain inverse [-], which has no `band` [N]."""
+    del band
+    return InTurn(*np.zeros(5))
+
+
+threshold = _turn()
+hand_over = _turn(early=1.0)
+pre_charge = _turn(early=1.0, lead=1.0)
+fast_cross = _turn(wide=1.0)

@@ -1,0 +1,123 @@
+"""Policies by name, and a controller of a plant made of one."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ..core.checks import one_of, positive, within
+from ..core.refused import Refused
+from ..core.types import Values
+from ..dynamics import Plant, PrescribedMotion
+from .at_once import batch, energy_aware
+from .cascade import Cascade, Gains
+from .in_turn import fast_cross, hand_over, orderly, pre_charge, threshold
+from .units import Units
+
+
+POLICIES: Mapping[str, Callable[[Any], Any]] = MappingProxyType({
+    "orderly": orderly,
+    "batch": batch,
+    "threshold": threshold,
+    "energy_aware": energy_aware,
+    "hand_over": hand_over,
+    "pre_charge": pre_charge,
+    "fast_cross": fast_cross,
+})  # fmt: skip
+OF = ("force", "position")
+_BAND = 0.02  # of what the largest unit pulls at rest
+
+
+def cascade(
+    plant: Plant,
+    policy: str,
+    of: str = "force",
+    gains: Gains = Gains(),  # noqa: B008 a tuple of numbers
+    band: Values = None,
+    dt: Values = 1e-3,
+    sample_time: Values = None,
+    delay: Values = 0.0,
+    highest_pressure: Values = None,
+    flow_limit: Values = 1.0,
+    compensate: bool = False,
+    co_contraction: Values = 0.0,
+) -> Cascade:
+    """A controller of a plant, as `simulate` takes it.
+
+    **Arguments:**
+
+    - `plant`: that it controls, and knows [-].
+    - `policy`: which units are fed, by name [-]: one of `POLICIES`.
+    - `of`: what the reference is, "force" or "position" [-].
+    - `gains`: of the cascade, `Gains` [SI], none below zero.
+    - `band`: by how much a demand must be lower before a unit is let go [N]; left out, 2 % of what
+      the largest unit pulls at rest.
+    - `dt`: the simulation's step [s].
+    - `sample_time`: how often it acts [s], whole steps; left out, at each.
+    - `delay`: of what it measures [s], whole steps.
+    - `highest_pressure`: that it asks for [Pa]; left out, the supply's.
+    - `flow_limit`: share of a valve's opening that it uses [-].
+    - `compensate`: whether it feeds the plant's own friction forward [-].
+    - `co_contraction`: of a joint's bundles, each [N].
+
+    **Returns:** the controller [-].
+
+    **Raises:** `ValueError`, one line, for what can't be.
+    """
+    make = POLICIES[one_of(policy, POLICIES, "policy")]
+    one_of(of, OF, "of")
+    if plant.commands != plant.units:
+        rule = "must have one command for each motor unit"
+        raise Refused("spool", rule, plant.commands, "take Direct or Servovalve")
+    if of == "position" and isinstance(plant.load, PrescribedMotion):
+        raise Refused("of", "must be force where the motion is given", of)
+    closed = (True, False)
+    for name, value in gains._asdict().items():
+        if name == "pressure_time":
+            positive(value, name, "s")
+        else:
+            within(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
+    step = float(positive(dt, "dt", "s"))
+    every = _steps(
+        positive(step if sample_time is None else sample_time, "sample_time", "s"),
+        step,
+        "sample_time",
+    )
+    late = within(delay, 0.0, np.inf, "delay", "s", closed=closed)
+    waits = _steps(late, step, "delay") if late else 0
+    supply = float(plant.supply.pressure_at(plant.supply.start()))
+    highest = supply
+    if highest_pressure is not None:
+        why = "of the supply"
+        highest = float(
+            within(highest_pressure, 0.0, supply, "highest_pressure", "Pa", why, (False, True))
+        )
+    limit = within(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
+    units = tuple(Units.of(plant, side) for side in range(len(plant.bundles)))
+    if band is None:
+        band = _BAND * max(
+            float(
+                np.max(
+                    one.counts * one.branches.force(np.full(one.many, supply), np.zeros(one.many))
+                )
+            )
+            for one in units
+        )
+    each = tuple(make(band) for _ in units)
+    for one, unit in zip(each, units, strict=True):
+        one.begin(unit)
+    return Cascade(
+        plant, units, each, Gains(*map(np.float64, gains)), np.float64(highest), np.float64(limit),
+        plant.hysteresis if compensate else None,
+        np.float64(within(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)),
+        np.float64(step), of, waits, every,
+    )  # fmt: skip
+
+
+def _steps(value: Any, dt: float, name: str) -> int:
+    many = round(float(value) / dt)
+    if many < 1 or abs(many - float(value) / dt) > 1e-6 * many:
+        rule = f"must be whole steps of {dt:g} s"
+        raise Refused(name, rule, float(value), shown=f"{float(value):g} s")
+    return many

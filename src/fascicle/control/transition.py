@@ -1,0 +1,220 @@
+r"""What the next motor unit takes before it gives.
+
+At the strain $\varepsilon$ the units before $k$ are at the supply's pressure, unit $k$ is
+throttled, those after it are empty. What the next one adds as it is fed,
+
+$$g(p) = n_{k+1} \left[F_{k+1}(p, \varepsilon) - F_{k+1}(0, \varepsilon)\right], \tag{X1}$$
+
+is negative at first, past its free strain: a fed muscle resists more than an empty one. Its dip is
+$D = -\min g$, at $p_d$; it ends at the onset $p_{on}$, the last root of $g$. Without that unit the
+bundle holds at most
+
+$$F_{max} = \sum_{i \le k} n_i F_i(P_s, \varepsilon) + \sum_{i > k} n_i F_i(0, \varepsilon),
+  \qquad \rho = F_{max} - F_{demand} \tag{X2}$$
+
+is its reserve, out of which unit $k$ makes up for the dip: quasi-statically there is none if and
+only if $\rho \ge D$ while the next unit is fed. While the demand rises by $\dot F$, and the
+hand-over takes $t_c$, the reserve when it begins must be
+
+$$\rho \ge \max_{p \le p_{on}} \left[-g(p) + \dot F\, t_c\, \frac{p}{p_{on}}\right]. \tag{X3}$$
+
+**Sign:** pulling force positive. **Source:** derived here, from the force law of Kim, Mazzoleni and
+Bryant (2021); Kim and Bryant (2025) compensate the resisting force by a model, in hardware.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bundle.bundle import Bundle
+from ..bundle.own import supply_of
+from ..bundle.plates import muscle_strain
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.refused import Refused
+from ..core.types import Batch, Values
+
+
+_GRID = 129  # pressures at which a dip and its end are looked for, even in √p
+_SHARES = 513  # of an onset, at which a rising demand is looked at
+_ZOOMS = 8  # of 17 pressures each around the lowest, which may be a kink: to 1e-9 of the supply
+_STEPS = 60  # of a bracket at most: by halves alone they take a pressure to rounding
+_AT_ONCE = 50_000  # points of a law in one call, of some 2 µs each
+
+
+class Transition(NamedTuple):
+    """At each strain: how deep the `dip` is, $D$ [N], at which pressure of the next unit,
+    `dip_pressure` [Pa], where it ends, `onset_pressure` [Pa], inf where it doesn't up to the
+    supply's, and what the units before hold at most, `largest_force` [N].
+    """
+
+    dip: Batch
+    dip_pressure: Batch
+    onset_pressure: Batch
+    largest_force: Batch
+
+
+def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
+    """What a unit adds as it is fed, equation (X1).
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `pressure`: the unit's gauge pressure [Pa].
+    - `strain`: the bundle's contraction [-]; broadcasts against `pressure`.
+    - `unit`: that is fed [-], counted from 1.
+
+    **Returns:** $g$ [N], negative where it takes.
+
+    **Raises:** `ValueError` for a unit that doesn't exist, and values off the domain.
+    """
+    known_unit(bundle, unit, first=1)
+    P = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
+    return _gain(bundle, unit, P, own_strain(bundle, unit, strain))
+
+
+def transition(
+    bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
+) -> Transition:
+    """The dip before a unit, its end, and what is held without it.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `strain`: its contraction [-].
+    - `unit`: that is fed next [-], counted from 1.
+    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
+
+    **Returns:** a `Transition` [N], [Pa], each of `strain`'s shape.
+
+    **Raises:** `ValueError` for a unit that isn't among the second to the last, and values off
+    the domain.
+    """
+    known_unit(bundle, unit)
+    supply, eps = supply_of(bundle, supply_pressure), own_strain(bundle, unit, strain)
+    flat = np.reshape(eps, -1)
+    size = max(1, _AT_ONCE // _GRID)
+    parts = [
+        _dip(bundle, unit, flat[k : k + size], supply) for k in range(0, max(1, len(flat)), size)
+    ]
+    dip, at, onset = (
+        np.concatenate(part).reshape(np.shape(eps))[()] for part in zip(*parts, strict=True)
+    )
+    pressures = np.where(np.arange(len(bundle.motor_units)) < unit - 1, supply, 0.0)
+    return Transition(dip, at, onset, bundle.force(pressures, strain))
+
+
+def needed_reserve(
+    bundle: Bundle,
+    strain: Values,
+    force_rate: Values,
+    time: Values,
+    unit: int = 2,
+    supply_pressure: Values = None,
+) -> Batch:
+    """Reserve at which a hand-over must begin, equation (X3).
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `strain`: its contraction [-].
+    - `force_rate`: of the demand [N/s].
+    - `time`: $t_c$ that the hand-over takes [s], from 0.
+    - `unit`: that is fed next [-], counted from 1.
+    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
+
+    **Returns:** $\\rho$ [N]; inf where the unit gains nothing up to the supply's pressure.
+
+    **Raises:** `ValueError` as `transition` does, and for a `time` below zero.
+    """
+    t_c = within(time, 0.0, np.inf, "time", "s", closed=(True, False))
+    rate = within(force_rate, -np.inf, np.inf, "force_rate", "N/s")
+    supply = supply_of(bundle, supply_pressure)
+    found = transition(bundle, strain, unit, supply)
+    rising = rate * t_c
+    onset = found.onset_pressure[..., None]
+    helps = np.isfinite(onset)
+    share = np.linspace(0.0, 1.0, _SHARES)
+    eps = own_strain(bundle, unit, strain)
+    taken = -_gain(bundle, unit, np.where(helps, onset, supply) * share, np.asarray(eps)[..., None])
+    need = np.max(taken + np.asarray(rising)[..., None] * share, axis=-1)
+    # between the grid's pressures the dip itself is deeper, often a kink
+    part = np.where(helps, found.dip_pressure[..., None] / np.maximum(onset, 1.0), 0.0)[..., 0]
+    need = np.maximum(need, found.dip + rising * part)
+    return np.where(helps[..., 0], np.maximum(need, 0.0), np.inf)[()]
+
+
+def known_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
+    """Refuse a `unit` [-] of the `bundle` [-] that isn't among the `first` [-] to the last."""
+    many = len(bundle.motor_units)
+    if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= many:
+        raise Refused("unit", f"must be a whole number in [{first}, {many}]", unit)
+
+
+def own_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
+    """Strain of a unit's muscles [-] at the `bundle`'s [-] `strain` [-], the `unit` counted from 1
+    [-].
+    """
+    eps = bundle._strain(strain)
+    return eps if bundle.ratios is None else muscle_strain(bundle.ratios[..., unit - 1], eps)
+
+
+def _gain(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
+    one = bundle.motor_units[unit - 1]
+    fed = one.muscle.law.at(pressure + 0.0 * strain)
+    empty = one.muscle.law.at(0.0 * strain)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return one.count * (fed.force(strain)[0] - empty.force(strain)[0])
+
+
+def _dip(
+    bundle: Bundle, unit: int, strain: np.ndarray, supply: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth [N], pressure [Pa] and end [Pa] at each strain."""
+
+    def looked(pressure: np.ndarray) -> np.ndarray:
+        return np.asarray(_gain(bundle, unit, pressure, strain))
+
+    lanes = np.arange(len(strain))
+    grid = supply * np.linspace(0.0, 1.0, _GRID)[:, None] ** 2 + 0.0 * strain
+    values = looked(grid)
+    last = _GRID - 1 - np.argmax(values[::-1] <= 0, axis=0)
+    helpless = last == _GRID - 1
+    low, high = (grid[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
+    falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
+    onset = _crossed(looked, (low, falls_to), (high, rises_to))
+    onset = np.where(helpless, np.inf, np.where(last == 0, 0.0, onset))
+    k = np.argmin(values, axis=0)
+    for _ in range(_ZOOMS):
+        low, high = (grid[np.clip(k + side, 0, len(grid) - 1), lanes] for side in (-1, 1))
+        # the best so far stays among them
+        inner = low + (high - low) * np.linspace(0.0, 1.0, 16)[:, None]
+        grid = np.sort(np.concatenate([inner, grid[k, lanes][None]]), axis=0)
+        values = looked(grid)
+        k = np.argmin(values, axis=0)
+    best, depth = grid[k, lanes], values[k, lanes]
+    falls = depth < 0
+    return np.where(falls, -depth, 0.0), np.where(falls, best, 0.0), onset
+
+
+def _crossed(
+    looked: Callable[[np.ndarray], np.ndarray],
+    low: tuple[np.ndarray, np.ndarray],
+    high: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Where what is `looked` at rises through zero between two places, each with its value: by
+    false position, of which every third step is a halving.
+    """
+    (a, f_a), (b, f_b) = low, high
+    for step in range(_STEPS):
+        if np.all(b - a <= 1e-13 * b):
+            break
+        share = np.where(f_b > f_a, -f_a / np.where(f_b > f_a, f_b - f_a, 1.0), 0.5)
+        share = 0.5 if step % 3 == 2 else np.clip(share, 1e-6, 1 - 1e-6)
+        middle = a + share * (b - a)
+        value = looked(middle)
+        up = value > 0
+        a, f_a = np.where(up, a, middle), np.where(up, f_a, value)
+        b, f_b = np.where(up, middle, b), np.where(up, value, f_b)
+    return b

@@ -1,0 +1,162 @@
+"""What a policy knows: a bundle's units as they are now, and what is asked of them."""
+
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ..core.arrays import library, maximum, minimum, where
+from ..core.modules import Module
+from ..core.types import Batch, Numbers, Whole
+from ..dynamics import Plant
+from .branches import Branches
+
+
+CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would be endless
+
+
+class Units(Module):
+    """One bundle's units with their chambers and valves, on the last axis.
+
+    `branches`: their feedforward [-]. `counts`: their muscles [-]. `chamber`, `valve`,
+    `exhaust_valve`: the plant's, of these units [-]. `supply_temperature` [K].
+    """
+
+    branches: Branches
+    counts: Numbers
+    chamber: Any
+    valve: Any
+    exhaust_valve: Any
+    supply_temperature: Batch
+
+    @classmethod
+    def of(cls, plant: Plant, side: int) -> "Units":
+        """Those of a `plant`'s [-] bundle `side` [-], counted from 0."""
+        bundle, state = plant.bundles[side], plant.supply.start()
+        top = float(plant.supply.pressure_at(state))
+        key = "control.units", top
+        if key not in bundle.store:
+            bundle.store[key] = Branches.of(bundle, top)
+        places = np.flatnonzero(np.array(plant.sides) == side)
+
+        def own(thing: Any) -> Any:
+            many = plant.units
+            return jax.tree.map(
+                lambda x: np.asarray(x)[..., places] if np.shape(x)[-1:] == (many,) else x, thing
+            )
+
+        return cls(
+            bundle.store[key], plant.counts[places], own(plant.chamber), own(plant.valve),
+            own(plant.exhaust_valve), np.float64(plant.supply.temperature_at(state)),
+        )  # fmt: skip
+
+    @property
+    def many(self) -> int:
+        """How many units there are [-]."""
+        return len(self.counts)
+
+    def content(self, pressure: Numbers, strain: Numbers) -> Numbers:
+        """Mass [kg] in each unit's chamber at a `pressure` [Pa] and `strain` [-]."""
+        V = self.counts * self.branches.muscles.at(pressure, strain).volume
+        return self.chamber.start(pressure, V)[..., 0]
+
+    def flows(self, pressure: Numbers, supply: Numbers) -> tuple[Numbers, Numbers]:
+        """Into and out of each chamber at a `pressure` [Pa] below its `supply` [Pa], wide open
+        [kg/s].
+        """
+        room, warm = self.chamber.room_pressure, self.chamber.room_temperature
+        p = maximum(pressure, 0.0) + room
+        return (
+            self.valve.flow(supply + room, p, self.supply_temperature, warm),
+            self.exhaust_valve.flow(p, room, warm, warm),
+        )
+
+
+class Asked(NamedTuple):
+    """What is asked now: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
+    [-], with their `pressures` [Pa] and the supply's [Pa]; `dt` since it was asked last [s].
+    """
+
+    force: Batch
+    rate: Batch
+    strains: Numbers
+    pressures: Numbers
+    supply: Batch
+    dt: Batch
+
+
+class Now(NamedTuple):
+    """What units can do at their strains: each one's force when `full` and `empty` [N], whether it
+    `gains` [-], the `onset` of each [Pa], its `dip` [N] and `dip_pressure` [Pa], what a state
+    holds at most, `largest` [N], how long each one's valve takes to its onset, `time` [s], and
+    what each lacks `near` the supply's pressure, where its valve is slow [N].
+    """
+
+    full: Numbers
+    empty: Numbers
+    gains: Any
+    onset: Numbers
+    dip: Numbers
+    dip_pressure: Numbers
+    largest: Numbers
+    time: Numbers
+    near: Numbers
+
+
+def looked(units: Units, asked: Asked) -> Now:
+    """What `units` [-] can do of what is `asked` [-]."""
+    at_work, eps, n = library(asked.strains), asked.strains, units.counts
+    none = 0.0 * eps
+    top = minimum(asked.supply, units.branches.top) + none
+    empty, full = n * units.branches.force(none, eps), n * units.branches.force(top, eps)
+    gains = full > empty
+    full = where(gains, full, empty)
+    depth, at = units.branches.dip(eps)
+    onset = units.branches.onset(eps)
+    largest = at_work.cumsum(full, axis=-1) + at_work.sum(empty) - at_work.cumsum(empty, axis=-1)
+    near = minimum(onset, CLOSE * top)
+    flow, _ = units.flows(near, top)
+    close = full - n * units.branches.force(CLOSE * top, eps)
+    time = (units.content(near, eps) - units.content(none, eps)) / maximum(flow, 1e-12)
+    time, close = maximum(time, 0.0), where(gains, close, 0.0)
+    return Now(full, empty, gains, onset, n * depth, at, largest, time, close)
+
+
+def shared(
+    units: Units, now: Now, asked: Asked, low: Numbers, high: Numbers, felt: Numbers | None = None
+) -> tuple[Numbers, Whole]:
+    """Pressures of `units` [-] that are filled in turn between a `low` and a `high` pressure [Pa]
+    of each, so that together they pull as is `asked` [-]; and each one's status [-]. Where they
+    aren't there yet, what is `felt` of those that are throttled last is given instead of `low`
+    [Pa].
+    """
+    at_work, n = library(asked.strains), units.counts
+    at_low = n * units.branches.force(low if felt is None else felt, asked.strains)
+    at_high = where(now.gains, n * units.branches.force(high, asked.strains), now.empty)
+    at_high = maximum(at_high, at_low)
+    before = at_work.cumsum(at_high, axis=-1) - at_high
+    after = at_work.sum(at_low, axis=-1, keepdims=True) - at_work.cumsum(at_low, axis=-1)
+    found = units.branches.pressure((asked.force - before - after) / n, asked.strains)
+    return minimum(maximum(found.pressure, low), high), found.status
+
+
+def hand_over_time(units: Units, now: Now, asked: Asked, before: Numbers, unit: Numbers) -> Batch:
+    """How long [s] hand-overs take to a `unit` [-] from the one `before` it [-], both as ones among
+    zeros, several in rows: the slower of both valves.
+    """
+    at_work, eps, n = library(asked.strains), asked.strains, units.counts
+    top = minimum(asked.supply, units.branches.top)
+
+    def of(which: Numbers, values: Numbers) -> Batch:
+        return at_work.sum(which * values, axis=-1)
+
+    dip, t_c = of(unit, now.dip), of(unit, now.time)
+    reserve = of(before, now.largest) - asked.force
+    left = maximum(reserve - dip - maximum(asked.rate, 0.0) * t_c, 0.0)
+    then = units.branches.pressure((now.full - left[..., None]) / n, eps).pressure
+    then = minimum(then, CLOSE * top)
+    here = minimum(maximum(asked.pressures, 0.0), then)
+    # its flow falls on the way
+    flow, _ = units.flows(0.25 * here + 0.75 * then, top + 0.0 * eps)
+    need = (units.content(then, eps) - units.content(here, eps)) / maximum(flow, 1e-12)
+    return maximum(t_c, of(before, maximum(need, 0.0)))

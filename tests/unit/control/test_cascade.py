@@ -1,0 +1,166 @@
+"""Policies in a run: how deep force dips with each, what they cost, statuses, limits, gradients."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle import control, dynamics, fluid
+from fascicle.control import Gains
+
+
+SUPPLY = 413.7e3
+STRAIN = 0.2
+STEPS = 600
+
+
+@pytest.fixture(scope="module")
+def bench(pair):
+    """1 + 1 held at a strain, with air."""
+    return dynamics.Plant(
+        pair, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
+        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ramp(pair):
+    """Across the transition, at 32 N/s."""
+    first = float(control.transition(pair, STRAIN).largest_force)
+    return np.linspace(0.7, 1.2, STEPS) * first
+
+
+@pytest.fixture(scope="module")
+def start(bench, pair, ramp):
+    empty = float(pair.motor_units[0].muscle.force(0.0, STRAIN))
+    force = np.array([ramp[0] - empty, empty])
+    P = control.Branches.of(pair).pressure(force, np.full(2, STRAIN)).pressure
+    return dynamics.rest(bench, [P[0], 0.0])
+
+
+@pytest.fixture(scope="module")
+def ran(bench, ramp, start):
+    """Each policy's run and what it was worth; those in turn share a program."""
+
+    def run(policy, reference=ramp, **options):
+        controller = control.cascade(bench, policy, **options)
+        run = dynamics.simulate(bench, controller, reference, start=start, substeps=2)
+        return run, control.worth(controller, run, reference)
+
+    return run
+
+
+def test_the_plain_inverse_dips_by_all_of_it_and_a_hand_over_hardly(ran):
+    dips, rms, fluid_drawn = {}, {}, {}
+    for policy in ("orderly", "threshold", "hand_over", "pre_charge", "fast_cross"):
+        run, worth = ran(policy)
+        assert np.all(np.isfinite(run.seen.pressures)) and worth.unreachable == 0
+        assert_allclose(worth.dip, 6.513, rtol=1e-2)  # between the table's strains
+        dips[policy], rms[policy] = worth.drawdown / worth.dip, worth.rms
+        fluid_drawn[policy] = worth.fluid
+        assert worth.recruited == 1
+    for policy in ("orderly", "threshold", "fast_cross"):
+        assert 0.9 < dips[policy] < 1.15
+    for policy in ("hand_over", "pre_charge"):
+        assert dips[policy] < 0.1
+        assert rms[policy] < rms["threshold"]
+        assert fluid_drawn[policy] > fluid_drawn["threshold"]
+
+
+def test_it_lets_go_by_the_same_rule_and_doesnt_chatter(ran, ramp):
+    up_and_down = ramp[0] / 0.7 * np.r_[np.linspace(0.7, 1.0, 250), np.linspace(1.0, 0.4, 350)]
+    run, worth = ran("hand_over", up_and_down)
+    P2 = np.asarray(run.seen.pressures)[:, 1]
+    assert worth.recruited == 1 and P2.max() > 145e3 and P2[-1] < 100e3
+    # the same dip, the other way: a valve vents more slowly than it fills, 65 N/s is fast
+    force = np.asarray(run.seen.forces).sum(axis=-1)[1:]
+    assert np.abs(force - up_and_down)[250:].max() < 0.5 * worth.dip
+    # demand that stays within the band about where it is handed over to
+    noisy = 0.9 * ramp[300] + 0.3 * np.sin(0.3 * np.arange(STEPS))
+    assert ran("threshold", noisy, band=2.0)[1].recruited <= 1
+
+
+def test_demands_that_cant_be_reached_are_counted(ran, ramp):
+    run, worth = ran("hand_over", np.linspace(26.0, 200.0, STEPS))
+    assert 300 < worth.unreachable < STEPS
+    for field in run.seen:
+        assert np.all(np.isfinite(field))
+    assert np.isfinite(worth.rms) and worth.rms < 20
+    pressures = np.asarray(run.seen.pressures)
+    assert pressures.max() <= SUPPLY * (1 + 1e-9)
+    less = ran("hand_over", np.full(STEPS, -500.0))[1]
+    assert less.unreachable == STEPS and less.rms == 0
+
+
+def test_what_it_may_use_is_kept(ran, ramp):
+    limited, _ = ran("hand_over", highest_pressure=3e5, flow_limit=0.5)
+    assert np.asarray(limited.seen.pressures)[100:].max() <= 3.03e5
+    assert np.abs(limited.commands).max() <= 0.5
+
+
+def test_gradients_by_gains_are_finite(bench, ramp, start):
+    # of the controller's answer alone: a run's would be compiled anew
+    def answered(gain):
+        controller = control.cascade(bench, "hand_over", gains=Gains(force=0.0))
+        gains = controller.gains._replace(force=gain, pressure_time=1e-3 + gain * 1e-3)
+        moved = jax.tree.map(lambda x: x, controller)
+        object.__setattr__(moved, "gains", gains)
+        seen = dynamics.Measurement(
+            jnp.zeros(()), jnp.asarray(STRAIN * 0.127), jnp.zeros(()), jnp.array([3.6e5, 1e4]),
+            jnp.asarray(30.0), jnp.asarray(SUPPLY),
+        )  # fmt: skip
+        return jnp.sum(moved(moved.memory, seen, jnp.asarray(30.5))[1])
+
+    assert np.isfinite(jax.jit(jax.grad(answered))(0.5))
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"policy": "handover"}, "did you mean 'hand_over'?"),
+        ({"policy": "hand_over", "of": "speed"}, "`of` 'speed' is unknown"),
+        ({"policy": "threshold", "band": 0.0}, "`band` must be positive"),
+        ({"policy": "threshold", "band": -1.0}, "`band` must be positive"),
+        ({"policy": "orderly", "gains": Gains(force=-1.0)}, "`force gain` must lie in [0, inf)"),
+        ({"policy": "orderly", "gains": Gains(pressure_time=0.0)}, "`pressure_time` must be pos"),
+        ({"policy": "orderly", "sample_time": 0.0}, "`sample_time` must be positive"),
+        ({"policy": "orderly", "sample_time": 1.5e-3}, "must be whole steps of 0.001 s"),
+        ({"policy": "orderly", "delay": -1e-3}, "`delay` must lie in [0, inf) s"),
+        (
+            {"policy": "orderly", "highest_pressure": 5e5},
+            "must lie in (0, 413700] Pa of the supply",
+        ),
+        ({"policy": "orderly", "flow_limit": 2.0}, "`flow_limit` must lie in (0, 1]"),
+        ({"policy": "orderly", "of": "position"}, "`of` must be force where the motion is given"),
+    ],
+)
+def test_what_cant_be_is_refused(bench, options, told):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+        control.cascade(bench, **options)
+    assert told in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_an_orderly_valve_leaves_nothing_to_choose(bench, pair):
+    parts = {name: getattr(bench, name) for name in ("load", "supply", "chamber", "valve")}
+    plant = dynamics.Plant(pair, **parts, spool=fluid.OrderlyValve(2, 0.01))
+    with pytest.raises(ValueError, match="one command for each motor unit"):
+        control.cascade(plant, "orderly")
+
+
+def test_auto_says_why(bench, ramp, pair, five):
+    chosen = control.choose(bench, ramp, 1e-3, "force")
+    assert chosen.policy == "hand_over" and "without a dip" in chosen.why
+    idle = control.choose(bench, 0.5 * ramp, 1e-3, "force")
+    assert idle.policy == "threshold" and "no crossing is needed" in idle.why
+    slow = dynamics.Plant(
+        five, dynamics.PrescribedMotion(0.24 * 0.127), bench.supply, bench.chamber,
+        fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    none = control.choose(slow, np.linspace(1, 20, 100), 1e-3, "force")
+    assert none.policy == "hand_over" and "dips by" in none.why
+    single = fs.Bundle([pair.motor_units[0]], SUPPLY)
+    alone = dynamics.Plant(single, bench.load, bench.supply, bench.chamber, bench.valve)
+    assert control.choose(alone, ramp, 1e-3, "force").policy == "orderly"
+    assert_array_equal([c.found for c in chosen.crossings], [True])

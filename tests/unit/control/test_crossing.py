@@ -1,0 +1,140 @@
+"""Hand-overs along a path: where they are, that there are none, why, and what is refused."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle import control, dynamics, fluid
+from fascicle.control import GasValves, OilValves, Path
+
+
+SUPPLY = 413.7e3
+
+
+def of_conductance(each, *counts):
+    """Valves of air, so much conductance a muscle."""
+    return [
+        control.PlantValves(fluid.Isothermal(), fluid.SonicValve(n * each, 0.3), SUPPLY, 293.15)
+        for n in counts
+    ]
+
+
+def ramp(bundle, strain, begin=0.1, end=3.0):
+    """An isometric one, in 4 s, of shares of what the first unit holds."""
+    first = float(control.transition(bundle, strain).largest_force)
+    return Path.of([0, 4], [begin * first, end * first], strain)
+
+
+@pytest.mark.parametrize(("unit_2", "strain"), [(1, 0.2), (4, 0.2)])
+def test_there_is_one_where_valves_are_fast_and_none_where_they_arent(pair, five, unit_2, strain):
+    bundle = pair if unit_2 == 1 else five
+    found = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-9, 1, unit_2))
+    assert found.found and 0 <= found.start < found.end <= found.needed
+    assert found.end - found.start >= found.time > 0
+    assert found.reserve > found.dip
+    rate = (3.0 - 0.1) * float(control.transition(bundle, strain).largest_force) / 4
+    assert found.reserve >= control.needed_reserve(bundle, strain, rate, 0.0)
+    slow = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-10, 1, unit_2))
+    assert not slow.found and "too slow" in str(slow)
+    assert slow.start is slow.end is slow.time is None
+
+
+def test_a_third_of_the_conductance_is_too_little_for_four(five):
+    assert not control.crossing(five, ramp(five, 0.2), of_conductance(1e-9 / 3, 1, 4)).found
+
+
+def test_slower_valves_begin_earlier(pair):
+    found = [
+        control.crossing(pair, ramp(pair, 0.2), of_conductance(c, 1, 1))
+        for c in (4e-9, 1e-9, 4e-10)
+    ]
+    starts = [one.start for one in found]
+    assert starts == sorted(starts, reverse=True)
+
+
+def test_near_the_strokes_end_the_reserve_is_never_enough(five):
+    found = control.crossing(five, ramp(five, 0.24), of_conductance(1e-9, 1, 4))
+    assert not found.found
+    # 0.9 of 8.37 N against 34.66 N
+    assert "can spare 7.531 N at most where the dip is 34.66 N deep" in found.reason
+    assert "dips by 27.13 N at least" in found.reason
+
+
+def test_on_the_way_there_it_crosses_at_the_last_strain_that_allows_it(five):
+    path = Path.of([0, 2, 3], [5, 5, 20], [0.15, 0.24, 0.24])
+    found = control.crossing(five, path, of_conductance(1e-8, 1, 4))
+    assert found.found and found.end < 2 < found.needed
+    there = control.transition(five, found.strain)
+    left = float(there.largest_force - there.dip) - 5
+    # on its way there the strain rises, too: nothing is left, where at 0.24 it would be -31 N
+    assert -1 < left < 1
+    assert_allclose([found.dip, found.onset_pressure], [there.dip, there.onset_pressure])
+
+
+def test_where_none_is_needed_or_the_path_cant_even_begin(pair):
+    valves = GasValves(1e-3)
+    idle = control.crossing(pair, Path.of([0, 1], [1.0, 10.0], 0.2), valves)
+    assert not idle.found and idle.needed is None and "28.06 N are left" in idle.reason
+    late = control.crossing(pair, Path.of([0, 1], [50.0, 60.0], 0.2), valves)
+    assert not late.found and late.needed == 0 and "11.94 N are missing" in late.reason
+    helpless = control.crossing(pair, Path.of([0, 1], [-12.0, 60.0], 0.31), valves)
+    assert not helpless.found
+
+
+def test_without_a_dip_it_is_as_late_as_can_be(pair):
+    path = Path.of([0, 1], [50.0, 250.0], 0.0)
+    found = control.crossing(pair, path, GasValves(1e-3))
+    assert found.dip == 0 and found.onset_pressure == 0 and found.time == 0
+    assert_allclose(found.start, found.needed, rtol=0, atol=1e-3)
+
+
+def test_of_oil_and_of_a_plant(pair):
+    path = ramp(pair, 0.2)
+    oil = control.crossing(pair, path, OilValves(2e-5))
+    # V* of 8.3 mL more at the onset
+    assert oil.found and 0.3 < oil.time < 0.5
+    plant = dynamics.Plant(
+        pair, dynamics.PrescribedMotion(0.2 * 0.127), fluid.ConstantSupply(SUPPLY),
+        fluid.Isothermal(dead_volume=np.array([0.0, 20e-6])), fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    found = control.crossing(pair, path, plant)
+    bare = control.crossing(pair, path, of_conductance(1e-9, 1, 1))
+    # a hose of 20 mL on unit 2 takes its gas, too: p_on V/(R T) of it
+    flow = found.time - bare.time
+    assert flow > 0.02 and found.start < bare.start
+
+
+def test_the_third_of_three(muscle):
+    three = fs.Bundle([fs.MotorUnit(muscle)] * 3, SUPPLY)
+    path = Path.of([0, 4], [4.0, 110.0], 0.2)
+    second = control.crossing(three, path, GasValves(1e-3), unit=2)
+    third = control.crossing(three, path, GasValves(1e-3), unit=3)
+    assert second.found and third.found and second.end < third.start
+    assert second.needed < third.needed
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda _: Path.of([0, 0], [1, 2], 0.2), "`time` must be a row of at least two that rise"),
+        (lambda _: Path.of([0, 1], [1, 2, 3], 0.2), "`force` must have one for each time"),
+        (lambda _: Path.of([0, 1], [1, np.nan], 0.2), "`force` must lie in"),
+        (lambda _: Path.of([0, 1], [1, 2], [0.1] * 3), "`strain` must be one"),
+        (lambda _: GasValves(0.0), "`mass_flow` must be positive"),
+        (lambda _: OilValves(-1.0), "`flow_rate` must be positive"),
+        (lambda b: control.crossing(b, Path.of([0, 1], [1, 2], 0.2), 1e-3), "`valves` must be"),
+        (
+            lambda b: control.crossing(b, Path.of([0, 1], [1, 2], 0.2), [GasValves(1e-3)]),
+            "`valves` must be one for each of the 2 motor units",
+        ),
+        (
+            lambda b: control.crossing(b, Path.of([0, 1], [1, 2], 0.7), GasValves(1e-3)),
+            "`strain` must lie in",
+        ),
+    ],
+)
+def test_what_cant_be_is_refused(pair, call, told):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+        call(pair)
+    assert told in str(refused.value) and "\n" not in str(refused.value)

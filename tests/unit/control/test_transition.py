@@ -1,0 +1,101 @@
+"""The dip before a unit: shapes, limits, unlike units, and what is refused."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import fascicle as fs
+from fascicle import control
+
+
+SUPPLY = 413.7e3
+
+
+def test_strains_of_any_shape(pair):
+    strain = np.array([[0.05, 0.15], [0.2, 0.24]])
+    found = control.transition(pair, strain)
+    for field in found:
+        assert np.shape(field) == (2, 2)
+    for i in np.ndindex(2, 2):
+        one = control.transition(pair, strain[i])
+        assert_allclose([field[i] for field in found], list(one), rtol=1e-12)
+    assert np.ndim(control.transition(pair, 0.2).dip) == 0
+    rows = control.gain(pair, np.linspace(0, 4e5, 5)[:, None], [0.1, 0.2])
+    assert rows.shape == (5, 2)
+    assert_array_equal(rows[0], 0.0)
+
+
+def test_there_is_no_dip_where_no_muscle_is_past_its_free_strain(pair):
+    found = control.transition(pair, [-0.05, 0.0])
+    assert_array_equal(found.dip, 0.0)
+    assert_array_equal(found.onset_pressure, 0.0)
+    assert_array_equal(found.dip_pressure, 0.0)
+
+
+def test_past_the_supplys_free_strain_a_unit_only_takes(pair):
+    found = control.transition(pair, 0.3)
+    assert found.onset_pressure == np.inf
+    assert found.dip > 0 and found.largest_force < 0
+
+
+def test_at_the_dip_the_slope_is_zero_and_at_the_onset_the_gain(five):
+    found = control.transition(five, 0.18)
+    around = control.gain(five, found.dip_pressure + np.array([-2e3, 0.0, 2e3]), 0.18)
+    assert around[1] == pytest.approx(-found.dip, rel=1e-12)
+    assert around[0] > around[1] < around[2]
+    beside = control.gain(five, found.onset_pressure * np.array([1 - 1e-9, 1 + 1e-6]), 0.18)
+    assert beside[0] <= 1e-9 < beside[1]
+    onset = fs.reversal.onset_pressure(five, 0.18)
+    assert_allclose(found.onset_pressure, onset, rtol=1e-9)
+
+
+def test_any_unit_of_any_bundle(muscle):
+    wide = muscle.replace(outer_radius=8e-3, wall_thickness=1.4e-3)
+    three = fs.Bundle(
+        [fs.MotorUnit(muscle), fs.MotorUnit(wide, 2), fs.MotorUnit(muscle, 3)], SUPPLY
+    )
+    found = control.transition(three, 0.2, unit=3)
+    same = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 3)], SUPPLY)
+    assert_allclose(found.dip, control.transition(same, 0.2).dip, rtol=1e-12)
+    held = three.force([SUPPLY, SUPPLY, 0.0], 0.2)
+    assert_allclose(found.largest_force, held, rtol=1e-12)
+
+
+def test_muscles_of_unlike_length(muscle):
+    longer = muscle.replace(length=0.14)
+    bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(longer)], SUPPLY, length=0.127)
+    found = control.transition(bundle, 0.2)
+    alone = fs.Bundle([fs.MotorUnit(longer), fs.MotorUnit(longer)], SUPPLY)
+    own = 1 - 0.127 / 0.14 * 0.8
+    assert_allclose(found.dip, control.transition(alone, own).dip, rtol=1e-10)
+
+
+def test_what_is_needed_grows_with_the_demands_rate_and_the_time(pair):
+    need = control.needed_reserve(pair, 0.2, [0, 10, 20, 40], 0.1)
+    dip = control.transition(pair, 0.2).dip
+    assert need[0] == dip and np.all(np.diff(need) > 0)
+    # never more than both at their largest
+    assert np.all(need <= dip + np.array([0, 1, 2, 4.0]) + 1e-12)
+    # where there is no dip it is what the demand rises by
+    assert_allclose(control.needed_reserve(pair, 0.0, 10.0, 0.1), 1.0)
+    assert control.needed_reserve(pair, 0.3, 10.0, 0.1) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda b: control.transition(b, 0.2, unit=1), "`unit` must be a whole number in [2, 2]"),
+        (lambda b: control.transition(b, 0.2, unit=3), "`unit` must be a whole number in [2, 2]"),
+        (lambda b: control.transition(b, 0.2, unit=True), "`unit` must be a whole number"),
+        (lambda b: control.transition(b, np.nan), "`strain` must lie in"),
+        (lambda b: control.transition(b, 0.9), "`strain` must lie in"),
+        (lambda b: control.gain(b, -1.0, 0.2), "`pressure` must lie in [0, 1e6] Pa"),
+        (lambda b: control.needed_reserve(b, 0.2, 1.0, -1.0), "`time` must lie in [0, inf) s"),
+        (lambda b: control.needed_reserve(b, 0.2, np.inf, 1.0), "`force_rate` must lie in"),
+        (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "`supply_pressure`"),
+    ],
+)
+def test_what_cant_be_is_refused(pair, call, told):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+        call(pair)
+    assert told in str(refused.value) and "\n" not in str(refused.value)
