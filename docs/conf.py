@@ -65,5 +65,5 @@ html_theme_options = {"navigation_with_keys": True}
 
 
 def setup(app: Any) -> None:
-    """Pages are read side by side: the only extension that doesn't say so copies files at the end."""
+    """Pages are read side by side: the one extension that is silent copies files at the end."""
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

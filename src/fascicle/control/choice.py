@@ -78,7 +78,7 @@ def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
     if of == "position":
         q = np.clip(wanted, low, high)
         return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
-    q = float(plant.load.motion(0.0)[0]) if plant.load.moved else 0.0
+    q = float(plant.load.placed(0.0, 0.0, 0.0)[0])
     return Path.of(time, wanted, float(np.atleast_1d(plant.strains(q))[0]))
 
 

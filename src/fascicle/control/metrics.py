@@ -17,7 +17,7 @@ import numpy as np
 from ..core.refused import Refused
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
-from ..dynamics.state import ACCOUNT
+from ..dynamics.account import ACCOUNT
 from .cascade import Cascade
 
 

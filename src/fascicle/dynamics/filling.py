@@ -21,6 +21,9 @@ from ..muscle.surface import Surface
 from .plant import Plant
 
 
+_TURNS = 1e-2  # of the fluid's own slope, below which a pressure is as good as any near it
+
+
 class Filled(NamedTuple):
     """Chambers at `pressures` [Pa]: what muscles do there, the volume they fill [m³] with its
     slopes by strain [m³] and pressure [m³/Pa], the residual (F12) there as a `balance` [SI], and
@@ -53,8 +56,7 @@ class Filled(NamedTuple):
     @property
     def step(self) -> Numbers:
         """Newton's step [Pa] towards the root."""
-        slope = guarded(self.slope > 0, self.slope, self.balance.by_pressure)
-        return -self.balance.value / slope
+        return -self.balance.value / self._steep(self.slope)
 
     @property
     def unsettled(self) -> BoolBatch:
@@ -68,7 +70,14 @@ class Filled(NamedTuple):
         at_work = library(still, strain_rate)
         flowing = at_work.sum(self.balance.by_state * still, axis=-1)
         push = flowing + self.moved * self.by_strain * strain_rate
-        return -push / guarded(self.rise > 0, self.rise, self.balance.by_pressure)
+        return -push / self._steep(self.rise)
+
+    def _steep(self, slope: Numbers) -> Numbers:
+        """A `slope` of the residual [SI]; where it turns, the fluid's own, so that nothing is
+        divided by zero.
+        """
+        own = self.balance.by_pressure
+        return guarded(absolute(slope) > _TURNS * own, slope, own)
 
 
 def filled(plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers) -> Filled:

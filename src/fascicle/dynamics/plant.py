@@ -155,7 +155,7 @@ class Plant(Module):
         return library(*arms).stack([arm + 0.0 for arm in arms])
 
     def checked(self, commands: Numbers) -> Numbers:
-        """`commands` [-] themselves [-], refused unless they have a column for each that it takes."""
+        """`commands` [-] as they are [-], refused unless they have a column for each it takes."""
         if commands.shape[-1] != self.commands:
             rule = f"must have {self.commands} columns, one for each command"
             raise Refused("commands", rule, commands.shape[-1])

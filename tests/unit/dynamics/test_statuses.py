@@ -46,6 +46,23 @@ def test_a_shut_liquid_that_is_pulled_apart_cavitates(mesh):
     assert not dynamics.audit(plant, run).closes
 
 
+@pytest.mark.parametrize(("compliance", "folds"), [(1e-13, True), (1e-9, False)])
+def test_a_volume_that_folds_is_told(single, compliance, folds):
+    # where the volume falls with pressure most, by 9.3e-12 m³/Pa: more than stiff oil gives way
+    plant = dynamics.Plant(
+        single, dynamics.PrescribedMotion(0.0154), fluid.ConstantSupply(413.7e3),
+        fluid.LiquidChamber(compliance=compliance), fluid.Orifice(1e-6),
+    )  # fmt: skip
+    run = dynamics.simulate(plant, np.zeros((5, 1)), start=dynamics.rest(plant, 65e3))
+    found = happened(plant, run)
+    assert ("folded" in found) == folds
+    if folds:
+        assert not found["folded"].trusted and found["folded"].first == 0
+        assert "its pressure isn't unique" in str(dynamics.audit(plant, run))
+    # shut and held, it stays
+    assert_allclose(run.seen.pressures, 65e3, rtol=1e-9)
+
+
 def test_too_stiff_a_chamber_is_told(single):
     plant = dynamics.Plant(
         single, dynamics.HangingMass(5.0), fluid.ConstantSupply(8e5), fluid.LiquidChamber(),
