@@ -320,7 +320,7 @@ def test_a_phones_page_is_as_wide_as_the_phone(visit, tab):
 def test_tabs_come_first_for_the_keyboard(visit):
     page = visit()
     source(page, "chosen")
-    page.locator("body").press("Tab")
+    page.keyboard.press("Tab")
     deepest = """() => { let at = document.activeElement;
       while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
       return at.className + ' ' + at.textContent.trim(); }"""
