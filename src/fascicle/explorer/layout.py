@@ -77,9 +77,7 @@ def build(
     tabs.param.watch(switched, "active")
     session.watch(follow)
     look_at(names[tabs.active])
-    # tabs come first for the keyboard, and below the header for the eye
-    header.panel.styles = {"order": "-1"}
-    return pn.Column(tabs, header.panel, name="explorer", margin=0, **narrow)
+    return pn.Column(header.panel, tabs, name="explorer", margin=0, **narrow)
 
 
 def opening(look: Look) -> Any:

@@ -51,11 +51,27 @@ if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.
 }
 """
 
+# the first key that moves goes to the tabs; those of the header lie before them
+_TABS_FIRST = """
+const sought = (at) => at.querySelector(".bk-tab.bk-active")
+  ?? [...at.querySelectorAll("*")].reduce(
+    (found, one) => found ?? (one.shadowRoot ? sought(one.shadowRoot) : null), null);
+addEventListener("keydown", (event) => {
+  if (event.key !== "Tab" || event.shiftKey || document.activeElement !== document.body) return;
+  const tab = sought(document);
+  if (!tab) return;
+  event.preventDefault();
+  if (tab.tabIndex < 0) tab.tabIndex = 0;
+  tab.focus();
+});
+"""
+
 
 def attach(doc: Any, prefers: bool = False) -> None:
     """Let the page of a Bokeh document [-] say what it can't; and take the system's own preference
     of light or dark, where it `prefers` [-] that to an address that says nothing of it.
     """
+    doc.js_on_event("document_ready", CustomJS(code=_TABS_FIRST))
     if prefers:
         doc.js_on_event("document_ready", CustomJS(code=_PREFERS))
     doc.js_on_event("connection_lost", CustomJS(args={"text": _LOST}, code=_GONE))
