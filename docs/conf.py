@@ -64,5 +64,5 @@ html_theme_options = {"navigation_with_keys": True}
 
 
 def setup(app: Any) -> None:
-    """Pages are read side by side: the only extension that doesn't say so copies files at the end."""
+    """Let pages be read side by side: this extension, which doesn't say so, only copies files."""
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True
