@@ -59,11 +59,10 @@ html_title = f"fascicle {release}"
 html_copy_source = False
 html_show_sphinx = False
 html_static_path = ["_static"]
-html_css_files = ["equations.css", "copy.css"]
-html_js_files = ["copy.js"]
+html_css_files = ["equations.css"]
 html_theme_options = {"navigation_with_keys": True}
 
 
 def setup(app: Any) -> None:
-    """Pages are read side by side: the one extension that is silent copies files at the end."""
+    """Let pages be read side by side: this extension, which doesn't say so, only copies files."""
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

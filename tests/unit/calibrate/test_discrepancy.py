@@ -72,8 +72,8 @@ def bowed(request):
 
 def test_noise_alone_widens_nothing(noisy):
     wide = [made for made in noisy if not made.seen.noisy]
-    # one record in a hundred: fewer than this 99.9 times in a hundred
-    assert len(wide) <= binom.isf(1e-3, len(noisy), 0.01)
+    # one record in a hundred: no more than this in 996 of 1000 tries, 3 of 60
+    assert len(wide) <= binom.isf(4e-3, len(noisy), 0.01)
     for made in noisy:
         if made.seen.noisy:
             assert_allclose(made.wider, 1.0)
