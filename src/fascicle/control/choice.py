@@ -32,7 +32,7 @@ def choose(plant: Plant, reference: Values, dt: float, of: str) -> Choice:
     **Arguments:**
 
     - `plant`: of one bundle or two [-].
-    - `reference`: one for each step [N, N·m, m or rad].
+    - `reference`: one for each step [SI].
     - `dt`: the step [s].
     - `of`: what the reference is, "force" or "position" [-].
 

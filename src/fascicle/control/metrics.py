@@ -52,7 +52,7 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
 
     - `controller`: that it was run with [-].
     - `run`: one run [SI].
-    - `reference`: what was demanded, one for each step [N, N·m, m or rad].
+    - `reference`: what was demanded, one for each step [SI].
 
     **Returns:** a `Worth` [SI].
 

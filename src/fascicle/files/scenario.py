@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -48,6 +48,9 @@ from .shipped import names as shipped
 from .shipped import text as shipped_text
 
 
+if TYPE_CHECKING:
+    from .controlled import Controlled
+
 _EXAMPLES = "examples"
 MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
 _MOST_STEPS = 2_000_000  # half a gigabyte of results
@@ -57,22 +60,29 @@ _GRID = 1e-6  # of a step, by which a time may miss one: rounding
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A plant that is to be driven: its `name`, the `plant`, the `schedule` of its commands, the
-    state that it begins with, `start`, its step `dt` [s] and `duration` [s], where its figures come
-    from (`source`), and `notes` on what isn't done as it is written.
+    """A plant that is to be driven: its `name`, the `plant`, the `schedule` of its commands or what
+    it is `controlled` by, the state that it begins with, `start`, its step `dt` [s] and `duration`
+    [s], where its figures come from (`source`), and `notes` on what isn't done as it is written.
     """
 
     name: str
     plant: Plant
-    schedule: Schedule
+    schedule: Schedule | None
     start: State
     dt: float
     duration: float
     source: str = ""
     notes: tuple[str, ...] = ()
+    controlled: "Controlled | None" = None
 
     def run(self) -> Trajectory:
         """Drive it, from its start for its duration: the run [SI]."""
+        if self.controlled is not None:
+            made = self.controlled
+            return simulate(
+                self.plant, made.controller, made.reference, dt=self.dt, start=self.start
+            )
+        assert self.schedule is not None
         return simulate(
             self.plant, self.schedule, dt=self.dt, duration=self.duration, start=self.start
         )
@@ -151,7 +161,16 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
         rule = "leaves no way on which all muscles' strains are known: check its sizes."
         raise place.refuse(("load",), rule)
     dt, duration = _times(run, place.inner("run", kind="part"))
-    schedule, notes = _schedule(file.schedule, plant, dt, duration, place)
+    schedule, notes, made = None, (), None
+    if isinstance(data.get("control"), dict):
+        from .controlled import checked_start, controlled  # a scenario without needs none of it
+
+        checked_start(run.pressures, plant, place.inner("run", kind="part"))
+        made = controlled(file, plant, dt, duration, place)
+        if made.choice is not None:
+            notes = (f"auto took {made.choice.policy}: {made.choice.why}.",)
+    else:
+        schedule, notes = _schedule(file.schedule, plant, dt, duration, place)
     if plant.load.moved and run.position is not None:
         raise place.refuse(("run", "position"), "the load's motion is given: drop this key.")
     # where a motion is given, it is that which leads too far
@@ -159,7 +178,7 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
     with begins.naming():
         start = rest(plant, 0.0 if run.pressures is None else run.pressures, run.position)
     about = file.source or ""
-    return Scenario(file.name or name, plant, schedule, start, dt, duration, about, notes)
+    return Scenario(file.name or name, plant, schedule, start, dt, duration, about, notes, made)
 
 
 class _Room(NamedTuple):

@@ -37,6 +37,7 @@ from ..fluid import (
     Tank,
 )
 from ..units import parse, sample
+from .control_schema import control_keys
 from .faults import nearest
 from .places import Place
 from .schema import Section
@@ -195,7 +196,10 @@ def chosen(data: Mapping[str, Any], place: Place) -> tuple[type[BaseModel], dict
         needed = (kind, Field(examples=[f"[{name}]"]))
         keys[name] = (_or_none(kind), None) if part.left_out else needed
     keys["run"] = (_run(turns), Field(examples=["[run]"]))
-    keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
+    if isinstance(data.get("control"), dict):
+        keys |= control_keys(turns)
+    else:
+        keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
     return create_model("ScenarioFileSection", __base__=Section, **keys), classes
 
 

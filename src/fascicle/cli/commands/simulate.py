@@ -28,7 +28,7 @@ Scenario = Annotated[
     typer.Argument(
         metavar="SCENARIO.toml",
         help="Bundle, load, fluid, supply, valves and schedule, or a named one: lift_gas, lift_oil,"
-        " joint_step, supply_runs_dry; `fascicle init --scenario` writes one.",
+        " joint_step, ramp_hand_over, supply_runs_dry; `fascicle init --scenario` writes one.",
         autocompletion=complete_scenario,
         show_default=False,
     ),
@@ -171,11 +171,39 @@ def _print(read: Any, found: Any, audited: Any) -> None:
     heads = ["", "time s", f"position {shown}",
              *(f"P{unit + 1} kPa" for unit in range(plant.units)), "supply kPa"]  # fmt: skip
     show(f"Positions of the load, from {read.name}", heads, rows)
+    if read.controlled is not None:
+        _worth(read, found)
     if audited is not None:
         _balances(audited)
     happened = events(found)
     for one in happened[:_EVENTS]:
         say(f"{one.name} from {one.first:.4g} s to {one.last:.4g} s: {one.words}")
+
+
+def _worth(read: Any, found: Any) -> None:
+    from ...control import worth
+
+    made = read.controlled
+    what = worth(made.controller, found, made.reference)
+    turns = read.plant.load.unit == "rad"
+    force, place = ("N·m", ("deg", 57.29577951308232)) if turns else ("N", ("mm", 1e3))
+    unit, factor = place if made.controller.of == "position" else (force, 1.0)
+    rows = [
+        [f"drawdown while the demand rises, {unit}", f"{factor * what.drawdown:.4g}"],
+        ["deepest dip of a unit on the way, N", f"{what.dip:.4g}"],
+        [f"root mean square of the error, {unit}", f"{factor * what.rms:.4g}"],
+        [f"largest error, {unit}", f"{factor * what.largest_error:.4g}"],
+        ["lag, ms", f"{1e3 * what.lag:.4g}"],
+        ["energy from the supply, J", f"{what.supply_energy:.4g}"],
+        ["fluid from the supply, g", f"{1e3 * what.fluid:.4g}"],
+        ["times that a unit was recruited", f"{what.recruited}"],
+    ]
+    show(f"Control of {made.controller.of}", ["", ""], rows)
+    if what.unreachable:
+        say(
+            f"note: {what.unreachable} of {what.moments} demands can't be reached at the supply's"
+            " pressure, whatever the policy: errors and lag are of the others"
+        )
 
 
 def _balances(audited: Any) -> None:

@@ -1,0 +1,102 @@
+"""From the tables of a scenario that is controlled to its controller and its reference."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..control import Cascade, Choice, Gains, cascade, choose
+from ..core.refused import Refused
+from ..dynamics import Plant
+from .places import Place
+
+
+_GAINS = ("position_gain", "velocity_gain", "force_gain", "pressure_time")
+
+
+class Controlled(NamedTuple):
+    """A `controller`, its `reference`, one for each step [SI], and where the policy was chosen, by
+    `auto`, the `choice` [-].
+    """
+
+    controller: Cascade
+    reference: np.ndarray
+    choice: Choice | None
+
+
+def controlled(file: Any, plant: Plant, dt: float, duration: float, place: Place) -> Controlled:
+    """The controller of a scenario `file` [-] for a `plant` [-], in steps of `dt` [s] for a
+    `duration` [s]; `place` of the file [-].
+    """
+    of, reference = _reference(file, dt, duration, place)
+    given = {
+        name: x
+        for name in type(file.control).model_fields
+        if (x := getattr(file.control, name)) is not None
+    }
+    policy, choice = given.pop("policy"), None
+    at = place.inner("control", kind="part")
+    gains = _gains(given, at)
+    if policy == "auto":
+        with at.naming():
+            choice = choose(plant, reference, dt, of)
+        policy = choice.policy
+    with at.naming():
+        made = cascade(plant, policy, of, gains, dt=dt, **given)
+    return Controlled(made, reference, choice)
+
+
+def _gains(given: dict[str, Any], place: Place) -> Gains:
+    for name in _GAINS[:3]:
+        if given.get(name, 0.0) < 0:
+            raise place.refuse((name,), "must not be below zero.")
+    for name in ("integral_time", "force_integral_time", "pressure_time"):
+        if given.get(name, 1.0) <= 0:
+            raise place.refuse((name,), "must be positive; leave it out for none.")
+    usual = Gains()
+    stiff = given.pop("position_gain", 0.0)
+    slow = given.pop("integral_time", np.inf)
+    force_slow = given.pop("force_integral_time", 1 / usual.force_integral)
+    return Gains(
+        stiff, stiff / slow, given.pop("velocity_gain", 0.0), given.pop("force_gain", usual.force),
+        1 / force_slow, given.pop("pressure_time", usual.pressure_time),
+    )  # fmt: skip
+
+
+def _reference(file: Any, dt: float, duration: float, place: Place) -> tuple[str, np.ndarray]:
+    """What is demanded, "force" or "position", and how much at each step [SI]."""
+    time = dt * np.arange(round(duration / dt))
+    if (file.demand is None) == (file.sine is None):
+        rule = "write [[demand]] with time and force or position, or [sine], one of both."
+        raise place.refuse(("demand",), rule)
+    if file.sine is not None:
+        if file.sine.frequency <= 0:
+            raise place.refuse(("sine", "frequency"), "must be positive.")
+        turn = 2 * np.pi * file.sine.frequency * time
+        return "position", file.sine.mean + file.sine.amplitude * np.sin(turn)
+    if not file.demand:
+        raise place.refuse(("demand",), "is empty: write [[demand]] with time and force.")
+    first = file.demand[0]
+    of = "force" if first.force is not None else "position"
+    times, values = [], []
+    for k, row in enumerate(file.demand):
+        at = place.inner("demand", k, kind="schedule")
+        if (row.force is None) == (row.position is None) or getattr(row, of) is None:
+            raise at.refuse((of,), "write `force` in each row, or `position` in each.")
+        if (not times and row.time != 0) or (times and row.time <= times[-1]):
+            raise at.refuse(("time",), "times must begin at 0 s and rise.")
+        times.append(row.time)
+        values.append(getattr(row, of))
+    return of, np.interp(time, times, values)
+
+
+def checked_start(pressures: Any, plant: Plant, place: Place) -> None:
+    """Refuse `pressures` [Pa] to begin with above the supply's of a `plant` [-], at their `place`
+    [-].
+    """
+    supply = float(plant.supply.pressure_at(plant.supply.start()))
+    if pressures is not None and np.max(pressures) > supply:
+        with place.naming():
+            raise Refused(
+                "pressures", f"must be at most the supply's {supply:g} Pa",
+                float(np.max(pressures)), shown=f"{np.max(pressures):g} Pa",
+            )  # fmt: skip

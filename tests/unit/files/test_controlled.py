@@ -1,0 +1,76 @@
+"""Scenarios that are controlled: what they say reaches the controller, and what can't be is one
+line with its key.
+"""
+
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle.files import example_text, loads_scenario
+
+
+RAMP = example_text("ramp_hand_over")
+SINE = (
+    RAMP[: RAMP.index("[[demand]]")].replace(
+        'policy = "hand_over"',
+        """policy = "hand_over"
+position_gain = "4 N/mm"
+integral_time = "0.5 s"
+velocity_gain = "100 N*s/m\"""",
+    )
+    + """[sine]
+mean = "16 mm"
+amplitude = "5 mm"
+frequency = "0.5 Hz"
+"""
+)
+HELD = '"prescribed_motion"       # held by a dynamometer, at a strain of 0.2\nmean = "25.4 mm"'
+SINE = SINE.replace(HELD, '"hanging_mass"\nmass = "5 kg"')
+
+
+def edited(text, *edits):
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+def test_what_it_says_reaches_the_controller():
+    read = loads_scenario(RAMP)
+    made = read.controlled
+    assert read.schedule is None and made.controller.of == "force" and made.controller.every == 2
+    assert_allclose(made.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
+    assert len(made.reference) == 4000
+    assert_allclose(read.start.pressures, [265e3, 0.0])
+    sine = loads_scenario(SINE).controlled
+    gains = sine.controller.gains
+    assert sine.controller.of == "position"
+    assert_allclose([gains.position, gains.integral, gains.velocity], [4e3, 8e3, 100.0])
+    assert_allclose([sine.reference.min(), sine.reference.max()], [11e-3, 21e-3], rtol=1e-6)
+
+
+POLICY = 'policy = "hand_over"'
+
+
+@pytest.mark.parametrize(
+    ("text", "edits", "told"),
+    [
+        (RAMP, [('"hand_over"', '"handover"')], "did you mean 'hand_over'?"),
+        (RAMP, [(POLICY, f"{POLICY}\nforce_gain = -1")], "control.force_gain = -1: must not be"),
+        (RAMP, [(POLICY, f'{POLICY}\nband = "0 N"')], 'control.band = "0 N": `band` must be'),
+        (RAMP, [('"1 ms"', '"0 ms"')], "`sample_time` must be positive"),
+        (RAMP, [('"265 kPa"', '"500 kPa"')], "`pressures` must be at most the supply's 413700 Pa"),
+        (
+            RAMP,
+            [(POLICY, f'{POLICY}\nhighest_pressure = "500 kPa"')],
+            "`highest_pressure` must lie in (0, 413700] Pa of the supply",
+        ),
+        (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force = 15: `force` must be a force"),
+        (RAMP, [('force = "70 N"', 'position = "7 mm"')], "write `force` in each row"),
+        (RAMP, [(POLICY, "")], "control.policy: missing"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_with_its_key(text, edits, told):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+        loads_scenario(edited(text, *edits))
+    assert told in str(refused.value), str(refused.value)
+    assert "\n" not in str(refused.value)
