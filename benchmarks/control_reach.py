@@ -23,7 +23,7 @@ def bench(count: int, strain: float, share: float) -> tuple[dynamics.Plant, np.n
     bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, count)], SUPPLY)
     first = float(control.transition(bundle, strain).largest_force)
     plant = dynamics.Plant(
-        bundle, dynamics.PrescribedMotion(strain * 0.127), fluid.ConstantSupply(SUPPLY),
+        bundle, dynamics.PrescribedMotion(mean=strain * 0.127), fluid.ConstantSupply(SUPPLY),
         fluid.Isothermal(), fluid.SonicValve(1e-9 * share * np.array([1.0, count]), 0.3),
     )  # fmt: skip
     demand = np.linspace(0.1, 3.0, 4000) * first
