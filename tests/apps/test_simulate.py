@@ -35,6 +35,14 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
     assert code == 2 and "a.html" in err and (tmp_path / "a.html").read_text() == "mine"
 
 
+def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
+    code, out, err = fascicle("simulate", "ramp_hand_over")
+    assert (code, err) == (0, "")
+    dip = float(re.search(r"deepest dip of a unit on the way, N +([\d.]+)", out)[1])
+    drawdown = float(re.search(r"drawdown while the demand rises, N +([\d.]+)", out)[1])
+    assert drawdown < 0.1 * dip and "times that a unit was recruited         1" in out
+
+
 def test_a_supply_that_runs_dry_says_so(fascicle):
     code, out, err = fascicle("simulate", "supply_runs_dry")
     assert (code, err) == (0, "")
