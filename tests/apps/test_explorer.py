@@ -302,7 +302,7 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
 def test_what_is_compared_is_there_after_a_reload(visit):
     page = visit()
     source(page, "chosen")
-    field(page, "Compare with").select_option(["buckling:elastica", "tension:ideal"])
+    field(page, "Compare with").select_option(["buckling: elastica", "tension: ideal"])
     both = "d => d.xs && d.xs.length === 2"
     shown = source(page, "compared", both)
     page.wait_for_function("() => location.search.includes('compare=')")
@@ -343,7 +343,7 @@ def test_an_example_record_is_there_to_try(visit):
     page = visit("?tab=data")
     page.get_by_role("button", name="Try an example record").click()
     assert len(source(page, "readings")["x"]) == 300
-    page.get_by_text("synthetic").nth(1).wait_for()
+    page.get_by_text("300 synthetic readings").wait_for()
     rest = field(page, "Rest length, if the record")
     rest.fill("nonsense")
     rest.press("Enter")

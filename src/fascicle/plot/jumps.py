@@ -7,9 +7,10 @@ from ..bundle.reversal import Reversal
 
 
 Curve = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]
+Jump = tuple[Float[np.ndarray, " end"], Float[np.ndarray, " end"]]
 
 
-def broken(pressure: np.ndarray, strain: np.ndarray, turn: Reversal) -> tuple[Curve, Curve]:
+def broken(pressure: np.ndarray, strain: np.ndarray, turn: Reversal) -> tuple[Curve, Jump]:
     """A curve of free strain through its turning point.
 
     **Arguments:**

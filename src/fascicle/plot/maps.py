@@ -39,8 +39,9 @@ def draw_efficiency(ax: Axes, found: EfficiencyMap, highest: float) -> Any:
     for state in range(1, int(found.state.max()) + 1):
         # state by state: lines must not crowd where efficiency jumps
         inside = found.state == state
-        lines = ax.contour(strain, force, np.where(inside, eta, np.nan), _LEVELS, **_LINES)
-        ax.clabel(lines, fmt="%.1f", fontsize=6)
+        if min(eta.shape) > 1:  # a single row or column has no lines
+            lines = ax.contour(strain, force, np.where(inside, eta, np.nan), _LEVELS, **_LINES)
+            ax.clabel(lines, fmt="%.1f", fontsize=6)
         if state < found.state.max():
             there = inside.any(axis=0)
             edge = force[len(force) - 1 - np.argmax(inside[::-1], axis=0)]

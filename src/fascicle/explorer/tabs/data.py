@@ -163,8 +163,13 @@ class DataView(Tab):
         legend_style(fig, look)
 
     def _tried(self) -> None:
+        self._file.value = None  # the example takes its place
         self._example = synthetic(self.session.view.muscle)
         self._opened()
+
+    @property
+    def _kind(self) -> str:
+        return "" if self._file.value else " synthetic"
 
     def _opened(self) -> None:
         raw = self._file.value or self._example
@@ -187,7 +192,7 @@ class DataView(Tab):
             widget.disabled = False
         told = "".join(f"<li>{html.escape(note)}</li>" for note in self.record.notes[:12])
         self._notes.object = (
-            f'<div style="font-size:12.5px;opacity:.85">{len(self.record)} readings.'
+            f'<div style="font-size:12.5px;opacity:.85">{len(self.record)}{self._kind} readings.'
             f"<ul style='padding-left:18px;margin:2px 0'>{told}</ul></div>"
         )
         with pn.io.unlocked():

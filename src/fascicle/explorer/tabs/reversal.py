@@ -35,8 +35,8 @@ class ReversalView(Tab):
         super().__init__(session, look)
         self._silent = False
         self._splits = pn.widgets.TextInput(
-            label="Splits of the same muscles, side by side: 1+4, 2+3", width=420,
-            stylesheets=[widget_css(look)], margin=(2, 8),
+            label="Splits of the same muscles, side by side: 1+4, 2+3", max_width=420,
+            sizing_mode="stretch_width", stylesheets=[widget_css(look)], margin=(2, 8),
         )  # fmt: skip
         self._splits.param.watch(self._typed, "value")
         fig = plain_figure(look, "Pressure P2", "Free strain of the bundle [–]", 820, 510)
