@@ -39,7 +39,8 @@ _TOLD = {
 @functools.cache
 def _teller(of):
     if hasattr(of, "shape") and hasattr(of, "dtype"):
-        return lambda array: (array.shape, array.dtype)
+        # a quantity with a unit has them only where its magnitude has
+        return lambda array: (getattr(array, "shape", None), getattr(array, "dtype", None))
     return next((told for base, told in _TOLD.items() if issubclass(of, base)), lambda _: None)
 
 
