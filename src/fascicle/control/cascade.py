@@ -25,7 +25,6 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from ..core.arrays import library, maximum, minimum, where
 from ..core.modules import Module
@@ -149,7 +148,7 @@ class Cascade(Module):
         joint = len(self.units) == 2
         policies, targets, lacks = [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
-            places = np.flatnonzero(np.array(plant.sides) == side)
+            places = plant.places(side)
             arm = plant.load.arms[side][1]
             shared = (1 / (2 * arm)) if joint else 1 / arm
             extra = self.co_contraction if joint else 0.0
@@ -184,7 +183,7 @@ class Cascade(Module):
         """Commands [-], equation (K3)."""
         commands = []
         for side, units in enumerate(self.units):
-            places = np.flatnonzero(np.array(self.plant.sides) == side)
+            places = self.plant.places(side)
             P, eps, v = seen.pressures[places], strains[places], speed[places]
             P_r = minimum(maximum(target[places], 0.0), self.highest_pressure)
             m = units.content(P, eps)

@@ -46,7 +46,7 @@ def choose(plant: Plant, reference: Values, dt: float, of: str) -> Choice:
         why = "of two bundles each goes its own way, which no path says beforehand"
         return Choice("hand_over", why, ())
     path = _path(plant, np.asarray(reference, float), dt, of)
-    bundle, supply = plant.bundles[0], float(plant.supply.pressure_at(plant.supply.start()))
+    bundle, supply = plant.bundles[0], plant.supply_pressure
     units = range(2, plant.units + 1)
     found = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
     return Choice(*_chosen(plant, path, found), found)
@@ -87,7 +87,7 @@ def _ratio(plant: Plant, path: Path) -> float:
     if plant.load.moved:
         return np.inf
     eps = float(np.median(path.strain))
-    bundle, supply = plant.bundles[0], float(plant.supply.pressure_at(plant.supply.start()))
+    bundle, supply = plant.bundles[0], plant.supply_pressure
     time = float(hand_over_time(bundle, eps, plant, 2, supply))
     muscles = plant.muscles.at(np.full(plant.units, supply / 2), np.full(plant.units, eps))
     stiff = -np.sum(plant.counts * plant.lengths * plant.gains**2 * muscles.force_by_strain)

@@ -108,7 +108,7 @@ def reachable(controller: Cascade, run: Trajectory, reference: Numbers) -> Marks
     highest = np.minimum(supply, float(controller.highest_pressure))
     least, most = 0.0, 0.0
     for side, units in enumerate(controller.units):
-        places = np.array(plant.sides) == side
+        places = plant.places(side)
         eps, arm = strains[:, places], float(plant.load.arms[side][1])
         pulls = [
             np.sum(units.counts * units.branches.force(P[:, None] + 0.0 * eps, eps), axis=-1)
@@ -124,7 +124,7 @@ def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
     """The deepest dip [N] that was passed, and how often a unit was recruited [-]."""
     plant, deepest, often = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
-        places = np.array(plant.sides) == side
+        places = plant.places(side)
         eps, P = np.asarray(run.seen.strains)[:, places], np.asarray(run.seen.pressures)[:, places]
         depth, _ = units.branches.dip(eps)
         deepest = max(deepest, float(np.max((units.counts * depth)[:, 1:], initial=0.0)))

@@ -86,7 +86,7 @@ def cascade(
     )
     late = within(delay, 0.0, np.inf, "delay", "s", closed=closed)
     waits = _steps(late, step, "delay") if late else 0
-    supply = float(plant.supply.pressure_at(plant.supply.start()))
+    supply = plant.supply_pressure
     highest = supply
     if highest_pressure is not None:
         why = "of the supply"

@@ -32,12 +32,11 @@ class Units(Module):
     @classmethod
     def of(cls, plant: Plant, side: int) -> "Units":
         """Those of a `plant`'s [-] bundle `side` [-], counted from 0."""
-        bundle, state = plant.bundles[side], plant.supply.start()
-        top = float(plant.supply.pressure_at(state))
+        bundle, top = plant.bundles[side], plant.supply_pressure
         key = "control.units", top
         if key not in bundle.store:
             bundle.store[key] = Branches.of(bundle, top)
-        places = np.flatnonzero(np.array(plant.sides) == side)
+        places = plant.places(side)
 
         def own(thing: Any) -> Any:
             many = plant.units
@@ -47,7 +46,7 @@ class Units(Module):
 
         return cls(
             bundle.store[key], plant.counts[places], own(plant.chamber), own(plant.valve),
-            own(plant.exhaust_valve), np.float64(plant.supply.temperature_at(state)),
+            own(plant.exhaust_valve), np.float64(plant.supply.temperature_at(plant.supply.start())),
         )  # fmt: skip
 
     @property

@@ -24,7 +24,7 @@ from ..core.checks import one_of
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.modules import Module
 from ..core.refused import Refused
-from ..core.types import Batch, Numbers
+from ..core.types import Batch, Numbers, Whole
 from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
 from ..fluid.liquid_chamber import LiquidChamber
 from ..muscle.braid import Braid
@@ -139,6 +139,10 @@ class Plant(Module):
     def supply_pressure(self) -> float:
         """Gauge pressure [Pa] that its supply begins with."""
         return float(self.supply.pressure_at(self.supply.start()))
+
+    def places(self, side: int) -> Whole:
+        """Which of all units are of the bundle `side` [-], counted from 0 [-]."""
+        return np.flatnonzero(np.array(self.sides) == side)
 
     @property
     def gains(self) -> Numbers:

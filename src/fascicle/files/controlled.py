@@ -93,7 +93,7 @@ def checked_start(pressures: Any, plant: Plant, place: Place) -> None:
     """Refuse `pressures` [Pa] to begin with above the supply's of a `plant` [-], at their `place`
     [-].
     """
-    supply = float(plant.supply.pressure_at(plant.supply.start()))
+    supply = plant.supply_pressure
     if pressures is not None and np.max(pressures) > supply:
         with place.naming():
             raise Refused(

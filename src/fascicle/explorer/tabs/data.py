@@ -163,9 +163,11 @@ class DataView(Tab):
         legend_style(fig, look)
 
     def _tried(self) -> None:
-        self._file.value = None  # the example takes its place
         self._example = synthetic(self.session.view.muscle)
-        self._opened()
+        if self._file.value:
+            self._file.value = None  # the example takes its place, and is opened by that
+        else:
+            self._opened()
 
     @property
     def _kind(self) -> str:
