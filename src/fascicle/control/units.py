@@ -2,7 +2,6 @@
 
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 
 from ..core.arrays import library, maximum, minimum, where
@@ -10,6 +9,7 @@ from ..core.modules import Module
 from ..core.types import Batch, Numbers, Whole
 from ..dynamics import Plant
 from .branches import Branches
+from .valves import of_units
 
 
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would be endless
@@ -37,16 +37,13 @@ class Units(Module):
         if key not in bundle.store:
             bundle.store[key] = Branches.of(bundle, top)
         places = plant.places(side)
-
-        def own(thing: Any) -> Any:
-            many = plant.units
-            return jax.tree.map(
-                lambda x: np.asarray(x)[..., places] if np.shape(x)[-1:] == (many,) else x, thing
-            )
-
+        chamber, valve, exhaust = (
+            of_units(part, places, plant.units)
+            for part in (plant.chamber, plant.valve, plant.exhaust_valve)
+        )
         return cls(
-            bundle.store[key], plant.counts[places], own(plant.chamber), own(plant.valve),
-            own(plant.exhaust_valve), np.float64(plant.supply.temperature_at(plant.supply.start())),
+            bundle.store[key], plant.counts[places], chamber, valve, exhaust,
+            np.float64(plant.supply.temperature_at(plant.supply.start())),
         )  # fmt: skip
 
     @property

@@ -92,14 +92,12 @@ class PlantValves(AbstractValves):
     @classmethod
     def of(cls, plant: Plant) -> tuple["PlantValves", ...]:
         """Those of each motor unit of a `plant` [-], in its order [-]."""
-        state = plant.supply.start()
-        top = float(plant.supply.pressure_at(state))
-        warm = float(plant.supply.temperature_at(state))
+        warm = float(plant.supply.temperature_at(plant.supply.start()))
         return tuple(
             cls(
-                _one_of(plant.chamber, i, plant.units),
-                _one_of(plant.valve, i, plant.units),
-                top,
+                of_units(plant.chamber, i, plant.units),
+                of_units(plant.valve, i, plant.units),
+                plant.supply_pressure,
                 warm,
             )
             for i in range(plant.units)
@@ -135,7 +133,8 @@ def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     return found
 
 
-def _one_of(thing: Module, unit: int, units: int) -> Any:
+def of_units(thing: Module, which: Any, units: int) -> Any:
+    """A part [-] of a plant of so many `units` [-], its numbers those of `which` of them [-]."""
     return jax.tree.map(
-        lambda x: np.asarray(x)[..., unit] if np.ndim(x) and np.shape(x)[-1] == units else x, thing
+        lambda x: np.asarray(x)[..., which] if np.shape(x)[-1:] == (units,) else x, thing
     )
