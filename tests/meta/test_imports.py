@@ -7,7 +7,7 @@ import sys
 
 HEAVY = {
     "dask", "fascicle.cli", "IPython", "matplotlib", "moocore", "netCDF4", "pandas", "panel",
-    "pint", "plotly", "pydantic", "rich", "tomlkit", "typer", "xarray", "zarr",
+    "pint", "plotly", "pydantic", "rich", "scipy", "tomlkit", "typer", "xarray", "zarr",
 }  # fmt: skip
 
 
