@@ -34,6 +34,7 @@ MODULES = (
     "command_line",
     "field_memory",
     "growing",
+    "cores",
     "inverse",
     "designing",
     "in_time",
