@@ -18,7 +18,7 @@ import fascicle as fs
 from fascicle.calibrate.problem.parameters import PARAMETERS
 from fascicle.core.dual import Dual
 from fascicle.muscle import LAWS
-from fascicle.muscle.buckling import BUCKLING_LAWS
+from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 from fascicle.muscle.tension import Kothera2009, Meller2014, TonduLopez
@@ -61,6 +61,8 @@ COMBINATIONS = [
         "tension": Kothera2009("ideal"),
         "tuned": True,
     },
+    {"buckling": Kim2021(0.6), "collapse": "kim2021", "tuned": True},
+    {"buckling": Elastica(0.6), "collapse": "wood1958"},
 ]
 
 
@@ -88,7 +90,9 @@ every = pytest.mark.parametrize(
 
 # compiled for each combination: those that cost more than half a minute run with the slow ones
 LONG = [
-    pytest.mark.slow if laws["buckling"] == "elastica" and i != 4 else ()
+    pytest.mark.slow
+    if getattr(laws["buckling"], "name", laws["buckling"]) == "elastica" and i != 4
+    else ()
     for i, laws in enumerate(COMBINATIONS)
 ]
 compiled = pytest.mark.parametrize(

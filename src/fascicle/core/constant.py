@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 
 from ..units import DIMENSIONS
-from .arrays import exp, log
+from .arrays import exp, expm1, log, log1p, where
 from .checks import finite, one_of, positive
 from .limits import Range, plausible
 from .types import Batch, Values
@@ -40,6 +40,31 @@ POSITIVE = Transform(log, exp)
 def signed(scale: float) -> Transform:
     """The scale of a constant of either sign, on which `scale` [SI] is a large step."""
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
+
+
+_BEYOND = 0.1  # past 0 and 1 goes a logistic curve, so that a fit can begin at either
+
+
+def _coordinate_of_share(share: Batch) -> Batch:
+    return log((1 + _BEYOND) * (_BEYOND + share) / (_BEYOND * (1 + _BEYOND - share)))
+
+
+def _share(z: Batch) -> Batch:
+    value = _BEYOND * (1 + _BEYOND) * expm1(z) / (1 + _BEYOND * (1 + exp(z)))
+    return where(z >= 0, where(value < 1, value, 1.0), 0.0)
+
+
+# of a constant from 0 to 1, both of which it can be
+SHARE = Transform(_coordinate_of_share, _share)
+
+
+def from_zero(scale: float) -> Transform:
+    """The scale of a constant that is zero or more, even below `scale` [SI], logarithmic above."""
+
+    def value(z: Batch) -> Batch:
+        return where(z >= 0, scale * expm1(z), 0.0)
+
+    return Transform(lambda value: log1p(value / scale), value)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,14 @@ and virtual work gives the tension that the pressurized mesh holds,
 
 $$F_{mesh} = -P \frac{\mathrm{d}V}{\mathrm{d}L}. \tag{3}$$
 
+Bent to the curvature $\kappa$, its fibers hold $P r$ around the section, and along it
+$P r \cot^2\alpha$ by the angle at which they then lie, where the axis is stretched by
+$\kappa r \cos\varphi$: $\cot^2\alpha$ rises by $2 \cot^2\alpha (1 + \cot^2\alpha)$ times
+this, and the moment is
+
+$$\frac{M}{\kappa} = \int_0^{2\pi} 2 P r^4 \cot^2\alpha (1 + \cot^2\alpha) \cos^2\varphi
+    \,\mathrm{d}\varphi = 2 \pi r^4 P \frac{\cos^2\alpha}{\sin^4\alpha}. \tag{B1}$$
+
 **Sign:** tension and contraction are positive. **Valid for**
 $1 - 1/\cos\alpha_0 < \varepsilon < 1$: at the lower end the fibers are straight.
 **Assumes** inextensible, frictionless, thin fibers and a cylinder right to its ends.
@@ -79,6 +87,20 @@ class Braid(Module):
         lam, cot2 = 1 - strain, self.cot2
         pull = np.pi * self.radius**2 * pressure  # L0 dV/dε P = pull (3 λ²/tan²α0 − 1/sin²α0)
         return pull * (3 * cot2 * lam**2 - (1 + cot2)), -6 * pull * cot2 * lam
+
+    def bending_stiffness(self, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """Moment over curvature of the pressurized braid without slip, equation (B1).
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa].
+        - `strain`: contraction $\\varepsilon$ [-] at which it is bent.
+
+        **Returns:** $2\\pi r^4 P \\cos^2\\alpha/\\sin^4\\alpha$ [N·m²].
+        """
+        # r² and sin²α go together with strain: r/sin α is what it is at rest
+        at_rest = self.cot2 * (1 + self.cot2)
+        return 2 * np.pi * self.radius**4 * pressure * at_rest * (1 - strain) ** 2
 
     @property
     def ideal_free_strain(self) -> Batch:

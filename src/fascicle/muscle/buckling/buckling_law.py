@@ -1,16 +1,32 @@
-"""What a buckling law is: the state of a compressed muscle at a strain.
+r"""What a buckling law is: the state of a compressed muscle at a strain.
 
 A law past the free strain takes a muscle at one pressure as a column. It gives the state at a
 strain: the force in its components, the deflection and the largest moment, and where that moment
 reaches a given one.
+
+Its bending stiffness is the bladder's and, under pressure, a share $\chi$ of what the braid's
+fibers hold where they don't slip, (B1):
+
+$$EI(P) = E I + \chi\, 2 \pi r^4 P \frac{\cos^2\alpha}{\sin^4\alpha}, \tag{B2}$$
+
+with $r$ and $\alpha$ at free strain. The paper leaves it out, as does $\chi = 0$, to the bit.
 """
 
 import abc
 from typing import Any, NamedTuple
 
+import equinox as eqx
+
+from ...core.constant import SHARE, Constant
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..law import AbstractLaw
+
+
+BRAID_SHARE = Constant(
+    "braid_share", r"\chi", "number", (0.0, 0.0, 1.0, 1.0), SHARE, 0.0,
+    "of the braid's bending stiffness under pressure", "derived here",
+)  # fmt: skip
 
 
 class Push(NamedTuple):
@@ -39,11 +55,20 @@ class Buckled(NamedTuple):
 
 
 class AbstractBuckling(AbstractLaw):
-    """A law for the muscle between its free strain and its collapse."""
+    """A law for the muscle between its free strain and its collapse; `braid_share` [-] is how much
+    of the braid's bending stiffness it counts.
+    """
+
+    braid_share: eqx.AbstractVar[Batch]
 
     def solved(self, column: Column) -> Column:
-        """The `column` [-] with its `branch` [-]."""
-        return column._replace(branch=self.branch(column))
+        """The `column` [-] with its braid's stiffness, (B2), and its `branch` [-]."""
+        tension, free = column.tension, column.free_strain
+        # what of the pressure reaches the braid
+        P = tension.tuning.effective_pressure(column.pressure)
+        braid = self.braid_share * tension.bladder.braid.bending_stiffness(P, free)
+        stiffer = column._replace(bending_stiffness=column.bending_stiffness + braid)
+        return stiffer._replace(branch=self.branch(stiffer))
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:

@@ -35,7 +35,7 @@ turns back (stubby or steep-fibered muscles) the force jumps: from the straight 
 onset, if it turns back there, else at its fold, to the next state that the same strain allows.
 `several` says where other equilibria exist.
 **Sign:** tension positive. **Valid for** $\varepsilon \le 0.6$. **Assumes** $EI$ of the tube
-at rest, no shear. Moment and deflection have an infinite slope at the onset.
+at rest and (B2), no shear. Moment and deflection have an infinite slope at the onset.
 **Source:** derived here; the elastica after Love (1927), sections 262-263.
 """
 
@@ -70,7 +70,7 @@ from ...core.series import polynomial
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
@@ -86,6 +86,8 @@ class Elastica(AbstractBuckling):
 
     name: ClassVar[str] = "elastica"
     source: ClassVar[str] = "derived here, the elastica after Love (1927)"
+
+    braid_share: Batch = BRAID_SHARE.field()
 
     def branch(self, column: Column) -> "_Branch":
         """The onset [-], and the curve (E6) from there down to the free strain."""
