@@ -38,6 +38,7 @@ MODULES = (
     "inverse",
     "designing",
     "in_time",
+    "exported",
     "fitting",
     "roofline",
     "gpu",

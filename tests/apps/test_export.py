@@ -20,3 +20,29 @@ def test_a_name_that_c_can_not_have_is_refused(fascicle, tmp_path):
     code, _, err = fascicle("export", "kim2021_figure_6", "--c", "code", "--name", "../arm")
     assert code == 2 and "must be a name in C" in err
     assert not (tmp_path / "code").exists()
+
+
+def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
+    code, out, err = fascicle("export", "kim2021_bundle_1_4", "--table", "code", "--name", "knee")
+    assert (code, err) == (0, "")
+    assert out.startswith("wrote code/knee.h and code/knee.c\nHow far it is off the law")
+    header = (tmp_path / "code" / "knee.h").read_text()
+    assert "#define KNEE_UNITS 2" in header
+    # what the command says is what stands in the file
+    said = " ".join(out.split("\n", 1)[1].split())
+    assert said in " ".join(header.replace(" * ", " ").split())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((), "nothing to write: give --c or --table and a folder."),
+        (("--table", "code", "--precision", "half"), "choose one of double, float"),
+        (("--table", "code", "--name", "2"), "must be a name in C"),
+        (("--table", "code", "--c", "./code"), "both would write muscle.h: give two folders"),
+    ],
+)
+def test_what_can_not_be_written_is_refused_in_a_line(fascicle, tmp_path, options, words):
+    code, out, err = fascicle("export", "kim2021_figure_6", *options)
+    assert code == 2 and words in err and err.count("\n") == 1 and out == ""
+    assert not (tmp_path / "code").exists()

@@ -1,4 +1,9 @@
-"""Muscles and bundles as C: headers and sources without dependencies, from the laws themselves."""
+"""Muscles and bundles for other programs: C without dependencies, from the laws themselves or as a
+table of them.
+"""
 
 from .c_code import c_code as c_code
 from .c_code import write_c as write_c
+from .table_code import table_code as table_code
+from .table_code import tabulated as tabulated
+from .table_code import write_table as write_table
