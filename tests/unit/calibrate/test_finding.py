@@ -1,11 +1,13 @@
 """What is found without being told what to fit: synthetic records of known muscles."""
 
+import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import find, fit
+from fascicle.calibrate.fits.candidates import grown
 from fascicle.calibrate.fits.choosing import Candidate, Trial, chosen, reasons
 from fascicle.records.record import Record
 
@@ -51,14 +53,80 @@ def test_what_is_found_is_what_a_fit_of_it_finds(choice):
 
 
 def test_a_dead_band_is_found_where_there_is_one():
-    import equinox as eqx
-
-    slack = eqx.tree_at(lambda m: m.tuning.dead_band, TRUE, 5e4)
-    found = find(record(slack), NOMINAL)
+    found = find(record(slack()), NOMINAL)
     assert "dead_band" in found.made.names
     band = next(one for one in found.made.parameters if one.name == "dead_band")
     assert band.low < 5e4 < band.high
     assert any(line.startswith("A dead band takes it from") for line in found.reasons)
+
+
+def slack(band=5e4):
+    """A synthetic muscle with a dead band."""
+    return eqx.tree_at(lambda m: m.tuning.dead_band, TRUE, band)
+
+
+FOUR = ["c10", "c01", "braid_angle", "outer_radius"]
+
+
+def test_constants_without_a_dead_band_say_that_it_is_one():
+    made = fit(record(slack(), sigma=1.0), NOMINAL, FOUR, whole=False)
+    assert not made.seen.noisy
+    assert made.causes[0].name == "a dead band, or the transducer's zero"
+    told = "\n".join(made.warnings)
+    assert "What to do: free dead_band." in told
+    # what is told of the residuals at rest is what they are
+    pressure, missed = np.array(made.seen.rest).T
+    assert_allclose(pressure, P[:, 0], rtol=1e-12)
+    assert_allclose(missed, (np.asarray(made.data.force) - made.force)[: P.size, 0], rtol=1e-9)
+    low, high = sorted((np.argmin(missed), np.argmax(missed)))
+    said = f"from {missed[low]:+.3g} N at {P[low, 0] / 1e3:.4g} kPa to {missed[high]:+.3g} N"
+    assert np.ptp(missed) > 4 and said in told
+
+
+def test_a_length_that_does_not_work_is_found():
+    # synthetic: 30 mm of the 200 mm lie in the fittings
+    working = TRUE.replace(length=0.17)
+    force = np.asarray(working.force(P, STRAIN * 0.2 / 0.17))
+    noise = np.random.default_rng(2).normal(size=force.shape)
+    found = find(Record.of(P, STRAIN, force + noise, force < 0, rest_length=0.2), NOMINAL)
+    assert "active_length" in found.made.names
+    length = next(one for one in found.made.parameters if one.name == "active_length")
+    assert length.low < 0.17 < length.high
+    assert any(line.startswith("Another active length takes it from") for line in found.reasons)
+
+
+def test_friction_is_told_and_freed_by_no_constant():
+    half = 0.04 * np.asarray(TRUE.force(P, 0.0))
+    up, down = record(error=-half, sigma=0.5), record(error=half, sigma=0.5, seed=1)
+    both = Record.of(
+        np.concatenate([up.pressure, down.pressure]), np.concatenate([up.strain, down.strain]),
+        np.concatenate([up.force, down.force]), branch=np.repeat([1, -1], len(up)), rest_length=0.2,
+    )  # fmt: skip
+    found = find(both, NOMINAL)
+    assert not {"dead_band", "active_length"} & set(found.made.names)
+    assert found.made.causes[0].name == "friction: a hysteresis loop"
+
+
+def test_constants_are_taken_while_they_are_worth_it_and_given_back():
+    # what is free costs its number, b and c together win what neither wins alone, a is a burden
+    worth = {("b", "c"): -10.0}
+    seen = []
+
+    def cost(names):
+        return len(names) + sum(x for pair, x in worth.items() if set(pair) <= set(names))
+
+    def tried(names):
+        if set(names) not in [set(one) for one in seen]:
+            seen.append(names)
+
+    tried(("base",))
+    grown(lambda: min(seen, key=cost), ["a", "b", "c"], (), tried)
+    assert set(min(seen, key=cost)) == {"base", "b", "c"}
+    # one that is always free is never taken away
+    seen.clear()
+    tried(("base", "a"))
+    grown(lambda: min(seen, key=cost), ["a", "b", "c"], ("a",), tried)
+    assert all("a" in names for names in seen)
 
 
 def test_a_trend_is_told_with_its_cause():

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ..problem.linear import linear
+from ..problem.parameters import FACTORS
 from ..problem.residuals import Problem
 from ..problem.uncertainty import KNOWN
 from .remainder import Remainder, beside
@@ -35,7 +36,8 @@ class Cause:
     share: float
 
 
-# a cause's name, and what to do; first of the constants that a fit may free
+# a cause's name, and what to do; first of the constants that a fit may free, where their own words
+# don't name it
 _CONSTANTS = {
     "dead_band": ("a dead band, or the transducer's zero", "free dead_band"),
     "active_length": (
@@ -121,7 +123,7 @@ def _held(
     slopes = linear(freed, coordinates).force_slopes[problem.data.uncensored]
     priors = left.weight.size - len(slopes)
     for i in held:
-        if problem.parameters[i].name in _CONSTANTS:
+        if problem.parameters[i] not in FACTORS and np.all(np.isfinite(slopes[:, i])):
             yield problem.parameters[i].name, np.pad(slopes[:, i], (0, priors))
 
 
@@ -132,8 +134,9 @@ def _directions(
     used = np.asarray(problem.data.uncensored)
     priors = left.weight.size - int(np.sum(used))
 
+    about = {one.name: one.about for one in problem.parameters}
     for name, columns in _held(problem, coordinates, left):
-        yield _CONSTANTS[name], columns
+        yield _CONSTANTS.get(name, (f"{name}, {about[name]}", f"free {name}")), columns
     away = np.asarray(problem.data.strain) + _STEP
     stretched = replace(problem.data, strain=away)
     moved = linear(replace(problem, data=stretched), coordinates).force

@@ -77,13 +77,15 @@ class Signs:
 @dataclass(frozen=True, eq=False)
 class Looked:
     """What was looked for in residuals, and found: `trends`, those found first; `runs`;
-    `signs`, where nearly all are of one sign; `noise`: deviation of a reading [N] about fit and
+    `signs`, where nearly all are of one sign; `rest`: at the least strain, pressures [Pa], rising,
+    and the mean residual [N] at each; `noise`: deviation of a reading [N] about fit and
     all trends, NaN where too few readings are left to tell.
     """
 
     trends: tuple[Trend, ...] = ()
     runs: tuple[Runs, ...] = ()
     signs: tuple[Signs, ...] = ()
+    rest: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
 
     @property
@@ -112,7 +114,7 @@ def looked(left: Remainder) -> Looked:
     free = count - fitted - every.shape[1]
     runs = _runs(left)
     if free < _FEWEST:
-        return Looked(runs=_judged(runs, len(runs)), signs=_signs(left))
+        return Looked(runs=_judged(runs, len(runs)), signs=_signs(left), rest=_rest(left))
     y = left.residual
     noise = float(np.sum((y - taken @ (taken.T @ y) - every @ (every.T @ y)) ** 2)) / free
     tests = len(columns) + len(runs)
@@ -125,7 +127,8 @@ def looked(left: Remainder) -> Looked:
             break
         trends.append(_settled(trials[best], found=True))
         basis = span(np.hstack([basis, columns.pop(best)]))
-    return Looked(tuple(trends), _judged(runs, tests), _signs(left), float(np.sqrt(noise)))
+    told = _judged(runs, tests), _signs(left), _rest(left)
+    return Looked(tuple(trends), *told, float(np.sqrt(noise)))
 
 
 def _trial(
@@ -244,3 +247,20 @@ def _signs(left: Remainder) -> tuple[Signs, ...]:
         if count and 2 * cells * bdtr(min(below, count - below), count, 0.5) < ALPHA:
             out.append(Signs(float(np.mean(strain[there])), count, below))
     return tuple(sorted(out, key=lambda one: -abs(2 * one.below - one.count)))
+
+
+def _rest(left: Remainder) -> tuple[tuple[float, float], ...]:
+    """Mean residuals [N] by pressure [Pa] in the cell of least strain."""
+    read = left.read
+    place, _ = _cells(left.strain[read])
+    there = place == 0
+    level, weight = left.level[read][there].astype(int), left.weight[read][there]
+    if not level.size:
+        return ()
+    # residuals are multiplied by the root of what they average, as the weight is
+    total, count = np.bincount(level, left.residual[read][there] * weight), weight**2
+    count = np.bincount(level, count)
+    P = np.bincount(level, left.pressure[read][there] * weight**2)
+    some = count > 0
+    return tuple(zip((P[some] / count[some]).tolist(), (total[some] / count[some]).tolist(),
+                     strict=True))  # fmt: skip

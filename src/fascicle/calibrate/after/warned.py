@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 _TIED = 0.95  # correlation from which two parameters are told apart no longer
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
 _WIDER = 1.05  # from here on an interval is called wider
+_FEWEST = 3  # pressures, for residuals to go with them
+_CLEAR = 4.0  # deviations of a reading, from which a difference of two is told
 _TOLD = 3  # strains at which residuals' signs are told
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
@@ -158,7 +160,7 @@ def _noise(made: "Calibration") -> list[str]:
         ]
         lines.append(f"Of the readings {_list(told)}.")
     if not seen.noisy:
-        lines += _causes(made)
+        lines += [*_at_rest(made), *_causes(made)]
     if seen.found:
         wide = made.wider
         so = "hardly wider than"
@@ -179,6 +181,23 @@ def _noise(made: "Calibration") -> list[str]:
             "Too few readings are left beside the constants to tell whether residuals are noise."
         )
     return lines
+
+
+def _at_rest(made: "Calibration") -> list[str]:
+    """How residuals at the least strain go with pressure, where it is more than noise: ends and a
+    dead band show there.
+    """
+    seen = made.seen
+    if len(seen.rest) < _FEWEST or not np.isfinite(seen.noise):
+        return []
+    P, missed = np.array(seen.rest).T
+    if np.ptp(missed) < _CLEAR * seen.noise:
+        return []
+    low, high = sorted((int(np.argmin(missed)), int(np.argmax(missed))))
+    return [
+        f"At the least strain they run from {missed[low]:+.3g} N at {P[low] / 1e3:.4g} kPa to"
+        f" {missed[high]:+.3g} N at {P[high] / 1e3:.4g} kPa."
+    ]
 
 
 def _causes(made: "Calibration") -> list[str]:

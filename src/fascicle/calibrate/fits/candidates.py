@@ -1,19 +1,22 @@
 """Which constants may be free where nobody chose: what a record of a muscle's pull could tell.
 
 Begun from nothing, the muscle as it is given; then its sizes, its rubber, both, each with a dead
-band; and for the best of them another length that works. The rubber's two constants are free
-together: one held at a value that nobody measured would make the others look surer than they are.
-What is known only as a product stays as given: the wall beside them.
+band. The rubber's two constants are free together: one held at a value that nobody measured would
+make the others look surer than they are. Then every other constant that moves the pull is tried
+beside the best of them: each alone, again while one of them is worth it, and all together, of
+which what isn't worth it is taken away again. What is known only as a product stays as given: the
+wall beside them.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Sequence
 
 from ...muscle import Muscle
 from ...muscle.materials import MooneyRivlin
 from ..problem.parameters import RUBBER
 
 
-BAND, LENGTH = "dead_band", "active_length"
+BAND, WALL = "dead_band", "wall_thickness"
+_ROUNDS = 4  # of taking one more, or one less
 
 Names = tuple[str, ...]
 
@@ -32,12 +35,38 @@ def sets(muscle: Muscle, always: Collection[str] = ()) -> list[Names]:
     return list(dict.fromkeys(_with(names, always) for names in found))
 
 
-def longer(names: Names) -> Iterator[Names]:
-    """What to try once `names` [-] were the best: another length, and with it the dead band."""
-    if LENGTH not in names:
-        yield _with(names, (LENGTH,))
-        if BAND not in names:
-            yield _with(names, (BAND, LENGTH))
+def grown(
+    best: Callable[[], Names],
+    others: Sequence[str],
+    kept: Collection[str],
+    tried: Callable[[Names], object],
+) -> None:
+    """Try more constants beside the best ones, and fewer again.
+
+    **Arguments:**
+
+    - `best`: says which of all that was tried are best by now [-].
+    - `others`: constants that may be taken beside them [-].
+    - `kept`: those that are always free [-].
+    - `tried`: is called with what to try [-]; what was tried already it leaves.
+    """
+    for _ in range(_ROUNDS):
+        before = best()
+        for name in others:
+            tried(_with(before, (name,)))
+        if best() == before:
+            break
+    before = best()
+    tried(_with(before, others))  # two may be worth it that alone are not
+    if best() == before:
+        return
+    for _ in range(_ROUNDS):
+        before = best()
+        for name in before:
+            if name in others and name not in kept:
+                tried(tuple(one for one in before if one != name))
+        if best() == before:
+            break
 
 
 def _with(names: Names, always: Collection[str]) -> Names:

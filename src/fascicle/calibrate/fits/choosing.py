@@ -1,12 +1,11 @@
 """Choosing among what was tried on a record, and saying why."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...core.refused import Refused
-from .candidates import BAND, LENGTH
 
 
 ALIKE = 0.02  # of the least left-out error beyond noise: candidates that near it are as good
@@ -14,6 +13,12 @@ _DEVIATIONS = 2.0  # of a difference: so far it may be chance
 _OUTLIER = 3.0  # of the usual error: what a robust fit leaves counts no more
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
+JUDGED = (
+    "Judged by the error at pressures that the fit did not see, each left out in turn: of all that"
+    f" err no more than the least by chance, two deviations, or by {100 * ALIKE:g} %, the one with"
+    " the fewest numbers."
+)
+_WORDS = {"dead_band": "A dead band", "active_length": "Another active length"}
 
 
 @dataclass(frozen=True)
@@ -144,18 +149,20 @@ def reasons(trials: Sequence[Trial], best: Trial) -> tuple[str, ...]:
     """Why the `best` [-] of `trials` [-] was taken, a line each."""
     tried = [one.candidate for one in trials if one.judged]
     first, second, *more = _reasons(tried, best.candidate)
-    return (first, second, *differences(trials, best), *more)
+    return (first, second, *differences(trials, best), *more, JUDGED)
 
 
 def differences(trials: Sequence[Trial], best: Trial) -> Iterator[str]:
-    """What a dead band and another length are worth beside the `best` [-] of `trials` [-]."""
+    """What each further constant is worth beside the `best` [-] of `trials` [-]: those that it
+    could do without, and those that it does without.
+    """
     by_names = {
-        one.candidate.names: one.candidate
+        frozenset(one.candidate.names): one.candidate
         for one in trials
         if one.judged and one.candidate.method == "constants"
     }
-    for name, what in ((BAND, "A dead band"), (LENGTH, "Another active length")):
-        yield from _difference(by_names, best.candidate, name, what)
+    for name in dict.fromkeys(name for one in trials for name in one.candidate.names):
+        yield from _difference(by_names, best.candidate, name, _WORDS.get(name, f"`{name}`"))
 
 
 def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
@@ -177,18 +184,18 @@ def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
 
 
 def _difference(
-    by_names: dict[tuple[str, ...], Candidate], best: Candidate, name: str, what: str
+    by_names: Mapping[frozenset[str], Candidate], best: Candidate, name: str, what: str
 ) -> Iterator[str]:
     if best.method != "constants":
         return
     if name in best.names:
-        less = by_names.get(tuple(one for one in best.names if one != name))
+        less = by_names.get(frozenset(best.names) - {name})
         if less is not None:
             yield f"{what} takes it from {_share(less)} to {_share(best)}."
         return
-    more = [one for names, one in by_names.items() if set(names) == {*best.names, name}]
-    if more:
-        yield f"{what} beside them would make it {_share(more[0])}, which doesn't pay."
+    more = by_names.get(frozenset(best.names) | {name})
+    if more is not None:
+        yield f"{what} beside them would make it {_share(more)}, which doesn't pay."
 
 
 def _share(one: Candidate) -> str:

@@ -31,7 +31,7 @@ from ..problem.linear import linear
 from ..problem.misfit import LOSSES
 from ..problem.parameters import named
 from ..problem.searching import places_of, settled
-from .candidates import longer, sets
+from .candidates import WALL, grown, sets
 from .choosing import (
     AS_GIVEN,
     TUNING,
@@ -129,10 +129,11 @@ def _tension(
     if not measured:
         return [], 0.0
     always = [name for name in given if name not in FACTOR_NAMES]
-    trials, near = [], {}
+    trials, near, known = [], {}, set()
 
     def tried(names: tuple[str, ...]) -> None:
-        if len(names) < measured:
+        if len(names) < measured and frozenset(names) not in known:
+            known.add(frozenset(names))
             told = {name: prior for name, prior in given.items() if name in names}
             begin = replace(search, near=dict(near), starts=min(search.starts, _STARTS))
             trials.append(_constants(of, muscle, names, told, begin, near))
@@ -140,11 +141,22 @@ def _tension(
     for names in sets(muscle, always):
         tried(names)
     noise = read(muscle, on_length(of.data, of.record, muscle)).noise
-    for names in longer(chosen(trials, noise, search.loss).candidate.names):
-        tried(names)
+    if any(one.judged for one in trials):
+        usual = {*muscle.tension.usually_free(), WALL}
+        others = [name for name in _telling(of, muscle, search) if name not in usual]
+        grown(lambda: chosen(trials, noise, search.loss).candidate.names, others, always, tried)
     # a tuning has no place for what is known of constants
     tuning = [] if always else _tuning(of, muscle, search.loss)
     return [*trials[:1], *tuning, *trials[1:]], noise
+
+
+def _telling(of: Taken, muscle: Muscle, search: Search) -> list[str]:
+    """Constants that move the force of a `muscle` where it was measured to pull [-]."""
+    problem, _ = begun(of, muscle, ("braid_angle",), {}, search)
+    freed = replace(problem, free=np.ones(len(problem.parameters), dtype=bool))
+    slopes = linear(freed, np.asarray(problem.center)).force_slopes[problem.data.uncensored]
+    moved = np.any(np.nan_to_num(slopes) != 0, axis=0)
+    return [one.name for one, moves in zip(problem.parameters, moved, strict=True) if moves]
 
 
 def _constants(

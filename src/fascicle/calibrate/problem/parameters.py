@@ -35,6 +35,7 @@ from ...muscle.materials import MooneyRivlin
 
 RUBBER = ("c10", "c01")  # that store a stretched wall's energy
 WEAK = 3.0  # standard deviation of a prior that nobody gave, on a logarithmic scale
+_RESISTING = ("buckling", "collapse", "post_collapse")  # laws without a say where a muscle pulls
 _SMALLEST_BAND = 1e3  # Pa, where a dead band of zero starts from: it has no logarithm
 
 
@@ -260,15 +261,10 @@ def _where(condition: Any, moved: Muscle, muscle: Muscle) -> Muscle:
 def constants_of(muscle: Muscle, also: Sequence[Parameter]) -> tuple[Parameter, ...]:
     """All that the force of a `muscle` that pulls may depend on [-], and `also` others [-]."""
     rubber = RUBBER if isinstance(muscle.material, MooneyRivlin) else ()
-    pulling = (
-        *rubber,
-        "braid_angle",
-        "outer_radius",
-        "wall_thickness",
-        "active_length",
-        "dead_band",
-    )
-    own = [one.name for one in _of_law("tension", muscle)]
+    stored = {one.name for one in MooneyRivlin.constants()} - set(rubber)
+    pulling = [one.name for one in CONSTANTS if one.name not in stored]
+    kinds = [kind for kind in LAWS if kind not in _RESISTING]
+    own = [one.name for kind in kinds for one in _of_law(kind, muscle)]
     return named([*pulling, *own, *(one.name for one in also)], muscle)
 
 
