@@ -2,9 +2,11 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
+from fascicle.control import POLICIES
 from fascicle.files import example_text
 from fascicle.results.labelled import read
 
@@ -35,12 +37,66 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
     assert code == 2 and "a.html" in err and (tmp_path / "a.html").read_text() == "mine"
 
 
+# across the transition in 0.2 s; more than any policy can at its end
+RAMP = (
+    example_text("ramp_hand_over")
+    .replace('"2 s"', '"0.2 s"')
+    .replace('"0.25 ms"', '"0.125 ms"')
+    .replace('"265 kPa"', '"350 kPa"')
+    .replace('"15 N"', '"30 N"')
+    .replace('"70 N"', '"90 N"')
+)
+
+
 def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
-    code, out, err = fascicle("simulate", "ramp_hand_over")
+    code, out, err = fascicle(
+        "simulate", "ramp_hand_over", "--json", "-o", "a.nc", "--plot", "a.svg",
+        "--report", "a.html",
+    )  # fmt: skip
     assert (code, err) == (0, "")
-    dip = float(re.search(r"deepest dip of a unit on the way, N +([\d.]+)", out)[1])
-    drawdown = float(re.search(r"drawdown while the demand rises, N +([\d.]+)", out)[1])
-    assert drawdown < 0.1 * dip and "times that a unit was recruited         1" in out
+    found = json.loads(out)
+    assert found["control_drawdown"] < 0.1 * found["control_dip"]
+    assert (found["control_recruited"], found["control_unreachable"]) == (1, 0)
+    assert found["control_first"] is None and found["control_supply_energy"] > 10
+    assert len(found["demand"]) == len(found["controlled"]) == len(found["time"])
+    data = read("a.nc")
+    assert data["control_rms"].attrs["units"] == data["demand"].attrs["units"] == "N"
+    for path, part in (("a.html", "What its control was worth"), ("a.svg", "<svg")):
+        assert part in Path(path).read_text()
+
+
+def test_policies_are_compared_and_what_none_can_reach_is_told(fascicle, tmp_path):
+    (tmp_path / "a.toml").write_text(RAMP)
+    code, out, err = fascicle(
+        "simulate", "a.toml", "--compare", "-o", "a.json", "--plot", "a.png", "--report", "a.html"
+    )
+    assert (code, err) == (0, "")
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["policy"] == list(POLICIES) and all(found["trusted"])
+    assert all(name in out for name in POLICIES)
+    # what none can reach is the same for all: the muscles' force at the supply's pressure
+    short, many = found["control_short"], found["control_unreachable"]
+    assert len(set(many)) == 1 and many[0] > 0
+    line = re.search(r"note: (\d+) of 1600 demands.* they lack up to ([\d.]+) N", out)
+    assert int(line[1]) == many[0] and float(line[2]) == pytest.approx(short[0], rel=1e-3)
+    plain, kept = (found["policy"].index(name) for name in ("threshold", "hand_over"))
+    assert found["control_drawdown"][kept] < found["control_drawdown"][plain]
+    assert "On the front of drawdown" in (tmp_path / "a.html").read_text()
+    code, out, err = fascicle("simulate", "a.toml", "--policy", "threshold")
+    assert (code, err) == (0, "") and "Control of force by threshold" in out
+
+
+def test_what_isnt_controlled_has_no_policy(fascicle):
+    for options, told in (
+        (["--compare"], "lift_gas is commanded by a schedule; it needs [control]"),
+        (["--policy", "orderly"], "--policy needs a scenario with [control]"),
+    ):
+        code, out, err = fascicle("simulate", "lift_gas", *options)
+        assert (code, out) == (2, "") and told in err and err.count("\n") == 1
+    code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "handover")
+    assert code == 2 and "--policy 'handover' is unknown: did you mean 'hand_over'?" in err
+    code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "batch", "--compare")
+    assert code == 2 and "leave out --policy" in err
 
 
 def test_a_supply_that_runs_dry_says_so(fascicle):

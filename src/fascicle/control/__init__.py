@@ -11,7 +11,11 @@ from .crossing import Crossing as Crossing
 from .crossing import Path as Path
 from .crossing import crossing as crossing
 from .crossing import hand_over_time as hand_over_time
+from .front import front as front
+from .metrics import Reach as Reach
 from .metrics import Worth as Worth
+from .metrics import done as done
+from .metrics import reachable as reachable
 from .metrics import worth as worth
 from .policies import POLICIES as POLICIES
 from .policies import cascade as cascade

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax import lax
 
 from ..core.arrays import library, maximum, minimum, where
 from ..core.modules import Module
@@ -114,12 +115,18 @@ class Cascade(Module):
         """
         seen, way = self._delayed(memory, measurement)
         memory = memory._replace(way=way)
-        acted, commands = self._act(memory, seen, reference)
-        acts = memory.wait <= 0
-        kept = jax.tree.map(lambda a, b: jnp.where(acts, a, b), acted, memory)
-        commands = jnp.where(acts, commands, memory.held)
-        wait = jnp.where(acts, self.every - 1.0, memory.wait - 1)
-        return kept._replace(way=way, held=commands, wait=wait, fresh=jnp.ones(())), commands
+        if self.every == 1:
+            kept, commands = self._act(memory, seen, reference)
+        else:  # between its samples nothing is reckoned
+            kept, commands = lax.cond(
+                memory.wait <= 0,
+                lambda: self._act(
+                    memory._replace(wait=self.every + 0.0 * memory.wait), seen, reference
+                ),
+                lambda: (memory, memory.held),
+            )
+        wait = kept.wait - 1
+        return kept._replace(held=commands, wait=wait, fresh=jnp.ones(())), commands
 
     def _act(self, memory: Memory, seen: Measurement, reference: Any) -> tuple[Memory, Numbers]:
         dt, plant, gains = self.dt * self.every, self.plant, self.gains

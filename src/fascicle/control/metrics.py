@@ -4,8 +4,8 @@ The drawdown of what is controlled, along each stretch on which its demand doesn
 
 $$\max_t \left[\max_{s \le t} y(s) - y(t)\right], \tag{K4}$$
 
-stands beside the dip $D$ of the transition. Demands that no policy could reach are counted, and
-left out of the root mean square, the largest error and the lag.
+stands beside the dip $D$ of the transition. Demands that no policy could reach are counted, with
+the force that they lack, and left out of the root mean square, the largest error and the lag.
 
 **Source:** drawdown as of a price: Magdon-Ismail and Atiya (2004).
 """
@@ -30,7 +30,9 @@ class Worth(NamedTuple):
     """`drawdown` while the demand rose [SI], and the deepest `dip` of a unit at the strains that
     were passed [N]; root mean square of the error, `rms`, and `largest_error` [SI]; the `lag` at
     which it follows best [s]; `supply_energy` [J] and `fluid` [kg] that were drawn; how often a
-    unit was `recruited`; of how many `moments` the demand was `unreachable` [-].
+    unit was `recruited`; of how many `moments` the demand was `unreachable` [-], `first` and
+    `last` when [s], nan where it never was, and by how much force or moment at most it was out of
+    reach, `short` [SI].
     """
 
     drawdown: float
@@ -43,6 +45,31 @@ class Worth(NamedTuple):
     recruited: int
     unreachable: int
     moments: int
+    first: float
+    last: float
+    short: float
+
+
+class Reach(NamedTuple):
+    """At each step what a reference asks of the muscles, `wanted`, and the `least` and `most` that
+    they can do then, forces or moments [SI]; whether it asks for a place on the load's way,
+    `inside` [-].
+    """
+
+    wanted: Numbers
+    least: Numbers
+    most: Numbers
+    inside: Marks
+
+    @property
+    def can(self) -> Marks:
+        """Whether it could be done [-]."""
+        return self.inside & (self.short == 0)
+
+    @property
+    def short(self) -> Numbers:
+        """By how much it is more than they can, or less than they must [SI]."""
+        return np.maximum(np.maximum(self.wanted - self.most, self.least - self.wanted), 0.0)
 
 
 def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
@@ -58,14 +85,15 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
 
     **Raises:** `ValueError` for a reference of another length.
     """
-    plant, seen = controller.plant, run.seen
+    seen = run.seen
     wanted = np.asarray(reference, float)
     if wanted.shape != (len(run.time) - 1,):
         raise Refused("reference", "must have one for each step", wanted.size)
-    pulled = np.sum(plant.lengths * plant.gains * np.asarray(seen.forces), axis=-1)
     # what a step led to is compared with what was demanded at its beginning
-    y = (np.asarray(seen.position) if controller.of == "position" else pulled)[1:]
-    can = reachable(controller, run, wanted)
+    y = done(controller, run)[1:]
+    reach = reachable(controller, run, wanted)
+    can, beyond = reach.can, np.flatnonzero(~reach.can)
+    first, last = (float(run.time[beyond[end]]) if beyond.size else np.nan for end in (0, -1))
     error = np.where(can, y - wanted, 0.0)
     many = max(1, int(can.sum()))
     drawn = np.maximum(np.asarray(seen.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
@@ -74,8 +102,19 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
     return Worth(
         drawdown(y, wanted, can), dip, float(np.sqrt(np.sum(error**2) / many)),
         float(np.max(np.abs(error))), _lag(y, wanted, can) * float(controller.dt),
-        float(spent[-1] - spent[0]), float(drawn), recruited, int(np.sum(~can)), len(can),
+        float(spent[-1] - spent[0]), float(drawn), recruited, len(beyond), len(can), first, last,
+        float(np.max(reach.short)),
     )  # fmt: skip
+
+
+def done(controller: Cascade, run: Trajectory) -> Numbers:
+    """What a `controller` [-] is to bring to its demand, at each moment of a `run` [SI]: the
+    position, or the pull of all muscles on the load [SI].
+    """
+    if controller.of == "position":
+        return np.asarray(run.seen.position)
+    plant = controller.plant
+    return np.sum(plant.lengths * plant.gains * np.asarray(run.seen.forces), axis=-1)
 
 
 def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
@@ -91,9 +130,9 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
     return float(deepest)
 
 
-def reachable(controller: Cascade, run: Trajectory, reference: Numbers) -> Marks:
-    """Whether the bundles could do what the `reference` [SI] asks of the `controller` [-] at each
-    step of the `run` [SI]: yes or no [-].
+def reachable(controller: Cascade, run: Trajectory, reference: Numbers) -> Reach:
+    """What the bundles could do of what the `reference` [SI] asks of the `controller` [-] at each
+    step of the `run` [SI]: a `Reach` [SI].
     """
     plant, supply = controller.plant, np.asarray(run.seen.supply_pressure)[:-1]
     position, wanted = np.asarray(run.seen.position)[:-1], np.asarray(reference, float)
@@ -117,7 +156,7 @@ def reachable(controller: Cascade, run: Trajectory, reference: Numbers) -> Marks
         low, high = np.minimum(*pulls), np.maximum(*pulls)
         least = least + np.minimum(arm * low, arm * high)
         most = most + np.maximum(arm * low, arm * high)
-    return inside & (wanted >= least) & (wanted <= most)
+    return Reach(wanted, np.asarray(least), np.asarray(most), inside)
 
 
 def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:

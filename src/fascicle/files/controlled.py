@@ -1,10 +1,12 @@
 """From the tables of a scenario that is controlled to its controller and its reference."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..control import Cascade, Choice, Gains, cascade, choose
+from ..control import POLICIES, Cascade, Choice, Gains, cascade, choose
+from ..core.checks import one_of
 from ..core.refused import Refused
 from ..dynamics import Plant
 from .places import Place
@@ -15,12 +17,33 @@ _GAINS = ("position_gain", "velocity_gain", "force_gain", "pressure_time")
 
 class Controlled(NamedTuple):
     """A `controller`, its `reference`, one for each step [SI], and where the policy was chosen, by
-    `auto`, the `choice` [-].
+    `auto`, the `choice` [-]. `policy`: its name [-]; `options`: all else that it was made with.
     """
 
     controller: Cascade
     reference: np.ndarray
     choice: Choice | None
+    policy: str
+    options: Mapping[str, Any]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Which policy `auto` took, and why, in words [-]."""
+        if self.choice is None:
+            return ()
+        return (f"auto took {self.choice.policy}: {self.choice.why}.",)
+
+    def taking(self, policy: str) -> "Controlled":
+        """The same with another `policy` [-], `auto` or one of `control.POLICIES` [-]."""
+        plant, of = self.controller.plant, self.controller.of
+        if policy != "auto":
+            one_of(policy, (*POLICIES, "auto"), "policy")
+        chosen = None
+        if policy == "auto":
+            chosen = choose(plant, self.reference, self.options["dt"], of)
+            policy = chosen.policy
+        made = cascade(plant, policy, of, **self.options)
+        return Controlled(made, self.reference, chosen, policy, self.options)
 
 
 def controlled(file: Any, plant: Plant, dt: float, duration: float, place: Place) -> Controlled:
@@ -33,16 +56,12 @@ def controlled(file: Any, plant: Plant, dt: float, duration: float, place: Place
         for name in type(file.control).model_fields
         if (x := getattr(file.control, name)) is not None
     }
-    policy, choice = given.pop("policy"), None
+    policy = given.pop("policy")
     at = place.inner("control", kind="part")
-    gains = _gains(given, at)
-    if policy == "auto":
-        with at.naming():
-            choice = choose(plant, reference, dt, of)
-        policy = choice.policy
+    options = {"gains": _gains(given, at), "dt": dt, **given}
     with at.naming():
-        made = cascade(plant, policy, of, gains, dt=dt, **given)
-    return Controlled(made, reference, choice)
+        plain = cascade(plant, "orderly", of, **options)
+        return Controlled(plain, reference, None, "orderly", options).taking(policy)
 
 
 def _gains(given: dict[str, Any], place: Place) -> Gains:

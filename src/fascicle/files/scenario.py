@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..bundle import Bundle, MotorUnit
 from ..core.checks import one_of
+from ..core.refused import Refused
 from ..dynamics import (
     AntagonisticJoint,
     MaxwellSlip,
@@ -74,6 +75,17 @@ class Scenario:
     source: str = ""
     notes: tuple[str, ...] = ()
     controlled: "Controlled | None" = None
+
+    def taking(self, policy: str) -> "Scenario":
+        """The same, controlled by another `policy` [-], by name; `ValueError` where there is none
+        or nothing is controlled.
+        """
+        made = self.controlled
+        if made is None:
+            rule = "needs a scenario with [control]: this one is commanded by a schedule"
+            raise Refused("policy", rule, policy)
+        made = made.taking(policy)
+        return replace(self, controlled=made, notes=made.notes)
 
     def run(self) -> Trajectory:
         """Drive it, from its start for its duration: the run [SI]."""
@@ -167,8 +179,7 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
 
         checked_start(run.pressures, plant, place.inner("run", kind="part"))
         made = controlled(file, plant, dt, duration, place)
-        if made.choice is not None:
-            notes = (f"auto took {made.choice.policy}: {made.choice.why}.",)
+        notes = made.notes
     else:
         schedule, notes = _schedule(file.schedule, plant, dt, duration, place)
     if plant.load.moved and run.position is not None:

@@ -1,7 +1,7 @@
 """A run in time: where the load was, pressures, forces, and which units were fed."""
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +9,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .style import BLACK, CYCLE, DOUBLE, GRAY, ORANGE, SKY, letter, new_figure, styled
+from .style import (
+    BLACK,
+    BLUE,
+    CYCLE,
+    DOUBLE,
+    GRAY,
+    ORANGE,
+    SKY,
+    VERMILION,
+    letter,
+    new_figure,
+    styled,
+)
 
 
 if TYPE_CHECKING:
@@ -20,22 +32,37 @@ _OPEN = 1e-3  # of a valve, from which on it counts as open
 _SHUT = "#e4e4e4"
 
 
+class Demanded(NamedTuple):
+    """What a run was to follow: `of` "force" or "position" [-]; the `demand` at each step, and what
+    was `done` at each moment [SI]; whether any policy `can` [-].
+    """
+
+    of: str
+    demand: np.ndarray
+    done: np.ndarray
+    can: np.ndarray
+
+
 @styled
-def traces(plant: "Plant", run: "Trajectory") -> Figure:
-    """Position, pressures and forces over time, and valves below them.
+def traces(plant: "Plant", run: "Trajectory", demanded: Demanded | None = None) -> Figure:
+    """Position, pressures and forces over time, and valves below them; above, what was demanded.
 
     **Arguments:**
 
     - `plant`: that ran [-].
     - `run`: one run, not a batch of them [SI].
+    - `demanded`: what it was to follow [SI], or none.
 
     **Returns:** the figure [-].
     """
-    heights = [1.0, 1.0, 1.0, 0.12 + 0.13 * plant.units]
+    more = 0 if demanded is None else 2
+    heights = [*[1.3, 0.7][:more], 1.0, 1.0, 1.0, 0.12 + 0.13 * plant.units]
     figure, axes = new_figure(
-        4, 1, DOUBLE, 0.19 * DOUBLE * sum(heights) + 0.5, sharex=True, height_ratios=heights
+        4 + more, 1, DOUBLE, 0.19 * DOUBLE * sum(heights) + 0.5, sharex=True, height_ratios=heights
     )
-    position, pressure, force, valves = axes[:, 0]
+    position, pressure, force, valves = axes[more:, 0]
+    if demanded is not None:
+        follows(axes[0, 0], axes[1, 0], plant, run, demanded)
     _position(position, plant, run)
     _by_unit(pressure, run, np.asarray(run.seen.pressures) / 1e3)
     _line(
@@ -50,12 +77,12 @@ def traces(plant: "Plant", run: "Trajectory") -> Figure:
     _by_unit(force, run, np.asarray(run.seen.forces))
     force.set_ylabel("Force F [N]")
     _valves(valves, run)
-    for ax, mark, title in zip(
-        axes[:, 0], "abcd",
-        ("position of the load", "gauge pressure of each unit, and of the supply",
-         "pull of each unit's muscles together", "valve of each unit"),
-        strict=True,
-    ):  # fmt: skip
+    titles = (
+        *("what was demanded and what was done", "error")[:more], "position of the load",
+        "gauge pressure of each unit, and of the supply", "pull of each unit's muscles together",
+        "valve of each unit",
+    )  # fmt: skip
+    for ax, mark, title in zip(axes[:, 0], "abcdef", titles, strict=False):
         letter(ax, mark, title)
     for ax in (pressure, force):
         ax.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
@@ -156,3 +183,36 @@ def _valves(ax: Axes, run: "Trajectory") -> None:
     ax.set_yticks(range(1, units + 1), [f"unit {unit + 1}" for unit in range(units)])
     ax.set_ylim(units + 0.6, 0.4)
     ax.grid(visible=False)
+
+
+def follows(ax: Axes, error: Axes, plant: "Plant", run: "Trajectory", demanded: Demanded) -> None:
+    """Draw what a `run` [SI] of a `plant` [-] did of what was `demanded` [SI] onto `ax` [-], and
+    what it missed onto `error` [-].
+    """
+    factor, unit = shown_in(plant, demanded.of)
+    wanted, done = factor * demanded.demand, factor * demanded.done
+    _line(ax, run, done, BLUE, "done")
+    _line(ax, run, np.append(wanted, wanted[-1]), BLACK, "demanded", linestyle=(0, (4, 2)))
+    # beyond what muscles can there is nothing to be followed
+    missed = np.append(0.0, np.where(demanded.can, done[1:] - wanted, np.nan))
+    _line(error, run, missed, VERMILION, "error")
+    error.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
+    edges = np.flatnonzero(np.diff(np.r_[True, demanded.can, True]))
+    for number, (begin, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        span = (float(run.time[begin]), float(run.time[end]))
+        for one in (ax, error):
+            label = "can't be reached" if number == 0 and one is ax else None
+            one.axvspan(*span, facecolor="none", edgecolor=GRAY, hatch="////", linewidth=0,
+                        label=label)  # fmt: skip
+    ax.legend(loc="best")
+    symbol = "F" if demanded.of == "force" else "q"
+    ax.set_ylabel(f"{demanded.of.capitalize()} {symbol} [{unit}]")
+    error.set_ylabel(f"Error [{unit}]")
+
+
+def shown_in(plant: "Plant", of: str) -> tuple[float, str]:
+    """Factor [-] and unit in which what a `plant` [-] is controlled `of` is drawn [-]."""
+    turns = plant.load.unit == "rad"
+    if of == "position":
+        return (180 / np.pi, "°") if turns else (1e3, "mm")
+    return 1.0, "N·m" if turns else "N"

@@ -9,6 +9,7 @@ import numpy as np
 from ..plot.sankey import energies
 from ..plot.simulated import MOST, traces
 from ..plot.style import to_bytes
+from .controlled import beyond, demanded, judged, told
 from .page import Page
 
 
@@ -52,8 +53,10 @@ def report(
         page.paragraph(f"Where its figures come from: {scenario.source}.")
     page.paragraph("A simulation: nothing on this page was measured.", "note")
 
+    if scenario.controlled is not None:
+        _control(page, scenario, run)
     page.heading("What moved", "traces")
-    figure = traces(scenario.plant, run)
+    figure = traces(scenario.plant, run, demanded(scenario, run))
     page.picture(to_bytes(figure, "svg"), "svg", "Position, pressures, forces and valves over time",
                  figure.get_figwidth() * _INCH)  # fmt: skip
     page.paragraph(_caption(scenario, run), "note")
@@ -67,6 +70,22 @@ def report(
     from .. import __version__
 
     return page.text(f"Made on {date} by fascicle {__version__}.")
+
+
+def _control(page: Page, scenario: "Scenario", run: "Trajectory") -> None:
+    made, plant = scenario.controlled, scenario.plant
+    assert made is not None
+    of, what = made.controller.of, judged(made, run)
+    page.heading("What its control was worth", "control")
+    page.paragraph(f"The {of} was controlled, by the policy `{made.policy}`.")
+    page.table(["", ""], ([escape(words), figure] for words, figure in told(plant, of, what)))
+    if out := beyond(plant, of, what):
+        page.paragraph(f"{out}.")
+    page.paragraph(
+        "The drawdown is how far it fell while its demand didn't; the dip is what the next unit"
+        " takes, as it is fed, before it gives.",
+        "note",
+    )
 
 
 def _verdict(doubts: Sequence[str], audited: "Audit | None") -> str:

@@ -4,10 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .controlled import followed
 from .labelled import Table, Variable
 
 
 if TYPE_CHECKING:
+    from ..control import Cascade
     from ..dynamics import Audit, Plant, Trajectory
 
 _LAST = {
@@ -24,7 +26,13 @@ _STORED = {"fluid": "exergy of a gas, energy of a liquid", "muscles": "in the mu
            "friction": "in friction's springs"}  # fmt: skip
 
 
-def simulated(plant: "Plant", run: "Trajectory", found: "Audit | None" = None) -> Table:
+def simulated(
+    plant: "Plant",
+    run: "Trajectory",
+    found: "Audit | None" = None,
+    controller: "Cascade | None" = None,
+    reference: Any = None,
+) -> Table:
     """A run, a moment a row, and its balances.
 
     **Arguments:**
@@ -32,9 +40,11 @@ def simulated(plant: "Plant", run: "Trajectory", found: "Audit | None" = None) -
     - `plant`: that ran [-].
     - `run`: one run, not a batch of them [SI].
     - `found`: its `audit` [-]; left out, the table has no balances, but still says what happened.
+    - `controller`: that it was run with, of `control.cascade` [-], or none.
+    - `reference`: what was demanded of it, one for each step [SI].
 
     **Returns:** a table [-]: with `time` everything that changes, with `balance` what is left over
-    of each, with `event` what happened.
+    of each, with `event` what happened; and what control was worth.
     """
     from ..dynamics import events
 
@@ -79,6 +89,7 @@ def simulated(plant: "Plant", run: "Trajectory", found: "Audit | None" = None) -
                 ("time", "valve"), np.asarray(run.commands), "-", "held from then on"
             ),
             "status": now(seen.status, "-", _bits()),
+            **({} if controller is None else followed(controller, run, reference)),
             **_energies(run),
             **_balances(found),
             **_events(events(run)),

@@ -8,12 +8,14 @@ from typing import Annotated, Any
 
 import typer
 
+from ..audited import audited
 from ..inputs import read_scenario
 from ..options import AsCsv, AsJson, Out, Plot, Replace
 from ..outputs import Outputs, say
 from ..printed import decimals, number, show
 from ..problems import UserError, refusing
 from ..telling import telling
+from .simulate_compare import compare as comparing
 
 
 def complete_scenario(incomplete: str) -> list[str]:
@@ -42,6 +44,20 @@ Report = Annotated[
         show_default=False,
     ),
 ]
+Policy = Annotated[
+    str | None,
+    typer.Option(
+        "--policy",
+        metavar="NAME",
+        help="Control by this policy, not the scenario's: orderly, batch, threshold, energy_aware,"
+        " hand_over, pre_charge, fast_cross, or auto.",
+        show_default=False,
+    ),
+]
+Compare = Annotated[
+    bool,
+    typer.Option("--compare", help="Run every policy: their dips against their energy."),
+]
 _DISTRUSTED = 1
 # of arrays up to so many bytes; what has been set is respected
 LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"
@@ -55,6 +71,8 @@ def run(
     out: Out = None,
     plot: Plot = None,
     report: Report = None,
+    policy: Policy = None,
+    compare: Compare = False,
     overwrite: Replace = False,
 ) -> int:
     """A bundle driven in time, and where every joule went.
@@ -64,10 +82,17 @@ def run(
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     _check(report, overwrite)
+    if compare and policy is not None:
+        raise UserError("--compare runs every policy: leave out --policy.")
     # a loop as one function of machine code, not a task for each of its operations
     os.environ.setdefault("XLA_FLAGS", LOOPS)
     with telling("reading the scenario") as tell:
         read = read_scenario(scenario)
+        if policy is not None:
+            with refusing():
+                read = read.taking(policy)
+        if compare:
+            return comparing(read, outputs, report, overwrite)
         from ...results.simulated import simulated
 
         steps = round(read.duration / read.dt)
@@ -75,17 +100,20 @@ def run(
         with refusing():
             found = read.run()
         tell("where the energy went")
-        audited, doubts = _audited(read.plant, found)
-        table = simulated(read.plant, found, audited)
+        balanced, doubts = audited(read.plant, found)
+        made = read.controlled
+        asked = () if made is None else (made.controller, made.reference)
+        table = simulated(read.plant, found, balanced, *asked)
 
     def draw() -> Any:
         from ...plot.simulated import traces
+        from ...reports.controlled import demanded
 
-        return traces(read.plant, found)
+        return traces(read.plant, found, demanded(read, found))
 
     title = f"Simulation of {read.name}"
     outputs.give(
-        table, lambda: _print(read, found, audited), draw, title=title, notes=_told(read, doubts)
+        table, lambda: _print(read, found, balanced), draw, title=title, notes=_told(read, doubts)
     )
     if report is not None:
         from ...core.atomic import write_text
@@ -93,7 +121,7 @@ def run(
         from ...reports.simulated import report as made
 
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        page = made(read, found, audited, doubts, today)
+        page = made(read, found, balanced, doubts, today)
         with refusing("--report "), replacing(report, overwrite):
             write_text(report, page)
         if not (as_json or as_csv):
@@ -118,33 +146,12 @@ def _check(report: str | None, overwrite: bool) -> None:
         check_file(report, overwrite)
 
 
-def _audited(plant: Any, found: Any) -> tuple[Any, list[str]]:
-    """The audit, or none of a chamber that keeps no balance, and why not to trust the run."""
-    from ...dynamics import audit, events
-
-    audited, doubts = None, []
-    try:
-        audited = audit(plant, found)
-    except ValueError as error:
-        doubts.append(str(error).rstrip("."))
-    doubts += [
-        f"the {one.name} doesn't close, {one.share:.1e} of its largest term is left over"
-        f" ({one.closes_within:g} would pass)"
-        for one in (audited.balances if audited else ())
-        if not one.closes
-    ]
-    doubts += [
-        f"{one.name} from {one.first:g} s, {one.words}" for one in events(found) if not one.trusted
-    ]
-    return audited, doubts
-
-
 def _told(read: Any, doubts: list[str]) -> str:
     notes = [*read.notes, *(["can't be trusted: " + "; ".join(doubts)] if doubts else [])]
     return " ".join(notes)
 
 
-def _print(read: Any, found: Any, audited: Any) -> None:
+def _print(read: Any, found: Any, balanced: Any) -> None:
     from ...dynamics import events
 
     seen, plant = found.seen, read.plant
@@ -173,40 +180,24 @@ def _print(read: Any, found: Any, audited: Any) -> None:
     show(f"Positions of the load, from {read.name}", heads, rows)
     if read.controlled is not None:
         _worth(read, found)
-    if audited is not None:
-        _balances(audited)
+    if balanced is not None:
+        _balances(balanced)
     happened = events(found)
     for one in happened[:_EVENTS]:
         say(f"{one.name} from {one.first:.4g} s to {one.last:.4g} s: {one.words}")
 
 
 def _worth(read: Any, found: Any) -> None:
-    from ...control import worth
+    from ...reports.controlled import beyond, judged, told
 
-    made = read.controlled
-    what = worth(made.controller, found, made.reference)
-    turns = read.plant.load.unit == "rad"
-    force, place = ("N·m", ("deg", 57.29577951308232)) if turns else ("N", ("mm", 1e3))
-    unit, factor = place if made.controller.of == "position" else (force, 1.0)
-    rows = [
-        [f"drawdown while the demand rises, {unit}", f"{factor * what.drawdown:.4g}"],
-        ["deepest dip of a unit on the way, N", f"{what.dip:.4g}"],
-        [f"root mean square of the error, {unit}", f"{factor * what.rms:.4g}"],
-        [f"largest error, {unit}", f"{factor * what.largest_error:.4g}"],
-        ["lag, ms", f"{1e3 * what.lag:.4g}"],
-        ["energy from the supply, J", f"{what.supply_energy:.4g}"],
-        ["fluid from the supply, g", f"{1e3 * what.fluid:.4g}"],
-        ["times that a unit was recruited", f"{what.recruited}"],
-    ]
-    show(f"Control of {made.controller.of}", ["", ""], rows)
-    if what.unreachable:
-        say(
-            f"note: {what.unreachable} of {what.moments} demands can't be reached at the supply's"
-            " pressure, whatever the policy: errors and lag are of the others"
-        )
+    made, plant = read.controlled, read.plant
+    what, of = judged(made, found), made.controller.of
+    show(f"Control of {of} by {made.policy}", ["", ""], told(plant, of, what))
+    if out := beyond(plant, of, what):
+        say(f"note: {out}")
 
 
-def _balances(audited: Any) -> None:
+def _balances(balanced: Any) -> None:
     rows = [
         [
             one.name.replace(" of ", "\nof "),
@@ -214,7 +205,7 @@ def _balances(audited: Any) -> None:
             f"{one.share:.0e}",
             "closes" if one.closes else "DOES NOT CLOSE",
         ]
-        for one in audited.balances
+        for one in balanced.balances
     ]
     told = "left over: as a share of the largest term; terms that are zero aren't told"
     show("Balances", ["balance", "what came and went", "left over", ""], rows, told)
