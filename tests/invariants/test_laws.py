@@ -21,7 +21,7 @@ from fascicle.muscle import LAWS
 from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
-from fascicle.muscle.tension import Kothera2009, Meller2014, TonduLopez
+from fascicle.muscle.tension import ElasticBraid, Kothera2009, Meller2014, TonduLopez
 from fascicle.units import DIMENSIONS
 
 
@@ -63,6 +63,9 @@ COMBINATIONS = [
     },
     {"buckling": Kim2021(0.6), "collapse": "kim2021", "tuned": True},
     {"buckling": Elastica(0.6), "collapse": "wood1958"},
+    # fibers that stretch by up to a sixth at 1 MPa
+    {"buckling": "kim2021", "collapse": "kim2021", "tension": ElasticBraid(1e8)},
+    {"buckling": "elastica", "collapse": "wood1958", "tension": ElasticBraid(2e8), "tuned": True},
 ]
 
 

@@ -1,5 +1,7 @@
 """Fluid that the motor units of a bundle take in while it contracts."""
 
+import warnings
+
 from ..core.arrays import library
 from ..core.types import PerUnit, Values
 from .bundle import Bundle
@@ -22,6 +24,12 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
         ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
         rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
         ends = [muscle_strain(ratio, eps) for ratio in ratios]
+    if any(unit.muscle.tension.stretches for unit in bundle.motor_units):
+        warnings.warn(
+            "fluid is counted in the braid as it is without pressure: what fibers that stretch"
+            " let it swell by isn't in it.",
+            stacklevel=3,
+        )
     taken = [
         unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
         for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)

@@ -166,7 +166,8 @@ def _exact(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     one, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
 
     def coenergy(P: Numbers) -> Numbers:
-        return P * empty + contraction_work(muscles.law.at(P), strain)
+        law = muscles.law
+        return P * empty + law.tension.rest(P)[0] + contraction_work(law.at(P), strain)
 
     def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
         return jax.jvp(coenergy, (P,), (one,))

@@ -13,7 +13,8 @@ $$\Pi^*(P, \varepsilon) = P V(0) + L_0 \int_0^\varepsilon F(P, \varepsilon')
 Up to the free strain $V^*$ is the braid's volume, as (3) says. Past it the force follows a
 bowed, then a hinged bladder, and the straight braid's volume at that strain is not what its
 pressure works on: round a cycle it would make energy from nothing. Where the force jumps, as
-`elastica`'s does at a fold, the integral's slope holds the jump, too.
+`elastica`'s does at a fold, the integral's slope holds the jump, too. A braid that stretches
+swells at rest length as well: what it takes up there counts beside $P V(0)$.
 
 **Quadrature:** Gauss-Legendre on each stretch between a force's kinks. The kinks move with
 pressure, and so do the stretches: their slopes are part of $V^*$.
@@ -70,4 +71,5 @@ def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch
 
     P = pressure + 0.0 * strain
     swept = along(work, np.asarray(P) if isinstance(P, np.generic) else P, np.ones(np.shape(P)))
-    return muscle.braid.volume(0.0) - muscle.bladder.volume + swept
+    _, swollen = muscle.law.tension.rest(P)
+    return muscle.braid.volume(0.0) - muscle.bladder.volume + swollen + swept

@@ -5,6 +5,7 @@ can name any array's worst value, would take longer than the law.
 """
 
 import math
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,6 +17,8 @@ from ..core.limits import FAINT_PRESSURE, pressed, tilted
 from ..core.refused import Refused
 from ..core.types import Batch, Values
 from ..core.written import in_si, is_written
+from .bladder import Bladder
+from .braid import Braid
 from .tuning import Tuning
 
 
@@ -109,6 +112,21 @@ def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
             "must be less than `outer_radius`",
             float(t0.flat[worst]),
             shown=f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m",
+        )
+
+
+def held(muscle: Any) -> None:
+    """Warn of a `muscle` [-] whose tension law has nothing to say of the highest pressures."""
+    sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
+    if not muscle.tension.stretches or not concrete(*sizes, muscle.material, muscle.tension):
+        return
+    bladder = Bladder(Braid(*sizes), muscle.wall_thickness, muscle.material)
+    highest = np.min(np.asarray(muscle.tension.highest_pressure(bladder)))
+    if highest < HIGHEST_PRESSURE:
+        warnings.warn(
+            f"`{muscle.tension.name}` holds up to {highest / 1e3:.4g} kPa at rest length: above it"
+            " the fibers would stretch further than the law says, and are held there.",
+            stacklevel=3,
         )
 
 

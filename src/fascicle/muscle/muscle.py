@@ -36,6 +36,7 @@ from .entry import (
     chosen,
     contracting,
     gauge,
+    held,
     point,
     strained,
     thinner,
@@ -111,6 +112,7 @@ class Muscle(Module):
         if not isinstance(tuning, Tuning | None):
             raise Refused("tuning", "must be a Tuning or None", tuning)
         self.tuning = Tuning() if tuning is None else tuning
+        held(self)
 
     @classmethod
     def from_dimensions(

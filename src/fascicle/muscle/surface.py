@@ -259,10 +259,11 @@ def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nod
     rest = int(np.argmin(np.abs(strain)))
     pull, _ = at.force(np.stack(grid))
     empty = float(muscle.volume(0.0))
+    gained, swollen = (x[:, None] for x in muscle.law.tension.rest(pressure))
     return _Nodes(
-        coenergy=pressure[:, None] * empty + work - work[:, rest, None],
+        coenergy=pressure[:, None] * empty + gained + work - work[:, rest, None],
         by_strain=L0 * pull.value.T,
-        by_pressure=empty + swept - swept[:, rest, None],
+        by_pressure=empty + swollen + swept - swept[:, rest, None],
         by_both=L0 * pull.slopes[..., 0].T,
     )
 

@@ -173,6 +173,12 @@ class TunedTension(Module):
         """$F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
         return self.pull(pressure, strain).force
 
+    def rest(self, pressure: BatchLike) -> tuple[Batch, Batch]:
+        """Co-energy [J] that a braid that stretches takes up at rest length and `pressure` [Pa],
+        beyond that of its volume; and its slope [m³].
+        """
+        return self.law.rest(self.bladder, self.tuning.effective_pressure(pressure))
+
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)

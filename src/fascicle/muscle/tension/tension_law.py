@@ -20,6 +20,7 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 
 from ...core.arrays import cos, maximum, minimum, sqrt
+from ...core.domain import HIGHEST_PRESSURE
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
@@ -54,11 +55,13 @@ class AbstractTension(AbstractLaw):
 
     `conservative`: whether the mesh works as much as the pressure does, $P \\mathrm{d}V$.
     `linear_in_pressure`: whether all of it is, so that it pulls most at an end of any range.
+    `stretches`: whether its braid does, so that it says what a braid at `rest` takes up.
     `free`: what a fit of it moves where nobody says what: its constants, the rubber's, or sizes.
     """
 
     conservative: eqx.AbstractVar[bool]
     linear_in_pressure: ClassVar[bool] = False
+    stretches: ClassVar[bool] = False
     free: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
@@ -74,6 +77,19 @@ class AbstractTension(AbstractLaw):
     @abc.abstractmethod
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """Strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
+
+    def rest(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
+        """Co-energy [J] that a braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
+        and the volume [m³] by which it swells: none, but where it `stretches`.
+        """
+        none = 0.0 * pressure * bladder.braid.length
+        return none, none
+
+    def highest_pressure(self, bladder: Bladder) -> Batch:
+        """Pressure [Pa] up to which it says something of a muscle with that `bladder` [-]: the
+        domain's end, but where it `stretches`.
+        """
+        return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
 
     def components(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike

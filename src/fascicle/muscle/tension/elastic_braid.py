@@ -1,0 +1,186 @@
+r"""A braid whose fibers stretch, around a hyperelastic bladder.
+
+A fiber that bears the tension $T_f$ is $b (1 + T_f/EA)$ long. With $u$ the fibers' strain, all $n$
+of them alike, the braid's radius is no longer told by the length alone,
+
+$$\frac{r^2}{r_0^2} = \frac{(1 + u)^2 - \cos^2\alpha_0 \lambda^2}{\sin^2\alpha_0}, \tag{EB1}$$
+
+and the muscle takes the $u$ at which its potential is least,
+
+$$\Pi(P, \varepsilon) = \min_u \left[\tfrac12 k_f \pi r_0^2 \frac{L_0}{\cos\alpha_0} u^2
+  + V_b W(\lambda^2, r^2/r_0^2) - P \pi r^2 L\right], \qquad
+  k_f = \frac{n EA}{\pi r_0^2}, \qquad
+  T = -\frac{1}{L_0} \frac{\partial \Pi}{\partial\varepsilon}. \tag{EB2}$$
+
+Where $\Pi$ is stationary in $u$ it is least: its second derivative there is
+$k_f \pi r_0^2 L_0/(\cos\alpha_0 (1 + u))$ and what the wall adds, positive, so that there is one
+such $u$ at most. It moves the energy no further: the force is that of (3) and (4) at this $u$.
+As $k_f \to \infty$ it is `klute_hannaford`, to the bit.
+
+**Held fibers:** Hooke's fiber runs away at a pressure of some $k_f \tan\alpha_0 \sin\alpha_0/2$,
+and a braid that has come to $1 + u = \sqrt3 \cos\alpha_0$ at rest length contracts no more. Fibers
+are held half-way there, $1 + u \le (1 + \sqrt3 \cos\alpha_0)/2$, 1.226 at 33 deg. A muscle that
+comes so far at rest length below 1 MPa warns as it is made, and says at which pressure.
+
+**Sign:** pull and contraction positive; $u$ is negative where the bladder draws the braid in.
+**Assumes** fibers that are Hooke's, in push as in pull (as those that can't stretch are), and
+free of friction. **Valid for** $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
+**Source:** derived here; that fibers of soft braids stretch, and what it costs: Chambers and
+Wereley (2022).
+"""
+
+from typing import ClassVar
+
+import numpy as np
+
+from ...core.arrays import cos, minimum, no, sqrt, where
+from ...core.checks import positive
+from ...core.constant import POSITIVE, Constant
+from ...core.roots import guarded, root
+from ...core.types import Batch, BatchLike, BoolBatch, Values
+from ..bladder import Bladder
+from ..braid import Braid
+from ..materials.material_law import Slopes
+from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
+
+
+class ElasticBraid(AbstractTension):
+    """Stretching fibers and a hyperelastic bladder, equation (EB2)."""
+
+    name: ClassVar[str] = "elastic_braid"
+    title: ClassVar[str] = "Elastic braid"
+    source: ClassVar[str] = "derived here; Chambers and Wereley (2022)"
+    conservative: ClassVar[bool] = False  # of the unstretched braid's volume
+    stretches: ClassVar[bool] = True
+    free: ClassVar[tuple[str, ...]] = ("fiber_stiffness", "c10", "c01", *SIZES)
+
+    fiber_stiffness: Batch = Constant(
+        # soft nylon braids are some 20 MPa, aramid ones some GPa; no double feels the largest
+        "fiber_stiffness", "k_f", "pressure", (1e5, 1e7, 1e11, 1e300), POSITIVE, 1e9,
+        "of all fibers, EA times their number, over the section inside the braid at rest",
+    ).field()  # fmt: skip
+
+    @classmethod
+    def from_fibers(cls, braid: Braid, stiffness: Values, count: Values = 1) -> "ElasticBraid":
+        """The law of a braid whose fibers are known.
+
+        **Arguments:**
+
+        - `braid`: the muscle's [-].
+        - `stiffness`: $EA$ of a fiber [N]: its tension over its strain.
+        - `count`: $n$, of fibers [-] in both directions together.
+
+        **Returns:** the law [-].
+
+        **Raises:** `ValueError` where one isn't positive.
+        """
+        EA = positive(stiffness, "stiffness", "N")
+        n = positive(count, "count", "-")
+        return cls(n * EA / (np.pi * braid.radius**2))
+
+    def stretch(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """The fibers' strain $u$ [-] at `pressure` [Pa] and `strain` [-]."""
+        return self._stretch(bladder, pressure, strain)[0]
+
+    def radius(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """Outer radius while straight [m] at `pressure` [Pa] and `strain` [-], (EB1)."""
+        u = self.stretch(bladder, pressure, strain)
+        return bladder.braid.radius * sqrt(_swell(bladder.braid, strain, u))
+
+    def potential(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
+        """$\\Pi$ [J] at `pressure` [Pa] and `strain` [-], (EB2)."""
+        braid, u = bladder.braid, self.stretch(bladder, pressure, strain)
+        q, lam = _swell(braid, strain, u), 1 - strain
+        bore = np.pi * braid.radius**2 * braid.length
+        fibers = 0.5 * self.fiber_stiffness / cos(braid.angle) * u**2
+        wall = bladder.volume * bladder.material.energy(lam**2, q)
+        return bore * (fibers - pressure * q * lam) + wall
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N], equations (3) and (4) at the fibers' stretch."""
+        braid, lam = bladder.braid, 1 - strain
+        u, W, held = self._stretch(bladder, pressure, strain)
+        cot2, more = braid.cot2, 2 * (1 + braid.cot2) * (1 + u)  # dq/du
+        # how the least energy moves with the strain: its slope in u stays zero
+        c = self._compliance(braid)
+        load = pressure * lam - _share(bladder) * W.q
+        by_strain = -pressure + 2 * lam * _share(bladder) * (W.pq - cot2 * W.qq)
+        steep = 1 - c * load + c * (1 + u) * _share(bladder) * W.qq * more
+        drift = where(held, 0.0, c * (1 + u) * by_strain / steep)
+
+        mesh, mesh_slope = braid.mesh(pressure, strain)
+        pull = np.pi * braid.radius**2 * pressure
+        loss, loss_slope = pull * (1 + cot2) * u * (2 + u), pull * more * drift
+        rest = W.p - cot2 * W.q
+        bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
+        wall, aside = 2 * bladder.area, (W.pq - cot2 * W.qq) * more * drift
+        return Pull(
+            mesh=mesh - loss,
+            bladder=wall * lam * rest,
+            mesh_slope=mesh_slope - loss_slope,
+            bladder_slope=-wall * (rest + 2 * lam**2 * bend) + wall * lam * aside,
+        )
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The root of $T = C_1$ [-]; 0 at $P = 0$, and where fibers give way it falls again."""
+        return solved_free_strain(self, bladder, pressure, offset)
+
+    def rest(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
+        """Co-energy [J] that the braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
+        and the volume [m³] by which it swells, which is its slope.
+        """
+        braid, none = bladder.braid, 0.0 * pressure
+        u = self.stretch(bladder, pressure, none)
+        swollen = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)
+        gained = -self.potential(bladder, pressure, none) - pressure * braid.volume(none)
+        return gained, swollen
+
+    def highest_pressure(self, bladder: Bladder) -> Batch:
+        """Pressure [Pa] up to which fibers around that `bladder` [-] aren't held at rest length."""
+        u = _most(bladder.braid)
+        W = bladder.material.slopes(1.0, _swell(bladder.braid, 0.0, u))
+        return u / (1 + u) / self._compliance(bladder.braid) + _share(bladder) * W.q
+
+    def _compliance(self, braid: Braid) -> Batch:
+        """Of the fibers' strain by what presses them out [1/Pa]."""
+        return 2 * cos(braid.angle) * (1 + braid.cot2) / self.fiber_stiffness
+
+    def _stretch(
+        self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
+    ) -> tuple[Batch, Slopes, BoolBatch]:
+        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers are held [-]."""
+        braid, c, lam = bladder.braid, self._compliance(bladder.braid), 1 - strain
+        top = _most(braid) + 0.0 * lam
+        held = _pressed((bladder, c, pressure, strain), top)[0] > 0
+        P = guarded(no(held), pressure, 0.0)
+        # a braid whose fibers shrink more has no room inside
+        low = cos(braid.angle) * lam - 1
+        ideal = c * P * lam
+        start = minimum(ideal / (1 + ideal), top)
+        u = where(held, top, root(_pressed, (bladder, c, P, strain), low, top, start))
+        return u, bladder.material.slopes(lam**2, _swell(braid, strain, u)), held
+
+
+def _most(braid: Braid) -> Batch:
+    """The strain [-] at which fibers are held: half-way to a braid that doesn't contract."""
+    return 0.5 * (np.sqrt(3) * cos(braid.angle) - 1)
+
+
+def _share(bladder: Bladder) -> Batch:
+    """The wall's section over that inside the braid, at rest [-]."""
+    return bladder.area / (np.pi * bladder.braid.radius**2)
+
+
+def _swell(braid: Braid, strain: BatchLike, u: BatchLike) -> Batch:
+    """$(r/r_0)^2$ [-] at `strain` [-] and a fibers' strain `u` [-], (EB1)."""
+    return braid.swell(strain) + (1 + braid.cot2) * u * (2 + u)
+
+
+def _pressed(theta: tuple, u: Batch) -> tuple[Batch, Batch]:
+    """How much longer fibers would be than by `u` [-], and its slope."""
+    bladder, c, pressure, strain = theta
+    braid, lam = bladder.braid, 1 - strain
+    W = bladder.material.slopes(lam**2, _swell(braid, strain, u))
+    load = pressure * lam - _share(bladder) * W.q
+    stiffening = 2 * (1 + braid.cot2) * (1 + u) ** 2 * _share(bladder) * W.qq
+    return c * (1 + u) * load - u, c * load - c * stiffening - 1
