@@ -145,6 +145,18 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
 
 
+def test_help_lists_every_name_that_a_fit_takes(fascicle):
+    from fascicle.muscle.laws import LAWS
+
+    code, out, _ = fascicle("calibrate", "--help")
+    assert code == 0
+    listed = out.split("Names for --fit and --prior")[1].split()
+    laws = [law for laws in LAWS.values() for law in laws.values()]
+    own = [one.name for law in laws for one in law.constants() if one.transform is not None]
+    for name in (*own, *FACTORS, "c10", "braid_angle", "active_length", "dead_band"):
+        assert listed.count(name) == 1, name
+
+
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")

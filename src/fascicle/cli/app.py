@@ -18,6 +18,7 @@ import typer
 
 from ..core.visible import visible
 from .commands.bundle import run as bundle
+from .commands.calibrate import WithNames
 from .commands.calibrate import run as calibrate
 from .commands.design import run as design
 from .commands.efficiency import run as efficiency
@@ -57,7 +58,7 @@ app.command("recruit")(recruit)
 app.command("efficiency")(efficiency)
 app.command("simulate")(simulate)
 app.command("record")(record)
-app.command("calibrate")(calibrate)
+app.command("calibrate", cls=WithNames)(calibrate)
 app.command("explore")(explore)
 app.command("export")(export)
 app.command("design")(design)

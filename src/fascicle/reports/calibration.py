@@ -335,13 +335,15 @@ def _posterior(page: Page, made: Calibration, posterior: "Posterior") -> None:
 def _comparison(page: Page, rows: "Sequence[Row]") -> None:
     page.heading("Laws compared", "comparison")
     page.table(
-        ["Law", "Free", "RMSE", "RMSE at pressures left out", "AIC", "BIC", "Search"],
+        ["Law", "Free", "RMSE", "RMSE at pressures left out", "Pull where clipped", "AIC", "BIC",
+         "Search"],
         [
             [
                 escape(row.label),
                 str(row.free),
                 pretty(row.rmse, "force"),
                 pretty(row.left_out_rmse, "force"),
+                pretty(row.clipped_pull, "force"),
                 f"{row.aic:.1f}",
                 f"{row.bic:.1f}",
                 escape(row.status),
@@ -350,7 +352,8 @@ def _comparison(page: Page, rows: "Sequence[Row]") -> None:
         ],
     )
     page.paragraph(
-        "AIC and BIC are counted from the least of the table. A law that is only better where it"
+        "AIC and BIC are counted from the least of the table, by the likelihood of all readings,"
+        " clipped ones too. A law that is only better where it"
         " was fitted is not better: the pressures left out decide.",
         "note",
     )

@@ -4,15 +4,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.stats import norm
 
 import fascicle as fs
 from fascicle.calibrate import Prior, compare, compare_tension, fit
-from fascicle.calibrate.data.grid import grid
+from fascicle.calibrate.data.grid import grid, trimmed
 from fascicle.calibrate.data.reference import SAROSI_DMSP_20_200N, refitted, sarosi
 from fascicle.calibrate.fits import comparing
 from fascicle.calibrate.fits.comparing import Row, left_out_errors, ranked, row
 from fascicle.calibrate.fits.fitting import fitted
 from fascicle.calibrate.problem.alternatives import collapse_named
+from fascicle.calibrate.problem.likelihood import deviance
 from fascicle.muscle.collapse import Kim2021Collapse
 from fascicle.records.record import Record
 
@@ -47,16 +49,50 @@ def test_clipped_readings_have_no_error(made, errors):
     assert_array_equal(np.isnan(errors), np.asarray(made.problem.data.censored))
 
 
+def likelihood_by_hand(measured, law, at_clipped):
+    """-2 ln L at the best of many noises, from the distributions themselves: an independent way."""
+
+    def cost(noise):
+        seen = norm.logpdf(measured, law, noise).sum() + norm.logcdf(0.0, at_clipped, noise).sum()
+        return -2 * seen - measured.size * np.log(2 * np.pi)
+
+    noises = np.geomspace(1e-3, 1e3, 200)
+    near = noises[np.argmin([cost(noise) for noise in noises])]
+    for width in (0.1, 1e-3, 1e-5):
+        noises = near * (1 + width * np.linspace(-1, 1, 401))
+        near = noises[np.argmin([cost(noise) for noise in noises])]
+    return cost(near)
+
+
+def test_clipped_readings_count_in_the_likelihood():
+    P, eps = np.array([[1e5], [2e5]]), np.array([[0.0, 0.1, 0.2]])
+    force, clipped = np.array([[5.0, 2.0, 0.0], [9.0, 6.0, 0.0]]), np.array([[0, 0, 1], [0, 0, 1]])
+    data = trimmed(grid(Record.of(P, eps, force, clipped.astype(bool))))
+    good, pulls = np.array([[5.1, 1.8, -1.0], [9.2, 6.1, -1.0]]), np.zeros((2, 3))
+    pulls[:, 2] = 4.0
+    for law in (good, good + pulls):
+        used = clipped == 0
+        wanted = likelihood_by_hand(force[used], law[used], law[~used]) - 4
+        assert_allclose(deviance(data, law), wanted, rtol=1e-9)
+    assert deviance(data, good + pulls) > deviance(data, good) + 5
+    # without clipped ones it is the sum of squares' logarithm
+    plain = trimmed(grid(Record.of(P, eps, force)))
+    assert_allclose(deviance(plain, good), 6 * np.log(np.mean((force - good) ** 2)), rtol=1e-12)
+
+
 def test_criteria_by_hand(made, errors):
     found = row("a law", made)
     F, mu = np.asarray(made.problem.data.force), np.asarray(made.force)
     measured = ~np.asarray(made.problem.data.censored)
     n, k = 37, 2
     assert n == measured.sum()
+    cost = likelihood_by_hand(F[measured], mu[measured], mu[~measured]) - n
+    # the noise is found to 1e-10, and the cost is flat there
+    assert_allclose(found.aic, cost + 2 * k, rtol=1e-9)
+    assert_allclose(found.bic, cost + k * np.log(n + 3), rtol=1e-9)
     spread = n * np.log(np.mean((F - mu)[measured] ** 2))
-    assert_allclose(found.aic, spread + 2 * k, rtol=1e-12)
-    assert_allclose(found.bic, spread + k * np.log(n), rtol=1e-12)
     assert_allclose(found.rmse, np.exp(spread / n / 2), rtol=1e-12)
+    assert_allclose(found.clipped_pull, max(mu[~measured].max(), 0.0), rtol=1e-12)
     assert_allclose(found.left_out_rmse, np.sqrt(np.nanmean(errors**2)), rtol=1e-12)
     top = F[measured].max()
     assert_allclose(found.relative_rmse * top, found.rmse, rtol=1e-12)
@@ -110,6 +146,27 @@ def test_a_refit_finds_the_constants_that_made_the_data():
     spoiled = replace(data, force=data.force + 500.0 * third)
     assert_allclose(refitted(spoiled, weight * ~third), truth, rtol=1e-5)
     assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)
+
+
+def test_a_refit_does_not_pull_where_readings_are_clipped():
+    P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.3, 9), indexing="ij")
+    F = np.asarray(sarosi(np.array(SAROSI_DMSP_20_200N), P, eps)) - 60 * (eps > 0.15)
+    F = F + np.random.default_rng(0).normal(size=F.shape)
+    clipped = F < 0
+    data = trimmed(grid(Record.of(P, eps, np.where(clipped, 0.0, F), clipped)))
+    every = np.broadcast_to(data.pressure, data.strain.shape)
+    again = sarosi(refitted(data, np.ones(data.count.shape)), every, data.strain)
+    without = sarosi(refitted(data, data.uncensored.astype(float)), every, data.strain)
+    there = data.censored & (data.count > 0)
+    # ignored they are missed by far; heeded, by no more than the noise that the law leaves
+    assert np.max(without[there]) > 1.5 * max(np.max(again[there]), 1.0)
+    assert deviance(data, again) < deviance(data, without)
+
+
+def test_constants_of_another_diameter_are_said_to_be_that():
+    assert comparing._other(nominal()) == ""
+    narrow = nominal().replace(outer_radius=5e-3, wall_thickness=1e-3)
+    assert comparing._other(narrow) == ": 20 mm wide, this muscle 10 mm"
 
 
 HOW = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3}

@@ -1,9 +1,9 @@
 r"""Which law tells a record best, and which one tells what it has not seen.
 
-Each row fits one choice of laws. Its error is compared by what it costs: with $n$ readings,
-$k$ free constants and the noise $\sigma$ that remains,
+Each row fits one choice of laws. It is compared by how likely it makes all $n$ readings, clipped
+ones too (C13), and by what its $k$ free constants cost,
 
-$$\mathrm{AIC} = n \ln \sigma^2 + 2k, \qquad \mathrm{BIC} = n \ln \sigma^2 + k \ln n \tag{C6}$$
+$$\mathrm{AIC} = -2 \ln L + 2k, \qquad \mathrm{BIC} = -2 \ln L + k \ln n \tag{C6}$$
 
 and by what it is for: the fit is repeated without each pressure in turn, and judged by its
 error there. With the paper's tuning the blocked force and free strain that a left-out
@@ -18,18 +18,27 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
+from ...core.types import AnyArray
 from ...muscle import Muscle
 from ...muscle.laws import LAWS
 from ...records.record import Record
+from ...units import pretty
 from ..after.calibration import Calibration, largest_force, root_mean_square
-from ..after.leaving_out import left_out_errors
-from ..data.reference import SAROSI_DMSP_20_200N, refitted, sarosi
+from ..after.leaving_out import folds, left_out_errors
+from ..data.grid import Grid
+from ..data.reference import DIAMETER, SAROSI_DMSP_20_200N, refitted, sarosi
 from ..data.taking import taken
 from ..problem.alternatives import collapse_named, post_collapse_named
 from ..problem.beginning import Prior, Search
+from ..problem.likelihood import deviance
 from ..problem.parameters import of_muscle
+from .candidates import BAND
 from .fitting import fitted
+
+
+_NOMINAL = 0.1  # of a diameter: nearer than that published constants are of such a muscle
 
 
 @dataclass(frozen=True)
@@ -42,6 +51,8 @@ class Row:
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
     - `aic`, `bic`: (C6) [-], less the least of a table.
     - `status`: how the fit ended [-].
+    - `clipped_pull`: the most that it pulls where a reading was clipped at zero [N]; 0 where it
+      pulls at none.
     """
 
     label: str
@@ -53,6 +64,7 @@ class Row:
     aic: float
     bic: float
     status: str
+    clipped_pull: float = 0.0
 
 
 def compare(
@@ -105,33 +117,34 @@ def compare_tension(
 
     - `record`: what was measured [-].
     - `muscle`: nominal sizes [-].
-    - `parameters`: what is free of the muscle's own law [-]; of these dead band and active length
-      are free with every other law too. Left out, each law's usual ones.
+    - `parameters`: what is free of the muscle's own law [-]; those that other laws have as well
+      are tried with them too. Left out, each law's usual ones. All are tried with and without a
+      dead band.
     - `priors`: as `fit` [-], for those laws that have the parameter.
     - `search`: loss, weights, starts and seed, as `fit` [-].
 
     **Returns:** a row for each, the least AIC first [-].
     """
     of, fits = taken(record), {}
-    own = muscle.tension.name
+    own, asked = muscle.tension.name, list(parameters or ())
     for law, kind in {own: type(muscle.tension), **LAWS["tension"]}.items():
-        label, free = kind.title or law, kind.usually_free()
-        names = list(parameters or free) if law == own else list(free)
-        names += [one for one in _ANY_LAW if one in (parameters or ()) and one not in names]
-        with_law = muscle if law == own else muscle.replace(tension=law)
-        told = {name: prior for name, prior in (priors or {}).items() if name in names}
-        fits[f"{label}: {', '.join(names)}"] = fitted(of, with_law, names, told, Search(**search))
+        free, with_law = kind.usually_free(), muscle if law == own else muscle.replace(tension=law)
+        every = of_muscle(with_law)
+        more = [one for one in asked if one not in muscle.tension.usually_free() and one in every]
+        bases = [asked or free] if law == own else [free, [*free, *more]]
+        sets = [[*base, *band] for base in bases for band in ((), (BAND,))]
+        for names in dict.fromkeys(tuple(dict.fromkeys(one)) for one in sets):
+            told = {name: prior for name, prior in (priors or {}).items() if name in names}
+            label = f"{kind.title or law}: {', '.join(names)}"
+            fits[label] = fitted(of, with_law, names, told, Search(**search))
     rows = [row(label, made) for label, made in fits.items()]
     return ranked([*rows, *_sarosi(next(iter(fits.values())))])
-
-
-_ANY_LAW = ("dead_band", "active_length")
 
 
 def row(label: str, made: Calibration) -> Row:
     """A calibration's row [-], under this `label` [-]."""
     unseen = root_mean_square(left_out_errors(made), np.asarray(made.data.count))
-    return _row(label, len(made.names), made.residual, unseen, made, made.status)
+    return _row(label, len(made.names), made.force, unseen, made, made.status)
 
 
 def ranked(rows: Sequence[Row]) -> list[Row]:
@@ -142,38 +155,48 @@ def ranked(rows: Sequence[Row]) -> list[Row]:
 
 
 def _row(
-    label: str, free: int, residual: np.ndarray, unseen: float, made: Calibration, status: str
+    label: str, free: int, force: np.ndarray, unseen: float, made: Calibration, status: str
 ) -> Row:
-    rmse = root_mean_square(residual, np.asarray(made.data.count))
-    n, top = int(np.sum(np.isfinite(residual))), largest_force(made.record)
-    spread = n * np.log(rmse**2)
+    data, top = made.data, largest_force(made.record)
+    rmse = root_mean_square(_missed(data, force), np.asarray(data.count))
+    clipped = (np.asarray(data.count) > 0) & np.asarray(data.censored)
+    n, cost = int(np.sum(np.asarray(data.count) > 0)), deviance(data, force)
     return Row(
-        label, free, rmse, unseen, rmse / top, unseen / top, float(spread + 2 * free),
-        float(spread + free * np.log(n)), status,
+        label, free, rmse, unseen, rmse / top, unseen / top, cost + 2 * free,
+        cost + free * float(np.log(n)), status, float(np.max(force[clipped], initial=0.0)),
     )  # fmt: skip
+
+
+def _missed(data: Grid, force: np.ndarray) -> np.ndarray:
+    """Measured less a law's `force` [N], NaN where it is clipped."""
+    return np.where(data.uncensored, np.asarray(data.force) - force, np.nan)
 
 
 def _sarosi(made: Calibration) -> list[Row]:
     """Sárosi's law as published and refitted to the record of `made` [-]."""
     data = made.data
-    P, used = np.asarray(data.pressure), data.uncensored
-    every = np.broadcast_to(data.pressure, data.strain.shape)
+    every, count = np.broadcast_to(data.pressure, data.strain.shape), np.asarray(data.count)
 
-    def errors(constants: np.ndarray) -> np.ndarray:
-        force = sarosi(constants, every, data.strain)
-        return np.where(used, np.asarray(data.force) - force, np.nan)
+    def force(constants: Float[AnyArray, "6"]) -> np.ndarray:
+        return np.asarray(sarosi(constants, every, np.asarray(data.strain)))
 
-    count = np.asarray(data.count)
-    published = errors(np.asarray(SAROSI_DMSP_20_200N))
-    again = errors(np.asarray(refitted(data, np.ones(count.shape))))
+    published, again = force(np.asarray(SAROSI_DMSP_20_200N)), force(refitted(data, 0 * count + 1))
     unseen = np.full(count.shape, np.nan)
-    for level in range(P.size):
-        weight = np.ones(count.shape)
-        weight[level] = 0.0
-        unseen[level] = errors(np.asarray(refitted(data, weight)))[level]
+    for fold in folds(data):
+        unseen[fold] = force(refitted(data, np.where(fold, 0.0, 1.0)))[fold]
+    left = root_mean_square(_missed(data, published), count)
     return [
-        _row("Sárosi, as published for a DMSP-20-200N", 0, published,
-             root_mean_square(published, count), made, "not fitted"),
-        _row("Sárosi, refitted", 6, again, root_mean_square(unseen, count), made,
+        _row(f"Sárosi, as published for a DMSP-20-200N{_other(made.start)}", 0, published, left,
+             made, "not fitted"),
+        _row("Sárosi, refitted", 6, again, root_mean_square(_missed(data, unseen), count), made,
              "converged"),
     ]  # fmt: skip
+
+
+def _other(muscle: Muscle) -> str:
+    """That published constants are of another diameter than a `muscle`'s, if they are."""
+    outer, wall = 2 * float(muscle.outer_radius), 2 * float(muscle.wall_thickness)
+    # makers name the inner diameter or the braid's
+    if (outer - wall) * (1 - _NOMINAL) <= DIAMETER <= outer * (1 + _NOMINAL):
+        return ""
+    return f": {pretty(DIAMETER, 'length')} wide, this muscle {pretty(outer, 'length')}"

@@ -232,6 +232,22 @@ def of_muscle(muscle: Muscle) -> dict[str, Parameter]:
     return dict(PARAMETERS) | {parameter.name: parameter for parameter in own}
 
 
+def every() -> dict[str, str]:
+    """What each name that a fit takes is [-]: constants of every muscle, then of each law that has
+    them.
+    """
+    about, of = {name: parameter.about for name, parameter in PARAMETERS.items()}, {}
+    for law in (law for laws in LAWS.values() for law in laws.values()):
+        for one in law.constants():
+            if one.transform is not None:
+                about.setdefault(one.name, one.about)
+                of.setdefault(one.name, []).append(law.name)
+    return {
+        name: f"{words} ({', '.join(of[name])})" if name in of else words
+        for name, words in about.items()
+    }
+
+
 def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
     """The parameters of these `names` [-] of a `muscle` [-], in the order in which they are put."""
     known = of_muscle(muscle)

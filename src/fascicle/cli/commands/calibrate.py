@@ -5,6 +5,7 @@ import json
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from ..options import AsJson, Replace, complete_target
 from ..outputs import folder_for, say
@@ -94,10 +95,8 @@ Clipped = Annotated[
 Fit = Annotated[
     str | None,
     _option(
-        "What is free: any of c10, c01, youngs_modulus, braid_angle, outer_radius, wall_thickness,"
-        " active_length, dead_band, its laws' own constants, and of what resists"
-        " youngs_modulus_factor, collapse_moment_factor, hinge_stiffness_factor,"
-        " hinge_stiffness_slope, transition_rate; or tuning, the paper's. Left out, what the data"
+        "What is free: any of the names below that the muscle has, such as"
+        " c10,c01,braid_angle,outer_radius; or tuning, the paper's way. Left out, what the data"
         " can tell is tried, and chosen by pressures left out.",
         "--fit",
         metavar="LIST",
@@ -140,6 +139,22 @@ Out = Annotated[
         show_default=False,
     ),
 ]
+
+
+class WithNames(TyperCommand):
+    """The command whose help also lists what `--fit` and `--prior` take, as the laws declare it:
+    these are loaded for the help alone.
+    """
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Write the names after the options."""
+        from ..startup import prepare
+
+        prepare()
+        from ...calibrate.problem.parameters import every
+
+        with formatter.section("Names for --fit and --prior (of laws in brackets)"):
+            formatter.write_dl(list(every().items()))
 
 
 def run(

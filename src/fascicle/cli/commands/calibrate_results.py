@@ -103,10 +103,11 @@ class Found:
         if self.comparison:
             rows = [
                 [row.label, str(row.free), f"{row.rmse:.4g}", f"{row.left_out_rmse:.4g}",
-                 f"{row.aic:.1f}", f"{row.bic:.1f}"]
+                 f"{row.clipped_pull:.4g}", f"{row.aic:.1f}", f"{row.bic:.1f}"]
                 for row in self.comparison
             ]  # fmt: skip
-            show("Laws, errors in N", ["", "free", "rmse", "left out", "AIC", "BIC"], rows)
+            heads = ["", "free", "rmse", "left out", "at clipped", "AIC", "BIC"]
+            show("Laws, errors in N", heads, rows, _BY)
         if self.posterior is not None:
             good = "good enough" if self.posterior.agrees else "not good enough yet"
             print(
@@ -174,6 +175,10 @@ class Found:
         return [str(folder / name) for name in content]
 
 
+_BY = (
+    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the most that a law"
+    " pulls where a reading was clipped"
+)
 _WIDEST = 35  # characters of a label in a line, so that a table fits beside it
 _COMPARED = {"pulling": "readings that pull", "all": "all readings"}
 
