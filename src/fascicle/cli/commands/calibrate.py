@@ -146,7 +146,7 @@ class WithNames(TyperCommand):
     these are loaded for the help alone.
     """
 
-    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
         """Write the names after the options."""
         from ..startup import prepare
 
