@@ -46,3 +46,18 @@ def test_what_can_not_be_written_is_refused_in_a_line(fascicle, tmp_path, option
     code, out, err = fascicle("export", "kim2021_figure_6", *options)
     assert code == 2 and words in err and err.count("\n") == 1 and out == ""
     assert not (tmp_path / "code").exists()
+
+
+def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
+    from fascicle.files.named import example_text
+
+    text = example_text("ramp_hand_over")
+    (tmp_path / "ramp.toml").write_text(text.replace('"hand_over"  ', '"threshold"'))
+    code, _, err = fascicle("export", "ramp.toml", "--table", "code", "--name", "ramp")
+    assert (code, err) == (0, "")
+    header = (tmp_path / "code" / "ramp.h").read_text()
+    assert "int ramp_step(ramp_memory *memory" in header and "sample time is 0.001 s" in header
+    code, _, err = fascicle("export", "ramp_hand_over", "--table", "other")
+    assert code == 2 and "take orderly or threshold" in err and err.count("\n") == 1
+    code, _, err = fascicle("export", "lift_gas", "--c", "other")
+    assert code == 2 and "the law is a bundle's: give --table" in err

@@ -57,6 +57,18 @@ def read_scenario(target: str) -> Any:
         return load_scenario(target) if found else example(target)
 
 
+def is_scenario(target: str) -> bool:
+    """Whether a file, or what has that name, is a scenario; `target`: a path, or a name [-]."""
+    from ..files import scenarios
+
+    if not _found(target):
+        return target in scenarios()
+    from ..files.reading import parsed, text_of
+
+    with refusing():
+        return "load" in parsed(text_of(Path(target)), target)
+
+
 def read_muscle(target: str, command: str) -> "Muscle":
     """The muscle in a file, or that is a named example.
 

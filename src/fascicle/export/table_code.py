@@ -17,12 +17,15 @@ import numpy as np
 from .. import __version__
 from ..bundle import Bundle, MotorUnit
 from ..bundle.alike import unlike
+from ..control import Cascade
 from ..core.checks import concrete, one_of
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, off_the_law
+from .controlling import on_table
+from .controlling import words as controls
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -34,7 +37,7 @@ _ROUNDINGS = 12
 
 class Tabulated(NamedTuple):
     """A bundle's tables: `surfaces` of its unlike muscles, and of each unit which of these it has
-    (`kinds`), its `counts` and `ratios` [-]; `errors` in words [-].
+    (`kinds`), its `counts` and `ratios` [-]; `errors` in words; a `controller` on them, or none.
     """
 
     surfaces: tuple[UnitSurface, ...]
@@ -42,6 +45,7 @@ class Tabulated(NamedTuple):
     counts: tuple[int, ...]
     ratios: tuple[float, ...]
     errors: str
+    controller: Cascade | None = None
 
     @property
     def strains(self) -> tuple[float, float]:
@@ -57,7 +61,7 @@ class Tabulated(NamedTuple):
 
 
 def table_code(
-    target: Muscle | Bundle,
+    target: Muscle | Bundle | Cascade,
     name: str = "muscle",
     precision: str = "double",
     highest_pressure: Values = None,
@@ -67,7 +71,8 @@ def table_code(
 
     **Arguments:**
 
-    - `target`: the muscle or bundle [-], with numbers, not arrays.
+    - `target`: the muscle or bundle [-], with numbers, not arrays; or a `Cascade` that controls a
+      bundle's force on gas by "orderly" or "threshold", whose step is written as well.
     - `name`: with which all names in C begin [-].
     - `precision`: of numbers in C, "double" or "float" [-].
     - `highest_pressure`: the table's end [Pa]; left out, the bundle's supply pressure, or 1 MPa.
@@ -83,7 +88,7 @@ def table_code(
 
 
 def write_table(
-    target: Muscle | Bundle,
+    target: Muscle | Bundle | Cascade,
     folder: Values,
     name: str = "muscle",
     precision: str = "double",
@@ -112,7 +117,7 @@ def write_table(
 
 
 def tabulated(
-    target: Muscle | Bundle,
+    target: Muscle | Bundle | Cascade,
     precision: str = "double",
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
@@ -121,8 +126,15 @@ def tabulated(
     `highest_pressure` [Pa], of a `shape` [-]; left out as in `table_code`.
     """
     one_of(precision, SHAPES, "precision")
+    if isinstance(target, Cascade):
+        if precision == "float":
+            raise Refused("precision", "must be double of a controller", precision)
+        made = on_table(target, shape or SHAPES[precision])
+        plant = made.plant
+        top = np.max(plant.muscles.highest_pressure)
+        return tabulated(plant.bundles[0], precision, top, shape)._replace(controller=made)
     if not isinstance(target, Muscle | Bundle):
-        raise Refused("target", "must be a Muscle or a Bundle", target)
+        raise Refused("target", "must be a Muscle or a Bundle, or a Cascade", target)
     bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
     units = bundle.motor_units
     if not concrete(target) or any(not unit.muscle._is_single for unit in units):
@@ -204,6 +216,10 @@ def written(found: Tabulated, name: str, precision: str) -> tuple[str, str]:
         "controller": "",
         "controller_source": "",
     }
+    if found.controller is not None:
+        words |= controls(found.controller, number)
+        words["controller"] = filled("controller.h", words)
+        words["controller_source"] = filled("controller.c", words)
     return filled("table.h", words), filled("table.c", words)
 
 

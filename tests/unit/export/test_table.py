@@ -3,8 +3,6 @@
 import ctypes
 import math
 import re
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -14,9 +12,6 @@ from fascicle.export import table_code, write_table
 from fascicle.muscle.surface import UnitSurface
 
 
-COMPILER = shutil.which("gcc")
-compiled = pytest.mark.skipif(COMPILER is None, reason="no gcc here to compile C with")
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 TOP = 413.7e3
 SHAPE = (17, 21)
 # both evaluate one polynomial, whose co-energy of some 10 J is rounded at 1e-16 and divided by a
@@ -52,14 +47,14 @@ def bicubic(table, P, eps):
     return (F + V_w * below) / (step * float(table.rest_length)), V
 
 
-def built(target, folder, name="muscle", flags=("-O2",), **how):
-    """The C as a shared library, which must pass without a warning."""
-    _, source = write_table(target, folder, name, **how)
-    library = folder / f"{name}.so"
-    command = [COMPILER, *STRICT, *flags, "-shared", "-fPIC", "-o", library, source, "-lm"]
-    made = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert made.returncode == 0, made.stderr[:1000]
-    return ctypes.CDLL(str(library))
+@pytest.fixture
+def built(compiled, tmp_path):
+    """The C of a target as a shared library."""
+
+    def of(target, name="muscle", flags=("-O2",), **how):
+        return compiled(write_table(target, tmp_path, name, **how)[1], flags)
+
+    return of
 
 
 def called(lib, name, units, P, eps, kind=ctypes.c_double):
@@ -90,13 +85,12 @@ def points(table, count=2000):
     return P, eps
 
 
-@compiled
 @pytest.mark.parametrize("laws", [{}, {"tension": "ideal", "collapse": "wood1958"}])
-def test_a_muscles_table_in_c_is_its_polynomial(laws, tmp_path):
+def test_a_muscles_table_in_c_is_its_polynomial(laws, built):
     made = muscle(**laws)
     table = UnitSurface.tabulate(made, TOP, shape=SHAPE)
     P, eps = points(table)
-    lib = built(made, tmp_path, highest_pressure=TOP, shape=SHAPE)
+    lib = built(made, highest_pressure=TOP, shape=SHAPE)
     force, slope, by_pressure, volume = called(lib, "muscle", 1, P[:, None], eps)
     expected = np.array([bicubic(table, *at) for at in zip(P, eps, strict=True)]).T
     assert np.all(np.abs(force - expected[0]) <= NEAR * (np.abs(expected[0]) + 1))
@@ -113,14 +107,13 @@ def test_a_muscles_table_in_c_is_its_polynomial(laws, tmp_path):
         assert np.all(np.abs(got - of)[inside] <= 1e-11 * scale)
 
 
-@compiled
 @pytest.mark.parametrize("plates", [None, 0.13])
-def test_a_bundles_table_in_c_is_that_of_its_units(plates, tmp_path):
+def test_a_bundles_table_in_c_is_that_of_its_units(plates, built):
     few, other = muscle(), fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))
     units = [fs.MotorUnit(few, 1), fs.MotorUnit(few, 3)]
     units += [] if plates is None else [fs.MotorUnit(other, 2)]
     bundle = fs.Bundle(units, supply_pressure=TOP, length=plates)
-    lib = built(bundle, tmp_path, "knee", shape=SHAPE)
+    lib = built(bundle, "knee", shape=SHAPE)
     rng = np.random.default_rng(5)
     P, eps = rng.uniform(-1e4, TOP, (500, len(units))), rng.uniform(-0.05, 0.3, 500)
     got = called(lib, "knee", len(units), P, eps)
@@ -135,8 +128,7 @@ def test_a_bundles_table_in_c_is_that_of_its_units(plates, tmp_path):
     assert np.all(np.abs(got[0] - force) <= NEAR * (np.abs(force) + 1))
 
 
-@compiled
-def test_single_precision_is_off_by_no_more_than_its_header_says(tmp_path):
+def test_single_precision_is_off_by_no_more_than_its_header_says(built):
     made = muscle()
     header, source = table_code(made, "muscle", highest_pressure=TOP, precision="float")
     rounding = float(re.search(r"rounding adds up to ([\d.e+-]+) N", header)[1])
@@ -148,7 +140,7 @@ def test_single_precision_is_off_by_no_more_than_its_header_says(tmp_path):
     kept &= (eps > low + 1e-6) & (eps < high - 1e-6)
     P, eps = np.float32(P[kept]).astype(float), np.float32(eps[kept]).astype(float)
     lib = built(
-        made, tmp_path, highest_pressure=TOP, precision="float",
+        made, highest_pressure=TOP, precision="float",
         flags=("-O2", "-Wdouble-promotion", "-Wconversion"),
     )  # fmt: skip
     force, *_ = called(lib, "muscle", 1, P[:, None], eps, ctypes.c_float)
@@ -157,7 +149,7 @@ def test_single_precision_is_off_by_no_more_than_its_header_says(tmp_path):
     assert rounding < 50 * off.max()  # a bound that says something
 
 
-def test_the_headers_error_is_the_tables(tmp_path):
+def test_the_headers_error_is_the_tables():
     made = muscle()
     header, _ = table_code(made, "muscle", highest_pressure=TOP)
     table = UnitSurface.tabulate(made, TOP, shape=(65, 81))
@@ -173,9 +165,8 @@ def test_the_headers_error_is_the_tables(tmp_path):
     assert off.max() < 3 * said[2]
 
 
-@compiled
-def test_outside_of_the_table_it_says_so(tmp_path):
-    lib = built(muscle(), tmp_path, highest_pressure=TOP, shape=SHAPE)
+def test_outside_of_the_table_it_says_so(built):
+    lib = built(muscle(), highest_pressure=TOP, shape=SHAPE)
     array = ctypes.c_double * 1
     outside = (-2e5, 0.1), (2e6, 0.1), (1e5, 0.61), (1e5, -0.3), (math.nan, 0.1), (1e5, math.nan)
     for P, eps in outside:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..inputs import read_target
+from ..inputs import is_scenario, read_scenario, read_target
 from ..options import Replace, Target
 from ..outputs import say
 from ..problems import UserError, refusing
@@ -52,8 +52,8 @@ def run(
     """Write a muscle's or bundle's force for programs without Python.
 
     `--c`: the law itself, its slopes and free strain; it needs `fascicle[export]`. `--table`: force
-    and volume from one table, which says how far it is off. Both stand for the numbers in the file
-    as they are now.
+    and volume from one table, which says how far it is off; of a scenario that is controlled by
+    force, also its controller's step. All stand for the numbers in the file as they are now.
     """
     asked = {"--c": c, "--table": table}
     given = {flag: Path(folder) for flag, folder in asked.items() if folder is not None}
@@ -61,7 +61,7 @@ def run(
         raise UserError(f"nothing to write: give {' or '.join(asked)} and a folder.")
     if len({folder.resolve() for folder in given.values()}) < len(given):
         raise UserError(f"{' and '.join(given)}: both would write {name}.h: give two folders.")
-    found = read_target(file)
+    found = _read(file, c is not None)
     for flag, folder in given.items():
         _check(flag, _paths(folder, name), overwrite)
     if c is not None:
@@ -76,6 +76,19 @@ def run(
             texts = written(made, name, precision)
         _write("--table", _paths(Path(table), name), texts, overwrite)
         say(made.errors)
+
+
+def _read(file: str, law: bool) -> Any:
+    """The muscle or bundle, or of a scenario its controller, for its table."""
+    if not is_scenario(file):
+        return read_target(file)
+    if law:
+        raise UserError(f"--c: {file} is a scenario, the law is a bundle's: give --table.")
+    read = read_scenario(file)
+    from ...export.controlling import bundle_of
+
+    with refusing():
+        return read.controlled.controller if read.controlled else bundle_of(read.plant)
 
 
 def _paths(folder: Path, name: str) -> list[Path]:

@@ -1,0 +1,201 @@
+
+/* the controller: fascicle.control's cascade of force, pressures, valves */
+#define SHARES @shares@ /* cells of a branch's pressures, even in the root of its force */
+#define NEWTON 4
+
+static const real onsets[KINDS][COLUMNS + 1] = {@onsets@};
+static const real branches[KINDS][COLUMNS + 1][SHARES + 1] = {
+@branches@
+};
+static const real branch_top = @branch_top@, highest = @highest_pressure@; /* [Pa] */
+static const real dt = @dt@, force_gain = @force_gain@, force_integral_gain = @force_integral@;
+static const real pressure_time = @pressure_time@, flow_limit = @flow_limit@;
+static const real band = @band@; /* [N] */
+static const int parks = @parked@;
+/* each unit's chamber: its density at a pressure [kg/m3] is `dense` (p/room)^`softness` */
+static const real room[UNITS] = {@room@}, dead[UNITS] = {@dead@};
+static const real dense[UNITS] = {@dense@}, softness[UNITS] = {@softness@};
+/* ISO 6358 wide open, onward and back: C rho0 sqrt(T0/T) [kg/(s Pa)], b and m */
+static const real supply_valve[UNITS][2][3] = {@supply_valve@};
+static const real exhaust_valve[UNITS][2][3] = {@exhaust_valve@};
+
+static real least(real a, real b) { return a < b ? a : b; }
+static real most(real a, real b) { return a > b ? a : b; }
+
+static point unit_at(int unit, real pressure, real strain)
+{
+    return muscle_at(kind_of[unit], pressure, strain);
+}
+
+/* place among the columns, and how far into it */
+static int column(int kind, real strain, real *w)
+{
+    const real x = (strain - low[kind]) / (high[kind] - low[kind]) * (real)COLUMNS;
+    const real y = least(most(x, 0), (real)COLUMNS);
+    const int j = (int)least(y, (real)(COLUMNS - 1));
+
+    *w = y - (real)j;
+    return j;
+}
+
+/* the last pressure at which a muscle pulls as when it is empty */
+static real onset(int unit, real strain)
+{
+    const int kind = kind_of[unit];
+    const real empty = unit_at(unit, 0, strain).force;
+    real w, p, between, reach;
+    int j = column(kind, strain, &w), i;
+
+    between = p = (1 - w) * onsets[kind][j] + w * onsets[kind][j + 1];
+    reach = least(@half@ * between, branch_top / 500);
+    for (i = 0; i < 2; i++) {
+        const point at = unit_at(unit, p, strain);
+
+        if (between > 0 && at.by_pressure > 0)
+            p = least(most(p - (at.force - empty) / at.by_pressure, between - reach),
+                      between + reach);
+    }
+    return least(most(p, 0), branch_top);
+}
+
+/* pressure at which one muscle pulls so much; 0 where that is less than an empty one does */
+static real branch(int unit, real force, real strain)
+{
+    const int kind = kind_of[unit];
+    const real empty = unit_at(unit, 0, strain).force;
+    const real full = unit_at(unit, branch_top, strain).force;
+    const real share = full > empty ? (force - empty) / (full - empty) : 0;
+    const real size = branch_top / 10;
+    real begin, p, w, x, u, left, right;
+    const real (*row)[SHARES + 1] = branches[kind];
+    int i, j, k;
+
+    if (!(full > empty) || !(share > 0)) return 0;
+    if (share >= 1) return branch_top;
+    begin = onset(unit, strain);
+    j = column(kind, strain, &w);
+    x = @sqrt@(share) * (real)SHARES;
+    i = (int)least(x, (real)(SHARES - 1));
+    u = x - (real)i;
+    left = (1 - u) * row[j][i] + u * row[j][i + 1];
+    right = (1 - u) * row[j + 1][i] + u * row[j + 1][i + 1];
+    p = (1 - w) * left + w * right;
+    for (k = 0; k < NEWTON; k++) {
+        const point at = unit_at(unit, p, strain);
+        const real way = at.by_pressure > 0 ? (at.force - force) / at.by_pressure : 0;
+
+        p = least(most(p - most(least(way, size), -size), begin), branch_top);
+    }
+    return p;
+}
+
+/* kg/s from one absolute pressure to another through an open valve */
+static real flow(const real valve[2][3], real from, real to)
+{
+    const int back = from < to;
+    const real upper = back ? to : from, lower = back ? from : to;
+    const real size = valve[back][0], b = valve[back][1], linear = @linear@;
+    const real ratio = lower / (upper > 0 ? upper : 1);
+    const real r = ratio < linear ? ratio : linear;
+    const real y = r > b ? (r - b) / (1 - b) : 0;
+    const real driving = ratio < linear ? upper : (upper - lower) / (1 - linear);
+    const real passed = size * @pow@(1 - y * y, valve[back][2]) * driving;
+
+    return back ? -passed : passed;
+}
+
+/* kg in a unit's chamber */
+static real content(int unit, real pressure, real strain)
+{
+    const real ratio = (pressure + room[unit]) / room[unit];
+    const real volume = count_of[unit] * unit_at(unit, pressure, strain).volume + dead[unit];
+
+    return dense[unit] * volume * (softness[unit] < 1 ? @pow@(ratio, softness[unit]) : ratio);
+}
+
+/* how far a valve opens, so that its chamber comes to a pressure with a time constant */
+static real opened(int unit, real target, real pressure, real strain, real rate, real supply)
+{
+    const real step = 1000, strained = @strained@;
+    const real P_r = least(most(target, 0), highest), m = content(unit, pressure, strain);
+    const real by_pressure = (content(unit, pressure + step, strain) - m) / step;
+    const real by_strain = (content(unit, pressure, strain + strained) - m) / strained;
+    const real need = by_pressure * (P_r - pressure) / pressure_time + by_strain * rate;
+    const real p = most(pressure, 0) + room[unit];
+    const real passed = need > 0 ? flow(supply_valve[unit], supply + room[unit], p)
+                                 : flow(exhaust_valve[unit], p, room[unit]);
+
+    return least(most(need / most(passed, @trickle@), -flow_limit), flow_limit);
+}
+
+void @name@_begin(@name@_memory *memory)
+{
+    memory->force_integral = 0;
+    memory->recruited = 1;
+}
+
+int @name@_step(@name@_memory *memory, real demand, real force, const real pressure[UNITS],
+                real supply_pressure, real strain, real strain_rate, real command[UNITS])
+{
+    const real top_now = least(least(supply_pressure, highest), branch_top);
+    const real missing = demand - force;
+    const real asked = demand + force_gain * missing + memory->force_integral;
+    const real integral = memory->force_integral + force_integral_gain * missing * dt;
+    real eps[UNITS], empty[UNITS], full[UNITS], at_low[UNITS], at_high[UNITS], lower[UNITS];
+    real upper[UNITS], none = 0, held = 0, after = 0, before = 0, way = 0, largest[UNITS];
+    int gains[UNITS], unit, k, stuck;
+
+    for (unit = 0; unit < UNITS; unit++) command[unit] = 0;
+    if (!inside(pressure, strain)) return 1;
+    for (unit = 0; unit < UNITS; unit++) {
+        eps[unit] = own(unit, strain);
+        empty[unit] = count_of[unit] * unit_at(unit, 0, eps[unit]).force;
+        full[unit] = count_of[unit] * unit_at(unit, top_now, eps[unit]).force;
+        gains[unit] = full[unit] > empty[unit];
+        if (!gains[unit]) full[unit] = empty[unit];
+        none += empty[unit];
+    }
+    /* what a state pulls at most: the units before at the top, those after it empty */
+    for (unit = 0, after = none; unit < UNITS; unit++) {
+        held += full[unit];
+        after -= empty[unit];
+        largest[unit] = held + after;
+    }
+
+    /* one more where those before no longer suffice, one less where they do by the band */
+    k = (int)least(most(memory->recruited + @nearly@, 1), (real)UNITS);
+    if (k < UNITS && gains[k] && largest[k - 1] - asked < 0)
+        way = 1;
+    else if (k > 1 && memory->recruited - (real)k == 0 && largest[k - 2] - asked > band)
+        way = -1;
+    memory->recruited = least(most(memory->recruited + way, 1), (real)UNITS);
+    k = (int)(memory->recruited + @nearly@);
+
+    /* filled in turn, between these */
+    for (unit = 0, after = 0; unit < UNITS; unit++) {
+        const real parked = least(onset(unit, eps[unit]) + top_now / 100, top_now);
+
+        lower[unit] = parks && unit > 0 && unit < k ? parked : 0;
+        upper[unit] = unit < k ? top_now : 0;
+        at_low[unit] = count_of[unit] * unit_at(unit, lower[unit], eps[unit]).force;
+        at_high[unit] = gains[unit] ? count_of[unit] * unit_at(unit, upper[unit], eps[unit]).force
+                                    : empty[unit];
+        at_high[unit] = most(at_high[unit], at_low[unit]);
+        after += at_low[unit];
+    }
+    for (unit = 0; unit < UNITS; unit++) {
+        real target;
+
+        after -= at_low[unit];
+        target = branch(unit, (asked - before - after) / count_of[unit], eps[unit]);
+        target = least(most(target, lower[unit]), upper[unit]);
+        before += at_high[unit];
+        command[unit] = opened(unit, target, pressure[unit], eps[unit],
+                               ratio_of[unit] * strain_rate, supply_pressure);
+    }
+    /* the integral stands still while no unit can give what it would ask for */
+    stuck = (asked > largest[UNITS - 1] && integral > memory->force_integral)
+        || (asked < none && integral < memory->force_integral);
+    if (!stuck) memory->force_integral = integral;
+    return 0;
+}

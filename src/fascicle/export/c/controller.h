@@ -1,0 +1,16 @@
+
+/* A controller of the force, by the policy "@policy@", with anti-windup. Its sample time is @dt@ s. */
+typedef struct {
+    @real@ force_integral; /* N */
+    @real@ recruited;      /* units */
+} @name@_memory;
+
+/* Before the first step. */
+void @name@_begin(@name@_memory *memory);
+
+/* One step, once a sample time: from the force demanded and that measured [N], the units'
+ * pressures and the supply's [Pa], the strain and its rate [1/s], to commands of the valves, from -1,
+ * open exhaust, to 1, open supply. Returns 1 outside of the table, with valves shut; else 0. */
+int @name@_step(@name@_memory *memory, @real@ demand, @real@ force,
+                const @real@ pressure[@guard@_UNITS], @real@ supply_pressure, @real@ strain,
+                @real@ strain_rate, @real@ command[@guard@_UNITS]);
