@@ -1,14 +1,16 @@
-"""The explorer in headless chromium: how long from a key to the new picture.
+"""The explorer: how soon each tab's first picture is there, how fast a slider is answered, and
+what many visitors take of the server's time and memory.
 
-From the keydown on a slider until the source of the curve holds the new data in the browser,
-one key after another; how long the server takes to say where it is, warm, and the page until it
-is idle. With `--clients` as many pages move their sliders at once, each as fast as it is
-answered, and the time is taken from a move to the new data. They draw nothing, but still share
-this machine with the server, which twenty visitors don't: its own processor time for each move
-is told as well. `--cycles` opens and closes pages and looks at the
-server's memory before and after, once closed sessions are freed.
+In headless chromium: each tab's first picture, from the address entered until the page is idle
+and the picture's data are in it, on a server that was just started and has computed nothing, its
+cache of compiled functions empty; and from the keydown on a slider until the curve's new data.
 
-    python benchmarks/explorer.py --clients 20 --cycles 200
+Without a browser (`visitors`): `--clients` move their sliders at once, each as soon as it is
+answered, and the time is the server's own, from a move sent to its curve received; `--sessions`
+are opened and left one after another, every tab in turn, and the server's memory is told as it
+goes. Its processor time is told as well, which a busy machine lengthens less.
+
+    python benchmarks/explorer.py --clients 20 --sessions 300
 """
 
 import argparse
@@ -18,15 +20,18 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from visitors import SHOWN, opened, together
 
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
-READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
+READY = """name => window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle
+  && Object.values(Bokeh.documents[0].get_model_by_name(name)?.data ?? {}).some(x => x.length)"""
 # resolves with the milliseconds from the key to the data, and paints once more
 WATCH = """() => {
   window.times = []; window.pressed = 0;
@@ -40,33 +45,14 @@ WATCH = """() => {
 }"""
 
 
-# the pressure's slider, moved by itself as soon as the curve holds what the last move gave
-DRIVE = """moves => {
-  document.body.style.display = 'none';
-  const models = [...Bokeh.documents[0]._all_models.values()];
-  const slider = models.find(one => one.type === 'Slider' && one.title.startsWith('Pressure P'));
-  const source = Bokeh.documents[0].get_model_by_name('chosen');
-  let begun, count = 0;
-  window.times = []; window.moves = moves;
-  window.move = () => {
-    if (count === moves) return;
-    begun = performance.now();
-    slider.value += slider.step * (count % 40 < 20 ? 1 : -1);
-    count += 1;
-  };
-  source.properties.data.change.connect(() => {
-    window.times.push(performance.now() - begun);
-    setTimeout(window.move, 0);
-  });
-}"""
-
-
-def served(target: str) -> tuple[subprocess.Popen, str, float]:
-    """A server, its address, and the seconds until it said so."""
+def served(target: str, folder: str) -> tuple[subprocess.Popen, str, float]:
+    """A server that keeps what it compiles in a `folder`, its address, and the seconds until it
+    said so.
+    """
     begun = time.perf_counter()
     process = subprocess.Popen(  # noqa: S603 this package's own command
         [sys.executable, "-m", "fascicle", "explore", target, "--no-show"],
-        stdout=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE, text=True, env=os.environ | {"XDG_CACHE_HOME": folder},
     )  # fmt: skip
     assert process.stdout is not None
     for line in process.stdout:
@@ -87,6 +73,26 @@ def worked(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def first_pictures(browser: Any) -> tuple[dict[str, float], list[str]]:
+    """Seconds to each tab's first picture, each on a server of its own; and what went wrong."""
+    found, wrong = {}, []
+    for tab, name in SHOWN.items():
+        with tempfile.TemporaryDirectory() as folder:
+            process, url, _ = served("kim2021_bundle_1_4", folder)
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.on("pageerror", lambda error: wrong.append(str(error)))
+            begun = time.perf_counter()
+            page.goto(f"{url}?tab={tab}")
+            if tab == "data":  # which has a picture once it has a record
+                page.get_by_role("button", name="Try an example record").click()
+            page.wait_for_function(READY, arg=name, polling=20, timeout=120_000)
+            found[tab] = time.perf_counter() - begun
+            page.close()
+            process.terminate()
+            process.wait(30)
+    return found, wrong
+
+
 def keyed(page: Any, keys: int) -> list[float]:
     """Milliseconds of `keys` keydowns, one after another."""
     page.evaluate(WATCH)
@@ -97,72 +103,49 @@ def keyed(page: Any, keys: int) -> list[float]:
     return page.evaluate("window.times")
 
 
-def together(pages: list, moves: int) -> list[float]:
-    """Milliseconds of `moves` of a slider on each page, all pages at once."""
-    for page in pages:
-        page.evaluate(DRIVE, moves)
-    for page in pages:
-        page.evaluate("window.move()")
-    for page in pages:
-        page.wait_for_function("window.times.length >= window.moves", timeout=300_000)
-    return [x for page in pages for x in page.evaluate("window.times")]
-
-
-def measure(clients: int, cycles: int, keys: int) -> dict:
+def measure(clients: int, sessions: int, keys: int) -> dict:
     from playwright.sync_api import sync_playwright
 
-    first, *_ = served("kim2021_figure_6")  # fills the cache of compiled functions
-    first.terminate()
-    first.wait()
-    process, url, up = served("kim2021_figure_6")
-    found: dict = {"server_up_s": up}
-    try:
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-
-            def opened() -> tuple:
+    with tempfile.TemporaryDirectory() as folder:
+        process, url, up = served("kim2021_bundle_1_4", folder)
+        found: dict = {"server_up_s": up, "server_MB": resident(process.pid)}
+        try:
+            with sync_playwright() as playwright:
+                browser = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
                 page = browser.new_page(viewport={"width": 1280, "height": 800})
-                errors: list[str] = []
-                page.on("pageerror", lambda error: errors.append(str(error)))
-                begun = time.perf_counter()
                 page.goto(url)
-                page.wait_for_function(READY, timeout=120_000)
-                return page, errors, time.perf_counter() - begun
-
-            page, errors, found["first_load_s"] = opened()
-            keyed(page, 5)
-            page.reload()
-            page.wait_for_function(READY)
-            times = keyed(page, keys)
-            found["slider_ms"] = spread(times)
-            page.close()
+                page.wait_for_function(READY, arg="chosen", timeout=120_000)
+                found["slider_ms"] = spread(keyed(page, keys))
+                page.close()
+                found["first_picture_s"], found["errors"] = first_pictures(browser)
+                browser.close()
             if clients:
-                several = [opened() for _ in range(clients)]
-                spent = worked(process.pid)
-                times = together([one for one, _, _ in several], keys // 4)
-                found[f"slider_ms_{clients}_clients"] = spread(times)
-                spent = worked(process.pid) - spent
+                times, spent = together(
+                    url, clients, max(keys // 4, 5), lambda: worked(process.pid)
+                )
+                found[f"slider_ms_{clients}_clients"] = spread([1e3 * one for one in times])
                 found["server_ms_a_move"] = 1e3 * spent / len(times)
-                errors += [text for _, more, _ in several for text in more]
-                for one, _, _ in several:
-                    one.close()
-            if cycles:
-                for _ in range(10):
-                    opened()[0].close()
-                time.sleep(20)
-                before = resident(process.pid)
-                for _ in range(cycles):
-                    one, more, _ = opened()
-                    errors += more
-                    one.close()
-                time.sleep(25)
-                found[f"grown_MB_{cycles}_cycles"] = resident(process.pid) - before
-            found["errors"] = errors
-            browser.close()
-    finally:
-        process.terminate()
-        process.wait(30)
+            if sessions:
+                found["session_s"], found["server_MB_after_sessions"] = grown(
+                    url, sessions, process.pid
+                )
+        finally:
+            process.terminate()
+            process.wait(30)
     return found
+
+
+def grown(url: str, sessions: int, pid: int) -> tuple[dict[str, float], dict[int, float]]:
+    """How long sessions take to their first picture, one after another; and the server's memory
+    in megabytes after so many.
+    """
+    times, memory, done = [], {}, 0
+    while done < sessions:
+        several = min(50, sessions - done)
+        times += opened(url, several)
+        done += several
+        memory[done] = resident(pid)
+    return spread(times), memory
 
 
 def spread(times: list[float]) -> dict[str, float]:
@@ -173,7 +156,7 @@ def spread(times: list[float]) -> dict[str, float]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--clients", type=int, default=0)
-    parser.add_argument("--cycles", type=int, default=0)
+    parser.add_argument("--sessions", type=int, default=0)
     parser.add_argument("--keys", type=int, default=100)
     given = parser.parse_args()
-    print(json.dumps(measure(given.clients, given.cycles, given.keys), indent=2))
+    print(json.dumps(measure(given.clients, given.sessions, given.keys), indent=2))

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from fascicle.core.tokens import DARK, LIGHT, MONO, SANS, Colors
+
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
@@ -16,6 +18,23 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(HERE / "_build" / "compiled"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
 logging.getLogger("traitlets").setLevel(logging.WARNING)
+
+
+def _furo(colors: Colors) -> dict[str, str]:
+    """The theme's variables [-], from the tokens that explorer, reports and figures have, too."""
+    return {
+        "font-stack": SANS,
+        "font-stack--monospace": MONO,
+        "color-foreground-primary": colors.ink,
+        "color-foreground-secondary": colors.soft,
+        "color-background-primary": colors.paper,
+        "color-background-secondary": colors.raised,
+        "color-background-border": colors.line,
+        "color-brand-primary": colors.accent,
+        "color-brand-content": colors.accent,
+        "color-brand-visited": colors.accent,
+    }
+
 
 project = "fascicle"
 author = "the fascicle maintainers"
@@ -60,7 +79,13 @@ html_copy_source = False
 html_show_sphinx = False
 html_static_path = ["_static"]
 html_css_files = ["equations.css"]
-html_theme_options = {"navigation_with_keys": True}
+html_theme_options = {
+    "navigation_with_keys": True,
+    **{
+        f"{name}_css_variables": _furo(colors)
+        for name, colors in (("light", LIGHT), ("dark", DARK))
+    },
+}
 
 
 def setup(app: Any) -> None:

@@ -1,21 +1,29 @@
 """The header: which muscle, from where, in which units; and the address that tells it."""
 
+import time
 from typing import Any
 from urllib.parse import urlencode
 
 import panel as pn
 
+from ..core.tokens import TITLE
 from ..core.visible import visible
 from ..files import example, examples, loads
 from .parts.address import to_query
 from .parts.look import NARROW, WRAPPED, Look, widget_css
-from .parts.widgets import Message, choice
+from .parts.widgets import Message, button, choice
 from .state import SHOWN, Session, View, changed, view_of
 
 
 LARGEST_FILE = 100_000  # bytes of a muscle file
 _QUIET = 400  # ms without a change until the address follows: browsers ration its changes
 _OTHER = "(own)"
+_PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
+_OTHER_THEME = """
+const there = new URL(location);
+there.searchParams.set("theme", "%s");
+location.assign(there);
+"""
 
 
 class Header:
@@ -28,6 +36,7 @@ class Header:
         self._asked = asked
         self._session, self._look, self._silent = session, look, False
         self._pending: Any = None
+        self._touched = 0.0  # when something changed last
         css = [widget_css(look)]
         self._example = choice(look, "Example", [*examples(), _OTHER], width=230, sizing_mode=None)
         self._example.param.watch(self._choose, "value")
@@ -45,15 +54,24 @@ class Header:
         }
         for kind, widget in self._units.items():
             widget.param.watch(self._showing(kind), "value")
-        self._name = pn.pane.HTML("", margin=(4, 8), width=150)
-        self._theme = pn.pane.HTML("", margin=(28, 8, 0, 8), width=90)
+        self._name = pn.pane.HTML("", margin=(8, 16, 4, 16), sizing_mode="stretch_width")
+        self._theme = button(
+            look, "Light page" if look.dark else "Dark page", lambda: None, width=100,
+            margin=(22, 8, 4, 4),
+        )  # fmt: skip
+        self._theme.js_on_click(code=_OTHER_THEME % ("default" if look.dark else "dark"))
         self.message = Message("file")
         row = pn.Row(
-            self._name, self._example, self._file, self._save, *self._units.values(), self._theme,
-            sizing_mode="stretch_width", margin=0, stylesheets=[WRAPPED],
+            self._example, self._file, self._save, *self._units.values(), self._theme,
+            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[WRAPPED],
         )  # fmt: skip
         self.panel = pn.Column(
-            row, self.message.pane, margin=0, sizing_mode="stretch_width", stylesheets=[NARROW]
+            self._name,
+            row,
+            self.message.pane,
+            margin=0,
+            sizing_mode="stretch_width",
+            stylesheets=[NARROW],
         )
         session.watch(self._changed)
         self._show(session.view)
@@ -66,22 +84,15 @@ class Header:
     def _show(self, view: View) -> None:
         self._silent = True
         self._name.object = (
-            '<div style="font-size:20px;font-weight:650;letter-spacing:.01em">fascicle</div>'
-            f'<div style="opacity:.75;font-size:12.5px">{_safe(visible(view.name, 60))}</div>'
+            '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
+            f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
+            f'<span style="color:var(--soft)">{_PURPOSE}</span>'
+            f'<b style="margin-left:auto">{_safe(visible(view.name, 60))}</b></div>'
         )
         self._example.value = view.name if view.name in examples() else _OTHER
         for kind, widget in self._units.items():
             widget.value = view.shown[kind]
         self._silent = False
-        self._link(view)
-
-    def _link(self, view: View) -> None:
-        other = "light" if self._look.dark else "dark"
-        theme = "default" if self._look.dark else "dark"
-        query = urlencode({**to_query(view), "theme": theme})
-        self._theme.object = (
-            f'<a style="color:{self._look.accent}" href="?{_safe(query)}">{other} page</a>'
-        )
 
     def _choose(self, event: Any) -> None:
         if self._silent or event.new == _OTHER:
@@ -121,17 +132,20 @@ class Header:
         doc = pn.state.curdoc
         if doc is None or not doc.session_context or pn.state.location is None:
             return
-        if self._pending is not None:
-            doc.remove_timeout_callback(self._pending)
-        self._pending = doc.add_timeout_callback(self._follow, _QUIET)
+        self._touched = time.monotonic()
+        if self._pending is None:
+            self._pending = doc.add_timeout_callback(self._follow, _QUIET)
 
     def _follow(self) -> None:
+        doc, quiet = pn.state.curdoc, 1e3 * (time.monotonic() - self._touched)
+        if doc is not None and quiet < 0.9 * _QUIET:  # moved since: later
+            self._pending = doc.add_timeout_callback(self._follow, int(_QUIET - quiet))
+            return
         self._pending = None
         view = self._session.view
         query = to_query(view)
         if self._look.dark or self._asked:
             query["theme"] = "dark" if self._look.dark else "default"
-        self._link(view)
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import panel as pn
 
+from ..core.tokens import css
 from .header import Header
 from .parts.exports import EXPORTS, downloads
 from .parts.look import NARROW, WRAPPED, Look, look_of, widget_css
@@ -77,7 +78,12 @@ def build(
     tabs.param.watch(switched, "active")
     session.watch(follow)
     look_at(names[tabs.active])
-    return pn.Column(header.panel, tabs, name="explorer", margin=0, **narrow)
+    # inherited by all that is in it, in a notebook too
+    own = f":host {{ {css(look)} color: var(--ink); background: var(--paper); }}"
+    return pn.Column(
+        header.panel, tabs, name="explorer", margin=0, sizing_mode="stretch_width",
+        stylesheets=[NARROW, own],
+    )  # fmt: skip
 
 
 def opening(look: Look) -> Any:

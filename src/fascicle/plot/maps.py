@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..core.tokens import WHITE
 from ..energetics import EfficiencyMap
 from .style import BLACK, GRAY, SINGLE, new_figure, styled
 
@@ -45,7 +46,7 @@ def draw_efficiency(ax: Axes, found: EfficiencyMap, highest: float) -> Any:
         if state < found.state.max():
             there = inside.any(axis=0)
             edge = force[len(force) - 1 - np.argmax(inside[::-1], axis=0)]
-            ax.plot(strain[there], edge[there], color="white", linewidth=1.0)
+            ax.plot(strain[there], edge[there], color=WHITE, linewidth=1.0)
     ax.set(xlabel="Contraction ε [–]", ylabel="Force F [N]", xlim=(0, None), ylim=(0, None))
     ax.grid(False)
     ax.tick_params(color=GRAY)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..core.tokens import WHITE
 from .style import BLACK, BLUE, DOUBLE, GRAY, SINGLE, VERMILION, letter, new_figure, styled
 
 
@@ -88,7 +89,7 @@ def _draw(ax: Axes, one: Profiled) -> None:
         ax.text(
             0.5, 0.96, "unidentifiable", color=VERMILION, ha="center", va="top",
             transform=ax.transAxes, weight="bold",
-            bbox={"facecolor": "white", "alpha": 0.85, "linewidth": 0, "pad": 1.5},
+            bbox={"facecolor": WHITE, "alpha": 0.85, "linewidth": 0, "pad": 1.5},
         )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from ..core.tokens import LIGHT, WHITE
 from ..core.written import in_si
 from ..muscle import Muscle
 from .style import BLACK, BLUE, DOUBLE, GRAY, new_figure, styled
@@ -27,7 +28,7 @@ ARC_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
 _FIBERS = 9  # each way around
 Point = tuple[float | int, float | int]  # in millimeters, or points
 
-_TUBE, _FITTING = "#dcebf5", "#4d4d4d"
+_TUBE, _FITTING = LIGHT.tube, LIGHT.fitting
 _AROUND, _CREASE = 41, 0.8  # points around the hinge; radii over which the tube folds in
 
 
@@ -200,7 +201,7 @@ def label(
     va: str = "center",
 ) -> None:
     """A `text` at `place` [mm], `offset` by points, readable over the drawing."""
-    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
+    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
     ax.annotate(
         text, place, offset, textcoords="offset points", ha=ha, va=va, bbox=box, zorder=7
     )  # fmt: skip

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..core.tokens import GRID
 from .style import (
     BLACK,
     BLUE,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 MOST = 3000  # moments that are drawn, of which every second one is a least or a largest
 _OPEN = 1e-3  # of a valve, from which on it counts as open
-_SHUT = "#e4e4e4"
+_SHUT = GRID
 
 
 class Demanded(NamedTuple):

@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..bundle.space import Overlap, Space
+from ..core.tokens import WHITE, YELLOW
 from .style import (
     CYCLE,
     DOUBLE,
@@ -17,7 +18,7 @@ from .style import (
 
 
 _THIN, _THICK = 0.4, 2.2  # lines of the lowest and the highest pressure
-_OVERLAP = "#f0e442"
+_OVERLAP = YELLOW
 
 
 @styled
@@ -102,7 +103,7 @@ def _tell_pressures(ax: Axes, found: Space, state: int) -> None:
             lines[-1][1].append(words)
         else:
             lines.append((curve, [words]))
-    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
+    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
     for i, (curve, words) in enumerate(lines):
         # the lowest beneath its line and further on, where no other crosses it
         height = (0.7 if i == 0 else 0.87) * top

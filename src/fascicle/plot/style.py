@@ -4,7 +4,7 @@ Figures are matplotlib's own objects and touch no global state that outlives a c
 style is switched on while one is built and while it is drawn. Widths are those of a
 journal's columns, so that text has its printed size, 7 to 8 points.
 
-**Source:** colors of Okabe and Ito (2008), distinct to the color-blind too.
+Colors and typeface are those of `core.tokens`.
 """
 
 from collections.abc import Callable
@@ -17,16 +17,28 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..core.tokens import (
+    BLACK,
+    BLUE,
+    FIGURES,
+    GRAY,
+    GREEN,
+    GRID,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    WHITE,
+)
+
 
 _MM = 1 / 25.4  # in inches, matplotlib's unit
 SINGLE, DOUBLE = 88 * _MM, 180 * _MM  # a journal's one and two columns
 
-BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
-BLUE, VERMILION, PURPLE, GRAY = "#0072b2", "#d55e00", "#cc79a7", "#767676"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 _STYLE: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same on every machine
+    "font.family": FIGURES,
     "font.size": 7.5,
     "axes.titlesize": 7.5,
     "axes.labelsize": 7.5,
@@ -40,7 +52,7 @@ _STYLE: Any = {
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "axes.grid": True,
-    "grid.color": "#e4e4e4",
+    "grid.color": GRID,
     "grid.linewidth": 0.5,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -50,7 +62,7 @@ _STYLE: Any = {
     "lines.solid_capstyle": "round",
     "figure.dpi": 200,
     "savefig.dpi": 200,
-    "savefig.facecolor": "white",
+    "savefig.facecolor": WHITE,
     "mathtext.fontset": "dejavusans",
     "svg.hashsalt": "fascicle",  # the same drawing gives the same file
 }

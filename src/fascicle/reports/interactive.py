@@ -20,18 +20,20 @@ _TICKS = 6
 
 STYLE = """<style>
 svg.plot { width: 100%; max-width: 760px; height: auto; display: block; }
-svg.plot text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #1d2126; }
-svg.plot .axis { stroke: #9aa1aa; } svg.plot .grid { stroke: #e8eaed; }
-svg.plot .other { fill: #c3c8cf; } svg.plot circle.mark { fill: #0072b2; stroke: #fff; }
-svg.plot path.mark { fill: none; stroke: #0072b2; stroke-opacity: .45; stroke-width: 1.5; }
-svg.plot circle.chosen { fill: #d55e00; } svg.plot path.chosen { stroke: #d55e00;
+svg.plot text { font: 12px var(--sans); fill: var(--ink); }
+svg.plot .axis { stroke: var(--edge); } svg.plot .grid { stroke: var(--line); }
+svg.plot .other { fill: var(--edge); fill-opacity: .5; }
+svg.plot circle.mark { fill: var(--first); stroke: var(--paper); }
+svg.plot path.mark { fill: none; stroke: var(--first); stroke-opacity: .45; stroke-width: 1.5; }
+svg.plot circle.chosen { fill: var(--mark); } svg.plot path.chosen { stroke: var(--mark);
   stroke-opacity: 1; stroke-width: 2.5; }
-svg.plot circle.second { stroke: #1d2126; stroke-width: 2.5; }
-svg.plot path.second { stroke: #1d2126; stroke-opacity: 1; stroke-width: 2; }
-svg.plot .mark { cursor: pointer; } svg.plot circle.lit { stroke: #1d2126; stroke-width: 2; }
-svg.plot path.lit { stroke: #1d2126; stroke-opacity: 1; stroke-width: 3; }
-#hover { position: fixed; display: none; pointer-events: none; background: #1d2126; color: #fff;
-  padding: .4rem .6rem; border-radius: 4px; font-size: .85rem; white-space: pre; z-index: 9; }
+svg.plot circle.second { stroke: var(--ink); stroke-width: 2.5; }
+svg.plot path.second { stroke: var(--ink); stroke-opacity: 1; stroke-width: 2; }
+svg.plot .mark { cursor: pointer; } svg.plot circle.lit { stroke: var(--ink); stroke-width: 2; }
+svg.plot path.lit { stroke: var(--ink); stroke-opacity: 1; stroke-width: 3; }
+#hover { position: fixed; display: none; pointer-events: none; background: var(--ink);
+  color: var(--paper); padding: .4rem .6rem; border-radius: var(--round); font-size: .85rem;
+  white-space: pre; z-index: 9; }
 </style>
 """
 SCRIPT = """<div id="hover"></div>

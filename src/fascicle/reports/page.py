@@ -8,15 +8,16 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
+from ..core.tokens import LIGHT, css
 from ..core.visible import revealed
 
 
-_STYLE = """
-:root { color-scheme: light; --ink: #1d2126; --soft: #5d6570; --line: #d9dde2; --good: #00664a;
-  --odd: #8a5a00; --bad: #a30000; }
+_STYLE = (
+    f":root {{ color-scheme: light; {css(LIGHT)} }}"
+    """
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 2.5rem 1.5rem 4rem; max-width: 62rem; color: var(--ink);
-  background: #fff; font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", Helvetica, sans-serif; }
+  background: var(--paper); font: 16px/1.55 var(--sans); }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .4rem; }
 h2 { font-size: 1.3rem; margin: 3rem 0 .6rem; padding-top: .8rem;
   border-top: 1px solid var(--line); }
@@ -26,7 +27,7 @@ ul { padding-left: 1.2rem; }
 .lead { font-size: 1.05rem; }
 .note, figcaption, .files, footer { color: var(--soft); font-size: .9rem; }
 nav { display: flex; flex-wrap: wrap; gap: .3rem 1rem; margin: 1rem 0; font-size: .95rem; }
-a { color: #00558a; text-decoration-thickness: 1px; text-underline-offset: 2px; }
+a { color: var(--accent); text-decoration-thickness: 1px; text-underline-offset: 2px; }
 figure { margin: 1rem 0; }
 img { display: block; max-width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; margin: .8rem 0; font-size: .93rem; }
@@ -37,7 +38,7 @@ td { font-variant-numeric: tabular-nums; }
 .holds, .differs, .fails, .chosen, .defined { font-weight: 600; white-space: nowrap; }
 .chosen, .defined, q { color: var(--soft); }
 .where { white-space: nowrap; }
-code { font: .92em ui-monospace, "DejaVu Sans Mono", monospace; }
+code { font: .92em var(--mono); }
 .holds { color: var(--good); } .differs { color: var(--odd); } .fails { color: var(--bad); }
 footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: .8rem; }
 @media print {
@@ -47,6 +48,7 @@ footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: .8rem
   a { color: inherit; text-decoration: none; }
 }
 """
+)
 
 
 def data_uri(content: bytes, kind: str) -> str:

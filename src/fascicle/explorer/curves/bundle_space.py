@@ -16,6 +16,7 @@ from .tube import AROUND, RINGS, Solid, solid
 
 
 LEVELS, POINTS = 5, 161
+_FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _APART = 2.7  # of the largest radius: from axis to axis at rest
 
 
@@ -143,6 +144,8 @@ def solids(view: View, top: float) -> tuple[list[Solid], list[int], list[tuple],
     and the radius [m] of the envelope that they need.
     """
     bundle = view.bundle
+    count = sum(int(unit.count) for unit in bundle.motor_units)
+    fibers = next((number for most, number in _FIBERS.items() if count <= most), 0)
     ratios = bundle.ratios
     drawn, owner = [], []
     for i, unit in enumerate(bundle.motor_units):
@@ -150,7 +153,7 @@ def solids(view: View, top: float) -> tuple[list[Solid], list[int], list[tuple],
         if ratios is not None:
             strain = float(muscle_strain(ratios[i], jnp.asarray(strain)))
         found = picture(unit.muscle, view.pressures[i], strain, view.supply, top)
-        one = solid(unit.muscle, found, strain, fibers=0)
+        one = solid(unit.muscle, found, strain, fibers)
         drawn += [one] * int(unit.count)
         owner += [i] * int(unit.count)
     widest = max(float(unit.muscle.outer_radius) for unit in bundle.motor_units)

@@ -43,21 +43,21 @@ def semu(view: View) -> Muscle:
     return scaled(view.muscle, float(np.sqrt(total)) / radius)
 
 
-def averages(view: View, path: str) -> dict[bool, np.ndarray]:
-    """Average efficiency [-] of `STATES` equal units in the bundle's section, by resistance.
+def averages(whole: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
+    """Average efficiency [-] of `STATES` equal units in a muscle's section, by resistance.
 
     **Arguments:**
 
-    - `view`: whose bundle [-].
+    - `whole`: the muscle, a bundle's `semu` [-].
+    - `supply`: the supply's pressure [Pa].
     - `path`: "isobaric" or "isotonic" [-].
 
     **Returns:** averages [-], with resistance under `True`.
     """
-    whole = semu(view)
     return {
         resistance: np.array([
             average_efficiency(
-                constant_cross_section(whole, count, view.supply), path=path, resistance=resistance
+                constant_cross_section(whole, count, supply), path=path, resistance=resistance
             )
             for count in STATES
         ])

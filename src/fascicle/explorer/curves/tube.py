@@ -19,7 +19,7 @@ from .muscle_curves import Picture
 
 
 RINGS, AROUND = 45, 20
-FIBERS, ALONG = 7, 90  # each way around, and points of each
+FIBERS, ALONG = 8, 72  # each way around, and points of each
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 
 

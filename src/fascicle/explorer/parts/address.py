@@ -9,6 +9,7 @@ import base64
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 from ...bundle.schemes import SCHEMES
@@ -17,6 +18,7 @@ from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ...core.refused import Refused
 from ...energetics import PATHS
 from ...files import dumps, example, examples, loads
+from ...muscle import Muscle
 from ...units import exact, parse
 from ..curves.other_laws import check_compared
 from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
@@ -138,8 +140,14 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
 
 
 def _is_example(view: View) -> bool:
-    known = view_of(example(view.name), view.name)
-    return known.muscle == view.muscle
+    known = _known_muscle(view.name)
+    return known is view.muscle or known == view.muscle
+
+
+@lru_cache(maxsize=64)
+def _known_muscle(name: str) -> Muscle:
+    """The muscle of an example [-], read once: an address is written after every move."""
+    return view_of(example(name), name).muscle
 
 
 def _tight(value: float, dimension: str) -> str:

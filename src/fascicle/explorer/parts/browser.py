@@ -22,8 +22,8 @@ const say = (id, text) => {
   const line = document.createElement("div");
   line.id = id; line.textContent = text; line.setAttribute("role", "alert");
   line.style.cssText = "position:fixed;inset:0 0 auto 0;z-index:9999;padding:8px 14px;"
-    + "font:14px/1.4 system-ui,'DejaVu Sans',sans-serif;color:#7a0010;background:#fff0f0;"
-    + "border-bottom:2px solid #c1121f";
+    + "font:14px/1.4 var(--sans);color:var(--bad);background:var(--alarm);"
+    + "border-bottom:2px solid var(--bad)";
   document.body.append(line);
 };
 """

@@ -1,54 +1,35 @@
-"""How the explorer looks: colors in light and dark, the page's style, and its figures.
+"""How the explorer looks: the page's style in light and dark, and its figures.
 
-Colors are those of `plot.style`, distinct to the color-blind too; the dark page lightens the
-ones that would sink into it. Line styles differ as well, so that no color is needed to read.
+Colors, typeface and spacing are those of `core.tokens`, as in figures, reports and docs. Line
+styles differ as well, so that no color is needed to read.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
+from urllib.parse import quote
 
 from bokeh.models import ColumnDataSource, Range1d
 from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from ...plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from ...core.tokens import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Colors, css
 
 
-@dataclass(frozen=True)
-class Look:
-    """Colors of a page: its `ink` on its `paper`, faint lines, and curves."""
-
-    dark: bool
-    ink: str
-    paper: str
-    faint: str
-    muted: str
-    accent: str
-    cycle: tuple[str, ...]
-    families: tuple[float, float]
-
-    def pressures(self, count: int) -> list[str]:
-        """Colors for `count` rising pressures [-]."""
-        low, high = self.families
-        steps = [low + (high - low) * i / max(count - 1, 1) for i in range(count)]
-        return [to_hex(colormaps["viridis"](x)) for x in steps]
-
-
-LIGHT = Look(
-    False, "#16191d", "#ffffff", "#e4e7ea", "#5c6670", BLUE,
-    (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, "#000000", "#767676"), (0.0, 0.82),
-)  # fmt: skip
-DARK = Look(
-    True, "#eef1f4", "#181b1f", "#33393f", "#a9b3bd", SKY,
-    (SKY, "#ff8a3d", "#2bc79b", "#e39fc6", ORANGE, "#7fa8ff", "#ffffff", "#9aa3ab"), (0.25, 1.0),
-)  # fmt: skip
+Look = Colors
+_FAMILIES = {False: (0.0, 0.82), True: (0.25, 1.0)}  # of viridis: what can be seen on the page
 
 
 def look_of(theme: str) -> Look:
     """The look [-] of the page's `theme` [-]."""
     return DARK if theme == "dark" else LIGHT
+
+
+def pressure_colors(look: Look, count: int) -> list[str]:
+    """Colors [-] for `count` rising pressures [-] on a page of a `look` [-]."""
+    low, high = _FAMILIES[look.dark]
+    steps = [low + (high - low) * i / max(count - 1, 1) for i in range(count)]
+    return [to_hex(colormaps["viridis"](x)) for x in steps]
 
 
 # rows whose parts stand below one another where the page is narrow, as on a phone
@@ -63,16 +44,29 @@ STACKED = """
 NARROW = """
 @media (max-width: 860px) { :host, :host > div { min-width: 0 !important; } }
 """
+# a long column that rolls beside the picture, where there is room beside it
+ROLLED = """
+@media (min-width: 861px) { :host { max-height: calc(100vh - 190px); overflow-y: auto; } }
+"""
+# what stands beside the picture, below it where the page is narrow
+AFTER = "@media (max-width: 860px) { :host { order: 2; } }"
 # rows that go on in a next one
 WRAPPED = f":host {{ flex-wrap: wrap !important; }} {NARROW}"
+
+
+def half() -> dict[str, Any]:
+    """What makes a column [-] one of several that are equally wide, whatever is in them."""
+    return {"sizing_mode": "stretch_width", "styles": {"flex": "1 1 0", "min-width": "0"},
+            "stylesheets": [NARROW]}  # fmt: skip
 
 
 # what holds a figure is as high as it
 TALL = ":host { height: auto !important; flex: 0 0 auto !important; }"
 
 
-def plain_figure(look: Look, x: str, y: str, width: int, height: int, **more: Any) -> Any:
-    """A figure `width` × `height` pixels [-], its axes labelled `x` and `y` [-] and fixed.
+def plain_figure(look: Look, x: str, y: str, *, room: int = 322, **more: Any) -> Any:
+    """A figure whose axes are labelled `x` and `y` [-] and fixed, as wide as there is, and so high
+    that `room` pixels [-] of the screen are left.
 
     Fixed ranges keep the picture still while a slider moves.
     """
@@ -82,11 +76,8 @@ def plain_figure(look: Look, x: str, y: str, width: int, height: int, **more: An
         "y_range": Range1d(start=0, end=1),
         "output_backend": "canvas",
     } | more
-    # as wide as there is room, and as high as the screen, within limits
-    high = f":host {{ height: clamp(340px, 100vh - 310px, {max(height, 760)}px) !important; }}"
-    fig = figure(
-        width=width, height=height, sizing_mode="stretch_width", stylesheets=[high], **given
-    )
+    high = high_css(f"clamp(340px, 100vh - {room}px, 1200px)")
+    fig = figure(height=500, sizing_mode="stretch_width", stylesheets=[high], **given)
     fig.toolbar.logo = None
     fig.toolbar.autohide = True
     fig.background_fill_color = fig.border_fill_color = look.paper
@@ -94,14 +85,20 @@ def plain_figure(look: Look, x: str, y: str, width: int, height: int, **more: An
     fig.min_border_right = 18
     for axis, label in ((fig.xaxis, x), (fig.yaxis, y)):
         axis.axis_label = label
+        axis.axis_label_text_font = axis.major_label_text_font = FIGURES
         axis.axis_label_text_color = axis.major_label_text_color = look.ink
         axis.axis_label_text_font_style = "normal"
         axis.axis_label_text_font_size = "14px"
         axis.major_label_text_font_size = "12px"
-        axis.axis_line_color = axis.major_tick_line_color = look.muted
+        axis.axis_line_color = axis.major_tick_line_color = look.soft
         axis.minor_tick_line_color = None
-    fig.grid.grid_line_color = look.faint
+    fig.grid.grid_line_color = look.line
     return fig
+
+
+def high_css(height: str) -> str:
+    """The style sheet [-] of a figure of a `height` in CSS [-], whatever holds it."""
+    return f":host {{ height: {height} !important; flex: 0 0 auto !important; }}"
 
 
 def source_of(columns: Mapping[str, Any], name: str | None = None) -> Any:
@@ -116,7 +113,7 @@ def legend_style(fig: Any, look: Look, location: str = "top_right") -> None:
     fig.legend.background_fill_alpha = 0.85
     fig.legend.border_line_color = None
     fig.legend.label_text_color = look.ink
-    fig.legend.label_text_font_size = "12px"
+    fig.legend.label_text_font_size, fig.legend.label_text_font = "12px", FIGURES
     fig.legend.spacing, fig.legend.padding, fig.legend.margin = 1, 6, 4
     fig.legend.glyph_height, fig.legend.label_height = 14, 16
     fig.legend.click_policy = "hide"
@@ -127,54 +124,62 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
     axis_range.update(start=low, end=high, reset_start=low, reset_end=high)
 
 
-def palette_css(look: Look) -> Mapping[str, str]:
-    """The page's colors as CSS variables [-] that Panel's own widgets read as well."""
-    return {
-        "--panel-background-color": look.paper,
-        "--panel-on-background-color": look.ink,
-        "--panel-surface-color": look.faint,
-        "--panel-on-surface-color": look.ink,
-        "--panel-primary-color": look.accent,
-        "--panel-border-color": look.muted,
-        "--background-color": look.paper,
-        "--text-color": look.ink,
-        "--bokeh-base-font": "14px/1.4 system-ui, 'DejaVu Sans', sans-serif",
-    }
-
-
 def page_css(look: Look) -> str:
-    """The page's style sheet [-]."""
-    variables = " ".join(f"{name}: {value};" for name, value in palette_css(look).items())
+    """The page's style sheet [-], in variables that Panel's own widgets read as well."""
     return f"""
-:root, :host {{ {variables} color-scheme: {"dark" if look.dark else "light"}; }}
-html, body {{ margin: 0; background: {look.paper}; color: {look.ink};
-  font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; }}
+:root, :host {{ {css(look)} color-scheme: {"dark" if look.dark else "light"};
+  --panel-background-color: var(--paper); --panel-on-background-color: var(--ink);
+  --panel-surface-color: var(--raised); --panel-on-surface-color: var(--ink);
+  --panel-primary-color: var(--accent); --panel-border-color: var(--edge);
+  --background-color: var(--paper); --text-color: var(--ink);
+  --bokeh-base-font: {TEXT}px/1.4 {SANS.replace('"', "'")}; }}
+html, body {{ margin: 0; background: var(--paper); color: var(--ink);
+  font: {TEXT}px/1.4 var(--sans); }}
 """
 
 
 def widget_css(look: Look) -> str:
     """The style sheet [-] of widgets, each of which lives in a shadow root of its own."""
     return f"""
-:host {{ --text-color: {look.ink}; color: {look.ink}; font-size: 14px; }}
-.bk-input {{ border: 1px solid {look.muted}; border-radius: 4px; background: {look.paper};
-  color: {look.ink}; font-size: 14px; padding: 4px 7px; min-height: 30px; }}
-select.bk-input {{ appearance: auto; background-image: none; }}
-select.bk-input option {{ background: {look.paper}; color: {look.ink}; }}
+:host {{ {css(look)} --text-color: var(--ink); color: var(--ink); font: {TEXT}px/1.4 var(--sans); }}
+.bk-input {{ border: 1px solid var(--edge); border-radius: var(--round); background: var(--paper);
+  color: var(--ink); font: {TEXT}px/1.4 var(--sans); padding: var(--near) var(--apart);
+  min-height: 30px; }}
+input[type=file].bk-input {{ padding: 1px; min-height: 30px; height: 32px; }}
+input::file-selector-button {{ font: inherit; height: 26px; color: var(--ink); cursor: pointer;
+  background: var(--raised); border: 1px solid var(--line); border-radius: var(--round);
+  margin-right: var(--apart); }}
+select.bk-input:not([multiple]) {{ appearance: none; padding-right: 26px;
+  background: var(--paper) {_arrow(look)} no-repeat right 8px center; }}
+select.bk-input option {{ background: var(--paper); color: var(--ink); }}
 .bk-input:focus, .bk-btn:focus-visible, .noUi-handle:focus, .bk-tab:focus-visible,
 input:focus-visible, a:focus-visible {{
-  outline: 3px solid {look.accent}; outline-offset: 1px; box-shadow: none; }}
-label, .bk-slider-title {{ color: {look.ink}; font-size: 13px; }}
-.bk-btn {{ border-radius: 4px; font-size: 13px; }}
-.bk-btn-default {{ background: {look.paper}; color: {look.ink}; border-color: {look.muted}; }}
-.bk-btn-default:hover, .bk-btn-default.bk-active {{ background: {look.faint}; color: {look.ink}; }}
-.bk-btn-primary {{ background: {LIGHT.accent}; border-color: {LIGHT.accent}; color: #ffffff; }}
-.noUi-target {{ background: {look.faint}; border-color: {look.muted}; box-shadow: none; }}
-.noUi-handle {{ background: {look.accent}; border-color: {look.accent}; box-shadow: none;
+  outline: 3px solid var(--accent); outline-offset: 1px; box-shadow: none; }}
+label, .bk-slider-title {{ color: var(--ink); font-size: {SMALL}px; }}
+.bk-btn {{ border-radius: var(--round); font: {SMALL}px/1.4 var(--sans); }}
+.bk-btn-default {{ background: var(--raised); color: var(--ink); border: 1px solid var(--line); }}
+.bk-btn-default:hover, .bk-btn-default.bk-active {{ border-color: var(--edge);
+  background: var(--line); color: var(--ink); }}
+.bk-btn-primary {{ background: var(--deep); border-color: var(--deep); color: {WHITE}; }}
+.bk-btn.bk-btn-default:disabled, .bk-btn.bk-btn-primary:disabled {{ opacity: 1;
+  color: var(--soft); background: var(--paper); border: 1px dashed var(--line); }}
+.noUi-target {{ background: var(--line); border-color: var(--edge); box-shadow: none; }}
+.noUi-handle {{ background: var(--accent); border-color: var(--accent); box-shadow: none;
   border-radius: 50%; }}
-.noUi-connect {{ background: {look.accent}; }}
+.noUi-connect {{ background: var(--accent) !important; }}
 .noUi-handle::before, .noUi-handle::after {{ display: none; }}
-.bk-tab {{ color: {look.muted}; font-size: 15px; padding: 6px 16px; }}
-.bk-tab.bk-active {{ color: {look.ink}; background: {look.paper}; font-weight: 600;
-  border-color: {look.muted}; border-bottom-color: {look.paper}; }}
-@media (max-width: 480px) {{ .bk-tab {{ font-size: 13.5px; padding: 6px 8px; }} }}
+.bk-header {{ border-bottom: 1px solid var(--line) !important; }}
+.bk-tab {{ color: var(--soft); font-size: 15px; padding: 6px 16px; border: none;
+  border-bottom: 3px solid transparent; background: none; }}
+.bk-tab:hover {{ color: var(--ink); }}
+.bk-tab.bk-active {{ color: var(--ink); background: none; font-weight: 600; border: none;
+  border-bottom: 3px solid var(--accent); }}
+@media (max-width: 480px) {{ .bk-tab {{ font-size: 13px; padding: 6px 7px; }} }}
 """
+
+
+def _arrow(look: Look) -> str:
+    """The sign of a list [-], in CSS: the browser's own is black on dark pages, too."""
+    drawn = f"<path d='M1 1l4 5 4-5' fill='none' stroke='{look.ink}' stroke-width='1.6'/>"
+    svg = f"<svg xmlns='http://www.w3.org/2000/svg' width='10' height='8'>{drawn}</svg>"
+    return f'url("data:image/svg+xml,{quote(svg)}")'

@@ -62,7 +62,7 @@ class Message:
 
     def say(self, text: str) -> None:
         """Show `text` [-], or nothing where it is empty."""
-        red = "color:#c1121f;background:#fff0f0;border-left:3px solid #c1121f"
+        red = "color:var(--bad);background:var(--alarm);border-left:3px solid var(--bad)"
         style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
         clean = html.escape(visible(text))
         self.pane.object = f'<div role="alert" style="{style}">{clean}</div>' if text else ""
@@ -125,9 +125,9 @@ class Dial:
         )  # fmt: skip
         self.field = Field(look, f"{label}, typed", name, dimension, self._typed)
         self.field.input.stylesheets = [css, _UNSEEN_LABEL]
-        self.field.input.width, self.field.panel.width = 106, 122
+        self.field.input.width, self.field.panel.width = 106, 130
         self.field.input.sizing_mode = self.field.panel.sizing_mode = None
-        self.field.input.margin = (8, 0, 0, 8)
+        self.field.input.margin = (8, 8, 0, 8)
         self.slider.param.watch(self._slid, "value")
         row = pn.Row(self.slider, self.field.input, margin=0, sizing_mode="stretch_width")
         self.panel = pn.Column(row, self.field.message.pane, margin=0, sizing_mode="stretch_width")

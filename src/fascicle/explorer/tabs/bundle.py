@@ -9,12 +9,17 @@ from bokeh.events import Tap
 from ...bundle.schemes import SCHEMES
 from ...core.checks import within
 from ...core.domain import HIGHEST_PRESSURE
+from ...core.tokens import BLACK, WHITE, mixed
 from ..curves.bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
 from ..parts.background import Latest
 from ..parts.look import (
+    AFTER,
+    NARROW,
+    ROLLED,
     STACKED,
     TALL,
     Look,
+    half,
     legend_style,
     plain_figure,
     set_range,
@@ -22,12 +27,16 @@ from ..parts.look import (
     widget_css,
 )
 from ..parts.notes import equilibria, notes
-from ..parts.solid import Scene
+from ..parts.shared import shared
+from ..parts.solid import AZIMUTH, Scene
 from ..parts.widgets import Dial, Field, button, choice, factor, heading
 from ..state import Session, View, changed
 from .bundle_units import UnitRows
 from .muscle import table
 from .tab import Tab, status
+
+
+_STAGE = "clamp(240px, 100vh - 480px, 900px)"  # how high the bundle is shown
 
 
 class BundleView(Tab):
@@ -41,7 +50,7 @@ class BundleView(Tab):
     def __init__(self, session: Session, look: Look):
         """**Arguments:** `session` [-]; `look`: the page's [-]."""
         super().__init__(session, look)
-        self._silent, self._top = False, 0.3
+        self._silent, self._top, self._half_force = False, 0.3, 0.0
         self._rows = UnitRows(session, look)
         self._scheme = choice(look, "Recruitment", list(SCHEMES))
         self._scheme.param.watch(lambda e: self._set(scheme=e.new), "value")
@@ -55,7 +64,7 @@ class BundleView(Tab):
             look, "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
         )
         self._draw_figure()
-        self._scene = Scene(look, 350, 330, "bundle")
+        self._scene = Scene(look, "bundle", _STAGE)
         self._numbers = pn.pane.HTML("", margin=(0, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
         self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
@@ -65,20 +74,28 @@ class BundleView(Tab):
         self._way = Latest(self._show_ways, self._failed)
         left = pn.Column(
             self._scheme, self._supply.panel, self._resistance, self._rows.panel,
-            width=318, height=590, scroll=True, margin=0,
+            width=318, margin=(0, 8, 0, 0), stylesheets=[ROLLED, AFTER],
         )  # fmt: skip
-        middle = pn.Column(
+        turn = pn.widgets.IntSlider(
+            label="Turn it, in degrees", start=-180, end=180, value=AZIMUTH,
+            stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
+        )  # fmt: skip
+        turn.param.watch(lambda event: self._scene.turn(event.new), "value")
+        space = pn.Column(
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]), self.message.pane,
+            margin=0, **half(),
+        )  # fmt: skip
+        stage = pn.Column(
+            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]), turn, self._numbers,
+            heading("Pressures that reach a point"), self._ways, margin=0, **half(),
+        )  # fmt: skip
+        main = pn.Column(
             self._notes, self._strain.panel, self._status,
-            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
-            self.message.pane, sizing_mode="stretch_width", margin=0,
-        )  # fmt: skip
-        right = pn.Column(
-            pn.pane.Bokeh(self._scene.figure, margin=0), self._numbers,
-            heading("Pressures that reach a point (click in the space)"), self._ways,
-            width=356, margin=0,
+            pn.Row(space, stage, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
+            sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
         )  # fmt: skip
         self.panel = pn.Row(
-            left, middle, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+            left, main, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
         )
 
     def draw(self, view: View) -> None:
@@ -91,7 +108,7 @@ class BundleView(Tab):
         self._rows.show(view)
         self._notes.object = status(" ".join(notes(view, "bundle")))
         self._status.object = status("computing the space")
-        self._space.ask(lambda: shown_space(view.bundle, view.resistance))
+        self._space.ask(lambda: shared(shown_space, view.bundle, view.resistance))
 
     def moved(self, before: View, after: View) -> None:
         """Follow the sliders of pressure and strain."""
@@ -123,7 +140,7 @@ class BundleView(Tab):
 
     def _draw_figure(self) -> None:
         look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 600, 500)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=290)
         self.figure = fig
         empty = {"xs": [], "ys": [], "color": [], "label": []}
         self._regions = source_of(empty, name="regions")
@@ -134,7 +151,7 @@ class BundleView(Tab):
         self._zeros = source_of({"x": [], "y": [], "fill": []}, name="zeros")
         self._here = source_of({"x": [], "y": []})
         self._asked = source_of({"x": [], "y": []}, name="asked")
-        fig.line([-1, 10], [0, 0], color=look.muted, line_width=1)
+        fig.line([-1, 10], [0, 0], color=look.soft, line_width=1)
         fig.patches("xs", "ys", source=self._regions, color="color", fill_alpha=0.16,
                     line_width=1.5, legend_field="label")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._levels, color="color", line_width="width",
@@ -148,9 +165,9 @@ class BundleView(Tab):
                  legend_label="all units, now")  # fmt: skip
         fig.scatter("x", "y", source=self._zeros, size=10, line_color=look.ink,
                     fill_color="fill", line_width=2)  # fmt: skip
-        fig.scatter("x", "y", source=self._here, size=13, marker="diamond", color=look.cycle[1],
+        fig.scatter("x", "y", source=self._here, size=13, marker="diamond", color=look.curves[1],
                     line_color=look.paper)  # fmt: skip
-        fig.scatter("x", "y", source=self._asked, size=16, marker="cross", color=look.cycle[1],
+        fig.scatter("x", "y", source=self._asked, size=16, marker="cross", color=look.curves[1],
                     line_width=3)  # fmt: skip
         fig.on_event(Tap, self._tapped)
         legend_style(fig, look)
@@ -158,7 +175,7 @@ class BundleView(Tab):
     def _show_space(self, found: Shown) -> None:
         view = self.session.view
         scale, unit = factor(view.shown["force"], "force"), view.shown["force"]
-        space, cycle = found.space, self.look.cycle
+        space, cycle = found.space, self.look.curves
         self._top = max(0.1, float(np.ceil(found.top * 50) / 50))
         outlines = [space.outline(state + 1) for state in range(len(space.force))]
         colors = [cycle[i % len(cycle)] for i in range(len(outlines))]
@@ -187,11 +204,12 @@ class BundleView(Tab):
             "ys": [force / scale for _, force in pairs],
         }
         high = float(space.high.max()) / scale
+        self._half_force = float(np.interp(0.5 * self._top, space.strain, space.high[-1])) / scale
         set_range(self.figure.x_range, 0.0, self._top)
         set_range(self.figure.y_range, -0.12 * high, 1.06 * high)
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._asked.data = {"x": [], "y": []}
-        self._ways.objects = []
+        self._invite()
         self.message.say("")
         self._strain.show(min(view.strain, self._top), "", self._top)
         self._ask_state(view)
@@ -214,7 +232,7 @@ class BundleView(Tab):
     def _show_state(self, found: tuple[Any, ...]) -> None:
         view, state, force, (drawn, owner, places, reach) = found
         scale, unit = factor(view.shown["force"], "force"), view.shown["force"]
-        cycle = self.look.cycle
+        cycle = self.look.curves
         self._status.object = ""
         self._units.data = {
             "xs": [state.strain] * len(state.units),
@@ -228,9 +246,12 @@ class BundleView(Tab):
             "fill": [self.look.ink if one else self.look.paper for one in state.stable],
         }  # fmt: skip
         self._here.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
-        shades = [_mixed(cycle[i % len(cycle)], self.look.dark) for i in owner]
+        colors = [cycle[i % len(cycle)] for i in range(max(owner) + 1)]
+        pale = 0.35 if self.look.dark else 0.62  # so that fibers are seen on it
+        shades = [(mixed(one, WHITE, pale), mixed(one, BLACK, 0.35)) for one in colors]
         length = float(view.bundle.length)
-        self._scene.show(drawn, shades, places, max(0.62 * length, 1.2 * reach))
+        wide = max(0.58 * length, 1.1 * reach), 1.05 * reach + 0.12 * length
+        self._scene.show(drawn, [shades[i] for i in owner], places, wide)
         inch = view.shown["length"]
         self._numbers.object = table({
             "force": f"{force / scale:.4g} {unit}",
@@ -240,16 +261,31 @@ class BundleView(Tab):
 
     # the way back
 
+    def _invite(self) -> None:
+        text = "Click in the space, and here are the pressures that reach that point. "
+        self._ways.objects = [
+            pn.pane.HTML(status(text), margin=(0, 8)),
+            button(self.look, "Try a point", self._try_point, margin=(2, 8)),
+        ]
+
+    def _try_point(self) -> None:
+        """In the middle of what all units together reach, for keys too."""
+        self._asked_for(0.5 * self._top, 0.3 * self._half_force)
+
     def _tapped(self, event: Any) -> None:
-        view = self.session.view
-        scale = factor(view.shown["force"], "force")
         if event.x is None or not 0 <= event.x <= self._top:
             return
+        self._asked_for(float(event.x), float(event.y))
+
+    def _asked_for(self, x: float, y: float) -> None:
+        """Look for pressures that reach the point `x` [-], `y` [shown unit]."""
+        view = self.session.view
+        scale = factor(view.shown["force"], "force")
         with pn.io.unlocked():
-            self._asked.data = {"x": [event.x], "y": [event.y]}
+            self._asked.data = {"x": [x], "y": [y]}
         self._ways.objects = [pn.pane.HTML(status("looking for pressures"))]
         # as finely as it can be pointed at; the slider, the field and the link follow
-        strain, force = round(float(event.x), 4), float(event.y) * scale
+        strain, force = round(x, 4), y * scale
         self.session.change(strain=strain)
         unit = view.shown["force"]
         self._way.ask(lambda: (strain, *ways(view.bundle, force, strain, view.resistance, unit)))
@@ -272,11 +308,3 @@ class BundleView(Tab):
                 )
             )  # fmt: skip
         self._ways.objects = rows
-
-
-def _mixed(color: str, dark: bool) -> tuple[int, int, int]:
-    """A unit's `color` [-], lightened so that its fibers can be seen on it."""
-    rgb = [int(color[i : i + 2], 16) for i in (1, 3, 5)]
-    share = 0.3 if dark else 0.6
-    mixed = [round(c + (245 - c) * share) for c in rgb]
-    return mixed[0], mixed[1], mixed[2]

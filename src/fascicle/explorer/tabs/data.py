@@ -31,6 +31,7 @@ from ..parts.look import (
     Look,
     legend_style,
     plain_figure,
+    pressure_colors,
     set_range,
     source_of,
     widget_css,
@@ -145,7 +146,7 @@ class DataView(Tab):
 
     def _draw_figure(self) -> None:
         look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 800, 640)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=220)
         self.figure = fig
         self._points = source_of({"x": [], "y": [], "color": []}, name="readings")
         self._before = source_of({"xs": [], "ys": [], "color": []}, name="untuned")
@@ -159,7 +160,7 @@ class DataView(Tab):
                        legend_label="tuned")  # fmt: skip
         fig.text("x", "y", "label", source=self._names, color="color", text_font_size="12px",
                  x_offset=6, y_offset=-2)  # fmt: skip
-        fig.line([-1, 1], [0, 0], color=look.muted, line_width=1)
+        fig.line([-1, 1], [0, 0], color=look.soft, line_width=1)
         legend_style(fig, look)
 
     def _tried(self) -> None:
@@ -204,7 +205,7 @@ class DataView(Tab):
         before, after = found
         view, record = self.session.view, self.record
         scale = factor(view.shown["force"], "force")
-        colors = self.look.pressures(len(before.pressure))
+        colors = pressure_colors(self.look, len(before.pressure))
         places = drawn(record)
         nearest = np.abs(record.pressure[places, None] - before.pressure).argmin(axis=1)
         self._points.data = {

@@ -7,11 +7,23 @@ import panel as pn
 from bokeh.models import ColorBar, HoverTool, LinearColorMapper
 from bokeh.palettes import Cividis256
 
+from ...core.tokens import CLEAR
 from ...energetics import PATHS
-from ..curves.efficiency_maps import STATES, Maps, averages, maps
+from ..curves.efficiency_maps import STATES, Maps, averages, maps, semu
 from ..parts.background import Latest
-from ..parts.look import STACKED, WRAPPED, Look, legend_style, plain_figure, set_range, source_of
+from ..parts.look import (
+    STACKED,
+    TALL,
+    WRAPPED,
+    Look,
+    half,
+    legend_style,
+    plain_figure,
+    set_range,
+    source_of,
+)
 from ..parts.notes import notes
+from ..parts.shared import shared
 from ..parts.widgets import choice, factor
 from ..state import Session, View
 from .reversal import grid
@@ -49,7 +61,8 @@ class EfficiencyView(Tab):
                 self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]
             ),
             self.message.pane, self._notes, self._status,
-            pn.Row(pn.pane.Bokeh(self.figure), pn.pane.Bokeh(self._bars, width=500),
+            pn.Row(*(pn.Column(pn.pane.Bokeh(one, margin=0, stylesheets=[TALL]), margin=0, **half())
+                     for one in (self.figure, self._bars)),
                    sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
@@ -61,7 +74,7 @@ class EfficiencyView(Tab):
         self._silent = False
         self._notes.object = status(" ".join(notes(view, "efficiency")))
         self._status.object = status("computing the map")
-        self._maps.ask(lambda: maps(view.bundle, view.path))
+        self._maps.ask(lambda: shared(maps, view.bundle, view.path))
 
     def _along(self, event: Any) -> None:
         if not self._silent:
@@ -73,10 +86,9 @@ class EfficiencyView(Tab):
 
     def _draw_figures(self) -> None:
         look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 660, 490)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=352)
         self.figure = fig
-        clear = "rgba(0, 0, 0, 0)"
-        self._colors = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=clear)
+        self._colors = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
         self.image = source_of(
             {"image": [], "x": [], "y": [], "dw": [], "dh": []}, name="efficiency"
         )
@@ -97,12 +109,11 @@ class EfficiencyView(Tab):
             look,
             "Motor units in the same cross-section (1: SEMU)",
             "Average efficiency [–]",
-            500,
-            490,
+            room=352,
         )
         self._means = {}
         for resistance, dash, color, marker in (
-            (True, "solid", look.cycle[0], "circle"), (False, "dashed", look.cycle[1], "square"),
+            (True, "solid", look.curves[0], "circle"), (False, "dashed", look.curves[1], "square"),
         ):  # fmt: skip
             source = source_of({"x": [], "y": []}, name=f"average_{resistance}".lower())
             label = f"with{'' if resistance else 'out'} resistance"
@@ -112,6 +123,7 @@ class EfficiencyView(Tab):
                                legend_label=label)  # fmt: skip
             self._means[resistance] = source
         self._bars.xaxis.ticker = list(STATES)
+        set_range(self._bars.x_range, STATES[0] - 0.3, STATES[-1] + 0.3)
         legend_style(self._bars, look, "bottom_right")
 
     def _show(self, found: Maps) -> None:
@@ -125,7 +137,7 @@ class EfficiencyView(Tab):
             [("with resistance", f"{with_it:.4f}"), ("without", f"{without:.4f}")],
         )
         self._status.object = status("computing averages by number of units")
-        self._averages.ask(lambda: averages(view, view.path))
+        self._averages.ask(lambda: shared(averages, semu(view), view.supply, view.path))
 
     def _other_map(self) -> None:
         with pn.io.unlocked():

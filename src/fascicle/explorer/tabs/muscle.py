@@ -14,24 +14,28 @@ from ..curves.other_laws import alternative, alternatives
 from ..curves.tube import solid
 from ..parts.background import Latest
 from ..parts.look import (
+    AFTER,
+    NARROW,
     STACKED,
     TALL,
     Look,
+    half,
     legend_style,
     plain_figure,
+    pressure_colors,
     set_range,
     source_of,
     widget_css,
 )
 from ..parts.notes import branches, notes
-from ..parts.solid import Scene
+from ..parts.solid import AZIMUTH, Scene
 from ..parts.widgets import Dial, factor, heading
 from ..state import Session, View, changed
 from .muscle_inputs import MuscleInputs
 from .tab import status
 
 
-_TUBE = (214, 232, 245), (120, 160, 190)  # light, dark
+_STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown
 _STRAIGHT = (0, 3)  # regions in which a muscle is
 _FAR = 1e9  # any shown unit: beyond every picture
 _PARTS = (
@@ -54,7 +58,7 @@ class MuscleView:
             look, "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
         )
         self._draw()
-        self._scene = Scene(look, 350, 300, "solid")
+        self._scene = Scene(look, "solid", _STAGE)
         self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(2, 8))
         self._play = pn.widgets.Toggle(
@@ -63,7 +67,7 @@ class MuscleView:
         self._timer: Any = None
         self._play.param.watch(self._sweep, "value")
         self._compare = pn.widgets.MultiSelect(
-            label="Compare with (Ctrl for several)", size=5, stylesheets=[widget_css(look)],
+            label="Compare with (Ctrl for several)", size=4, stylesheets=[widget_css(look)],
             sizing_mode="stretch_width", margin=(2, 8),
         )  # fmt: skip
         self._compare.param.watch(self._compared, "value")
@@ -71,22 +75,31 @@ class MuscleView:
         self._others = Latest(self._show_others, self._inputs.message.say)
         session.watch(self._changed)
         turn = pn.widgets.IntSlider(
-            label="Turn the picture, in degrees", start=-180, end=180, value=35,
+            label="Turn it, in degrees", start=-180, end=180, value=AZIMUTH,
             stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
         )  # fmt: skip
-        turn.param.watch(lambda event: self._scene.turn(event.new, 22.0), "value")
-        left = pn.Column(self._inputs.panel, self._compare, width=262, margin=0)
-        middle = pn.Column(
-            self._notes, self._pressure.panel, self._strain.panel,
-            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
-            sizing_mode="stretch_width", margin=0,
+        turn.param.watch(lambda event: self._scene.turn(event.new), "value")
+        left = pn.Column(self._inputs.panel, self._compare, width=284, margin=(0, 8, 0, 0),
+                         stylesheets=[AFTER])  # fmt: skip
+        dials = pn.Row(
+            self._pressure.panel, self._strain.panel, sizing_mode="stretch_width", margin=0,
+            stylesheets=[STACKED],
         )  # fmt: skip
-        right = pn.Column(
-            pn.pane.Bokeh(self._scene.figure, margin=0), turn, self._play, heading("At this point"),
-            self._numbers, width=356, margin=0,
+        stage = pn.Column(
+            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
+            pn.Row(turn, self._play, sizing_mode="stretch_width", margin=0),
+            heading("At this point"), self._numbers, margin=0, **half(),
+        )  # fmt: skip
+        curves = pn.Column(
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]), margin=0, **half()
+        )
+        main = pn.Column(
+            self._notes, dials,
+            pn.Row(curves, stage, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
+            sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
         )  # fmt: skip
         self.panel = pn.Row(
-            left, middle, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+            left, main, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
         )
 
     # what is told, and what follows
@@ -139,33 +152,32 @@ class MuscleView:
 
     def _draw(self) -> None:
         look = self._look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", 620, 500)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=270)
         self.figure = fig
         self._strips = source_of({"left": [], "right": [], "color": [], "alpha": []}, name="strips")
         fig.quad("left", "right", _FAR, -_FAR, source=self._strips, fill_color="color",
                  fill_alpha="alpha", line_color=None)  # fmt: skip
         names = ("force", *(part for part, _, _ in _PARTS))
         self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
-        self._families = source_of(
-            {"xs": [], "ys": [], "color": [], "label": [], "x": [], "y": []}, name="family"
-        )
+        self._families = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="family")
+        self._told = source_of({"x": [], "y": [], "color": [], "label": []})
         self._other = source_of(
             {"xs": [], "ys": [], "color": [], "dash": [], "label": []}, name="compared"
         )
         self._marks = source_of({"x": [], "y": [], "label": [], "below": []}, name="marks")
         self._here = source_of({"x": [], "y": []}, name="here")
         self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
-        fig.line([0, 10], [0, 0], color=look.muted, line_width=1)
-        fig.text("x", "y", "label", source=self._names, color=look.muted, text_align="center",
+        fig.line([0, 10], [0, 0], color=look.soft, line_width=1)
+        fig.text("x", "y", "label", source=self._names, color=look.soft, text_align="center",
                  text_font_size="12px", text_baseline="top")  # fmt: skip
         several = fig.multi_line(
             "xs", "ys", source=self._families, color="color", line_width=1.2, line_alpha=0.9
         )
         fig.text(
-            "x", "y", "label", source=self._families, color="color", text_font_size="11px",
+            "x", "y", "label", source=self._told, color="color", text_font_size="11px",
             x_offset=5, y_offset=-3, text_baseline="bottom",
         )  # fmt: skip
-        for (part, label, dash), color in zip(_PARTS, look.cycle, strict=False):
+        for (part, label, dash), color in zip(_PARTS, look.curves, strict=False):
             fig.line("strain", part, source=self.chosen, color=color, line_dash=dash,
                      line_width=1.8, legend_label=label)  # fmt: skip
         main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
@@ -180,7 +192,7 @@ class MuscleView:
             background_fill_alpha=0.8,
         ))  # fmt: skip
         fig.scatter("x", "y", source=self._here, size=13, marker="diamond",
-                    color=look.cycle[1], line_color=look.paper)  # fmt: skip
+                    color=look.curves[1], line_color=look.paper)  # fmt: skip
         fig.add_tools(
             HoverTool(renderers=[main], tooltips=[("ε", "$x{0.0000}"), ("F", "$y{0.00}")]),
             HoverTool(renderers=[several], tooltips=[("P", "@label")]),
@@ -194,10 +206,8 @@ class MuscleView:
         self._families.data = {
             "xs": list(found.strain[:-1]),
             "ys": list(force / scale),
-            "color": self._look.pressures(len(force)),
+            "color": pressure_colors(self._look, len(force)),
             "label": [f"{x:.3g} {view.shown['pressure']}" for x in in_unit],
-            "x": [0.0] * len(force),
-            "y": force[:, 0] / scale,
         }
         low, high = float(force.min()) / scale, float(force.max()) / scale
         self._above = high + 0.14 * (high - low)
@@ -213,9 +223,21 @@ class MuscleView:
             for name in ("force", "mesh", "bladder", "bending")
         }
         self.chosen.data = {"strain": found.strain[-1], **parts}
+        self._tell_pressures(found, scale)
         self._mark(view, found)
         if self._other.data["xs"]:
             self._ask_others(view)
+
+    def _tell_pressures(self, found: Picture, scale: float) -> None:
+        """Name the family's pressures, save where the chosen one's mark stands."""
+        held, chosen = found.blocked[:-1], found.blocked[-1]
+        shown = np.flatnonzero(np.abs(held - chosen) > 0.06 * np.ptp(held))
+        self._told.data = {
+            "x": [0.0] * len(shown),
+            "y": held[shown] / scale,
+            "color": [self._families.data["color"][i] for i in shown],
+            "label": [self._families.data["label"][i] for i in shown],
+        }
 
     def _mark(self, view: View, found: Picture) -> None:
         unit, scale = self._force_unit(view)
@@ -223,8 +245,8 @@ class MuscleView:
         onset = float(found.collapse_strain[-1])
         collapse = min(onset, self._top)
         ran = strips(found.strain[-1], found.regions)
-        fills = [(self._look.paper, 0.0), (self._look.cycle[4], 0.14), (self._look.muted, 0.20),
-                 (self._look.cycle[5], 0.14)]  # fmt: skip
+        fills = [(self._look.paper, 0.0), (self._look.curves[4], 0.14), (self._look.soft, 0.20),
+                 (self._look.curves[5], 0.14)]  # fmt: skip
         self._strips.data = {
             "left": [left for left, _, _ in ran], "right": [right for _, right, _ in ran],
             "color": [fills[i][0] for _, _, i in ran], "alpha": [fills[i][1] for _, _, i in ran],
@@ -251,8 +273,10 @@ class MuscleView:
         self._here.data = {"x": [view.strain], "y": [found.force_here / scale]}
         drawn = solid(view.muscle, found, view.strain)
         length = float(view.muscle.length)
-        reach = max(0.56 * length, 2.0 * drawn.radius)  # a stubby muscle is wider than long
-        self._scene.show([drawn], [_TUBE[self._look.dark]], [(0.0, 0.0, 0.0)], reach)
+        # a stubby muscle is wider than long; what bows out is seen, too
+        reach = max(0.53 * length, 2.0 * drawn.radius), 2.0 * drawn.radius + 0.16 * length
+        colors = [(self._look.tube, self._look.fiber)]
+        self._scene.show([drawn], colors, [(0.0, 0.0, 0.0)], reach)
         state = REGIONS[found.region] + (", other equilibria exist" if found.several else "")
         # the volume is a straight muscle's of this length: no law here knows a bent one's
         fluid = "fluid" if found.region in _STRAIGHT else "fluid, if it were straight"
@@ -296,7 +320,7 @@ class MuscleView:
 
     def _show_others(self, found: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
         _, scale = self._force_unit(self._session.view)
-        cycle = self._look.cycle[3:] + self._look.cycle[:3]
+        cycle = self._look.curves[3:] + self._look.curves[:3]
         self._other.data = {
             "xs": [strain for _, strain, _ in found],
             "ys": [force / scale for _, _, force in found],

@@ -17,9 +17,9 @@ from .law_inputs import LawInputs
 
 SIZES = {
     "length": ("Length at rest", "length"),
-    "outer_radius": ("Radius of the bladder", "length"),
+    "outer_radius": ("Bladder's radius", "length"),
     "wall_thickness": ("Wall thickness", "length"),
-    "braid_angle": ("Braid angle, from the axis", "angle"),
+    "braid_angle": ("Braid angle", "angle"),
 }
 _OWN = "its own"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
@@ -48,7 +48,7 @@ class MuscleInputs:
         self._title = heading("")
         self.panel = pn.Column(
             self._title,
-            *(field.panel for field in self._fields.values()),
+            *_pairs([field.panel for field in self._fields.values()]),
             self._material,
             *(law.panel for law in self._laws.values()),
             self.message.pane,
@@ -101,3 +101,9 @@ class MuscleInputs:
         after = replace(view, muscle=view.muscle.replace(**parts), name=name)
         _ = after.bundle  # refused here, where it was typed, if it can't be a bundle any more
         self._session.become(after)
+
+
+def _pairs(parts: list[Any]) -> list[Any]:
+    """Rows of two `parts` [-] each."""
+    several = (parts[i : i + 2] for i in range(0, len(parts), 2))
+    return [pn.Row(*two, margin=0, sizing_mode="stretch_width") for two in several]

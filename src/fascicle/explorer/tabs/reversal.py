@@ -19,6 +19,7 @@ from ..parts.look import (
     widget_css,
 )
 from ..parts.notes import notes
+from ..parts.shared import shared
 from ..parts.widgets import factor
 from ..state import Session, View
 from .tab import Tab, status
@@ -39,7 +40,7 @@ class ReversalView(Tab):
             sizing_mode="stretch_width", stylesheets=[widget_css(look)], margin=(2, 8),
         )  # fmt: skip
         self._splits.param.watch(self._typed, "value")
-        fig = plain_figure(look, "Pressure P2", "Free strain of the bundle [–]", 820, 510)
+        fig = plain_figure(look, "Pressure P2", "Free strain of the bundle [–]")
         self.figure = fig
         self._turns = source_of({"x": [], "y": [], "color": [], "label": []}, name="turns")
         for kind, dash, width in (("resisted", "solid", 3), ("free", "dashed", 1.8)):
@@ -61,7 +62,9 @@ class ReversalView(Tab):
         )
         fig.text("x", "y", "label", source=self._turns, x_offset=8, y_offset=16,
                  text_color=look.ink, text_font_size="12px")  # fmt: skip
-        legend_style(fig, look, "bottom_right")
+        legend_style(fig, look)
+        fig.legend.orientation, fig.legend.ncols = "horizontal", 2
+        fig.add_layout(fig.legend[0], "above")  # beside every curve, however narrow the page
         self._table = pn.pane.HTML("", margin=(8, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
         self._notes = pn.pane.HTML("", margin=(8, 8), width=330)
@@ -88,7 +91,7 @@ class ReversalView(Tab):
         self._silent = False
         self._notes.object = status(" ".join(notes(view, "reversal")))
         self._status.object = status("computing")
-        self._found.ask(lambda: split_curves(view.muscle, view.splits, view.supply))
+        self._found.ask(lambda: shared(split_curves, view.muscle, view.splits, view.supply))
 
     def _typed(self, event: Any) -> None:
         if self._silent:
@@ -105,7 +108,7 @@ class ReversalView(Tab):
 
     def _show(self, found: list[Split]) -> None:
         unit = self.session.view.shown["pressure"]
-        scale, cycle = factor(unit, "pressure"), self.look.cycle
+        scale, cycle = factor(unit, "pressure"), self.look.curves
         colors = [cycle[i % len(cycle)] for i in range(len(found))]
         for kind in ("resisted", "free"):
             drawn = [

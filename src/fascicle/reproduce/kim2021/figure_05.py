@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...plot.shapes import dimension, guide, label
-from ...plot.style import in_kilopascals, styled
+from ...plot.style import BLACK, in_kilopascals, styled
 from ...results.labelled import Variable
 from ..claims import Claim, Criterion
 from ..reproduced import Record
@@ -74,10 +74,10 @@ def draw(p: Progression) -> Figure:
     bent = p.outlines[HINGED]
     theta, deep, middle = angles(p)[1], bent.y.min() * 1e3, bent.z[-1] * 1e3 / 2
     hinge = np.array([middle, level + deep])
-    ax.plot(*hinge, "o", color="black", markersize=3.5, zorder=6)
+    ax.plot(*hinge, "o", color=BLACK, markersize=3.5, zorder=6)
     turn = np.linspace(0, theta, 31)
     arc = hinge[:, None] + 0.8 * _REACH * np.stack([np.cos(turn), np.sin(turn)])
-    ax.plot(*arc, color="black", linewidth=0.7, zorder=6)
+    ax.plot(*arc, color=BLACK, linewidth=0.7, zorder=6)
     for way in (0.0, theta):
         end = hinge + _REACH * np.array([np.cos(way), np.sin(way)])
         guide(ax, tuple(hinge), tuple(end))

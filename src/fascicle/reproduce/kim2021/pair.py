@@ -4,6 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...plot.shapes import dimension, draw_muscle, guide, name_row, stack
+from ...plot.style import BLACK
 from .progression import FREE, Progression
 
 
@@ -30,5 +31,5 @@ def draw_pair(p: Progression, state: int, title: str) -> tuple[Figure, Axes, flo
     guide(ax, (L_fs, upper - above), (L_fs, line + 1))
     guide(ax, (0, lower), (chord, lower))
     axis = drawn[1]
-    ax.plot(axis.z * 1e3, axis.y * 1e3 + lower, color="black", linewidth=0.7, zorder=5)
+    ax.plot(axis.z * 1e3, axis.y * 1e3 + lower, color=BLACK, linewidth=0.7, zorder=5)
     return figure, ax, lower

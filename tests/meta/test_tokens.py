@@ -1,0 +1,96 @@
+"""Colors, typeface and spacing stand in one file, `core.tokens`; text can be read where it is."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import fascicle
+from fascicle.core import tokens
+
+
+SOURCE = Path(fascicle.__file__).parent
+DOCS = Path(__file__).parents[2] / "docs"
+COLOR = re.compile(
+    r"#(?:[0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})(?![0-9a-zA-Z_-])"
+    r"|\b(?:rgba?|hsla?)\(\s*\d|(?<![\w-])(?:black|white|gray|grey)(?=[;\"'])"
+)
+TYPEFACE = re.compile(r"DejaVu|Verdana|Segoe|system-ui|Helvetica|Arial|sans-serif|(?<!-)monospace")
+
+
+def written(text: str) -> list[str]:
+    """Colors and typefaces in a text."""
+    return [found.group() for pattern in (COLOR, TYPEFACE) for found in pattern.finditer(text)]
+
+
+def strings(path: Path) -> list[str]:
+    """All of a module's strings that aren't docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    told = {
+        id(node.body[0].value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+        and node.body
+        and isinstance(node.body[0], ast.Expr)
+    }
+    return [
+        f"'{node.value}'"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told
+    ]
+
+
+@pytest.mark.parametrize("folder", [SOURCE, DOCS], ids=["src", "docs"])
+def test_no_module_writes_a_color_or_typeface(folder):
+    found = {
+        path.name: several
+        for path in folder.rglob("*.py")
+        if path.name != "tokens.py"
+        and (several := [one for text in strings(path) for one in written(text)])
+    }
+    assert found == {}
+
+
+@pytest.mark.parametrize("path", [*(DOCS / "_static").glob("*.css")], ids=lambda path: path.name)
+def test_no_style_sheet_writes_a_color_or_typeface(path):
+    assert written(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize(
+    "text", ["'#16191d'", "'color: #fff;'", "rgba(0, 0, 0, 0.1)", "'white'", "font: DejaVu Sans"]
+)
+def test_what_would_be_found_is(text):
+    assert written(text)
+
+
+@pytest.mark.parametrize("colors", [tokens.LIGHT, tokens.DARK], ids=["light", "dark"])
+def test_text_can_be_read_on_what_it_stands_on(colors):
+    # WCAG 2.2, 1.4.3: 4.5 for text; 1.4.11: 3 for what can be used
+    for name in ("ink", "soft", "accent", "good", "odd", "bad"):
+        for ground in (colors.paper, colors.raised):
+            assert tokens.contrast(getattr(colors, name), ground) >= 4.5, (name, ground)
+    assert tokens.contrast(colors.bad, colors.alarm) >= 4.5
+    assert tokens.contrast(tokens.WHITE, colors.deep) >= 4.5
+    assert tokens.contrast(colors.edge, colors.paper) >= 3
+    assert tokens.contrast(colors.fiber, colors.tube) >= 3
+
+
+def test_contrast_is_what_the_standard_says():
+    # black on white has 21, and #767676 is the lightest gray that has 4.5
+    assert tokens.contrast(tokens.BLACK, tokens.WHITE) == pytest.approx(21)
+    assert 4.5 <= tokens.contrast("#767676", tokens.WHITE) < 4.6
+    assert tokens.contrast("#777777", tokens.WHITE) < 4.5
+
+
+def test_every_face_has_the_tokens():
+    from fascicle.explorer.parts.look import DARK, LIGHT, page_css
+    from fascicle.plot.style import CYCLE
+    from fascicle.reports.page import Page
+
+    assert set(CYCLE) <= set(tokens.LIGHT.curves)
+    assert (LIGHT, DARK) == (tokens.LIGHT, tokens.DARK)
+    report = Page("A page").text("made by a test")
+    for name, value in tokens.variables(tokens.LIGHT).items():
+        assert f"{name}: {value};" in report
+        assert f"{name}: {value};" in page_css(LIGHT)
