@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..core.tokens import WHITE
 from .simulated import Demanded, drawn, shown_in
 from .style import BLACK, CYCLE, DOUBLE, GRAY, letter, new_figure, styled
 
@@ -57,7 +58,7 @@ def compared(
     for k, (name, (run, demanded)) in enumerate(runs.items()):
         color, mark = CYCLE[k % len(CYCLE)], _MARKS[k % len(_MARKS)]
         # those that others better are hollow
-        face = color if best[k] else "white"
+        face = color if best[k] else WHITE
         front.plot(energies[k], dips[k], mark, color=color, markerfacecolor=face, label=name)
         missed = factor * np.where(demanded.can, demanded.done[1:] - demanded.demand, np.nan)
         kept = drawn(missed)

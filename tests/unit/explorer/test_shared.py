@@ -34,8 +34,12 @@ def test_equal_muscles_share_and_others_do_not():
     assert shared(doubled, six, 1.0) is shared(doubled, again, 1.0)
     assert CALLS == [1.0]
     shared(doubled, six, np.nextafter(1.0, 2))  # in every digit
-    shared(doubled, six.replace(length=0.128), 1.0)
-    assert len(CALLS) == 3
+    shared(doubled, six.replace(length=np.nextafter(float(six.length), 1)), 1.0)
+    shared(doubled, six.replace(buckling="elastica"), 1.0)
+    shared(doubled, fs.example("kim2021_bundle_1_4"), 1.0)
+    assert len(CALLS) == 5
+    shared(doubled, fs.example("kim2021_bundle_1_4"), 1.0)
+    assert len(CALLS) == 5
 
 
 def test_a_failure_is_told_and_not_kept():

@@ -4,17 +4,19 @@ Results are kept by what they were computed from, in every digit, and only the l
 whoever asks for what is just being computed waits for it instead of computing it again.
 """
 
-import pickle
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Future
 from threading import Lock
 from typing import Any, TypeVar
 
+import jax
+import numpy as np
+
 
 T = TypeVar("T")
 MOST = 64  # results; the largest, two maps of efficiency, take 0.25 MB
-_KEPT: "OrderedDict[bytes, Future[Any]]" = OrderedDict()
+_KEPT: "OrderedDict[Any, Future[Any]]" = OrderedDict()
 _LOCK = Lock()
 
 
@@ -23,7 +25,7 @@ def shared(compute: Callable[..., T], *arguments: Any) -> T:
 
     Nobody may change what is returned. What raises isn't kept.
     """
-    key = pickle.dumps((compute.__module__, compute.__qualname__, arguments))
+    key = (compute, *_told(arguments))
     with _LOCK:
         found = _KEPT.get(key)
         first = found is None
@@ -40,3 +42,12 @@ def shared(compute: Callable[..., T], *arguments: Any) -> T:
                 _KEPT.pop(key, None)
             found.set_exception(error)
     return found.result()
+
+
+def _told(arguments: Any) -> tuple[Any, Any]:
+    """What `arguments` [-] are made of, to be compared: their kind, and each number's bits."""
+    leaves, kind = jax.tree.flatten(arguments)
+    exact = (one if isinstance(one, str) else np.asarray(one) for one in leaves)
+    return kind, tuple(
+        one if isinstance(one, str) else (one.dtype.str, one.shape, one.tobytes()) for one in exact
+    )
