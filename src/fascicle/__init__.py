@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .muscle import UnitSurface as UnitSurface
     from .muscle import buckling as buckling
     from .muscle import collapse as collapse
+    from .muscle import ends as ends
     from .muscle import materials as materials
     from .muscle import post_collapse as post_collapse
     from .muscle import tension as tension
@@ -64,6 +65,7 @@ _HOMES = {
     "control": "",
     "design": "",
     "dynamics": "",
+    "ends": "muscle",
     "energetics": "",
     "example": "files",
     "examples": "files",
@@ -96,6 +98,7 @@ __all__ = [
     "control",
     "design",
     "dynamics",
+    "ends",
     "energetics",
     "example",
     "examples",

@@ -68,6 +68,7 @@ _LITERS = {"m^3": 1, "dm^3": Fraction("1e-3"), "L": Fraction("1e-3"), "mL": Frac
 _GIVING = {f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE}
 _SONIC = {f"{v}/({t}*{p})": factor / _TIME[t] / _PRESSURE[p]
           for v, factor in _LITERS.items() for t in _TIME for p in _PRESSURE}  # fmt: skip
+_YIELDING = {f"{d}/{f}": _LENGTH[d] / _FORCE[f] for d in _LENGTH for f in _FORCE}
 _SLIDING = {f"{f}/{p}": _FORCE[f] / _PRESSURE[p] for f in _FORCE for p in _PRESSURE}
 _INERTIA = {f"{m}*{d}^2": _MASS[m] * _LENGTH[d] ** 2 for m in _MASS for d in ("m", "cm", "mm")}
 _KELVIN = {"K": Fraction(1), "degC": Fraction(1)}  # the latter counted from another zero
@@ -120,6 +121,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
                                    ("L/(s*bar)", "m^3/(s*Pa)"), _table(**_SONIC)),
     "compliance": Dimension("a volume per pressure", "m^3/Pa", "mm^3/kPa",
                             ("mm^3/kPa", "m^3/Pa"), _table(**_GIVING)),
+    "axial_compliance": Dimension("a length per force", "m/N", "mm/kN", ("mm/kN", "m/N"),
+                                  _table(**_YIELDING)),
     "viscosity": Dimension("a viscosity", "Pa*s", "mPa*s", ("mPa*s", "Pa*s"),
                            _table(**{"Pa*s": 1, "mPa*s": "1e-3", "cP": "1e-3"})),
     "strain": Dimension("a strain", "", "", ("",), _table(**{"": 1, "%": "1e-2"})),
@@ -136,6 +139,7 @@ _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure":
              "angular_stiffness": "20 N*m/rad", "inertia_moment": "0.01 kg*m^2",
              "slip": "0.02 N/kPa", "wall_conductance": "0.2 W/K",
              "sonic_conductance": "0.1 L/(s*bar)", "compliance": "1e-12 m^3/Pa",
+             "axial_compliance": "20 mm/kN",
              "viscosity": "39 mPa*s", "strain": "0.12", "number": "1.25"}  # fmt: skip
 
 _QUANTITY = re.compile(

@@ -5,8 +5,8 @@ import fascicle
 EXPORTS = [
     "Bundle", "Constant", "MooneyRivlin", "MotorUnit", "Muscle", "Refused", "Switch", "Tuning",
     "UnitSurface", "buckling", "calibrate", "collapse", "control", "design", "dynamics",
-    "energetics", "example", "examples", "fluid", "load", "materials", "post_collapse", "records",
-    "recruitment", "reversal", "save", "schemes", "tables", "tension",
+    "ends", "energetics", "example", "examples", "fluid", "load", "materials", "post_collapse",
+    "records", "recruitment", "reversal", "save", "schemes", "tables", "tension",
 ]  # fmt: skip
 
 

@@ -40,6 +40,7 @@ from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.written import is_written
 from ..muscle import Muscle
+from ..muscle.entry import checked as checked_point
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
@@ -261,7 +262,7 @@ class Bundle(Module):
             return within_reach(strain, self.plate_distance, muscles)
         # a muscle that stands for several units needn't be asked again
         once = {id(muscle): muscle for muscle in muscles}.values()
-        checked = [muscle._checked(0.0, strain)[1] for muscle in once]
+        checked = [checked_point(muscle, 0.0, strain)[1] for muscle in once]
         return checked[0]
 
     def _pressures(self, pressures: Values) -> PerUnit:

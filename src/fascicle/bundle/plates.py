@@ -21,7 +21,7 @@ from ..core.limits import size
 from ..core.refused import Refused
 from ..core.types import Batch, Values
 from ..muscle import Muscle
-from ..muscle.entry import lowest_strain
+from ..muscle.entry import lowest_of, lowest_strain
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -80,7 +80,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
     low, high = -np.inf, np.inf
     for muscle in muscles:
         ratio = np.asarray(length / muscle.length)
-        straight = lowest_strain(muscle.braid_angle)
+        straight = lowest_strain(*lowest_of(muscle))
         low = max(low, float(np.max(plate_strain(ratio, straight))))
         high = min(high, float(np.min(plate_strain(ratio, LARGEST_STRAIN))))
     why = "(every muscle in its domain, seen from the plates)"

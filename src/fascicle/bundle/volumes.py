@@ -1,11 +1,27 @@
 """Fluid that the motor units of a bundle take in while it contracts."""
 
 import warnings
+from collections.abc import Iterable
+
+import numpy as np
 
 from ..core.arrays import library
+from ..core.checks import concrete
+from ..core.refused import Refused
 from ..core.types import PerUnit, Values
+from ..muscle import Muscle
 from .bundle import Bundle
 from .plates import muscle_strain
+
+
+def told_by_strain(muscles: Iterable[Muscle]) -> None:
+    """Refuse `muscles` [-] whose ends give: what fluid they take in depends on their force, too."""
+    for muscle in muscles:
+        give = getattr(muscle.ends, "end_compliance", 0.0)
+        if concrete(give) and np.any(np.asarray(give) > 0):
+            rule = "must be 0 where fluid is counted by strain alone"
+            remedy = "`conjugate_volume` tells it of one muscle at its pressure"
+            raise Refused("end_compliance", rule, float(np.max(np.asarray(give))), remedy)
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
@@ -17,7 +33,10 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     - `strain`: contraction [-].
 
     **Returns:** $n_i (V_i(\\varepsilon) - V_i(0))$ [m³], motor units on the last axis.
+
+    **Raises:** `ValueError` for muscles whose ends give under load.
     """
+    told_by_strain(unit.muscle for unit in bundle.motor_units)
     rests, ends = [0.0] * len(bundle.motor_units), [strain] * len(bundle.motor_units)
     if bundle.ratios is not None:
         eps = bundle._strain(strain)

@@ -125,6 +125,11 @@ def arccos(x: Any) -> Any:
     return library(x).arccos(x)
 
 
+def arctan(x: Any) -> Any:
+    """The angle [rad] of a tangent."""
+    return library(x).arctan(x)
+
+
 def absolute(x: Any) -> Any:
     """Size without sign."""
     return library(x).absolute(x)

@@ -140,6 +140,7 @@ _RULES: Mapping[Any, Callable[..., tuple]] = {
     np.tan: lambda y, _: (1 + y**2,),
     np.arcsin: lambda _, a: (1 / np.sqrt(1 - a**2),),
     np.arccos: lambda _, a: (-1 / np.sqrt(1 - a**2),),
+    np.arctan: lambda _, a: (1 / (1 + a**2),),
     np.absolute: lambda _, a: (np.where(a >= 0, 1.0, -1.0),),
     np.minimum: _larger,
     np.maximum: _larger,

@@ -20,7 +20,7 @@ from ..core.modules import Module
 from ..core.types import Numbers
 from ..muscle import Muscle
 from ..muscle.braid import Braid
-from ..muscle.coenergy import contraction_work
+from ..muscle.coenergy import coenergy_at_rest, contraction_work
 from ..muscle.surface import Surface, UnitSurface, looked_up
 
 
@@ -166,8 +166,9 @@ def _exact(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     one, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
 
     def coenergy(P: Numbers) -> Numbers:
-        law = muscles.law
-        return P * empty + law.tension.rest(P)[0] + contraction_work(law.at(P), strain)
+        at = muscles.law.at(P)
+        done = P * empty + muscles.law.tension.rest(P)[0] + contraction_work(at, strain)
+        return done + coenergy_at_rest(at) if muscles.ends.gives else done
 
     def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
         return jax.jvp(coenergy, (P,), (one,))

@@ -17,7 +17,7 @@ from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
-from ..muscle.entry import lowest_strain
+from ..muscle.entry import lowest_of, lowest_strain
 from .template import header, source
 
 
@@ -61,7 +61,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "counts": [int(unit.count) for unit in units] if bundle else [1],
         "ratios": ratios,
         "lowest": max(
-            1 - (1 - lowest_strain(muscle.braid_angle)) / ratio
+            1 - (1 - lowest_strain(*lowest_of(muscle))) / ratio
             for muscle, ratio in zip(muscles, ratios, strict=True)
         ),
         "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),

@@ -16,6 +16,7 @@ from ..core.arrays import register
 _FUNCTIONS = {
     "sqrt": ca.sqrt, "exp": ca.exp, "expm1": ca.expm1, "log": ca.log, "log1p": ca.log1p,
     "sin": ca.sin, "cos": ca.cos, "tan": ca.tan, "arcsin": ca.asin, "arccos": ca.acos,
+    "arctan": ca.atan,
     "absolute": ca.fabs, "minimum": ca.fmin, "maximum": ca.fmax, "where": ca.if_else,
     "logical_and": ca.logic_and, "logical_or": ca.logic_or, "logical_not": ca.logic_not,
 }  # fmt: skip

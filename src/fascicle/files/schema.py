@@ -116,13 +116,15 @@ def _chosen(kind: str) -> Any:
 if TYPE_CHECKING:  # made of what the laws declare, which no type checker sees
     MaterialSection = Section
     CollapseSection = LawSection
-    Tension = Buckling = PostCollapse = str | LawSection
+    Tension = Buckling = PostCollapse = Ends = str | LawSection
 else:
     MaterialSection = create_model(
         "MaterialSection", __base__=Section, **_keys(MooneyRivlin.constants())
     )
     CollapseSection = _table("collapse", transition_rate=(Number | None, None))
-    Tension, Buckling, PostCollapse = map(_chosen, ("tension", "buckling", "post_collapse"))
+    Tension, Buckling, PostCollapse, Ends = map(
+        _chosen, ("tension", "buckling", "post_collapse", "ends")
+    )
 
 
 class HingeSection(Section):
@@ -168,6 +170,7 @@ class MuscleSection(Section):
     tension: Tension | None = None
     buckling: Buckling | None = None
     post_collapse: PostCollapse | None = None
+    ends: Ends | None = None
     collapse: CollapseSection | None = None
     tuning: TuningSection | None = None
 

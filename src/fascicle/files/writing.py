@@ -18,7 +18,7 @@ from ..core.constant import Constant
 from ..core.refused import Refused
 from ..muscle import Muscle
 from ..muscle.law import AbstractLaw
-from ..muscle.laws import LAWS
+from ..muscle.laws import LAWS, said
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
 from ..units import DIMENSIONS, exact
@@ -88,7 +88,7 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
         *(
             f"{kind} = {_chosen(getattr(muscle, kind), kind)}"
             for kind in LAWS
-            if kind != "collapse"
+            if kind != "collapse" and said(kind, getattr(muscle, kind))
         ),
         "",
         f"[{table}.collapse]",

@@ -7,6 +7,7 @@ from ..core.constant import Constant as Constant
 from ..core.constant import Switch as Switch
 from . import buckling as buckling
 from . import collapse as collapse
+from . import ends as ends
 from . import materials as materials
 from . import post_collapse as post_collapse
 from . import tension as tension

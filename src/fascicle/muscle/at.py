@@ -125,7 +125,8 @@ class AtPressure(Module):
         return self._evaluated(_shape, strain, static=(centerline_points(points),))
 
     def _evaluated(self, law: Callable, strain: Values, static: tuple = ()) -> Any:
-        eps = strained(strain, self.state.law.tension.bladder.braid.angle)
+        tension = self.state.law.tension
+        eps = strained(strain, tension.bladder.braid.angle, tension.stretch)
         if self._of_jax:
             eps = jnp.asarray(eps)
         points = math.prod(np.broadcast_shapes(np.shape(self.pressure), np.shape(eps)))

@@ -63,11 +63,20 @@ def contraction_work(
     return muscle.column.rest_length * where(back, -done, done)
 
 
+def coenergy_at_rest(muscle: Pressurized) -> Batch:
+    """What a muscle at rest length and its pressure has of co-energy [J], besides $P V(0)$: where
+    its ends give, its bladder has contracted.
+    """
+    return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
+
+
 def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
 
     def work(P: Batch) -> Batch:
-        return contraction_work(muscle.law.at(P), strain)
+        at = muscle.law.at(P)
+        done = contraction_work(at, strain)
+        return done + coenergy_at_rest(at) if muscle.ends.gives else done
 
     P = pressure + 0.0 * strain
     swept = along(work, np.asarray(P) if isinstance(P, np.generic) else P, np.ones(np.shape(P)))

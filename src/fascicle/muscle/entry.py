@@ -19,6 +19,7 @@ from ..core.types import Batch, Values
 from ..core.written import in_si, is_written
 from .bladder import Bladder
 from .braid import Braid
+from .ends.ends_law import AbstractEnds
 from .tuning import Tuning
 
 
@@ -27,32 +28,52 @@ from .tuning import Tuning
 _STRAIGHT = 1e-9
 
 
-def lowest_strain(braid_angle: Batch) -> float:
+def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> float:
     """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
     traced one. Fibers that are straight within rounding have no radius left, and no finite force.
+    `stretch`: the bladder's strain over the ends' [-].
     """
-    if not concrete(braid_angle):
+    if not concrete(braid_angle, stretch):
         return -np.inf
-    return float(np.max(1 - 1 / np.cos(np.asarray(braid_angle)))) + _STRAIGHT
+    straight = (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch)
+    return float(np.max(straight)) + _STRAIGHT
 
 
-def good_point(pressure: Values, strain: Values, braid_angle: Batch, tuning: Tuning) -> bool:
+def lowest_of(muscle: Any) -> tuple[Batch, Batch]:
+    """The braid angle of a `muscle` [rad], and its bladder's strain over its ends' [-]."""
+    return muscle.braid_angle, muscle.ends.stretch(muscle.length)
+
+
+def active(ends: AbstractEnds, length: Batch) -> None:
+    """Refuse `ends` [-] that take a third of the `length` [m] or more: not much would contract."""
+    stretch = ends.stretch(length)
+    if concrete(stretch) and not np.all((np.asarray(stretch) >= 1) & (np.asarray(stretch) < 1.5)):
+        rule, remedy = "must be less than a third of `length`", "check its unit"
+        raise Refused("inactive_length", rule, getattr(ends, "inactive_length", None), remedy)
+
+
+def good_point(muscle: Any, pressure: Values, strain: Values) -> bool:
     """Whether these are two floats, `pressure` [Pa] and `strain` [-], to which no check or
-    warning has anything to say, for this `braid_angle` [rad] and `tuning` [-].
+    warning of a `muscle` [-] has anything to say.
     """
     if not (isinstance(pressure, float) and isinstance(strain, float)):
         return False
-    rows = tuning.pressures
+    rows = muscle.tuning.pressures
     measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
-    inside = lowest_strain(braid_angle) < strain <= LARGEST_STRAIN
+    inside = lowest_strain(*lowest_of(muscle)) < strain <= LARGEST_STRAIN
     told = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
     return bool(measured and inside and told)
 
 
 def point(muscle: Any, pressure: Values, strain: Values) -> tuple[Any, Any]:
     """`pressure` [Pa] and `strain` [-] of a `muscle` [-], checked: a single point quickly."""
-    good = good_point(pressure, strain, muscle.braid_angle, muscle.tuning)
-    return (np.float64(pressure), np.float64(strain)) if good else muscle._checked(pressure, strain)
+    good = good_point(muscle, pressure, strain)
+    return (np.float64(pressure), np.float64(strain)) if good else checked(muscle, pressure, strain)
+
+
+def checked(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+    """`pressure` [Pa] and `strain` [-] of a `muscle` [-], if they are in its domain."""
+    return gauge(pressure, muscle.tuning), strained(strain, *lowest_of(muscle))
 
 
 def gauge(value: Values, tuning: Tuning) -> Batch:
@@ -65,9 +86,11 @@ def gauge(value: Values, tuning: Tuning) -> Batch:
     return as_given(value, checked)
 
 
-def strained(value: Values, braid_angle: Batch) -> Batch:
-    """A strain [-] of the domain, of a braid at `braid_angle` [rad]."""
-    low, why = lowest_strain(braid_angle), "(fibers straight at the lower end)"
+def strained(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
+    """A strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: its own strain
+    over the ends' [-].
+    """
+    low, why = lowest_strain(braid_angle, stretch), "(fibers straight at the lower end)"
     return as_given(value, within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True)))
 
 

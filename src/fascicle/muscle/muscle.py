@@ -31,17 +31,21 @@ from .buckling import AbstractBuckling
 from .coenergy import EVALUATIONS, conjugate_volume_of
 from .collapse import AbstractCollapse
 from .column import Centerline
+from .ends import AbstractEnds
 from .entry import (
+    active,
     centerline_points,
+    checked,
     chosen,
     contracting,
     gauge,
     held,
+    lowest_of,
     point,
     strained,
     thinner,
 )
-from .laws import LAWS
+from .laws import law as law_of
 from .materials import LATEX, MATERIALS, AbstractMaterial
 from .piecewise import Piecewise, Response
 from .post_collapse import AbstractPostCollapse
@@ -79,6 +83,7 @@ class Muscle(Module):
     post_collapse: AbstractPostCollapse
     transition_rate: Batch
     tuning: Tuning
+    ends: AbstractEnds
 
     def __init__(
         self,
@@ -93,6 +98,7 @@ class Muscle(Module):
         post_collapse: str | AbstractPostCollapse = "derived",
         transition_rate: Values = 25.0,
         tuning: Tuning | None = None,
+        ends: str | AbstractEnds = "rigid",
     ):
         """**Arguments:** those of `from_dimensions`."""
         self.length = size(length, "length")
@@ -103,15 +109,16 @@ class Muscle(Module):
             thinner(self.wall_thickness, self.outer_radius)
         slender(self.length, self.outer_radius)
         self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
-        self.tension = chosen(tension, AbstractTension, LAWS["tension"], "tension")
-        self.buckling = chosen(buckling, AbstractBuckling, LAWS["buckling"], "buckling")
-        self.collapse = chosen(collapse, AbstractCollapse, LAWS["collapse"], "collapse")
-        after = LAWS["post_collapse"]
-        self.post_collapse = chosen(post_collapse, AbstractPostCollapse, after, "post_collapse")
+        self.tension = law_of(tension, AbstractTension, "tension")
+        self.buckling = law_of(buckling, AbstractBuckling, "buckling")
+        self.collapse = law_of(collapse, AbstractCollapse, "collapse")
+        self.post_collapse = law_of(post_collapse, AbstractPostCollapse, "post_collapse")
         self.transition_rate = size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
             raise Refused("tuning", "must be a Tuning or None", tuning)
         self.tuning = Tuning() if tuning is None else tuning
+        self.ends = law_of(ends, AbstractEnds, "ends")
+        active(self.ends, self.length)
         held(self)
 
     @classmethod
@@ -128,6 +135,7 @@ class Muscle(Module):
         post_collapse: str | AbstractPostCollapse = "derived",
         transition_rate: Values = 25.0,
         tuning: Tuning | None = None,
+        ends: str | AbstractEnds = "rigid",
     ) -> "Muscle":
         """A muscle from what can be measured on it at rest.
 
@@ -144,15 +152,14 @@ class Muscle(Module):
         - `post_collapse`: a law of `fascicle.post_collapse` [-].
         - `transition_rate`: $\\beta$ [-] of (26).
         - `tuning`: measured corrections [-]; left out, none.
+        - `ends`: a law of `fascicle.ends` [-].
 
         **Returns:** the muscle [-].
 
         **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
         """
-        return cls(
-            length, outer_radius, wall_thickness, braid_angle, material, tension, buckling,
-            collapse, post_collapse, transition_rate, tuning,
-        )  # fmt: skip
+        given = (length, outer_radius, wall_thickness, braid_angle, material, tension, buckling)
+        return cls(*given, collapse, post_collapse, transition_rate, tuning, ends)
 
     def replace(self, **changes: Any) -> "Muscle":
         """The same muscle, but for some of its arguments.
@@ -164,8 +171,6 @@ class Muscle(Module):
         **Raises:** `ValueError`, one line, for unknown names and for what a muscle can't be.
         """
         return renewed(self, changes)
-
-    # the parts the laws are written for, composed from the sizes
 
     @kept
     def braid(self) -> Braid:
@@ -180,7 +185,7 @@ class Muscle(Module):
     @kept
     def law(self) -> Piecewise:
         """Equation (27) for its parts [-]: elementwise, and nothing checked."""
-        pull = TunedTension(self.tension, self.bladder, self.tuning)
+        pull = TunedTension(self.tension, self.bladder, self.tuning, self.ends)
         laws = (self.buckling, self.collapse, self.post_collapse)
         return Piecewise(pull, *laws, self.transition_rate)
 
@@ -282,20 +287,20 @@ class Muscle(Module):
         return self._evaluated(collapse_moment_of, gauge(pressure, self.tuning))
 
     def volume(self, strain: Values) -> Batch:
-        """Volume of the fluid inside; the bladder's own is taken off [R17].
+        """Volume of the fluid inside; the bladder's own is taken off [R17]. Of ends that give, that
+        without a load.
 
         **Arguments:** `strain`: $\\varepsilon$ [-].
 
         **Returns:** $\\pi r^2 L - V_b$ [m³].
         """
-        return self._evaluated(volume_of, strained(strain, self.braid_angle))
+        return self._evaluated(volume_of, strained(strain, *lowest_of(self)))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
         """Volume on which the pressure does the work that the ends and the store take, (V2).
 
-        Up to the free strain it is `volume`; past it, less: the muscle bows, and its braid no
-        longer follows its ends. With any other volume a cycle of pressure and strain makes
-        energy. Where `elastica`'s force jumps it holds the jump's share.
+        Up to the free strain it is `volume`; past it, less, since the muscle bows. With any other
+        a cycle makes energy. Where `elastica`'s force jumps it holds the jump's share.
 
         **Arguments:**
 
@@ -306,7 +311,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(conjugate_volume_of, *self._checked(pressure, strain), at_once=False)
+        return self._evaluated(conjugate_volume_of, *checked(self, pressure, strain), at_once=False)
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
@@ -315,7 +320,7 @@ class Muscle(Module):
 
         **Returns:** $r$ [m].
         """
-        return self._evaluated(radius_of, strained(strain, self.braid_angle))
+        return self._evaluated(radius_of, strained(strain, *lowest_of(self)))
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
         """How far the axis bows out at the middle.
@@ -327,7 +332,7 @@ class Muscle(Module):
 
         **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
         """
-        return self._evaluated(deflection_of, *self._checked(pressure, strain))
+        return self._evaluated(deflection_of, *checked(self, pressure, strain))
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
@@ -339,7 +344,7 @@ class Muscle(Module):
 
         **Returns:** $M_b$ [N·m]; after collapse the hinge's.
         """
-        return self._evaluated(moment_of, *self._checked(pressure, strain))
+        return self._evaluated(moment_of, *checked(self, pressure, strain))
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
@@ -353,7 +358,7 @@ class Muscle(Module):
         **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
         """
         static = (centerline_points(points),)
-        return self._evaluated(shape_of, *self._checked(pressure, strain), static=static)
+        return self._evaluated(shape_of, *checked(self, pressure, strain), static=static)
 
     def plot(
         self, pressures: Values = None, strains: Values = None, components: bool = False
@@ -376,9 +381,6 @@ class Muscle(Module):
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
         """
         return jax.jit(lambda pressure, strain: force_of(self, pressure, strain))
-
-    def _checked(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        return gauge(pressure, self.tuning), strained(strain, self.braid_angle)
 
     def _evaluated(
         self, law: Callable, *arrays: Batch, static: tuple = (), at_once: bool = True

@@ -9,7 +9,7 @@ from ..core.modules import listed
 from ..core.sheet import Sheet, short, spread_over
 from ..units import exact, figures, pretty
 from .law import Declared
-from .laws import LAWS
+from .laws import LAWS, said
 from .materials import MATERIALS
 
 
@@ -42,7 +42,11 @@ def sheet(muscle: Muscle) -> Sheet:
         for name, d in _SIZES.items()
     ]
     facts += [("material", material(muscle.material))]
-    facts += [(kind.replace("_", "-"), words(getattr(muscle, kind))) for kind in LAWS]
+    facts += [
+        (kind.replace("_", "-"), words(getattr(muscle, kind)))
+        for kind in LAWS
+        if said(kind, getattr(muscle, kind))
+    ]
     facts += [("transition rate", spread_over(muscle.transition_rate, figures))]
     facts += [("tuning", tuned(muscle.tuning))]
     title = "Muscle" if muscle._is_single else "Muscles, rows of them"

@@ -50,12 +50,15 @@ def collapse_strain_of(muscle: Muscle, pressure: Batch) -> Batch:
 
 def volume_of(muscle: Muscle, strain: Batch) -> Batch:
     """Volume of fluid [m³] at `strain` [-]."""
+    if muscle.ends.gives:
+        s, rest = muscle.ends.stretch(muscle.length), muscle.braid.volume(0.0)
+        return rest + (muscle.braid.volume(s * strain) - rest) / s - muscle.bladder.volume
     return muscle.braid.volume(strain) - muscle.bladder.volume
 
 
 def radius_of(muscle: Muscle, strain: Batch) -> Batch:
     """Outer radius [m] at `strain` [-] while straight."""
-    return muscle.braid.radius_at(strain)
+    return muscle.braid.radius_at(muscle.ends.stretch(muscle.length) * strain)
 
 
 def deflection_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:

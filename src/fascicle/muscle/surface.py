@@ -32,7 +32,8 @@ from ..core.dual import Dual
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
-from .entry import lowest_strain
+from .coenergy import coenergy_at_rest
+from .entry import checked, lowest_of, lowest_strain
 from .muscle import Muscle
 from .piecewise import Pressurized
 
@@ -257,9 +258,12 @@ def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nod
     L0 = float(muscle.length)
     work, swept = (L0 * np.take_along_axis(x, back, axis=0).T for x in (work, swept))
     rest = int(np.argmin(np.abs(strain)))
+    begun: Any = coenergy_at_rest(at) + 0.0 * at.column.pressure
     pull, _ = at.force(np.stack(grid))
     empty = float(muscle.volume(0.0))
-    gained, swollen = (x[:, None] for x in muscle.law.tension.rest(pressure))
+    gained, swollen = muscle.law.tension.rest(pressure)
+    gained = (gained + begun.value)[:, None]
+    swollen = (swollen + begun.slopes[:, 0])[:, None]
     return _Nodes(
         coenergy=pressure[:, None] * empty + gained + work - work[:, rest, None],
         by_strain=L0 * pull.value.T,
@@ -342,14 +346,14 @@ def _shape(shape: tuple[int, int]) -> tuple[int, int]:
 def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Even strains [-] from end to end, zero among them."""
     if ends is None:
-        low = _STRETCHED * lowest_strain(muscle.braid_angle)
+        low = _STRETCHED * lowest_strain(*lowest_of(muscle))
         high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
     else:
-        low, high = (muscle._checked(0.0, end)[1] for end in ends)
+        low, high = (checked(muscle, 0.0, end)[1] for end in ends)
         if not low < 0 < high:
             raise Refused("strains", "must enclose 0", ends)
     below = max(1, round(-low / (high - low) * (count - 1)))
     step = max(high / (count - 1 - below), -low / below)
     # a step that reaches past both ends still has to stop before the fibers are straight
-    step = min(step, -lowest_strain(muscle.braid_angle) / below)
+    step = min(step, -lowest_strain(*lowest_of(muscle)) / below)
     return step * (np.arange(count) - below)

@@ -38,6 +38,8 @@ from ..core.refused import Refused
 from ..core.types import AnyArray, Batch, BatchLike, Symbol, Values
 from ..core.written import in_si
 from .bladder import Bladder
+from .ends.ends_law import AbstractEnds
+from .ends.rigid import Rigid
 from .tension.tension_law import AbstractTension, Pull
 
 
@@ -151,14 +153,21 @@ class Tuning(Module):
 
 
 class TunedTension(Module):
-    """A muscle's tension law $T(P, \\varepsilon)$ as it is used: corrected by its tuning."""
+    """A muscle's tension law $T(P, \\varepsilon)$ as it is used: corrected by its tuning, at the
+    strain of its ends.
+    """
 
     law: AbstractTension
     bladder: Bladder
     tuning: Tuning
+    ends: AbstractEnds = Rigid()
 
     def pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (32) and (33)."""
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (E7)."""
+        return self.ends.pull(self, pressure, strain)
+
+    def bladder_pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """The same [N] at a `strain` [-] of the bladder, (32) and (33)."""
         P_e = self.tuning.effective_pressure(pressure)
         c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
         mesh, bladder, mesh_slope, bladder_slope = self.law.pull(self.bladder, P_e, strain)
@@ -177,12 +186,19 @@ class TunedTension(Module):
         """Co-energy [J] that a braid that stretches takes up at rest length and `pressure` [Pa],
         beyond that of its volume; and its slope [m³].
         """
-        return self.law.rest(self.bladder, self.tuning.effective_pressure(pressure))
+        gained, swollen = self.law.rest(self.bladder, self.tuning.effective_pressure(pressure))
+        return gained / self.stretch, swollen / self.stretch
 
     def free_strain(self, pressure: BatchLike) -> Batch:
         """Strain $\\varepsilon_f$ [-] at which the force vanishes at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
-        return self.law.free_strain(self.bladder, P_e, self.tuning.c1_at)
+        free = self.law.free_strain(self.bladder, P_e, self.tuning.c1_at)
+        return free / self.stretch
+
+    @property
+    def stretch(self) -> Batch:
+        """The bladder's strain over the ends' [-] where they hold no force."""
+        return self.ends.stretch(self.bladder.braid.length)
 
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:

@@ -61,7 +61,7 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
     kinks = np.clip(np.nan_to_num(np.r_[free, collapse], posinf=eps.max()), eps.min(), eps.max())
     eps = np.sort(np.r_[eps, kinks])
     response = muscle.response(P[:, None], eps)
-    tension = TunedTension(muscle.tension, muscle.bladder, muscle.tuning)
+    tension = TunedTension(muscle.tension, muscle.bladder, muscle.tuning, muscle.ends)
     mesh, bladder = (
         np.broadcast_to(np.asarray(x), (P.size, eps.size))
         for x in tension.components(P[:, None], eps)

@@ -21,7 +21,7 @@ _SHORTEST = 0.8  # of strain, where every mesh pushes hard
 
 def tension_of(muscle: Muscle) -> TunedTension:
     """The tension law of a `muscle` [-], corrected by its tuning."""
-    return TunedTension(muscle.tension, muscle.bladder, muscle.tuning)
+    return TunedTension(muscle.tension, muscle.bladder, muscle.tuning, muscle.ends)
 
 
 def untuned(muscle: Muscle) -> Muscle:

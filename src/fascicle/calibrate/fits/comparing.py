@@ -128,6 +128,8 @@ def compare_tension(
     of, fits = taken(record), {}
     own, asked = muscle.tension.name, list(parameters or ())
     for law, kind in {own: type(muscle.tension), **LAWS["tension"]}.items():
+        if kind.made_for and law != own:
+            continue  # its constants are another muscle's
         free, with_law = kind.usually_free(), muscle if law == own else muscle.replace(tension=law)
         every = of_muscle(with_law)
         more = [one for one in asked if one not in muscle.tension.usually_free() and one in every]

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ...bundle import Bundle, MotorUnit
+from ...bundle.volumes import told_by_strain
 from ...core.modules import numbers
 from ...muscle import Muscle
 from .rows import sized
@@ -33,6 +34,10 @@ class Designs:
     radius: Float[np.ndarray, "design unit"]
     wall: Float[np.ndarray, "design unit"]
     angle: Float[np.ndarray, "design unit"]
+
+    def __post_init__(self):
+        """Refuse drawings whose fluid isn't told by strain alone."""
+        told_by_strain(self.drawings.values())
 
     @classmethod
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":

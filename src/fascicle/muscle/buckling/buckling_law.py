@@ -66,7 +66,9 @@ class AbstractBuckling(AbstractLaw):
         tension, free = column.tension, column.free_strain
         # what of the pressure reaches the braid
         P = tension.tuning.effective_pressure(column.pressure)
-        braid = self.braid_share * tension.bladder.braid.bending_stiffness(P, free)
+        braid = self.braid_share * tension.bladder.braid.bending_stiffness(
+            P, free * tension.stretch
+        )
         stiffer = column._replace(bending_stiffness=column.bending_stiffness + braid)
         return stiffer._replace(branch=self.branch(stiffer))
 

@@ -57,12 +57,14 @@ class AbstractTension(AbstractLaw):
     `linear_in_pressure`: whether all of it is, so that it pulls most at an end of any range.
     `stretches`: whether its braid does, so that it says what a braid at `rest` takes up.
     `free`: what a fit of it moves where nobody says what: its constants, the rubber's, or sizes.
+    `made_for`: the one muscle that its constants are published for; empty for a law of any muscle.
     """
 
     conservative: eqx.AbstractVar[bool]
     linear_in_pressure: ClassVar[bool] = False
     stretches: ClassVar[bool] = False
     free: ClassVar[tuple[str, ...]] = ()
+    made_for: ClassVar[str] = ""
 
     @classmethod
     def usually_free(cls) -> tuple[str, ...]:
