@@ -334,17 +334,9 @@ def _posterior(page: Page, made: Calibration, posterior: "Posterior") -> None:
 
 def _comparison(page: Page, rows: "Sequence[Row]") -> None:
     page.heading("Laws compared", "comparison")
+    errors = ("RMSE", "RMSE at pressures left out", "Pull where clipped")
     page.table(
-        [
-            "Law",
-            "Free",
-            "RMSE",
-            "RMSE at pressures left out",
-            "Pull where clipped",
-            "AIC",
-            "BIC",
-            "Search",
-        ],
+        ["Law", "Free", *errors, "AIC", "BIC", "Search"],
         [
             [
                 escape(row.label),
