@@ -95,6 +95,8 @@ def test_what_isnt_controlled_has_no_policy(fascicle):
         assert (code, out) == (2, "") and told in err and err.count("\n") == 1
     code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "handover")
     assert code == 2 and "--policy 'handover' is unknown: did you mean 'hand_over'?" in err
+    code, _, err = fascicle("simulate", "lift_gas", "--no-compensate")
+    assert code == 2 and "--compensate needs a scenario with [control]" in err
     code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "batch", "--compare")
     assert code == 2 and "leave out --policy" in err
 
@@ -105,7 +107,12 @@ def test_a_supply_that_runs_dry_says_so(fascicle):
     assert re.search(r"supply_empty from 2\.\d+ s to 4 s: the supply has nothing left", out)
 
 
-@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step"])
+CONTROLLED = ("ramp_1_4", "ramp_1x5", "raise_1_1", "raise_1_4", "raise_1x5",
+              "joint_gait", "joint_there_and_back")  # fmt: skip
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in CONTROLLED]
+
+
+@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step", *SLOW])
 def test_named_scenarios_close(fascicle, name):
     code, out, err = fascicle("simulate", name, "--json")
     found = json.loads(out)

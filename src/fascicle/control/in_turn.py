@@ -87,7 +87,9 @@ class InTurn(Module):
         pulls = units.counts * units.branches.force(asked.pressures, asked.strains)
         gained = at_work.sum(next_[0] * (pulls - now.empty))
         rush = late | (reserve[0] + gained < 0)
-        time = _SLACK * at_work.sum(where(down, next_[1], next_[0]) * now.time)
+        falls = down | ((share > 0) & (way < 0))
+        times = where(falls, now.vent, now.time)
+        time = _SLACK * at_work.sum(where(down, next_[1], next_[0]) * times)
         slow = (self.early > 0) & ~(rush & (way > 0))
         pace = where(slow, held / maximum(time, asked.dt), 1 / asked.dt)
         moved = memory.recruited + way * pace * asked.dt
@@ -98,12 +100,12 @@ class InTurn(Module):
         ramp = where(places == k, (recruited - k) * parked, 0.0)
         low = where((places > 0) & (places < k), parked * self.parked, ramp)
         high = where(places < k, top, ramp)
-        # in a rush, and while a unit is vented as fast as it goes, the one before gives room for
-        # what is felt, not for what is meant to come
-        hurried = (asked.pressures < low) & (self.early > 0) & rush
-        vented = (places == k) & (asked.pressures > low) & (self.early > 0) & (way < 0)
+        # in a rush, and as long as a unit is being vented, also after its ramp has ended, the one
+        # before gives room for what is felt, not for what is meant to come
+        hurried = (asked.pressures < low) & rush
+        vented = (places >= k) & (asked.pressures > low) & (way <= 0)
         seen = maximum(asked.pressures, 0.0)
-        felt = where((places > 0) & (hurried | vented), seen, low)
+        felt = where((places > 0) & (self.early > 0) & (hurried | vented), seen, low)
         target, _ = shared(units, now, asked, low, high, felt)
         # wide open to the onset, and no further
         opened = (self.wide > 0) & (places > 0) & (places < k) & (asked.pressures < now.onset)

@@ -13,6 +13,7 @@ from .valves import of_units
 
 
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would be endless
+_LATE = 0.25  # of the onset, where a unit that is vented is slow, but not yet hardly flows
 
 
 class Units(Module):
@@ -84,8 +85,9 @@ class Asked(NamedTuple):
 class Now(NamedTuple):
     """What units can do at their strains: each one's force when `full` and `empty` [N], whether it
     `gains` [-], the `onset` of each [Pa], its `dip` [N] and `dip_pressure` [Pa], what a state
-    holds at most, `largest` [N], how long each one's valve takes to its onset, `time` [s], and
-    what each lacks `near` the supply's pressure, where its valve is slow [N].
+    holds at most, `largest` [N], how long each one's valve takes to its onset, `time`, and from
+    there back, `vent` [s], and what each lacks `near` the supply's pressure, where its valve is
+    slow [N].
     """
 
     full: Numbers
@@ -96,6 +98,7 @@ class Now(NamedTuple):
     dip_pressure: Numbers
     largest: Numbers
     time: Numbers
+    vent: Numbers
     near: Numbers
 
 
@@ -113,9 +116,11 @@ def looked(units: Units, asked: Asked) -> Now:
     near = minimum(onset, CLOSE * top)
     flow, _ = units.flows(near, top)
     close = full - n * units.branches.force(CLOSE * top, eps)
-    time = (units.content(near, eps) - units.content(none, eps)) / maximum(flow, 1e-12)
-    time, close = maximum(time, 0.0), where(gains, close, 0.0)
-    return Now(full, empty, gains, onset, n * depth, at, largest, time, close)
+    _, out = units.flows(_LATE * near, top)
+    held = maximum(units.content(near, eps) - units.content(none, eps), 0.0)
+    time, vent = held / maximum(flow, 1e-12), held / maximum(out, 1e-12)
+    close = where(gains, close, 0.0)
+    return Now(full, empty, gains, onset, n * depth, at, largest, time, vent, close)
 
 
 def shared(

@@ -33,8 +33,15 @@ class Controlled(NamedTuple):
             return ()
         return (f"auto took {self.choice.policy}: {self.choice.why}.",)
 
-    def taking(self, policy: str) -> "Controlled":
-        """The same with another `policy` [-], `auto` or one of `control.POLICIES` [-]."""
+    def taking(self, policy: str | None = None, compensate: bool | None = None) -> "Controlled":
+        """The same with another `policy` [-], `auto` or one of `control.POLICIES`, or where
+        friction is, or isn't, fed forward: `compensate` [-].
+        """
+        if compensate is not None:
+            again = self._replace(options={**self.options, "compensate": compensate})
+            return again.taking(policy or self.policy)
+        if policy is None:
+            return self
         plant, of = self.controller.plant, self.controller.of
         if policy != "auto":
             one_of(policy, (*POLICIES, "auto"), "policy")

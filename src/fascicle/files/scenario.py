@@ -76,15 +76,17 @@ class Scenario:
     notes: tuple[str, ...] = ()
     controlled: "Controlled | None" = None
 
-    def taking(self, policy: str) -> "Scenario":
-        """The same, controlled by another `policy` [-], by name; `ValueError` where there is none
-        or nothing is controlled.
+    def taking(self, policy: str | None = None, compensate: bool | None = None) -> "Scenario":
+        """The same, controlled by another `policy` [-], by name, or where friction is, or isn't,
+        fed forward: `compensate` [-]; `ValueError` for another name, and where nothing is
+        controlled.
         """
         made = self.controlled
         if made is None:
             rule = "needs a scenario with [control]: this one is commanded by a schedule"
-            raise Refused("policy", rule, policy)
-        made = made.taking(policy)
+            name = "compensate" if policy is None else "policy"
+            raise Refused(name, rule, policy, shown="")
+        made = made.taking(policy, compensate)
         return replace(self, controlled=made, notes=made.notes)
 
     def run(self) -> Trajectory:

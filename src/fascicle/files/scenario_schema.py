@@ -190,7 +190,11 @@ def chosen(data: Mapping[str, Any], place: Place) -> tuple[type[BaseModel], dict
         "muscle": (Any, None),
     }
     for name, part in PARTS.items():
-        kind: Any = Section if name not in classes else _table(part, classes[name], turns)
+        kind: Any = (
+            Section
+            if name not in classes
+            else _table(part, classes[name], turns and name == "load")
+        )
         if name == "fluid" and name in classes:
             kind = create_model("FluidSection", __base__=kind, medium=_NAME)
         needed = (kind, Field(examples=[f"[{name}]"]))

@@ -74,9 +74,9 @@ def test_it_lets_go_by_the_same_rule_and_doesnt_chatter(ran, ramp):
     run, worth = ran("hand_over", up_and_down)
     P2 = np.asarray(run.seen.pressures)[:, 1]
     assert worth.recruited == 1 and P2.max() > 145e3 and P2[-1] < 100e3
-    # the same dip, the other way: a valve vents more slowly than it fills, 65 N/s is fast
+    # the same dip, the other way, at 65 N/s: as small as the one that is let pass upwards
     force = np.asarray(run.seen.forces).sum(axis=-1)[1:]
-    assert np.abs(force - up_and_down)[250:].max() < 0.5 * worth.dip
+    assert np.abs(force - up_and_down)[250:].max() < 0.1 * worth.dip
     # demand that stays within the band about where it is handed over to
     noisy = 0.9 * ramp[300] + 0.3 * np.sin(0.3 * np.arange(STEPS))
     assert ran("threshold", noisy, band=2.0)[1].recruited <= 1

@@ -2,6 +2,7 @@
 line with its key.
 """
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
@@ -46,6 +47,28 @@ def test_what_it_says_reaches_the_controller():
     assert sine.controller.of == "position"
     assert_allclose([gains.position, gains.integral, gains.velocity], [4e3, 8e3, 100.0])
     assert_allclose([sine.reference.min(), sine.reference.max()], [11e-3, 21e-3], rtol=1e-6)
+
+
+def test_a_shipped_one_says_all_of_it():
+    gait = loads_scenario(example_text("joint_gait"))
+    made = gait.controlled
+    # springs of muscles that friction bends are along them, also where the load turns
+    assert_allclose(gait.plant.hysteresis.stiffness, [20e3, 5e3])
+    assert made.controller.friction is not None and made.controller.of == "position"
+    assert_allclose(made.reference.max(), np.radians(27), rtol=1e-9)
+    plain = gait.taking(compensate=False).controlled
+    assert plain.controller.friction is None and plain.policy == "hand_over"
+    other = gait.taking("batch")
+    assert other.controlled.policy == "batch" and other.controlled.controller.friction is not None
+    assert gait.taking().controlled is made
+    auto = gait.taking("auto")
+    assert auto.notes[0].startswith("auto took hand_over: ")
+    for name in ("ramp_1_4", "raise_1_4"):
+        one = loads_scenario(example_text(name))
+        chosen = one.taking("auto").controlled
+        assert chosen.choice.crossings[0].found, chosen.choice.why
+    single = loads_scenario(example_text("raise_1x5")).taking("auto")
+    assert single.controlled.policy == "orderly"
 
 
 POLICY = 'policy = "hand_over"'

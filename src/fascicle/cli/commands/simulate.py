@@ -29,8 +29,8 @@ Scenario = Annotated[
     str,
     typer.Argument(
         metavar="SCENARIO.toml",
-        help="Bundle, load, fluid, supply, valves and schedule, or a named one: lift_gas, lift_oil,"
-        " joint_step, ramp_hand_over, supply_runs_dry; `fascicle init --scenario` writes one.",
+        help="Bundle, load, fluid, supply, valves and schedule, or a named one, such as lift_gas,"
+        " ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
         autocompletion=complete_scenario,
         show_default=False,
     ),
@@ -58,6 +58,14 @@ Compare = Annotated[
     bool,
     typer.Option("--compare", help="Run every policy: their dips against their energy."),
 ]
+Compensate = Annotated[
+    bool | None,
+    typer.Option(
+        "--compensate/--no-compensate",
+        help="Whether friction is fed forward, whatever the scenario says.",
+        show_default=False,
+    ),
+]
 _DISTRUSTED = 1
 # of arrays up to so many bytes; what has been set is respected
 LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"
@@ -73,6 +81,7 @@ def run(
     report: Report = None,
     policy: Policy = None,
     compare: Compare = False,
+    compensate: Compensate = None,
     overwrite: Replace = False,
 ) -> int:
     """A bundle driven in time, and where every joule went.
@@ -88,9 +97,9 @@ def run(
     os.environ.setdefault("XLA_FLAGS", LOOPS)
     with telling("reading the scenario") as tell:
         read = read_scenario(scenario)
-        if policy is not None:
+        if policy is not None or compensate is not None:
             with refusing():
-                read = read.taking(policy)
+                read = read.taking(policy, compensate)
         if compare:
             return comparing(read, outputs, report, overwrite)
         from ...results.simulated import simulated
