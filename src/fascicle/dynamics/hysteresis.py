@@ -13,9 +13,15 @@ $$\frac{\mathrm{d}z}{\mathrm{d}x} = k (1 - z \operatorname{sgn}(\mathrm{d}x)/f),
   z \leftarrow s f + (z - s f) e^{-k |\Delta x|/f}, \quad s = \operatorname{sgn} \Delta x.
   \tag{H2}$$
 
-A closed loop between $\pm X$ costs $4 f (X - f/k)$ for (H1) and $4 f [X - (f/k) \tanh(k X/f)]$ for
-(H2). What is stored is $z^2/(2k)$, so that no way gives energy. $f$ may rise with pressure,
-$f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it is bent makes energy.
+Between two turns $S$ apart, at $d$ from the first, a closed loop of (H1) is as wide as
+
+$$w = \sum_j \min(k_j d, 2 a_j) + \min(k_j (S - d), 2 a_j) - 2 a_j, \qquad
+  a_j = \min(f_j, k_j S/2): \tag{H4}$$
+
+in its middle twice what slips. A closed loop between $\pm X$ costs $4 f (X - f/k)$ for (H1) and
+$4 f [X - (f/k) \tanh(k X/f)]$ for (H2). What is stored is $z^2/(2k)$, so that no way gives energy.
+$f$ may rise with pressure, $f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it is
+bent makes energy.
 
 `Coulomb` is friction as a width in pressure: the muscle behaves as at $P \mp w$,
 
@@ -148,6 +154,23 @@ class MaxwellSlip(AbstractHysteresis):
         lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
         add = library(now).sum
         return Slid(now, add(now, axis=-1), add(lost, axis=-1))
+
+    def loop_width(self, there: Batch, back: Batch, pressure: Batch) -> Batch:
+        """How wide a closed loop is, between two turns, equation (H4).
+
+        **Arguments:**
+
+        - `there`: way from the turn where contraction begins [m].
+        - `back`: way from the turn where it ends [m]; together they are the stroke.
+        - `pressure`: $P$ [Pa], held.
+
+        **Returns:** the pull on the way back less that on the way there [N].
+        """
+        k, there, back = self.stiffness, there[..., None], back[..., None]
+        f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
+        a = minimum(f, k * (there + back) / 2)  # a short stroke bends some springs, and no more
+        wide = minimum(k * there, 2 * a) + minimum(k * back, 2 * a) - 2 * a
+        return library(wide).sum(wide, axis=-1)
 
     def stored(self, kept: Numbers) -> Batch:
         """$\\sum z_j^2/(2 k_j)$ [J] for its forces `kept` [N]."""

@@ -9,7 +9,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..calibrate.after.calibration import Calibration, Estimate
+from ..calibrate.after.friction import Friction
 from ..units import exact
+from .measured import NONE
 
 
 if TYPE_CHECKING:
@@ -71,6 +73,7 @@ def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) 
             "pressure": [exact(float(x), "pressure") for x in loop.pressure],
             "width": [exact(float(x), "force") for x in loop.width],
             "half": exact(loop.half, "force"),
+            **_springs(made.friction),
         }
     if choice is not None:
         found["reasons"] = list(choice.reasons)
@@ -82,6 +85,25 @@ def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) 
             for one in choice.candidates
         ]  # fmt: skip
     return found
+
+
+def _springs(friction: Friction | None) -> dict[str, Any]:
+    """What a scenario takes as its `[hysteresis]`."""
+    if friction is None:
+        return {}
+    law = friction.law
+    if law is None:
+        return {"kind": NONE}
+    numbers = {
+        "stiffness": (law.stiffness, "stiffness"),
+        "slip_force": (law.slip_force, "force"),
+        "slip_force_slope": (law.slip_force_slope, "slip"),
+    }
+    springs = {key: [exact(float(x), unit) for x in row] for key, (row, unit) in numbers.items()}
+    return {
+        "kind": "maxwell_slip", **springs, "width_rmse": exact(friction.rmse, "force"),
+        "told": list(friction.told),
+    }  # fmt: skip
 
 
 def laws_of(made: Calibration) -> dict[str, str]:

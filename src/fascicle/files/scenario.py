@@ -42,6 +42,7 @@ from ..fluid import (
 )
 from ..muscle import Muscle
 from .faults import from_validation, nearest
+from .measured import with_measured
 from .places import Place
 from .reading import described, load, loads, parsed, text_of
 from .scenario_schema import PARTS, chosen
@@ -147,6 +148,7 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
     **Raises:** as `load_scenario`.
     """
     place = Place(source, data, (), "scenario")
+    data = with_measured(data, place, folder)
     schema, classes = chosen(data, place)
     try:
         file: Any = schema.model_validate(data)

@@ -20,6 +20,7 @@ from ..problem.residuals import Problem
 from ..problem.solving import Solutions
 from ..problem.uncertainty import KNOWN, NORMAL, Conclusion
 from .causes import Cause
+from .friction import Friction, friction_of
 from .printing import sheet
 from .trends import Looked
 
@@ -149,6 +150,14 @@ class Calibration:
         half of that is in the errors of such a record's readings.
         """
         return loop_of(self.record)
+
+    @cached_property
+    def friction(self) -> Friction | None:
+        """Springs that slip, fitted to these loops [-], `None` where there are none; the fitted
+        muscle is as it is without.
+        """
+        length = self.record.rest_length
+        return friction_of(self.record, float(self.muscle.length) if length is None else length)
 
     @property
     def points(self) -> int:

@@ -237,6 +237,7 @@ def hysteresis(made: "Calibration") -> str:
         f" {_range(loop.width)} N {where}: half of it is in the error of a muscle in use,"
         f" {made.rmse:.4g} N; from the half-way curve it errs by"
         f" {np.sqrt(max(made.rmse**2 - loop.half**2, 0.0)):.4g} N."
+        f"{'' if made.friction is None else f' {made.friction.words()}'}"
     )
 
 

@@ -59,6 +59,7 @@ class Found:
             "causes": [vars(one) for one in made.causes],
             "untold": list(made.untold),
             "loop": _loop(made.loop),
+            "friction": _friction(made.friction),
         }  # fmt: skip
         if self.choice is not None:
             found["candidates"] = [
@@ -192,6 +193,15 @@ def _loop(loop: Any) -> dict[str, Any] | None:
         return None
     return {"pressure": loop.pressure.tolist(), "width": loop.width.tolist(),
             "share": loop.share.tolist(), "half": loop.half}  # fmt: skip
+
+
+def _friction(friction: Any) -> dict[str, Any] | None:
+    if friction is None:
+        return None
+    law, none = friction.law, {"stiffness": [], "slip_force": [], "slip_force_slope": []}
+    springs = none if law is None else {name: getattr(law, name).tolist() for name in none}
+    return {**springs, "breakaway": friction.breakaway.tolist(), "told": list(friction.told),
+            "rmse": friction.rmse, "pressures": friction.pressures}  # fmt: skip
 
 
 def _posterior(posterior: Any) -> dict[str, Any]:

@@ -1,0 +1,102 @@
+"""A scenario takes the friction that a calibration found; one without any runs to the bit."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.calibrate import fit
+from fascicle.dynamics import MaxwellSlip
+from fascicle.files import load_scenario, loads_scenario
+from fascicle.files.calibrated import provenance_of
+from fascicle.records import VirtualDynamometer
+
+
+SCENARIO = """
+format = 1
+bundle = "muscle.toml"
+[load]
+kind = "hanging_mass"
+mass = "3 kg"
+damping = "100 N*s/m"
+[fluid]
+conductance = "0.2 W/K"
+dead_volume = "2e-6 m^3"
+[supply]
+kind = "constant"
+pressure = "413.7 kPa"
+[valve]
+kind = "sonic_valve"
+C = "0.06 L/(s*bar)"
+b = 0.3
+[hysteresis]
+kind = "measured"
+[run]
+duration = "0.05 s"
+[[schedule]]
+time = "0 s"
+command = 1
+"""
+FRICTION = '[hysteresis]\nkind = "measured"\n'
+NOMINAL = fs.example("kim2021_slenderness_10").replace(tuning=None)
+
+
+@pytest.fixture(scope="module", params=[0.06, 0.0], ids=["rubs", "smooth"])
+def made(request):
+    record = VirtualDynamometer(
+        pressures=[1e5, 2e5, 4e5], hysteresis=request.param, samples=40, noise=0.002
+    ).record(NOMINAL, seed=3)
+    return fit(record, NOMINAL, ["c10"], whole=False)
+
+
+def saved(made, folder):
+    fs.save(made.muscle, folder / "muscle.toml", calibration=provenance_of(made, "2026-11-22"))
+    (folder / "scenario.toml").write_text(SCENARIO, encoding="utf-8")
+    return load_scenario(folder / "scenario.toml")
+
+
+def test_the_plant_has_what_was_found(made, tmp_path):
+    scenario = saved(made, tmp_path)
+    if made.friction.law is None:
+        plain = loads_scenario(SCENARIO.replace(FRICTION, ""), folder=tmp_path)
+        assert scenario.plant.hysteresis is None
+        # today's result, to the bit
+        ours, theirs = scenario.run(), plain.run()
+        assert np.array_equal(ours.seen.position, theirs.seen.position)
+        return
+    friction, law = scenario.plant.hysteresis, made.friction.law
+    assert isinstance(friction, MaxwellSlip)
+    for name in ("stiffness", "slip_force", "slip_force_slope"):
+        assert np.array_equal(getattr(friction, name), getattr(law, name))
+    assert_allclose(made.friction.half_width(4e5), 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03)
+
+
+def test_the_fit_is_as_it_was(made):
+    # separate from the static law: asking for it changes no number of the muscle
+    before = made.muscle
+    assert made.friction is not None
+    assert made.muscle == before
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (('bundle = "muscle.toml"', 'bundle = "nominal.toml"'), "nominal.toml has no friction"),
+        (('kind = "measured"', 'kind = "measured"\nmuscle = "none.toml"'), "must name the"),
+        (('kind = "measured"', 'kind = "measured"\nwidth = "3 kPa"'), "hysteresis.width"),
+        (('bundle = "muscle.toml"', 'bundle = "kim2021_figure_6"'), "must name the calibrated"),
+    ],
+)
+def test_what_was_not_measured_is_refused(edit, said, tmp_path):
+    fs.save(NOMINAL, tmp_path / "nominal.toml")
+    fs.save(NOMINAL, tmp_path / "muscle.toml")
+    with pytest.raises(ValueError, match=said):
+        loads_scenario(SCENARIO.replace(*edit), folder=tmp_path)
+
+
+def test_springs_of_a_joint_s_muscles_are_drawn_along():
+    from fascicle.files import example_text
+
+    springs = '[hysteresis]\nkind = "maxwell_slip"\nstiffness = "4 N/mm"\nslip_force = "1 N"\n[run]'
+    plant = loads_scenario(example_text("joint_step").replace("[run]", springs, 1)).plant
+    assert_allclose(plant.hysteresis.stiffness, 4e3)
