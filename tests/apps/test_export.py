@@ -36,10 +36,14 @@ def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ((), "nothing to write: give --c or --table and a folder."),
+        ((), "nothing to write: give --c or --table and a folder, or --fmu"),
         (("--table", "code", "--precision", "half"), "choose one of double, float"),
         (("--table", "code", "--name", "2"), "must be a name in C"),
         (("--table", "code", "--c", "./code"), "both would write muscle.h: give two folders"),
+        (("--fmu", "code"), "its name must end in .fmu"),
+        (("--fmu", "a.fmu", "--sample-time", "0 s"), "must be positive"),
+        (("--fmu", "a.fmu", "--sample-time", "-1 ms"), "must be positive"),
+        (("--fmu", "a.fmu", "--platform", "plan9"), "can't be built here, only"),
     ],
 )
 def test_what_can_not_be_written_is_refused_in_a_line(fascicle, tmp_path, options, words):
@@ -61,3 +65,16 @@ def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
     assert code == 2 and "take orderly or threshold" in err and err.count("\n") == 1
     code, _, err = fascicle("export", "lift_gas", "--c", "other")
     assert code == 2 and "the law is a bundle's: give --table" in err
+
+
+def test_a_unit_is_written_and_without_a_compiler_its_sources_are(fascicle, tmp_path, monkeypatch):
+    import shutil
+    import zipfile
+
+    if shutil.which("gcc"):
+        code, out, err = fascicle("export", "kim2021_figure_6", "--fmu", "arm.fmu", "--name", "arm")
+        assert (code, out, err) == (0, "wrote arm.fmu\n", "")
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    code, _, err = fascicle("export", "kim2021_figure_6", "--fmu", "bare.fmu", "--name", "arm")
+    assert code == 2 and "no C compiler here" in err and "holds sources only" in err
+    assert "sources/arm.c" in zipfile.ZipFile(tmp_path / "bare.fmu").namelist()

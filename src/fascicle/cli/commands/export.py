@@ -29,6 +29,33 @@ Table = Annotated[
         show_default=False,
     ),
 ]
+Fmu = Annotated[
+    str | None,
+    typer.Option(
+        "--fmu",
+        metavar="PATH",
+        help="Write a unit for co-simulation there, FMI 2.0, from the table: .fmu.",
+        show_default=False,
+    ),
+]
+SampleTime = Annotated[
+    str | None,
+    typer.Option(
+        "--sample-time",
+        metavar="TIME",
+        help="Step that a unit's host is told to take; left out, 1 ms, or the controller's.",
+        show_default=False,
+    ),
+]
+Platform = Annotated[
+    str | None,
+    typer.Option(
+        "--platform",
+        metavar="NAME",
+        help="For which a unit is built, in FMI's words; left out, this one.",
+        show_default=False,
+    ),
+]
 Precision = Annotated[
     str,
     typer.Option(
@@ -43,24 +70,30 @@ def run(
     file: Target,
     c: Folder = None,
     table: Table = None,
+    fmu: Fmu = None,
     precision: Precision = "double",
     name: Annotated[
         str, typer.Option("--name", help="With which files, and names in C, begin.")
     ] = "muscle",
+    sample_time: SampleTime = None,
+    platform: Platform = None,
     overwrite: Replace = False,
 ) -> None:
     """Write a muscle's or bundle's force for programs without Python.
 
     `--c`: the law itself, its slopes and free strain; it needs `fascicle[export]`. `--table`: force
     and volume from one table, which says how far it is off; of a scenario that is controlled by
-    force, also its controller's step. All stand for the numbers in the file as they are now.
+    force, also its controller's step. `--fmu`: the same for Simulink, OpenModelica and others, with
+    its sources, built by a C compiler. All stand for the numbers in the file as they are now.
     """
     asked = {"--c": c, "--table": table}
     given = {flag: Path(folder) for flag, folder in asked.items() if folder is not None}
-    if not given:
-        raise UserError(f"nothing to write: give {' or '.join(asked)} and a folder.")
+    if not given and fmu is None:
+        raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")
     if len({folder.resolve() for folder in given.values()}) < len(given):
         raise UserError(f"{' and '.join(given)}: both would write {name}.h: give two folders.")
+    if fmu is not None:
+        _check_unit(fmu, overwrite)
     found = _read(file, c is not None)
     for flag, folder in given.items():
         _check(flag, _paths(folder, name), overwrite)
@@ -76,6 +109,34 @@ def run(
             texts = written(made, name, precision)
         _write("--table", _paths(Path(table), name), texts, overwrite)
         say(made.errors)
+    if fmu is not None:
+        _write_unit(found, Path(fmu), name, sample_time, platform, overwrite)
+
+
+def _check_unit(fmu: str, overwrite: bool) -> None:
+    from ...core.atomic import check_writable
+    from ...files.ours import check_file
+
+    if Path(fmu).suffix.lower() != ".fmu":
+        raise UserError(f"--fmu {fmu!r}: its name must end in .fmu.")
+    with refusing("--fmu "):
+        check_writable(fmu)
+        check_file(fmu, overwrite)
+
+
+def _write_unit(
+    found: Any, path: Path, name: str, sample_time: str | None, platform: str | None, force: bool
+) -> None:
+    from ...export import write_fmu
+    from ...export.fmu import Unbuilt
+    from ...files.ours import replacing
+
+    try:
+        with refusing(), replacing(path, force):
+            write_fmu(found, path, name, sample_time, platform)
+    except Unbuilt as error:
+        raise UserError(f"--fmu {path}: {error}: the file holds sources only.") from None
+    say(f"wrote {path}")
 
 
 def _read(file: str, law: bool) -> Any:

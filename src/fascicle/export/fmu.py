@@ -1,0 +1,244 @@
+"""A functional mock-up unit, FMI 2.0 for co-simulation, from a table's C: sources and binary.
+
+Inputs are the units' pressures and the plates' strain, outputs the force and volumes; with a
+controller also what a bench measures and the valves' commands, once a sample time. Nothing is
+computed but what the header's functions do, so that numbers are equal bit for bit.
+
+**Source:** Functional Mock-up Interface 2.0.4 (Modelica Association, 2022).
+"""
+
+import hashlib
+import platform as machine
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree as ET
+
+from .. import __version__
+from ..bundle import Bundle
+from ..control import Cascade
+from ..core.checks import positive
+from ..core.refused import Refused
+from ..core.types import Values
+from ..muscle import Muscle
+from .table_code import Tabulated, checked_name, filled, tabulated, written
+
+
+_STEP = 1e-3  # s, that a host is told to take where no controller has its own
+_ENDINGS = {"linux64": "so", "darwin64": "dylib", "win64": "dll"}
+_COMPILERS = ("gcc", "cc", "clang")
+_UNITS: dict[str, dict[str, str]] = {
+    "Pa": {"kg": "1", "m": "-1", "s": "-2"}, "N": {"kg": "1", "m": "1", "s": "-2"},
+    "m3": {"m": "3"}, "1/s": {"s": "-1"}, "1": {},
+}  # fmt: skip
+
+
+class Unbuilt(Exception):  # noqa: N818 what became of it, not an error of whoever asked
+    """A unit that was written, but without a binary: the words say why."""
+
+
+class Variable(NamedTuple):
+    """A number of the unit: its `name`, SI `unit`, whether it is an input (`into`), what it means,
+    and with what it begins, `start` [SI].
+    """
+
+    name: str
+    unit: str
+    into: bool
+    about: str
+    start: float = 0.0
+
+
+def write_fmu(
+    target: Muscle | Bundle | Cascade,
+    path: Values,
+    name: str = "muscle",
+    sample_time: Values = None,
+    platform: str | None = None,
+) -> Path:
+    """Write a muscle, a bundle or a controller with its bundle as a unit for co-simulation.
+
+    **Arguments:**
+
+    - `target`: the muscle or bundle, or a `Cascade` as `table_code` takes it [-].
+    - `path`: of the file [-], which ends in .fmu.
+    - `name`: of the model, as C can have it [-].
+    - `sample_time`: step that a host is told to take [s]; left out, 1 ms, or the controller's
+      own.
+    - `platform`: for which it is built, in FMI's words [-]; left out, this one.
+
+    **Returns:** the path [-].
+
+    **Raises:** `ValueError` as `table_code`, and for a sample time that isn't positive, or a
+    platform that can't be built here; `Unbuilt` where there is no compiler: the file is there, with
+    its sources.
+    """
+    path = Path(path)
+    here = _platform(platform)
+    found, texts, step = _texts(target, name, sample_time)
+    content = _packed(found, name, texts, step, None)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        built = _built(texts, name, _ENDINGS[here])
+    except Unbuilt:
+        path.write_bytes(content)
+        raise
+    path.write_bytes(_packed(found, name, texts, step, (here, built)))
+    return path
+
+
+def _texts(
+    target: Muscle | Bundle | Cascade, name: str, sample_time: Values
+) -> tuple[Tabulated, dict[str, str], float]:
+    """The tables, the C files, and the step [s]."""
+    checked_name(name)
+    step = _STEP
+    if sample_time is not None:
+        step = float(positive(sample_time, "sample_time", "s"))
+    found = tabulated(target)
+    controller = found.controller
+    if controller is not None:
+        own = float(controller.dt)
+        if sample_time is not None and step != own:
+            remedy = "leave it out, or change the scenario's"
+            raise Refused("sample_time", f"must be the controller's {own:g} s", step, remedy)
+        step = own
+    header, source = written(found, name, "double")
+    digest = hashlib.sha256((header + source).encode()).hexdigest()
+    low, high = found.strains
+    words = {
+        "name": name,
+        "guard": name.upper(),
+        "controls": int(controller is not None),
+        "guid": digest[:32],
+        "sample_time": repr(step),
+        "supply_pressure": repr(_supply(found)),
+        "low": f"{low:.6f}",
+        "high": f"{high:.6f}",
+        "lowest_pressure": "-101325",
+        "highest": f"{min(float(one.highest_pressure) for one in found.surfaces):.0f}",
+    }
+    return found, {f"{name}.h": header, f"{name}.c": source, "fmu.c": filled("fmu.c", words)}, step
+
+
+def variables(found: Tabulated) -> list[Variable]:
+    """The numbers of a unit [-] from tables that are `found` [-], by their references."""
+    units = range(1, len(found.kinds) + 1)
+    into = [Variable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
+    into.append(Variable("strain", "1", True, "contraction of the plates' distance, over it"))
+    out = [Variable("force", "N", False, "that pulls the plates together")]
+    out += [Variable(f"volume_{i}", "m3", False, f"of all muscles of unit {i}") for i in units]
+    if found.controller is not None:
+        into += [
+            Variable("strain_rate", "1/s", True, "rate of strain, measured"),
+            Variable("supply_pressure", "Pa", True, "gauge, measured", _supply(found)),
+            Variable("demand", "N", True, "force that is asked for"),
+            Variable("measured_force", "N", True, "force, measured"),
+        ]
+        out += [
+            Variable(f"command_{i}", "1", False, f"of unit {i}'s valve, -1 to 1") for i in units
+        ]
+    return into + out
+
+
+def _supply(found: Tabulated) -> float:
+    return found.controller.plant.supply_pressure if found.controller else 0.0
+
+
+def _described(found: Tabulated, name: str, guid: str, step: float) -> bytes:
+    """The model's description."""
+    root = ET.Element(
+        "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,
+        description="Fluidic artificial muscles, force and volume from one table of co-energy",
+        version=__version__, generationTool=f"fascicle {__version__}",
+        variableNamingConvention="flat", numberOfEventIndicators="0",
+    )  # fmt: skip
+    simulated = ET.SubElement(
+        root, "CoSimulation", modelIdentifier=name,
+        canHandleVariableCommunicationStepSize="true",
+    )  # fmt: skip
+    files = ET.SubElement(simulated, "SourceFiles")
+    for file in ("fmu.c", f"{name}.c"):
+        ET.SubElement(files, "File", name=file)
+    units = ET.SubElement(root, "UnitDefinitions")
+    for unit, base in _UNITS.items():
+        ET.SubElement(ET.SubElement(units, "Unit", name=unit), "BaseUnit", dict(base))
+    categories = ET.SubElement(root, "LogCategories")
+    ET.SubElement(categories, "Category", name="logStatusError")
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
+    listed = ET.SubElement(root, "ModelVariables")
+    outputs = []
+    for reference, one in enumerate(variables(found)):
+        scalar = ET.SubElement(
+            listed, "ScalarVariable", name=one.name, valueReference=str(reference),
+            description=one.about, variability="continuous",
+            causality="input" if one.into else "output",
+        )  # fmt: skip
+        real = ET.SubElement(scalar, "Real", unit=one.unit)
+        if one.into:
+            real.set("start", repr(one.start))
+        else:
+            outputs.append(str(reference + 1))
+    structure = ET.SubElement(root, "ModelStructure")
+    for kind in ("Outputs", "InitialUnknowns"):
+        unknown = ET.SubElement(structure, kind)
+        for index in outputs:
+            ET.SubElement(unknown, "Unknown", index=index)
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
+
+
+def _packed(
+    found: Tabulated,
+    name: str,
+    texts: dict[str, str],
+    step: float,
+    binary: tuple[str, bytes] | None,
+) -> bytes:
+    """The archive; of one age always, so that the same numbers make the same file."""
+    guid = hashlib.sha256((texts[f"{name}.h"] + texts[f"{name}.c"]).encode()).hexdigest()[:32]
+    files = {"modelDescription.xml": _described(found, name, guid, step)}
+    files |= {f"sources/{file}": text.encode() for file, text in texts.items()}
+    if binary is not None:
+        where, built = binary
+        files[f"binaries/{where}/{name}.{_ENDINGS[where]}"] = built
+    room = BytesIO()
+    with zipfile.ZipFile(room, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file, content in files.items():
+            archive.writestr(zipfile.ZipInfo(file, (2020, 1, 1, 0, 0, 0)), content, 8)
+    return room.getvalue()
+
+
+def _built(texts: dict[str, str], name: str, ending: str) -> bytes:
+    """The shared library of the C, by the compiler that there is."""
+    compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
+    if compiler is None:
+        raise Unbuilt(f"no C compiler here ({', '.join(_COMPILERS)})")
+    with tempfile.TemporaryDirectory() as folder:
+        for file, text in texts.items():
+            Path(folder, file).write_text(text, encoding="utf-8")
+        made = Path(folder, f"{name}.{ending}")
+        sources = [str(Path(folder, file)) for file in texts if file.endswith(".c")]
+        how = ["-O2", "-std=c99", "-shared", "-fPIC", "-o", str(made), *sources, "-lm"]
+        ran = subprocess.run([compiler, *how], capture_output=True, text=True, check=False)  # noqa: S603 C that was just written
+        if ran.returncode != 0:
+            first = (ran.stderr.splitlines() or ["no words"])[0]
+            raise Unbuilt(f"{Path(compiler).name} could not build it: {first}")
+        return made.read_bytes()
+
+
+def _platform(asked: str | None) -> str:
+    """Name of this machine in FMI 2.0, refused where another one is asked for."""
+    system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform)
+    known = system is not None and machine.machine().lower() in ("x86_64", "amd64")
+    here = f"{system}64" if known else None
+    if here is None or (asked is not None and asked != here):
+        can = f"only {here}" if here else "this machine has no name in FMI 2.0"
+        remedy = "write the sources with --table and build them there"
+        raise Refused("platform", f"can't be built here, {can}", asked, remedy, shown=asked or "")
+    return here
