@@ -4,7 +4,9 @@ Energies are powers of their own, integrated beside the motion; none is what oth
 they are exergies: a kilogram that is throttled from $p_1$ to $p_2$ loses $R T_a \ln(p_1/p_2)$; one
 that comes at $T_{in}$ into a chamber at $T$ loses
 $c_p T_a (\ln(T/T_{in}) + T_{in}/T - 1)$; heat $\dot Q$ that leaves at $T$ takes
-$(1 - T_a/T)\,\dot Q$ along.
+$(1 - T_a/T)\,\dot Q$ along. The fluid's work is taken by parts, $P V - \int V\,\mathrm{d}P$: the slope
+of a muscle's volume jumps where it collapses, the volume doesn't, and a method of fixed steps sees
+only so much of a jump.
 
 **Source:** first and second law for open systems: Bejan (2016).
 """
@@ -26,7 +28,7 @@ _OF_FLUID = (
     "exhaust",  # what is left in a gas that leaves: its temperature [J]
     "mixing",  # of gases of unlike temperature in a chamber [J]
     "wall",  # of heat that leaves at a temperature above or below the room's [J]
-    "fluid_work",  # ∫ P dV of the fluid on the muscles [J]
+    "fluid_work",  # of the fluid on the muscles, ∫ P dV = P V − ∫ V dP [J]
     "mismatch",  # of it what a volume that isn't the conjugate one makes [J]
     "mass",  # of fluid that flowed into the chambers [kg]
     "enthalpy",  # that it brought along, less what was taken out [J]
@@ -46,23 +48,19 @@ STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 def powers(plant: Plant, state: State, now: Moment) -> Numbers:
     """How fast each number of the `ACCOUNT` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
-    that is so `now` [SI].
+    that is so `now` [SI], but for what is `pressed` into its muscles.
     """
-    n, L, load = plant.counts, plant.lengths, plant.load
-    at, P, flows = now.fluid.at, now.fluid.pressures, now.flows
-    V_dot, v = now.volume_rates, now.velocity
-    V_star_dot = n * (
-        L * at.force_by_pressure * now.strain_rates + at.volume_by_pressure * now.pressure_rates
-    )
+    load, P, flows = plant.load, now.fluid.pressures, now.flows
+    V, V_dot, P_dot, v = now.fluid.volume, now.volume_rates, now.pressure_rates, now.velocity
     heat = plant.chamber.heat(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
     of_fluid = (
         *_fluid_powers(plant, flows, heat),
-        P * V_dot,
-        P * (V_dot - V_star_dot),
+        -V * P_dot,
+        -(V - plant.counts * now.fluid.at.volume) * P_dot,
         flows.mass,
         flows.enthalpy,
         heat,
-        (P + plant.chamber.room_pressure) * V_dot,
+        -V * P_dot,
     )
     at_work = library(v, P)
     # of all units in one sum, which takes a fraction of the time
@@ -75,6 +73,20 @@ def powers(plant: Plant, state: State, now: Moment) -> Numbers:
         -(now.pull - now.rubbing) * v if load.moved else 0.0 * v,
     )
     return at_work.concatenate([together, of_load], axis=-1)
+
+
+def pressed(plant: Plant, now: Moment) -> Numbers:
+    """What comes on top of each number of the `ACCOUNT` of a `plant` [-] that is so `now` [SI]:
+    $P V$ of a work by parts [J].
+    """
+    P, V = now.fluid.pressures, now.fluid.volume
+    more = {
+        "fluid_work": P * V,
+        "mismatch": P * (V - plant.counts * now.fluid.at.volume),
+        "displaced": (P + plant.chamber.room_pressure) * V,
+    }
+    none = 0.0 * P
+    return library(P, V).sum(row(*(more.get(name, none) for name in ACCOUNT)), axis=-2)
 
 
 def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:

@@ -18,6 +18,7 @@ from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid.chamber import Balance
 from ..muscle.surface import Surface
+from .muscles import Volumes
 from .plant import Plant
 
 
@@ -59,6 +60,11 @@ class Filled(NamedTuple):
         return -self.balance.value / self._steep(self.slope)
 
     @property
+    def working_step(self) -> Numbers:
+        """Newton's step [Pa] towards the root, the walls working along."""
+        return -self.balance.value / self._steep(self.rise)
+
+    @property
     def unsettled(self) -> BoolBatch:
         """Whether [-] the root is farther away than a pascal and a ten thousandth."""
         return absolute(self.step) > 1.0 + 1e-4 * absolute(self.pressures)
@@ -82,16 +88,30 @@ class Filled(NamedTuple):
 
 def filled(plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers) -> Filled:
     """`chambers` [SI] of a `plant` [-] at `strains` [-], taken to be at `pressures` [Pa]."""
-    n, chamber = plant.counts, plant.chamber
-    at = plant.muscles.at(pressures, strains)
+    return joined(plant, chambers, pressures, *spanned(plant, strains, pressures))
+
+
+def spanned(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[Surface, Volumes]:
+    """Muscles of a `plant` [-] at `strains` [-] and `pressures` [Pa], one of each unit, and the
+    volumes of all of them [m³].
+    """
+    n, at = plant.counts, plant.muscles.at(pressures, strains)
     V, by_strain, by_pressure = plant.muscles.volumes(at, strains, plant.lengths)
-    g = chamber.balance(chambers, pressures, n * V)
+    return at, Volumes(n * V, n * by_strain, n * by_pressure)
+
+
+def joined(
+    plant: Plant, chambers: Numbers, pressures: Numbers, at: Surface, volumes: Volumes
+) -> Filled:
+    """`chambers` [SI] of a `plant` [-] taken to be at `pressures` [Pa], where muscles are `at` work
+    [SI] and span `volumes` [m³].
+    """
+    V, by_strain, by_pressure = volumes
+    g = plant.chamber.balance(chambers, pressures, V)
     along = library(g.by_state).sum(
-        g.by_state * chamber.per_volume_rate(chambers, pressures), axis=-1
+        g.by_state * plant.chamber.per_volume_rate(chambers, pressures), axis=-1
     )
-    return Filled(
-        pressures, at, n * V, n * by_strain, n * by_pressure, g, along + g.by_volume
-    )  # fmt: skip
+    return Filled(pressures, at, V, by_strain, by_pressure, g, along + g.by_volume)
 
 
 def settled(

@@ -20,7 +20,7 @@ from ..core.checks import positive
 from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
-from .account import ACCOUNT, powers
+from .account import ACCOUNT, powers, pressed
 from .motion import Anchor, change, moment
 from .plant import Plant
 from .rest import rest
@@ -130,14 +130,15 @@ def _leg(
 def _look(
     plant: Plant, times: Numbers, rows: Numbers, commands: Numbers
 ) -> tuple[Seen, Numbers, State]:
-    def one(t: Batch, row: Numbers, c: Numbers) -> tuple[Seen, Numbers, State]:
+    def one(t: Batch, row: Numbers, c: Numbers) -> tuple[Seen, Numbers, Numbers, State]:
         state, account = _apart(plant, row)
         state = set_right(plant, t, state, _NEWTON)
         anchor = _none(plant, state)
         now = moment(plant, t, state, c, anchor)
-        return looked_at(plant, state, anchor, now), account, state
+        return looked_at(plant, state, anchor, now), account, pressed(plant, now), state
 
-    return jax.vmap(one)(times, rows, commands)
+    seen, account, more, states = jax.vmap(one)(times, rows, commands)
+    return seen, account + more - more[0], states
 
 
 def _row(state: State, account: Numbers) -> Numbers:

@@ -6,6 +6,7 @@ from ..core.arrays import library
 from ..core.types import Batch, Numbers
 from .filling import Filled, filled
 from .flows import Flows, flowing
+from .holding import held_rates
 from .hysteresis import Slid
 from .plant import Plant
 from .state import State
@@ -25,7 +26,8 @@ class Moment(NamedTuple):
     """Everything at a moment.
 
     `position` and `velocity` of the load [SI]; of each unit `strains` [-], `strain_rates` [1/s],
-    `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], and of the chamber's state [SI];
+    `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], of the chamber's state and of what
+    it holds, (T6) [SI];
     on the load [N or N·m] the muscles' `pull`, `rubbing` against it and the damper of its stop,
     and the power that rubbing loses beyond its way [W]; the load's `acceleration` [SI].
     """
@@ -39,6 +41,7 @@ class Moment(NamedTuple):
     pressure_rates: Numbers
     volume_rates: Numbers
     chamber_rates: Numbers
+    held_rates: Numbers
     pull: Batch
     rubbing: Batch
     rubbing_power: Batch
@@ -71,6 +74,8 @@ def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: An
     V_dot = fluid.by_strain * eps_dot + fluid.by_pressure * P_dot
     filling = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
 
+    held = held_rates(chamber, state.chambers, still, P_dot, fluid.volume)
+
     arm = plant.counts * plant.lengths * plant.gains
     pull = library(at.force).sum(arm * at.force, axis=-1)
     rubbing, lost = _rubbing(plant, anchor, q, v, fluid)
@@ -78,7 +83,7 @@ def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: An
     outside = load.force(q) - load.damper * v - stopped
     a = (pull - rubbing + outside) / load.inertia
     return Moment(
-        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, pull, rubbing, lost, damped, a
+        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, held, pull, rubbing, lost, damped, a
     )  # fmt: skip
 
 

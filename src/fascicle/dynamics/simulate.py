@@ -18,7 +18,7 @@ from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from ..fluid import checked_commands
-from .account import ACCOUNT
+from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
 from .pace import Pace, pace
 from .plant import Plant
@@ -160,12 +160,12 @@ def _run(
     every = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), every, last)
     commands = jnp.concatenate([commands, commands[-1:]])
 
-    def look(time: Batch, course: Course, command: Numbers) -> Seen:
+    def look(time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
         now = moment(plant, time, course.state, command, course.anchor)
-        return looked_at(plant, course.state, course.anchor, now)
+        return looked_at(plant, course.state, course.anchor, now), pressed(plant, now)
 
-    seen = jax.vmap(look)(times, every, commands)
-    return seen, commands, every.account, last.state
+    seen, more = jax.vmap(look)(times, every, commands)
+    return seen, commands, every.account + more - more[0], last.state
 
 
 def _measured(plant: Plant, time: Batch, course: Course) -> Measurement:

@@ -2,7 +2,7 @@ r"""Fixed steps of the classic Runge-Kutta method, with inputs held.
 
 A controller acts once a step of $\Delta t$; what it commands is held until it acts again, so that
 no stage of a step sees the next command. Pressures are integrated with all the rest, by (T4), and
-set right at the end of each substep.
+set right at the end of each substep; of chambers what they hold is, by (T6).
 
 **Source:** Kutta (1901).
 """
@@ -10,12 +10,14 @@ set right at the end of each substep.
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
 from ..core.types import Batch, Numbers
 from .account import ACCOUNT, powers
 from .filling import settled
+from .holding import held, let_go
 from .motion import Anchor, change, moment, rubbed
 from .plant import Plant
 from .state import State
@@ -25,6 +27,8 @@ _NEWTON = 2  # from where the rates led: two steps leave 1e-12 of a pressure
 # stages of the method: how far along each is, and what it weighs
 _ALONG, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6
 _FRICTION = ACCOUNT.index("friction")
+_BY_PARTS = np.array([[name == one for name in ACCOUNT] for one in
+                      ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
 
 
 class Course(NamedTuple):
@@ -43,26 +47,32 @@ def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batc
     """
     state, anchor, account = course
 
-    def stage(carry: tuple, given: Numbers) -> tuple[tuple, None]:
+    def stage(carry: tuple, given: Numbers) -> tuple[tuple, Numbers]:
         slope, total, grown = carry
         along, weight = given
         at = moved(state, slope, along * h)
         now = moment(plant, time + along * h, at, command, anchor)
         slope = change(plant, at, now, command)
         grown = grown + weight * h * powers(plant, at, now)
-        return (slope, moved(total, slope, weight), grown), None
+        added = slope._replace(chambers=now.held_rates)
+        return (slope, moved(total, added, weight), grown), now.fluid.volume
 
     # a loop, as four copies of the stage would take four times as long to compile
     still = jax.tree.map(lambda x: 0.0 * x, state)
     stages = np.stack([_ALONG, _WEIGHTS], axis=1)
-    (_, total, grown), _ = lax.scan(stage, (still, still, 0.0 * account), stages)
-    after = set_right(plant, time + h, moved(state, total, h), _NEWTON)
-    after = after._replace(supply=plant.supply.switched(after.supply))
-    if plant.hysteresis is None:
-        return Course(after, anchor, account + grown)
+    (_, total, grown), volumes = lax.scan(stage, (still, still, 0.0 * account), stages)
+    begun = held(plant.chamber, state.chambers, state.pressures, volumes[0])
+    after = moved(state._replace(chambers=begun), total, h)
     q, _ = plant.load.placed(time + h, after.position, after.velocity)
+    end = let_go(plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON)
+    after = after._replace(
+        chambers=end.chambers, pressures=end.pressures, supply=plant.supply.switched(after.supply)
+    )
+    account = account + grown + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
+    if plant.hysteresis is None:
+        return Course(after, anchor, account)
     anchor, lost = rubbed(plant, anchor, q, after.pressures)
-    return Course(after, anchor, (account + grown).at[_FRICTION].add(lost))
+    return Course(after, anchor, account.at[_FRICTION].add(lost))
 
 
 def moved(state: State, rate: State, h: Batch) -> State:

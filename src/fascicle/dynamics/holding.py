@@ -1,0 +1,85 @@
+r"""What a chamber holds besides the work of its wall, which fixed steps can add up.
+
+A wall that moves works on what is behind it. Where a muscle collapses, the slope of its volume
+jumps, and a method of fixed steps that adds up $\dot V$ of its stages misses some of the volume
+that it goes: energy is made. A chamber's state $s$, whose rates are affine in $\dot V$ with a slope
+$\dot s_{\dot V}$ that is affine in pressure, holds
+
+$$k = s - \dot s_{\dot V}(P)\, V, \qquad
+  \dot k = \dot s|_{\dot V = 0} - \frac{\mathrm{d} \dot s_{\dot V}}{\mathrm{d} P} \dot P\, V,
+  \tag{T6}$$
+
+which asks for the volume alone: of gas behind a wall, mass and enthalpy. At the end of a substep
+the state follows from $k$ and the volume that was reached, so that no volume is lost; where its
+pressure is set right, the wall works along.
+
+**Source:** the first law, by parts.
+"""
+
+from typing import NamedTuple
+
+from ..core.arrays import library, maximum
+from ..core.types import Batch, Numbers
+from ..fluid import AbstractChamber
+from .filling import joined, spanned
+from .plant import Plant
+
+
+class LetGo(NamedTuple):
+    """Chambers whose pressures have been set right: states of the `chambers` [SI], `pressures`
+    [Pa], and what setting them right adds by parts [J], $-\\int V\\,\\mathrm{d}P$ over all units, to
+    the `work` and to its `mismatch`.
+    """
+
+    chambers: Numbers
+    pressures: Numbers
+    work: Batch
+    mismatch: Batch
+
+
+def held(
+    chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
+) -> Numbers:
+    """$k$ [SI] of `chambers` [SI] of a kind of `chamber` [-] at `pressures` [Pa], with `volumes`
+    [m³] of muscles, equation (T6).
+    """
+    return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
+
+
+def held_rates(
+    chamber: AbstractChamber,
+    chambers: Numbers,
+    still: Numbers,
+    pressure_rates: Numbers,
+    volumes: Numbers,
+) -> Numbers:
+    """$\\dot k$ [SI], equation (T6), of `chambers` [SI] of a kind of `chamber` [-] that change by
+    `still` [SI] in volumes that stay, at `pressure_rates` [Pa/s] and `volumes` [m³] of muscles.
+    """
+    push, P_dot = chamber.per_volume_rate, pressure_rates
+    turned = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
+    return still - turned * volumes[..., None]
+
+
+def let_go(plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps: int) -> LetGo:
+    """Chambers of a `plant` [-] that hold $k$, `holds` [SI], at `strains` [-] and led to pressures
+    `near` [Pa], set right in so many `steps` [-] of Newton's method.
+    """
+    n, chamber = plant.counts, plant.chamber
+    push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
+    at_0, (V_0, _, _) = at, (V, _, by_pressure) = spanned(plant, strains, near)
+    s = s_0 = holds + push(holds, near) * V_0[..., None]
+    P = before = near
+    for turn in range(steps):
+        if turn:
+            at, (V, _, by_pressure) = spanned(plant, strains, P)
+            s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
+        step = joined(plant, s, P, at, (V, _, by_pressure)).working_step
+        # half of the way to no fluid at all at most
+        P, before = maximum(P + step, (P + lowest) / 2), P
+    V = V + by_pressure * (P - before)
+    s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
+    add, way = library(P).sum, near - P
+    work = (V_0 + V) / 2 * way
+    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * (P - before)) / 2 * way
+    return LetGo(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))
