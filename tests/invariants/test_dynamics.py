@@ -94,8 +94,7 @@ def test_a_lift_keeps_mass_and_energy(lift, numbers, mass, seed):
 
 
 @few
-# faster, at 20 Hz and 1.3 m/s, each substep crosses a cell of the table: 3e-5 is left over there;
-# so are 2e-5 in one run of six at any speed, where a pressure rises past a collapse at 6 MPa/s
+# faster, at 20 Hz and 1.3 m/s, each substep crosses a cell of the table: 3e-5 is left over there
 @given(st.tuples(share, share, share, share), st.floats(2.0, 6.0), st.integers(0, 10**6))
 def test_a_cycle_of_motion_and_supply_gives_no_energy(held, numbers, frequency, seed):
     plant = _varied(held, numbers)
@@ -104,6 +103,33 @@ def test_a_cycle_of_motion_and_supply_gives_no_energy(held, numbers, frequency, 
     start = dynamics.rest(plant, 0.5e5)
     run = dynamics.simulate(plant, _commands(seed), start=start, substeps=8)
     _keeps_the_laws(plant, run)
+
+
+def _fast(plant, seed, dead):
+    """Of a seed, a plant whose valves fill a muscle in milliseconds."""
+    rng = np.random.default_rng(seed)
+    C, wall, dead = 10 ** rng.uniform(-9, -7.7), rng.uniform(0, 3), dead * rng.uniform(0.5, 4.5)
+    at = lambda p: (p.valve.C, p.exhaust_valve.C, p.chamber.conductance, p.chamber.dead_volume)  # noqa: E731
+    fast = eqx.tree_at(at, plant, (C, 0.7 * C, np.float64(wall), dead))
+    if fast.load.moved:
+        frequency = np.float64(rng.uniform(2, 6))
+        fast = eqx.tree_at(lambda p: p.load.frequency, fast, frequency)
+    return fast, dynamics.rest(fast, 0.5e5 if fast.load.moved else 1.5e5), rng.integers(10**6)
+
+
+@pytest.mark.parametrize("kind", ["lift", "held"])
+def test_valves_that_fill_in_milliseconds_keep_energy(kind, request):
+    # pressures pass collapses by several of the table's lines in a substep: of 100 such cycles at
+    # their own pace 3e-6 was left over at most; 6e-5 while substeps added up what walls worked
+    plant, ran = request.getfixturevalue(kind), 0
+    for seed in range(24):
+        fast, start, commands = _fast(plant, seed, np.array([2e-6, 8e-6]))
+        if dynamics.pace(fast, 1e-3).substeps <= 8:
+            run = dynamics.simulate(fast, _commands(commands), start=start, substeps=8)
+            audit = dynamics.audit(fast, run)
+            assert all(one.closes for one in audit.balances), f"{seed}: {audit}"
+            ran += 1
+    assert ran >= 8
 
 
 FRICTIONS = {

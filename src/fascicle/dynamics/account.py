@@ -4,9 +4,8 @@ Energies are powers of their own, integrated beside the motion; none is what oth
 they are exergies: a kilogram that is throttled from $p_1$ to $p_2$ loses $R T_a \ln(p_1/p_2)$; one
 that comes at $T_{in}$ into a chamber at $T$ loses
 $c_p T_a (\ln(T/T_{in}) + T_{in}/T - 1)$; heat $\dot Q$ that leaves at $T$ takes
-$(1 - T_a/T)\,\dot Q$ along. The fluid's work is taken by parts, $P V - \int V\,\mathrm{d}P$: the slope
-of a muscle's volume jumps where it collapses, the volume doesn't, and a method of fixed steps sees
-only so much of a jump.
+$(1 - T_a/T)\,\dot Q$ along. The fluid's work is taken by parts, $P V - \int V\,\mathrm{d}P$: the
+slope of a muscle's volume jumps where it collapses, the volume doesn't.
 
 **Source:** first and second law for open systems: Bejan (2016).
 """

@@ -27,7 +27,7 @@ from .plant import Plant
 
 class LetGo(NamedTuple):
     """Chambers whose pressures have been set right: states of the `chambers` [SI], `pressures`
-    [Pa], and what setting them right adds by parts [J], $-\\int V\\,\\mathrm{d}P$ over all units, to
+    [Pa], and what setting them right adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to
     the `work` and to its `mismatch`.
     """
 
@@ -67,19 +67,21 @@ def let_go(plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps:
     """
     n, chamber = plant.counts, plant.chamber
     push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
-    at_0, (V_0, _, _) = at, (V, _, by_pressure) = spanned(plant, strains, near)
+    at_0, first = at, now = spanned(plant, strains, near)
+    V_0 = first.volume
     s = s_0 = holds + push(holds, near) * V_0[..., None]
     P = before = near
     for turn in range(steps):
         if turn:
-            at, (V, _, by_pressure) = spanned(plant, strains, P)
-            s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
-        step = joined(plant, s, P, at, (V, _, by_pressure)).working_step
+            at, now = spanned(plant, strains, P)
+            s = s_0 + push(s_0, (near + P) / 2) * (now.volume - V_0)[..., None]
+        step = joined(plant, s, P, at, now).working_step
         # half of the way to no fluid at all at most
         P, before = maximum(P + step, (P + lowest) / 2), P
-    V = V + by_pressure * (P - before)
+    last = P - before
+    V = now.volume + now.by_pressure * last
     s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
     add, way = library(P).sum, near - P
     work = (V_0 + V) / 2 * way
-    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * (P - before)) / 2 * way
+    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * way
     return LetGo(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))

@@ -83,7 +83,8 @@ def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: An
     outside = load.force(q) - load.damper * v - stopped
     a = (pull - rubbing + outside) / load.inertia
     return Moment(
-        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, held, pull, rubbing, lost, damped, a
+        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, held, pull, rubbing,
+        lost, damped, a,
     )  # fmt: skip
 
 

@@ -1,0 +1,59 @@
+"""What a chamber holds besides the work of its wall: by hand, its rates, and setting right."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle import fluid
+from fascicle.dynamics import rest
+from fascicle.dynamics.filling import filled
+from fascicle.dynamics.holding import held, held_rates, let_go
+
+
+WALL = fluid.AdiabaticWall(0.5, dead_volume=3e-6)
+ROOM = 101325.0
+
+
+def test_gas_behind_a_wall_holds_enthalpy():
+    s = WALL.start(2e5, 1e-5)
+    assert_allclose(held(WALL, s, np.array(2e5), np.array(1e-5)), [s[0], s[1] + 3.01325])
+
+
+def test_what_has_no_wall_holds_its_state():
+    for one in (fluid.Isothermal(dead_volume=3e-6), fluid.LiquidChamber(dead_volume=3e-6)):
+        s = one.start(2e5, 1e-5)
+        assert_allclose(held(one, s, np.array(2e5), np.array(1e-5)), s, rtol=0)
+
+
+def test_rates_are_those_of_what_is_held():
+    # along a path on which pressure and volume both change, gas flows in and heat out
+    s, P, V = WALL.start(2e5, 1e-5), np.array(2e5), np.array(1e-5)
+    P_dot, V_dot, flow, energy = np.array(3e6), np.array(2e-4), 1e-4, 40.0
+    rate = WALL.rates(s, P, flow, energy, V_dot)
+    still = WALL.rates(s, P, flow, energy, 0.0)
+    h = 1e-6
+    ends = [held(WALL, s + k * h * rate, P + k * h * P_dot, V + k * h * V_dot) for k in (-1, 1)]
+    found = held_rates(WALL, s, still, P_dot, V)
+    # rounding of U over 2 h
+    assert_allclose(found, (ends[1] - ends[0]) / (2 * h), rtol=1e-8)
+
+
+@pytest.mark.parametrize("off", [-3e3, 0.0, 3e3])
+def test_where_a_pressure_is_set_right_the_wall_works(lift, off):
+    P = np.array([1.5e5, 0.8e5])
+    at = rest(lift, P)
+    eps, s = lift.strains(at.position), at.chambers
+    near = P + off
+    there = filled(lift, s, eps, near).volume
+    found = let_go(lift, held(lift.chamber, s, near, there), eps, near, 6)
+    end = filled(lift, found.chambers, eps, found.pressures)
+    assert np.all(np.abs(end.step) < 1e-9 * P)
+    assert np.all(np.sign(near - found.pressures) == np.sign(off) * np.ones(2)) or off == 0
+    # the first law: energy that the gas lost is what its wall did on the way from `there`
+    work = ((near + found.pressures) / 2 + ROOM) * (end.volume - there)
+    assert_allclose(s[:, 1] - found.chambers[:, 1], work, rtol=1e-9, atol=1e-14)
+    # and the same by parts
+    gauge = np.sum(work - ROOM * (end.volume - there))
+    by_parts = np.sum(found.pressures * end.volume - near * there) + found.work
+    assert_allclose(by_parts, gauge, rtol=1e-9, atol=1e-14)
+    assert_allclose(found.mismatch, 0, rtol=0, atol=1e-15)
