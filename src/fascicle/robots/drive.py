@@ -1,0 +1,355 @@
+r"""Bundles that drive a robot: their chambers beside MuJoCo's state, and one step of both.
+
+A step asks for the tendons' lengths *of this step*, sets each bundle's pull for it, and lets MuJoCo
+take it. With the lengths of the step before, which is what stands in MuJoCo's data before
+`mj_step`, a muscle is a spring that answers late, and makes energy. So does a pull that is held
+through the stages of a Runge-Kutta step: there it is asked for at each stage, by MuJoCo's gain
+callback.
+
+Fluid flows between steps: at the pressures $P$ of this step a chamber's mass becomes
+
+$$m \leftarrow m + \Delta t\, \dot m(P), \tag{T6}$$
+
+and the next step's pressures are the roots of (F12) at its lengths, so that a closed chamber is a
+spring, which keeps its energy.
+
+**Sign:** pull is positive. **Source:** derived here; on the order of a step: MuJoCo's
+documentation, "Simulation", on `mj_step1` and `mj_step2`.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from ..core.arrays import library
+from ..core.checks import within
+from ..core.domain import HIGHEST_PRESSURE
+from ..core.modules import Module
+from ..core.refused import Refused
+from ..core.types import Batch, Numbers, Values
+from ..dynamics import Plant, State
+from ..dynamics.filling import settled
+from ..dynamics.flows import flowing
+from ..fluid import (
+    AbstractChamber,
+    AbstractSpool,
+    AbstractSupply,
+    ConstantSupply,
+    Isothermal,
+    Orifice,
+    SonicValve,
+)
+from ..fluid.chamber import AbstractMassChamber
+from ..fluid.spools import checked_commands
+from .attach import Attached, Tendons
+from .pairing import mjx, mujoco
+
+
+_NEWTON = 3  # from the pressures of the step before: a moved tendon is a step farther than a rate
+
+
+class Fluid(NamedTuple):
+    """What bundles' chambers hold: `chambers`, one row for each unit [SI], `pressures` [Pa], as
+    they were at the last step, `spool` of the valves [-], the `supply`'s state [SI], and whether all
+    strains and pressures were in the muscles' tables, `known` [-].
+    """
+
+    chambers: Numbers
+    pressures: Numbers
+    spool: Numbers
+    supply: Numbers
+    known: Any
+
+
+class Drive(Module):
+    """Bundles on tendons of one compiled model: `Drive.of` makes it.
+
+    `plant`: their muscles, chambers, valves and supply [-]. `rest_lengths`: of their tendons [m].
+    `members`: which units are whose, a row of ones for each bundle [-]. `actuators`: their places
+    in the model [-]. `tendons`: by name [-]. `valved`: whether valves and chambers were given [-].
+    """
+
+    plant: Plant
+    rest_lengths: Numbers
+    members: Numbers
+    actuators: tuple[int, ...] = eqx.field(static=True)
+    tendons: tuple[str, ...] = eqx.field(static=True)
+    valved: bool = eqx.field(static=True)
+
+    @classmethod
+    def of(
+        cls,
+        model: Any,
+        attached: Sequence[Attached],
+        supply: AbstractSupply | None = None,
+        chamber: AbstractChamber | None = None,
+        valve: SonicValve | Orifice | None = None,
+        exhaust_valve: SonicValve | Orifice | None = None,
+        spool: AbstractSpool | None = None,
+        highest_pressure: Values = None,
+        shape: tuple[int, int] = (161, 201),
+    ) -> "Drive":
+        """The drive of a model.
+
+        **Arguments:**
+
+        - `model`: MuJoCo's compiled `MjModel` [-].
+        - `attached`: what `attach` returned, of each bundle [-].
+        - `supply`, `chamber`, `valve`: where fluid comes from, what each unit's is in, and what it
+          comes through [-]; left out, all three, pressures are given at each step.
+        - `exhaust_valve`, `spool`: as of a `Plant` [-].
+        - `highest_pressure`: that is given [Pa]; left out, the bundles' largest supply pressure.
+        - `shape`: nodes of the muscles' tables in pressure and strain [-].
+
+        **Returns:** the drive [-].
+
+        **Raises:** `ValueError`, one line, for what doesn't go together, for a chamber that warms,
+        and for a tendon that begins outside of its muscles' tables.
+        """
+        given = [one is not None for one in (supply, chamber, valve)]
+        if any(given) and not all(given):
+            name = ("supply", "chamber", "valve")[given.index(False)]
+            raise Refused(
+                name, "is missing", None, "give supply, chamber and valve, or none of them"
+            )
+        if chamber is not None and not isinstance(chamber, AbstractMassChamber):
+            rule = "must be one whose state is its mass"
+            remedy = "take Isothermal, Polytropic or LiquidChamber"
+            raise Refused("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
+        if not attached:
+            raise Refused("attached", "must name at least one bundle", None, shown="none")
+        if not all(given):
+            supply = ConstantSupply(_highest(attached, highest_pressure))
+            chamber, valve = Isothermal(), SonicValve(1e-9, 0.3)
+        assert supply is not None
+        assert chamber is not None
+        assert valve is not None
+        bundles = [one.bundle for one in attached]
+        load = Tendons(bundles=len(bundles))
+        plant = Plant(
+            bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape
+        )  # fmt: skip
+        made = cls(
+            plant,
+            np.array([one.rest_length for one in attached]),
+            np.array([np.array(plant.sides) == side for side in range(len(bundles))], float),
+            tuple(model.actuator(one.actuator).id for one in attached),
+            tuple(one.tendon for one in attached),
+            all(given),
+        )
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        made._check(data.actuator_length[list(made.actuators)])
+        return made
+
+    @property
+    def units(self) -> int:
+        """How many motor units there are [-], of all bundles."""
+        return self.plant.units
+
+    def strains(self, lengths: Numbers) -> Numbers:
+        """Strain of each unit's muscles [-] where the bundles' tendons have `lengths` [m]."""
+        shorter = self.rest_lengths - lengths
+        plant, sides = self.plant, np.array(self.plant.sides)
+        return 1 - (plant.distances - shorter[..., sides]) / plant.lengths
+
+    def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
+        """What each bundle pulls [N] with its units at `pressures` [Pa] and tendons of `lengths`
+        [m].
+        """
+        at = self.plant.muscles.at(pressures, self.strains(lengths))
+        return library(at.force).sum(self.members * (self.plant.counts * at.force), axis=-1)
+
+    def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
+        """What all bundles keep [J] whose units are held at `pressures` [Pa], with tendons of
+        `lengths` [m]: their co-energy, taken off.
+        """
+        at = self.plant.muscles.at(pressures, self.strains(lengths))
+        return -library(at.force).sum(self.plant.counts * at.coenergy, axis=-1)
+
+    def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
+        """Chambers to begin with.
+
+        **Arguments:**
+
+        - `model`, `data`: MuJoCo's [-].
+        - `pressures`: of all units, or of each [Pa].
+
+        **Returns:** a `Fluid` [SI].
+
+        **Raises:** `ValueError` for pressures above the muscles' tables.
+        """
+        mujoco.mj_forward(model, data)
+        top = float(np.min(self.plant.muscles.highest_pressure))
+        closed = (True, True)
+        P = within(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
+        P = np.broadcast_to(P, (self.units,)) + 0.0
+        eps = self.strains(data.actuator_length[list(self.actuators)])
+        V = self.plant.counts * self.plant.muscles.at(P, eps).volume
+        spool = np.zeros(self.plant.spool.states(self.units))
+        chambers = np.asarray(self.plant.chamber.start(P, V))
+        supply = np.asarray(self.plant.supply.start(), float)
+        return Fluid(chambers, P, spool, supply, np.array(True))
+
+    def step(self, model: Any, data: Any, fluid: Fluid, command: Values) -> Fluid:
+        """One step of MuJoCo, which moves `data` on.
+
+        **Arguments:**
+
+        - `model`, `data`: MuJoCo's [-].
+        - `fluid`: what the chambers hold [SI].
+        - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
+
+        **Returns:** what they hold then [SI].
+
+        **Raises:** `ValueError`, one line, where a tendon leaves its muscles' tables, of which data
+        are at the beginning of the step, with MuJoCo's RK4 at its end.
+        """
+        command = self._command(command)
+        places = list(self.actuators)
+        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+            return self._in_stages(model, data, fluid, command)
+        mujoco.mj_step1(model, data)
+        lengths = data.actuator_length[places]
+        fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
+        self._check(lengths, fluid)
+        data.ctrl[places] = pull
+        mujoco.mj_step2(model, data)
+        return fluid
+
+    def act(
+        self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch
+    ) -> tuple[Fluid, Numbers]:
+        """What the bundles do in one step.
+
+        **Arguments:**
+
+        - `fluid`: what the chambers hold [SI].
+        - `lengths`: of the bundles' tendons, of this step [m].
+        - `command`: of the valves [-]; without valves, pressures [Pa].
+        - `dt`: the step [s].
+
+        **Returns:** what they hold then [SI], and each bundle's pull in the step [N].
+        """
+        plant, eps = self.plant, self.strains(lengths)
+        at_work = library(eps, fluid.chambers)
+        low, high = plant.muscles.strains
+        if not self.valved:
+            P = command + 0.0 * eps
+            known = at_work.all((eps >= low) & (eps <= high)) & fluid.known
+            return fluid._replace(pressures=P, known=known), self.pull(P, lengths)
+        P = settled(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
+        state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
+        flows = flowing(plant, state, P, command)
+        rate = plant.chamber.rates(fluid.chambers, P, flows.mass, flows.enthalpy, 0.0)
+        drawn, warm = (
+            at_work.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy)
+        )  # fmt: skip
+        inside = (eps >= low) & (eps <= high) & (plant.muscles.highest_pressure >= P)
+        after = Fluid(
+            fluid.chambers + dt * rate,
+            P,
+            fluid.spool + dt * plant.spool.rate(command, fluid.spool),
+            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -warm),
+            at_work.all(inside) & fluid.known,
+        )
+        return after, self.pull(P, lengths)
+
+    def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
+        """One step of MJX, under `jit`, `vmap` and forward derivatives; nothing is checked, and
+        `fluid.known` says afterwards whether all of it was in the muscles' tables.
+
+        **Arguments:**
+
+        - `model`, `data`: MJX's [-].
+        - `fluid`: what the chambers hold [SI].
+        - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
+
+        **Returns:** data [-], and what the chambers hold then [SI].
+        """
+        import jax
+
+        engine, places = mjx(), np.array(self.actuators)
+        now = engine.fwd_position(model, data)
+        lengths = now.actuator_length[places]
+        fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
+        after = engine.step(model, data.replace(ctrl=data.ctrl.at[places].set(pull)))
+        # with 64 bits some whole numbers come back wider than they went in, and no loop takes that
+        return jax.tree.map(lambda new, old: jnp.asarray(new, old.dtype), after, data), fluid
+
+    def _command(self, command: Values) -> Numbers:
+        many = self.plant.commands if self.valved else self.units
+        if self.valved:
+            given = np.asarray(checked_commands(command), float)
+        else:
+            top = float(np.min(self.plant.muscles.highest_pressure))
+            given = np.asarray(
+                within(command, 0.0, top, "command", "Pa", "of the table", (True, True))
+            )
+        if given.shape not in {(), (many,)}:
+            raise Refused("command", f"must be one for each of the {many}", given.size)
+        return np.broadcast_to(given, (many,))
+
+    def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
+        low, high = (np.asarray(end) for end in self.plant.muscles.strains)
+        eps = np.asarray(self.strains(np.asarray(lengths)))
+        off = np.flatnonzero((eps < low) | (eps > high) | ~np.isfinite(eps))
+        if off.size:
+            i = int(off[0])
+            tendon = self.tendons[self.plant.sides[i]]
+            raise Refused(
+                "tendon",
+                f"{tendon!r} leaves the table's strains, {low[i]:.3f} to {high[i]:.3f}",
+                float(eps[i]),
+                "limit its way in the model, or take another `rest_length`",
+                shown=f"a strain of {eps[i]:.3f}",
+            )
+        if fluid is not None and not bool(fluid.known):
+            top = float(np.min(self.plant.muscles.highest_pressure))
+            raise Refused(
+                "pressure",
+                f"must stay below the table's {top:g} Pa",
+                float(np.max(fluid.pressures)),
+                "a closed chamber is stretched too far",
+                shown=f"{float(np.max(fluid.pressures)):g} Pa",
+            )  # fmt: skip
+
+    def _in_stages(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> Fluid:
+        """A step of Runge and Kutta's, which asks for each pull at each of its stages."""
+        places = {actuator: side for side, actuator in enumerate(self.actuators)}
+        first = min(places)  # MuJoCo asks in this order
+        kind = model.actuator_gaintype.copy()
+        begun: list[Any] = []
+        pulls: list[Any] = []
+
+        def gain(of: Any, at: Any, actuator: int) -> float:
+            del of
+            side = places.get(actuator)
+            if side is None:
+                return 0.0
+            if actuator == first:
+                lengths = at.actuator_length[list(self.actuators)].copy()
+                after, pulls[:] = self.act(fluid, lengths, command, model.opt.timestep)
+                begun.append((lengths, after))
+            return -float(pulls[side])
+
+        model.actuator_gaintype[list(self.actuators)] = mujoco.mjtGain.mjGAIN_USER
+        data.ctrl[list(self.actuators)] = 1.0
+        mujoco.set_mjcb_act_gain(gain)
+        try:
+            mujoco.mj_step(model, data)
+        finally:
+            mujoco.set_mjcb_act_gain(None)
+            model.actuator_gaintype[:] = kind
+        self._check(*begun[0])  # the first stage is where the step begins
+        return begun[0][1]
+
+
+def _highest(attached: Sequence[Attached], highest: Values) -> float:
+    if highest is not None:
+        return float(within(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
+    known = [one.bundle.supply_pressure for one in attached]
+    return max((float(x) for x in known if x is not None), default=HIGHEST_PRESSURE / 1.2)

@@ -1,0 +1,203 @@
+"""A bundle on a tendon keeps energy, is the same in MJX, and the two wrong ways pump."""
+
+import warnings
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import fluid
+
+
+mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
+from fascicle.robots import Drive, attach, pairing  # noqa: E402 needs what was just looked for
+
+
+SUPPLY = 413.7e3
+HELD = np.array([2e5, 1.5e5])
+SECONDS = 5.0
+
+
+def drifts(made, energy, step, seconds=SECONDS):
+    """Energy of each fiftieth step over that at the beginning [J]."""
+    model, data, drive = made
+    begin = energy(model, data, drive, HELD)
+    held = drive.start(model, data, HELD)
+    found = []
+    for k in range(round(seconds / model.opt.timestep)):
+        held = step(model, data, drive, held)
+        if k % 50 == 49:
+            found.append(energy(model, data, drive, HELD) - begin)
+    return np.array(found)
+
+
+def right(model, data, drive, held):
+    return drive.step(model, data, held, HELD)
+
+
+def before(model, data, drive, held):
+    """What stands in data before `mj_step` are the lengths of the step before."""
+    lengths = data.actuator_length[list(drive.actuators)]
+    data.ctrl[list(drive.actuators)] = drive.pull(HELD, lengths)
+    mujoco.mj_step(model, data)
+    return held
+
+
+@pytest.mark.parametrize("spatial", [False, True])
+def test_muscles_at_a_pressure_make_no_energy(spatial, elbow, energy):
+    off = drifts(elbow(spatial), energy, right)
+    # a symplectic step's energy swings by its order, and its mean stays: of two halves
+    assert abs(off[50:].mean() - off[:50].mean()) < 1e-3
+    assert np.abs(off).max() < 0.02  # J, of 1 J that swings
+
+
+def test_runge_kutta_asks_at_each_stage(elbow, energy):
+    off = drifts(elbow(integrator="RK4"), energy, right, seconds=1.0)
+    assert np.abs(off).max() < 1e-6
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_a_pull_of_the_step_before_pumps(integrator, elbow, energy):
+    # forbidden, and why: a drive that did so would fail the two tests above by a factor of hundreds
+    off = drifts(elbow(integrator=integrator), energy, before)
+    assert off[-20:].mean() > 0.1  # J, and rising
+
+
+def test_a_closed_chamber_is_a_spring_that_keeps_its_energy(elbow):
+    parts = {
+        "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
+        "chamber": fluid.Isothermal(dead_volume=2e-6),
+    }  # fmt: skip
+    model, data, drive = elbow(**parts)
+    held = drive.start(model, data, HELD)
+    mass, angles = held.chambers.copy(), []
+    for _ in range(2400):
+        held = drive.step(model, data, held, np.zeros(2))
+        angles.append(float(data.qpos[0]))
+    np.testing.assert_array_equal(held.chambers, mass)
+    assert abs(held.pressures - HELD).max() > 100.0  # they have moved with the arm
+    # what pumps energy would swing farther, what takes it less
+    first, last = (np.ptp(angles[part]) for part in (slice(0, 1000), slice(-1000, None)))
+    np.testing.assert_allclose(last, first, rtol=0.02)
+
+
+def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
+    parts = {
+        "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
+        "chamber": fluid.Isothermal(dead_volume=2e-6), "spool": fluid.Servovalve(5e-3),
+    }  # fmt: skip
+    model, data, drive = elbow(angle=0.0, **parts)
+    model.dof_damping[:] = 0.05
+    held = drive.start(model, data, 0.0)
+    for _ in range(1000):
+        held = drive.step(model, data, held, [1.0, -1.0])
+    np.testing.assert_allclose(held.pressures, [SUPPLY, 0.0], atol=0.01 * SUPPLY)
+    assert data.qpos[0] > 0.5  # the flexor is the shorter one
+
+
+@pytest.mark.parametrize("spatial", [False, True])
+def test_mjx_is_mujoco(spatial, elbow):
+    parts = {
+        "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
+        "chamber": fluid.Isothermal(dead_volume=2e-6),
+    }  # fmt: skip
+    model, data, drive = elbow(spatial, **parts)
+    mjx = pairing.mjx()
+    steps = 1000  # a second
+    time = 1e-3 * np.arange(steps)
+    commands = 0.4 * np.stack([np.sin(6 * time), np.cos(5 * time)], axis=1)
+    held = drive.start(model, data, HELD)
+    there = mjx.put_model(model)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of MJX's own
+        begin = mjx.put_data(model, data)
+
+    def step(carry, command):
+        now, holding = drive.step_mjx(there, *carry, command)
+        return (now, holding), jnp.concatenate([now.qpos, now.qvel, holding.pressures / SUPPLY])
+
+    (_, ended), rows = jax.jit(lambda c: jax.lax.scan(step, c, jnp.asarray(commands)))(
+        (begin, jax.tree.map(jnp.asarray, held))
+    )
+    expected = []
+    for command in commands:
+        held = drive.step(model, data, held, command)
+        expected.append([*data.qpos, *data.qvel, *(held.pressures / SUPPLY)])
+    # rounding of a second's thousand steps
+    assert np.max(np.abs(np.asarray(rows) - expected)) < 1e-12
+    assert bool(ended.known)
+    assert np.ptp(np.array(expected)[:, 0]) > 0.1  # it has moved
+
+
+def test_mjx_says_afterwards_that_a_table_was_left(elbow):
+    model, data, drive = elbow()
+    mjx = pairing.mjx()
+    held = drive.start(model, data, HELD)
+    data.qpos[0] = 4.0
+    _, after = jax.jit(lambda d, h: drive.step_mjx(mjx.put_model(model), d, h, jnp.asarray(HELD)))(
+        mjx.put_data(model, data), jax.tree.map(jnp.asarray, held)
+    )
+    assert not bool(after.known)
+
+
+def test_what_can_not_be_is_refused_in_a_line(elbow, bundle):
+    spec = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
+    with pytest.raises(ValueError, match="`tendon` 'flexor' isn't one of the model's: it has none"):
+        attach(spec, "flexor", bundle, 0.1)
+    model, data, drive = elbow()
+    held = drive.start(model, data, HELD)
+    data.qpos[0] = 4.0
+    with pytest.raises(ValueError, match=r"'(flexor|extensor)' leaves the table's strains, -0\.1"):
+        drive.step(model, data, held, HELD)
+    for command, words in (([1e5] * 3, "one for each of the 2"), (2e6, "of the table")):
+        with pytest.raises(ValueError, match=words):
+            drive.step(model, data, held, command)
+    with pytest.raises(ValueError, match="must be one whose state is its mass"):
+        elbow(supply=fluid.ConstantSupply(SUPPLY), valve=fluid.SonicValve(1e-9, 0.3),
+              chamber=fluid.AdiabaticWall(0.5))  # fmt: skip
+    with pytest.raises(ValueError, match="`chamber` is missing"):
+        elbow(supply=fluid.ConstantSupply(SUPPLY), valve=fluid.SonicValve(1e-9, 0.3))
+    with pytest.raises(ValueError, match="must name at least one bundle"):
+        Drive.of(model, [])
+
+
+def test_a_tendon_that_is_nearly_named_is_told(bundle):
+    text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody><tendon>"
+    text += "<fixed name='flexor'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
+    with pytest.raises(ValueError, match="did you mean 'flexor'"):
+        attach(mujoco.MjSpec.from_string(text), "flexxor", bundle, 0.1)
+
+
+def test_a_muscle_alone_is_a_bundle_of_one():
+    text = "<mujoco><worldbody><body><joint name='j'/><geom size='0.1'/></body></worldbody><tendon>"
+    text += "<fixed name='flexor'><joint joint='j' coef='1'/></fixed></tendon></mujoco>"
+    spec = mujoco.MjSpec.from_string(text)
+    made = attach(spec, "flexor", fs.example("kim2021_figure_6"), 0.01)
+    model = spec.compile()
+    drive = Drive.of(model, [made])
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    # the law's pull at this strain, to the table's error, and MuJoCo's force of it
+    pull = float(drive.pull(np.array([2e5]), np.array([0.0]))[0])
+    np.testing.assert_allclose(
+        pull, fs.example("kim2021_figure_6").force(2e5, 0.01 / 0.127), rtol=1e-4
+    )
+    drive.step(model, data, drive.start(model, data), 2e5)
+    np.testing.assert_allclose(data.actuator_force, [-pull])
+
+
+def test_mujoco_and_mjx_of_unlike_versions_are_named(monkeypatch):
+    found = {"mujoco": "4.0.0", "mujoco-mjx": "3.17.0"}
+    monkeypatch.setattr(pairing.metadata, "version", found.__getitem__)
+    command = r"`pip install mujoco==3\.17\.0 mujoco-mjx==3\.17\.0`"
+    with pytest.raises(ImportError, match=f"don't go together: {command}"):
+        pairing.mjx()
+
+
+def test_what_is_missing_is_named_with_its_command():
+    with pytest.raises(
+        ModuleNotFoundError, match=r"Mu is missing: `pip install 'fascicle\[robots]'`"
+    ):
+        pairing._found("mujoco_that_is_not", "Mu")
