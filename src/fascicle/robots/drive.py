@@ -53,8 +53,8 @@ _NEWTON = 3  # from the pressures of the step before: a moved tendon is a step f
 
 class Fluid(NamedTuple):
     """What bundles' chambers hold: `chambers`, one row for each unit [SI], `pressures` [Pa], as
-    they were at the last step, `spool` of the valves [-], the `supply`'s state [SI], and whether all
-    strains and pressures were in the muscles' tables, `known` [-].
+    they were at the last step, `spool` of the valves [-], the `supply`'s state [SI], and whether
+    all strains and pressures were in the muscles' tables, `known` [-].
     """
 
     chambers: Numbers
@@ -194,7 +194,7 @@ class Drive(Module):
         supply = np.asarray(self.plant.supply.start(), float)
         return Fluid(chambers, P, spool, supply, np.array(True))
 
-    def step(self, model: Any, data: Any, fluid: Fluid, command: Values) -> Fluid:
+    def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
         """One step of MuJoCo, which moves `data` on.
 
         **Arguments:**
@@ -202,6 +202,7 @@ class Drive(Module):
         - `model`, `data`: MuJoCo's [-].
         - `fluid`: what the chambers hold [SI].
         - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
+        - `act`: `jax.jit(drive.act)`, for many steps [-]; left out, NumPy's, there at once.
 
         **Returns:** what they hold then [SI].
 
@@ -214,11 +215,11 @@ class Drive(Module):
             return self._in_stages(model, data, fluid, command)
         mujoco.mj_step1(model, data)
         lengths = data.actuator_length[places]
-        fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
-        self._check(lengths, fluid)
+        after, pull = (act or self.act)(fluid, lengths, command, model.opt.timestep)
+        self._check(lengths, after)
         data.ctrl[places] = pull
         mujoco.mj_step2(model, data)
-        return fluid
+        return after
 
     def act(
         self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch

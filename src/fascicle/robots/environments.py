@@ -1,0 +1,206 @@
+"""Two environments of Gymnasium's: a joint between two muscles, and a mass that hangs on a bundle.
+
+Actions open valves, observations and actions lie in [-1, 1], and a step of 10 ms is rewarded by
+the error that it leaves, taken off, so that 0 is best. A target stands for an episode of 2 s. The
+muscles are those of Fig. 6 of the paper, valves and loads are made up.
+
+**Source:** of the muscles, Kim, Mazzoleni and Bryant (2021); Towers et al. (2024) for Gymnasium.
+"""
+
+from typing import Any, ClassVar, NamedTuple
+
+import gymnasium
+import jax
+import numpy as np
+from gymnasium.spaces import Box
+
+from ..bundle import Bundle, MotorUnit
+from ..core.refused import Refused
+from ..fluid import ConstantSupply, Isothermal, SonicValve
+from ..muscle import Muscle
+from .attach import attach
+from .drive import Drive
+from .pairing import mujoco
+
+
+SUPPLY = 413.7e3  # Pa
+_FRAMES = 10  # steps of MuJoCo's in one of the environment's
+_STEP = 0.01  # s
+_JOINT = """<mujoco><compiler angle="radian"/>
+<option timestep="0.001"><flag contact="disable"/></option>
+<worldbody><body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
+ damping="0.05"/><geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/></body>
+</worldbody><tendon><fixed name="flexor"><joint joint="moved" coef="-0.02"/></fixed>
+<fixed name="extensor"><joint joint="moved" coef="0.02"/></fixed></tendon></mujoco>"""
+_MASS = """<mujoco><option timestep="0.001"><flag contact="disable"/></option>
+<worldbody><body><joint name="moved" type="slide" axis="0 0 1" range="-0.008 0.04" limited="true"
+ damping="20"/><geom size="0.05" mass="5"/></body></worldbody>
+<tendon><fixed name="cord"><joint joint="moved" coef="-1"/></fixed></tendon></mujoco>"""
+
+
+class Task(NamedTuple):
+    """What an environment is made of: a `model` [-], how much `contraction` its tendons begin with
+    [m], `counts` of muscles in each motor unit of every bundle [-], the coordinate's `middle` and
+    `reach`, and its largest `speed` that is seen [SI], and targets between `low` and `high` [SI].
+    """
+
+    model: str
+    contraction: float
+    counts: tuple[int, ...]
+    middle: float
+    reach: float
+    speed: float
+    low: float
+    high: float
+
+
+class Environment(gymnasium.Env):
+    """A load on bundles whose valves are opened.
+
+    An observation holds the coordinate, its rate, the target, and each unit's pressure, all scaled
+    to [-1, 1].
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": 100}
+    task: ClassVar[Task]
+
+    def __init__(self, render_mode: str | None = None):
+        """`render_mode`: none is known [-]."""
+        if render_mode is not None:
+            raise Refused("render_mode", "must be None", render_mode, "MuJoCo's viewer draws it")
+        self.render_mode = None
+        spec = mujoco.MjSpec.from_string(self.task.model)
+        muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
+        bundle = Bundle([MotorUnit(muscle, count) for count in self.task.counts], SUPPLY)
+        attached = [
+            attach(spec, tendon.name, bundle, self.task.contraction) for tendon in spec.tendons
+        ]
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        self.drive = Drive.of(
+            self.model, attached, ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6),
+            SonicValve(5e-10, 0.3), shape=(65, 81),
+        )  # fmt: skip
+        self._act = jax.jit(self.drive.act)
+        units = self.drive.units
+        self.action_space = Box(-1.0, 1.0, (units,), np.float32)
+        self.observation_space = Box(-1.0, 1.0, (3 + units,), np.float32)
+        self.target = self.task.middle
+        self.fluid = self.drive.start(self.model, self.data)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin anew: `seed` of the target [-]; `options` aren't known [-].
+
+        **Returns:** the observation, and what else there is to know [-].
+        """
+        super().reset(seed=seed)
+        del options
+        mujoco.mj_resetData(self.model, self.data)
+        self.target = float(self.np_random.uniform(self.task.low, self.task.high))
+        self.fluid = self.drive.start(self.model, self.data, 0.3 * SUPPLY)
+        return self._seen(), self._info()
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """One step of 10 ms with valves open by an `action` [-].
+
+        **Returns:** observation, reward, whether a muscle left its table, which ends the episode,
+        whether time is over, which a wrapper tells, and what else there is to know [-].
+        """
+        command = np.clip(np.asarray(action, float), -1.0, 1.0)
+        left = False
+        try:
+            for _ in range(_FRAMES):
+                self.fluid = self.drive.step(
+                    self.model, self.data, self.fluid, command, self._act
+                )  # fmt: skip
+        except Refused:
+            left = True
+        error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
+        return self._seen(), -error, left, False, self._info()
+
+    def _seen(self) -> np.ndarray:
+        task = self.task
+        place, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
+        seen = [(place - task.middle) / task.reach, speed / task.speed,
+                (self.target - task.middle) / task.reach,
+                *(2 * np.asarray(self.fluid.pressures) / SUPPLY - 1)]  # fmt: skip
+        return np.clip(seen, -1.0, 1.0).astype(np.float32)
+
+    def _info(self) -> dict[str, Any]:
+        return {"position": float(self.data.qpos[0]), "target": self.target}
+
+
+class AntagonisticJoint(Environment):
+    """A forearm of 0.5 kg that two muscles turn against each other: to an angle [rad]."""
+
+    task = Task(_JOINT, 0.0127, (1,), 0.0, 1.2, 10.0, -0.6, 0.6)
+
+
+class HangingMass(Environment):
+    """A mass of 5 kg on a bundle of one and four muscles: to a height [m]."""
+
+    task = Task(_MASS, 0.0, (1, 4), 0.016, 0.024, 0.5, 0.005, 0.025)
+
+
+class Proportional:
+    """The baseline: PI of the position with damping asks for pressures, which valves follow.
+
+    `proportional`, `integral` [1/s] and `damping`: of the scaled error and speed, to pressures in
+    halves of the supply's about a `bias` [-]; `signs`: of each unit [-]; `valve`: opening for each
+    half of the supply that a pressure is off [-].
+    """
+
+    def __init__(
+        self,
+        proportional: float,
+        integral: float,
+        damping: float,
+        signs: tuple[float, ...],
+        bias: float = 0.0,
+        valve: float = 4.0,
+    ):
+        """Arguments are the fields [-]."""
+        self.gains = proportional, integral, damping
+        self.signs = np.array(signs)
+        self.bias, self.valve = bias, valve
+        self.total = 0.0
+
+    def begin(self) -> None:
+        """Forget the integral."""
+        self.total = 0.0
+
+    def __call__(self, seen: np.ndarray) -> np.ndarray:
+        """The action [-] for what is `seen` [-]; the integral stands still while pressures that are
+        asked for lie beyond their ends.
+        """
+        k_p, k_i, k_d = self.gains
+        error = float(seen[2] - seen[0])
+        wanted = k_p * error + self.total - k_d * float(seen[1])
+        if abs(wanted) < 1.0:
+            self.total += k_i * _STEP * error
+        pressures = np.clip(self.bias + self.signs * wanted, -1.0, 1.0)
+        return np.clip(self.valve * (pressures - seen[3:]), -1.0, 1.0).astype(np.float32)
+
+
+BASELINES = {
+    "fascicle/AntagonisticJoint-v0": Proportional(0.2, 12.0, 0.6, (1.0, -1.0)),
+    "fascicle/HangingMass-v0": Proportional(0.2, 12.0, 0.07, (1.0, 1.0)),
+}
+
+
+def score(environment: Any, policy: Any, seeds: range) -> float:
+    """Mean reward of a step [-] in episodes of an `environment` [-], one for each of the `seeds`
+    [-], by a `policy` [-] from observations to actions, which may `begin` anew.
+    """
+    rewards = []
+    for seed in seeds:
+        seen, _ = environment.reset(seed=seed)
+        getattr(policy, "begin", lambda: None)()
+        over = False
+        while not over:
+            seen, reward, ended, late, _ = environment.step(policy(seen))
+            rewards.append(reward)
+            over = ended or late
+    return float(np.mean(rewards))

@@ -1,0 +1,66 @@
+"""Gymnasium's environments: its own check without a warning, seeded, and what a baseline scores."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+
+pytest.importorskip("mujoco", reason="the extra robots isn't here")
+gymnasium = pytest.importorskip("gymnasium", reason="the extra robots isn't here")
+from gymnasium.utils.env_checker import check_env  # noqa: E402 needs what was just looked for
+
+import fascicle.robots  # noqa: E402, F401 tells Gymnasium the names
+from fascicle.robots.environments import BASELINES, score  # noqa: E402 as above
+
+
+NAMES = sorted(BASELINES)
+
+
+@pytest.fixture(scope="module")
+def environments():
+    return {name: gymnasium.make(name) for name in NAMES}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gymnasiums_own_check_has_nothing_to_say(name, environments):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(environments[name].unwrapped)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_seed_makes_an_episode_again(name, environments):
+    one, runs = environments[name], []
+    for _ in range(2):
+        seen, _ = one.reset(seed=5)
+        rows = [seen]
+        one.action_space.seed(6)
+        for _ in range(20):
+            seen, *_ = one.step(one.action_space.sample())
+            assert one.observation_space.contains(seen)
+            rows.append(seen)
+        runs.append(np.array(rows))
+    np.testing.assert_array_equal(*runs)
+    other, _ = one.reset(seed=7)
+    assert other[2] != runs[0][0, 2]  # another target
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_baseline_is_much_better_than_nothing(name, environments):
+    one = environments[name]
+    still = score(one, lambda _: np.zeros(2, np.float32), range(2))
+    # the mean error of an episode with its beginning, where the target is far
+    assert score(one, BASELINES[name], range(2)) > 0.5 * still
+
+
+def test_an_episode_lasts_two_seconds(environments):
+    one = environments[NAMES[0]]
+    one.reset(seed=1)
+    ends = [one.step(np.zeros(2, np.float32))[2:4] for _ in range(200)]
+    assert ends[-1] == (False, True) and not any(any(end) for end in ends[:-1])
+
+
+def test_a_picture_is_refused(environments):
+    with pytest.raises(ValueError, match="`render_mode` must be None"):
+        type(environments[NAMES[0]].unwrapped)(render_mode="human")
