@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import os
 import re
 import shutil
@@ -326,6 +327,175 @@ def test_tabs_come_first_for_the_keyboard(visit):
       while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
       return at.className + ' ' + at.textContent.trim(); }"""
     assert "bk-tab" in page.evaluate(deepest)
+
+
+LABEL = """() => { let at = document.activeElement;
+  while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
+  const named = at.ariaLabel || at.labels?.[0]?.textContent || at.getAttribute('label')
+    || at.closest('.bk-input-group')?.querySelector('label')?.textContent || at.textContent;
+  return at.tagName + ' ' + named.trim().slice(0, 40); }"""
+
+
+def move_to(page, label, key="Tab"):
+    """Press a key until what has the focus is called so, as who has no mouse does."""
+    gone = []
+    for _ in range(60):
+        gone.append(page.evaluate(LABEL))
+        if label in gone[-1]:
+            return
+        page.keyboard.press(key)
+    pytest.fail(f"{label!r} can't be reached by {key}: {gone}")
+
+
+def test_the_five_minutes_go_by_keyboard_alone(visit):
+    page, press = visit(), None
+    press = page.keyboard.press
+    source(page, "chosen")
+    # resistance: pressure and contraction by arrows
+    press("Tab")
+    move_to(page, "Pressure P")
+    before = source(page, "chosen")["force"][0]
+    press("ArrowLeft")
+    page.wait_for_function(f"old => ({SOURCE})('chosen').force[0] < old", arg=before)
+    move_to(page, "Contraction ε")
+    at = source(page, "here")["x"][0]
+    press("PageUp")
+    page.wait_for_function(f"old => ({SOURCE})('here').x[0] > old", arg=at)
+    # buckling: the sweep, and another law
+    move_to(page, "Sweep the strain")
+    press("Space")
+    at = source(page, "here")["x"][0]
+    page.wait_for_function(f"old => ({SOURCE})('here').x[0] !== old", arg=at)
+    press("Space")
+    move_to(page, "Compare with", "Shift+Tab")
+    press("ArrowDown")
+    source(page, "compared")
+    # overlap: another example, the next tab, a point and one of its ways
+    move_to(page, "Example", "Shift+Tab")
+    page.keyboard.type("kim2021_bundle_1_4", delay=5)
+    page.wait_for_function("() => location.search.includes('bundle_1_4')")
+    move_to(page, "Muscle")
+    press("ArrowRight")
+    page.get_by_role("button", name="Try a point").wait_for()
+    move_to(page, "Try a point")
+    press("Enter")
+    page.get_by_role("button", name=re.compile(r"^state \d")).first.wait_for()
+    old = source(page, "bundle_force")["force"][0]
+    press("Tab")
+    move_to(page, "state", "Shift+Tab")
+    press("Enter")
+    page.wait_for_function(f"old => ({SOURCE})('bundle_force').force[0] !== old", arg=old)
+    # reversal: splits are written
+    move_to(page, "Bundle", "Shift+Tab")
+    press("ArrowRight")
+    source(page, "reversal_resisted")
+    field(page, "Splits").wait_for()
+    move_to(page, "Splits")
+    press("Control+a")
+    page.keyboard.type("1+3")
+    press("Enter")
+    source(page, "reversal_resisted", "d => d.label.length === 1 && d.label[0] === '1 + 3'")
+    # efficiency: what resistance takes
+    move_to(page, "Reversal", "Shift+Tab")
+    press("ArrowRight")
+    source(page, "efficiency")
+    field(page, "Map").wait_for()
+    move_to(page, "Map")
+    whole = page.evaluate(SOURCE, "efficiency")["image"]
+    page.keyboard.type("what", delay=5)
+    page.wait_for_function(
+        f"old => JSON.stringify(({SOURCE})('efficiency').image) !== old", arg=json.dumps(whole)
+    )
+
+
+@pytest.mark.parametrize("theme", ["default", "dark"])
+@pytest.mark.parametrize("tab", ["muscle", "bundle", "reversal", "efficiency", "data"])
+def test_a_page_has_no_barriers_that_axe_finds(visit, tab, theme):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    page = visit(f"?muscle=kim2021_bundle_1_4&tab={tab}&theme={theme}")
+    if tab == "data":
+        page.get_by_role("button", name="Try an example record").click()
+        source(page, "readings")
+    else:
+        shown = {"muscle": "chosen", "bundle": "bundle", "reversal": "turns",
+                 "efficiency": "average_true"}  # fmt: skip
+        source(page, shown[tab])
+    found = axe.Axe().run(page).response["violations"]
+    grave = [f"{one['id']}: {one['nodes'][0]['html']}" for one in found
+             if one["impact"] in ("serious", "critical")]  # fmt: skip
+    assert grave == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080)])
+@pytest.mark.parametrize("tab", ["muscle", "bundle"])
+def test_the_muscle_is_as_large_as_its_curves(visit, tab, width, height):
+    page = visit(f"?muscle=kim2021_bundle_1_4&tab={tab}", width=width, height=height)
+    source(page, {"muscle": "solid", "bundle": "bundle"}[tab])
+    curves, stage = (one.bounding_box() for one in page.locator(".bk-Figure").all()[:2])
+    assert stage["width"] == pytest.approx(curves["width"], abs=2)
+    # the page is filled: what is left below the curves is their downloads
+    assert height - curves["y"] - curves["height"] < 130
+    assert page.evaluate("() => document.documentElement.scrollHeight") <= height + 40
+
+
+def test_a_bundles_fibers_bend_and_fold_with_pressure(visit):
+    page = visit("?muscle=kim2021_bundle_1_4&tab=bundle&strain=0.2&pressures=344.7kPa,300kPa")
+    source(page, "bundle")
+    straight = np.array(source(page, "bundle_fibers")["y"])
+    field(page, "Pressure P2, typed").fill("40 kPa")
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        f"old => ({SOURCE})('bundle_fibers').y[old[0]] !== old[1]",
+        arg=[len(straight) // 2, straight[len(straight) // 2]],
+    )
+    folded = np.array(source(page, "bundle_fibers")["y"])
+    # five muscles of as many fibers, moved by millimeters
+    assert folded.size == straight.size and np.abs(folded - straight).max() > 2e-3
+
+
+def test_the_header_says_what_the_page_is_for_and_the_data_tab_invites(visit):
+    page = visit("?tab=data")
+    page.get_by_text("What fluidic muscles of given sizes pull").wait_for()
+    invitation = page.get_by_text("Your own muscle, as it was measured")
+    invitation.wait_for()
+    page.get_by_role("button", name="Try an example record").click()
+    invitation.wait_for(state="hidden")
+
+
+def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):
+    rows = "".join(f"{x},{10 - x},100\n" for x in range(8))
+    (tmp_path / "w.csv").write_text("A,B,C\n" + rows)
+    page = visit("?tab=data")
+    page.locator("input[type=file]").last.set_input_files(tmp_path / "w.csv")
+    page.get_by_text("fields below").wait_for()
+    for role, column, unit in (("pressure", "C", "kPa"), ("force", "B", "N"),
+                               ("displacement", "A", "mm")):  # fmt: skip
+        field(page, f"Column of {role}").select_option(column)
+        typed = field(page, f"Its unit ({role})")
+        typed.fill(unit)
+        typed.press("Enter")
+    shown = source(page, "readings")
+    np.testing.assert_allclose(shown["x"], np.arange(8) / 127, atol=1e-12)
+    np.testing.assert_allclose(shown["y"], 10.0 - np.arange(8))
+    page.get_by_text("strains are taken over the muscle's, 127 mm").wait_for()
+
+
+def test_a_bar_moves_while_chosen_constants_are_fitted(visit):
+    page = visit("?muscle=kim2021_slenderness_10&tab=data")
+    page.get_by_role("button", name="Try an example record").click()
+    source(page, "readings")
+    field(page, "What to fit").select_option("constants of your choice")
+    field(page, "Constants").select_option("outer radius")
+    page.get_by_role("button", name="Calibrate the muscle").click()
+    page.get_by_role("progressbar").wait_for()
+    moving = page.locator(".bar div")
+    places = [moving.bounding_box()["x"]]
+    page.wait_for_timeout(150)
+    places.append(moving.bounding_box()["x"])
+    assert places[0] != places[1]
+    page.get_by_text("90 % interval").wait_for()
+    page.get_by_role("progressbar").wait_for(state="hidden")
+    assert page.get_by_text("outer radius", exact=True).count() >= 1
 
 
 def test_a_page_follows_the_systems_preference_unless_the_address_says(browser, server):

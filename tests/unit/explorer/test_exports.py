@@ -9,7 +9,18 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.curves.measured import LARGEST_FILE, MOST_ROWS, beside, read
+from fascicle import records
+from fascicle.explorer.curves.measured import (
+    FOUND,
+    LARGEST_FILE,
+    MOST_ROWS,
+    TUNING,
+    Reading,
+    beside,
+    fitted,
+    headers,
+    read,
+)
 from fascicle.explorer.parts.exports import EXPORTS, data, escaped
 from fascicle.explorer.state import view_of
 
@@ -52,16 +63,20 @@ def test_columns_are_the_command_lines(name, command, capsys):
     assert ours == [*theirs, *extra] and (len(extra) == 1) == (name == "efficiency")
 
 
+@pytest.mark.parametrize("names", [(FOUND,), (TUNING,), ("c10", "outer_radius")], ids=str)
 @pytest.mark.parametrize("tuned", [None, fs.example("kim2021_slenderness_10")])
-def test_the_python_of_the_data_runs_beside_its_file(tuned, tmp_path, monkeypatch):
+def test_the_python_of_the_data_runs_beside_its_file(tuned, names, tmp_path, monkeypatch):
     (tmp_path / "mine.csv").write_bytes(CSV)
-    record = read(CSV, "mine.csv", 0.127, False)
-    export = data(VIEW.muscle, record, tuned, "mine.csv", False)
+    record = read(CSV, "mine.csv", 0.127)
+    export = data(VIEW.muscle, record, tuned, "mine.csv", Reading(), names)
     text = export.content("py").decode()
-    assert ("fit(record" in text) == (tuned is not None)
+    call = "find(record" if names == (FOUND,) else "fit(record"
+    assert (call in text) == (tuned is not None)
     if tuned is not None:  # a fit takes a minute: here its result
         made = SimpleNamespace(muscle=tuned)
+        found = SimpleNamespace(made=made)
         monkeypatch.setattr("fascicle.calibrate.fits.fitting.fit", lambda *_, **__: made)
+        monkeypatch.setattr("fascicle.calibrate.fits.finding.find", lambda *_, **__: found)
     monkeypatch.chdir(tmp_path)
     exec(compile(text, "data.py", "exec"), {})  # noqa: S102 what is tested
     assert (tmp_path / "data.csv").read_bytes() == export.content("csv")
@@ -88,7 +103,7 @@ def test_a_files_text_cannot_leave_the_string_it_stands_in():
 
 
 def test_readings_are_read_and_lie_beside_curves():
-    record = read(CSV, "d.csv", 0.127, False)
+    record = read(CSV, "d.csv", 0.127)
     assert len(record) == 20
     assert "rest length not given" in record.notes[-1]
     found = beside(VIEW.muscle, record)
@@ -104,9 +119,43 @@ def test_readings_are_read_and_lie_beside_curves():
 )
 def test_what_is_too_large_is_refused_with_its_limit(raw, limit):
     with pytest.raises(ValueError, match=str(limit)):
-        read(raw, "d.csv", 0.127, False)
+        read(raw, "d.csv", 0.127)
 
 
 def test_a_name_is_never_opened():
     with pytest.raises(ValueError, match="passwd"):
-        read(b"a,b\n1,2\n", "/etc/passwd", 0.127, False)
+        read(b"a,b\n1,2\n", "/etc/passwd", 0.127)
+
+
+WORDLESS = b"A,B,C\n0,10,100\n5,8,100\n10,5,100\n"
+
+
+def test_columns_and_units_are_given_where_the_file_does_not_say_them():
+    assert headers(WORDLESS, "w.csv") == ("A", "B", "C")
+    with pytest.raises(ValueError, match=r"w\.csv.*fields below, \w+ `[ABC]`"):
+        read(WORDLESS, "w.csv", 0.127)
+    columns = {"displacement": "A", "force": "B", "pressure": "C"}
+    said = Reading(False, 0.2, columns, {"displacement": "mm", "force": "N", "pressure": "kPa"})
+    record = read(WORDLESS, "w.csv", 0.127, said)
+    np.testing.assert_allclose(record.strain, [0, 0.025, 0.05])
+    np.testing.assert_allclose(record.pressure, 100e3)
+    np.testing.assert_allclose(record.force, [10, 8, 5])
+    # over the muscle's length, which is said, where nobody gives another
+    over = read(WORDLESS, "w.csv", 0.1, Reading(False, None, columns, said.units))
+    np.testing.assert_allclose(over.strain, [0, 0.05, 0.1])
+    assert "taken over the muscle's, 100 mm" in over.notes[-1]
+
+
+def test_no_table_has_no_headers():
+    assert headers(b"", "e.csv") == ()
+
+
+def test_constants_by_name_are_what_is_fitted():
+    strain = np.linspace(0, 0.15, 12)
+    built = VIEW.muscle.replace(outer_radius=1.03 * VIEW.muscle.outer_radius)
+    record = records.Record.of(2e5, strain, np.asarray(built.force(2e5, strain)), synthetic=True)
+    made = fitted(record, VIEW.muscle, lambda _: None, ("outer_radius",))
+    assert [one.name for one in made.made.parameters] == ["outer_radius"]
+    # without noise the one constant is found; the search stops at a relative step of 1e-8
+    assert made.made.parameters[0].value == pytest.approx(float(built.outer_radius), rel=1e-5)
+    assert made.candidates == ()

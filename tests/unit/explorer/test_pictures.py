@@ -161,16 +161,16 @@ def test_the_semu_has_the_bundles_cross_section():
 
 
 def test_a_records_reason_names_the_length_that_was_assumed():
-    from fascicle.explorer.curves.measured import read, suited, synthetic
+    from fascicle.explorer.curves.measured import Reading, read, suited, synthetic
 
     muscle = VIEW.muscle
     raw = synthetic(muscle)
-    record = read(raw, "example.csv", float(muscle.length), clipped=False)
+    record = read(raw, "example.csv", float(muscle.length))
     assert record.synthetic and suited(muscle, record) == ""
     half = b"pressure [kPa],displacement [mm],force [N]\n200,0,90\n200,40,70\n200,80,50\n"
-    told = suited(muscle, read(half, "a.csv", float(muscle.length), clipped=False))
+    told = suited(muscle, read(half, "a.csv", float(muscle.length)))
     assert "over 127 mm" in told and "give the rest length" in told
-    assert suited(muscle, read(half, "a.csv", 0.127, clipped=False, rest_length=1.0)) == ""
+    assert suited(muscle, read(half, "a.csv", 0.127, Reading(rest_length=1.0))) == ""
     far = half.replace(b"200,80,50", b"200,200,50")
     with pytest.raises(ValueError, match="taken over the muscle's length, 127 mm"):
-        read(far, "a.csv", float(muscle.length), clipped=False)
+        read(far, "a.csv", float(muscle.length))

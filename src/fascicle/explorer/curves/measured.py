@@ -1,8 +1,8 @@
 """A visitor's readings, within limits; the muscle's curves beside them; and the fit."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ...muscle import Muscle
 from ...records import loads
 from ...records.asking import Asked
 from ...records.record import Record
+from ...records.table import open_table
 from ...units import pretty
 
 
@@ -22,7 +23,30 @@ LARGEST_FILE = 5_000_000  # bytes
 MOST_ROWS = 100_000
 MOST_LEVELS, MOST_POINTS = 8, 4_000  # curves and readings that are drawn
 STARTS = 2  # places the fit begins from: few, so that it doesn't take long
+FOUND, TUNING = "found", "tuning"  # what is fitted, where it isn't constants by name
 _POINTS = 121
+_HEAD = 200_000  # bytes in which the header stands
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a record is to be read: whether forces of exactly zero are `clipped` readings; the
+    `rest_length` [m]; headers of `columns` and their `units` by role [-], where it doesn't say it.
+    """
+
+    clipped: bool = False
+    rest_length: float | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """What is given of it, as `records.load` takes it [-]."""
+        said = {
+            "columns": dict(self.columns), "units": dict(self.units),
+            "rest_length": self.rest_length, "clipped_at_zero": True if self.clipped else None,
+        }  # fmt: skip
+        return {name: value for name, value in said.items() if value}
 
 
 @dataclass(frozen=True)
@@ -37,18 +61,15 @@ class Beside:
     level: np.ndarray
 
 
-def read(
-    raw: bytes, name: str, length: float, clipped: bool, rest_length: float | None = None
-) -> Record:
+def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None) -> Record:
     """Readings from a file that was sent.
 
     **Arguments:**
 
     - `raw`: its bytes [-].
     - `name`: what it is called [-]; nothing of that name is opened.
-    - `length`: the muscle's [m], for strains where the file names no rest length.
-    - `clipped`: whether forces of exactly zero are clipped readings [-].
-    - `rest_length`: that strains refer to [m]; left out, what the file says, else the muscle's.
+    - `length`: the muscle's [m], for strains where nobody names a rest length.
+    - `reading`: what the file doesn't say itself [-].
 
     **Returns:** the record [-].
 
@@ -66,18 +87,32 @@ def read(
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
-    given = True if clipped else None
+    said = Reading() if reading is None else reading
+    given: dict[str, Any] = said.given
     try:
-        record = loads(text, source=name, clipped_at_zero=given, rest_length=rest_length)
+        record = loads(text, source=name, **given)
     except Asked as error:  # a length or displacement in a file that names no rest length
         if error.argument != "rest_length":
-            raise
-        record = _over(text, name, given, length)
+            # in the words of the fields that are there
+            fields = f"the fields below, {error.role} `{error.value}` say"
+            raise ValueError(f"{error.before}{fields}{error.after}") from None
+        record = replace(_over(text, name, given, length), rest_length=None)
     if record.rest_length is None:
         told = pretty(length, "length")
         assumed = f"rest length not given: strains are taken over the muscle's, {told}"
         record = replace(record, rest_length=length, notes=(*record.notes, assumed))
     return record
+
+
+def headers(raw: bytes, name: str) -> tuple[str, ...]:
+    """Headers [-] of the columns of a file that was sent; none where it has none.
+
+    **Arguments:** `raw`: its bytes [-]; `name`: what it is called [-].
+    """
+    try:
+        return open_table(raw[:_HEAD], name).header
+    except ValueError:
+        return ()
 
 
 def synthetic(muscle: Muscle) -> bytes:
@@ -95,10 +130,10 @@ def synthetic(muscle: Muscle) -> bytes:
     return dumps(machine.record(built, seed=7)).encode()
 
 
-def _over(text: str, name: str, clipped: bool | None, length: float) -> Record:
+def _over(text: str, name: str, given: Mapping[str, Any], length: float) -> Record:
     """The record of a `text` [-] over the muscle's `length` [m]; that is said where it can't be."""
     try:
-        return loads(text, source=name, clipped_at_zero=clipped, rest_length=length)
+        return loads(text, source=name, **{**given, "rest_length": length})
     except ValueError as error:
         told = pretty(length, "length")
         raise ValueError(
@@ -111,16 +146,17 @@ def suited(muscle: Muscle, record: Record) -> str:
     """Why a `record` [-] can hardly be of this `muscle` [-], in words [-]; empty where it can."""
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:
-        return "It holds no pressure above zero: nothing of tension can be told from it."
+        return "The record holds no pressure above zero: nothing of tension can be told from it."
     pulls = record.strain[record.force > 0.02 * record.force.max()]
     farthest, free = float(pulls.max(initial=0.0)), float(muscle.free_strain(highest))
     if farthest <= 1.4 * free:
         return ""
     over = muscle.length if record.rest_length is None else record.rest_length
     return (
-        f"It still pulls at a contraction of {farthest:.3g}, where this muscle's free strain is"
-        f" {free:.3g}: contractions are taken over {pretty(float(over), 'length')}; give the rest"
-        " length if it is another, or open the muscle that was measured."
+        f"This record hardly suits this muscle: it still pulls at a contraction of {farthest:.3g},"
+        f" where the muscle's free strain is {free:.3g}. Contractions are taken over"
+        f" {pretty(float(over), 'length')}: give the rest length if it is another, or open the"
+        " muscle that was measured."
     )
 
 
@@ -142,13 +178,39 @@ def drawn(record: Record) -> np.ndarray:
     return np.unique(np.linspace(0, len(record) - 1, min(len(record), MOST_POINTS)).astype(int))
 
 
-def fitted(record: Record, muscle: Muscle, tell: Callable[[str], object]) -> "Choice":
-    """What is found for a `muscle` [-] in a `record` [-], as `fascicle calibrate` finds it; `tell`
-    [-] is told what is being done.
-    """
-    from ...calibrate.fits.finding import find
+def fittable(muscle: Muscle) -> tuple[str, ...]:
+    """Names [-] of what can be fitted of a `muscle` [-]."""
+    from ...calibrate.problem.parameters import of_muscle
 
-    return find(record, muscle, starts=STARTS, tell=tell)
+    return tuple(of_muscle(muscle))
+
+
+def fitted(
+    record: Record,
+    muscle: Muscle,
+    tell: Callable[[str], object],
+    names: Sequence[str] = (FOUND,),
+) -> "Choice":
+    """A muscle fitted to a record.
+
+    **Arguments:**
+
+    - `record`: the readings [-].
+    - `muscle`: the muscle [-].
+    - `tell`: is told what is being done [-].
+    - `names`: what is fitted: `FOUND`, as `fascicle calibrate` finds it; `TUNING`, the paper's; or
+      names of `fittable` [-].
+
+    **Returns:** what was fitted, and what it was chosen from [-].
+    """
+    from ...calibrate.fits.finding import Choice, find
+    from ...calibrate.fits.fitting import fit
+
+    if tuple(names) == (FOUND,):
+        return find(record, muscle, starts=STARTS, tell=tell)
+    tell("fitting")
+    free = None if tuple(names) == (TUNING,) else list(names)
+    return Choice(fit(record, muscle, free, starts=STARTS, whole=False))
 
 
 def tuned_file(choice: "Choice", date: str) -> str:
@@ -156,7 +218,7 @@ def tuned_file(choice: "Choice", date: str) -> str:
     from ...files import dumps
     from ...files.calibrated import provenance_of
 
-    return dumps(choice.made.muscle, provenance_of(choice.made, date, choice))
+    return dumps(choice.made.muscle, provenance_of(choice.made, date, _several(choice)))
 
 
 def report_page(choice: "Choice", date: str) -> str:
@@ -164,4 +226,9 @@ def report_page(choice: "Choice", date: str) -> str:
     from ...calibrate.after.pictures import figures
     from ...reports.calibration import report
 
-    return report(choice.made, date, figures(choice.made), choice=choice)
+    return report(choice.made, date, figures(choice.made), choice=_several(choice))
+
+
+def _several(choice: "Choice") -> "Choice | None":
+    """The `choice` [-], or `None` where there was none."""
+    return choice if choice.candidates else None

@@ -51,12 +51,22 @@ if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.
 }
 """
 
-# the first key that moves goes to the tabs; those of the header lie before them
+# the first key that moves goes to the tabs, and arrows from one to the next; the header's fields
+# lie before them
 _TABS_FIRST = """
 const sought = (at) => at.querySelector(".bk-tab.bk-active")
   ?? [...at.querySelectorAll("*")].reduce(
     (found, one) => found ?? (one.shadowRoot ? sought(one.shadowRoot) : null), null);
+const deepest = (at) => at?.shadowRoot?.activeElement ? deepest(at.shadowRoot.activeElement) : at;
+const aside = {ArrowRight: "nextElementSibling", ArrowLeft: "previousElementSibling"};
 addEventListener("keydown", (event) => {
+  const here = deepest(document.activeElement);
+  const there = event.key === "Enter" || event.key === " " ? here : here?.[aside[event.key]];
+  if (here?.matches?.(".bk-tab") && there?.matches?.(".bk-tab")) {
+    event.preventDefault();
+    there.click();
+    there.focus();
+  }
   if (event.key !== "Tab" || event.shiftKey || document.activeElement !== document.body) return;
   const tab = sought(document);
   if (!tab) return;
@@ -66,11 +76,39 @@ addEventListener("keydown", (event) => {
 });
 """
 
+# names for those who hear the page: its widgets show them, and don't say them
+_NAMED = """
+const name = (one, text) => { if (text && !one.ariaLabel) one.ariaLabel = text.trim(); };
+const told = (one) => one.closest(".bk-input-group")?.querySelector(".bk-slider-title, label");
+const look = (root) => {
+  for (const handle of root.querySelectorAll(".noUi-handle"))
+    name(handle, told(handle)?.textContent.replace(/:.*/s, ""));
+  for (const spin of root.querySelectorAll(".bk-spin-btn"))
+    name(spin, (spin.matches(".bk-spin-btn-up") ? "More: " : "Fewer: ") + told(spin)?.textContent);
+  for (const tab of root.querySelectorAll(".bk-tab")) {
+    tab.role = "tab"; tab.ariaSelected = tab.matches(".bk-active"); tab.tabIndex = 0;
+    tab.parentElement.role = "tablist";
+  }
+  for (const box of root.querySelectorAll("input[type=checkbox]"))
+    name(box, box.nextElementSibling?.textContent);
+};
+const attach = Element.prototype.attachShadow;
+Element.prototype.attachShadow = function (...given) {
+  const root = attach.apply(this, given);
+  new MutationObserver(() => look(root)).observe(
+    root, {childList: true, subtree: true, attributes: true, attributeFilter: ["class"]});
+  return root;
+};
+document.querySelector("[data-root-id]")?.setAttribute("role", "main");
+"""
+
 
 def attach(doc: Any, prefers: bool = False) -> None:
     """Let the page of a Bokeh document [-] say what it can't; and take the system's own preference
-    of light or dark, where it `prefers` [-] that to an address that says nothing of it.
+    of light or dark, where it `prefers` [-] that to an address that says nothing of it. Sliders and
+    boxes get names that are read aloud.
     """
+    doc.js_on_event("document_ready", CustomJS(code=_NAMED))
     doc.js_on_event("document_ready", CustomJS(code=_TABS_FIRST))
     if prefers:
         doc.js_on_event("document_ready", CustomJS(code=_PREFERS))

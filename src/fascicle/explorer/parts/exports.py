@@ -7,7 +7,7 @@ written for a reader; it is never run here.
 
 import io
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from ...plot.style import to_bytes
 from ...records.record import Record
 from ...results import tables
 from ...results.labelled import Variable, to_csv, write
-from ..curves.measured import STARTS
+from ..curves.measured import FOUND, STARTS, TUNING, Reading
 from ..curves.muscle_curves import widest
 from ..state import View
 from .look import Look, widget_css
@@ -186,7 +186,14 @@ draw(found).savefig("efficiency.svg")
     return Export("efficiency", variables, lambda: draw_efficiency(found), python)
 
 
-def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clipped: bool) -> Export:
+def data(
+    muscle: Muscle,
+    record: Record,
+    tuned: Muscle | None,
+    name: str,
+    reading: Reading,
+    names: Sequence[str] = (FOUND,),
+) -> Export:
     """A record beside the muscle, or the one that is tuned to it.
 
     **Arguments:**
@@ -195,12 +202,14 @@ def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clippe
     - `record`: the readings [-].
     - `tuned`: what they made of the muscle [-], or None.
     - `name`: of the file they came from [-].
-    - `clipped`: whether forces of zero were taken for clipped ones [-].
+    - `reading`: how it was read [-].
+    - `names`: what was fitted, as `measured.fitted` takes it [-].
 
     **Returns:** the export [-].
     """
     shown = muscle if tuned is None else tuned
     label = "the muscle" if tuned is None else "tuned"
+    found = tuple(names) == (FOUND,)
     P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
     variables = {
         "pressure": Variable(("reading",), record.pressure, "Pa"),
@@ -211,14 +220,20 @@ def data(muscle: Muscle, record: Record, tuned: Muscle | None, name: str, clippe
     imports = (
         "import numpy as np\n\n"
         "from fascicle import records\n"
-        "from fascicle.calibrate import fit\n"
+        f"from fascicle.calibrate import {'find' if found else 'fit'}\n"
         "from fascicle.calibrate.after.pictures import beside\n"
         "from fascicle.files import loads\n"
         "from fascicle.plot import calibration\n"
         "from fascicle.results.labelled import Variable, write\n"
     )
-    given = f"rest_length={record.rest_length!r}" + (", clipped_at_zero=True" if clipped else "")
-    tune = "" if tuned is None else f"muscle = fit(record, muscle, starts={STARTS}).muscle\n"
+    said = reading.given | {"rest_length": record.rest_length}
+    given = ", ".join(f"{key}={value!r}" for key, value in said.items())
+    free = "" if tuple(names) == (TUNING,) else f"{list(names)!r}, "
+    tune = f"muscle = fit(record, muscle, {free}starts={STARTS}, whole=False).muscle\n"
+    if found:
+        tune = f"muscle = find(record, muscle, starts={STARTS}).made.muscle\n"
+    if tuned is None:
+        tune = ""
     python = (
         _head("data", "muscle", dumps(muscle), imports)
         + f"""

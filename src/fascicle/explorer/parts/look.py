@@ -146,7 +146,8 @@ def widget_css(look: Look) -> str:
   color: var(--ink); font: {TEXT}px/1.4 var(--sans); padding: var(--near) var(--apart);
   min-height: 30px; }}
 input[type=file].bk-input {{ padding: 1px; min-height: 30px; height: 32px; }}
-input::file-selector-button {{ font: inherit; height: 26px; color: var(--ink); cursor: pointer;
+input::file-selector-button {{ font: inherit; height: 26px; line-height: 1; cursor: pointer;
+  color: var(--ink);
   background: var(--raised); border: 1px solid var(--line); border-radius: var(--round);
   margin-right: var(--apart); }}
 select.bk-input:not([multiple]) {{ appearance: none; padding-right: 26px;
@@ -160,9 +161,11 @@ label, .bk-slider-title {{ color: var(--ink); font-size: {SMALL}px; }}
 .bk-btn-default {{ background: var(--raised); color: var(--ink); border: 1px solid var(--line); }}
 .bk-btn-default:hover, .bk-btn-default.bk-active {{ border-color: var(--edge);
   background: var(--line); color: var(--ink); }}
-.bk-btn-primary {{ background: var(--deep); border-color: var(--deep); color: {WHITE}; }}
+.bk-btn.bk-btn-primary {{ background: var(--deep) !important; border-color: var(--deep);
+  color: {WHITE} !important; }}
 .bk-btn.bk-btn-default:disabled, .bk-btn.bk-btn-primary:disabled {{ opacity: 1;
-  color: var(--soft); background: var(--paper); border: 1px dashed var(--line); }}
+  color: var(--soft) !important; background: var(--paper) !important; cursor: not-allowed;
+  border: 1px dashed var(--edge) !important; }}
 .noUi-target {{ background: var(--line); border-color: var(--edge); box-shadow: none; }}
 .noUi-handle {{ background: var(--accent); border-color: var(--accent); box-shadow: none;
   border-radius: 50%; }}

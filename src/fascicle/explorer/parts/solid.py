@@ -97,7 +97,9 @@ class Scene:
         self.camera = source_of({"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]})
         self.points = source_of({axis: [] for axis in "xyz"}, name=name)
         self._faces = source_of({key: [] for key in (*"abcd", "red", "green", "blue")})
-        self._fibers = source_of({key: [] for key in ("x", "y", "z", "nx", "ny", "nz")})
+        self._fibers = source_of(
+            {key: [] for key in ("x", "y", "z", "nx", "ny", "nz")}, name=f"{name}_fibers"
+        )
         self._threads = source_of({"color": []})
         self._extent = source_of({"wide": [1.0], "high": [1.0], "thread": [0.0]})
         drawn = source_of({"xs": [], "ys": [], "color": []})

@@ -9,13 +9,17 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
+from ...core.tokens import LARGE
 from ...units import pretty
 from ..curves.measured import (
+    FOUND,
     MOST_ROWS,
     Beside,
+    Reading,
     beside,
     drawn,
     fitted,
+    headers,
     read,
     report_page,
     suited,
@@ -25,10 +29,13 @@ from ..curves.measured import (
 from ..parts.background import Latest
 from ..parts.exports import Export, data, downloads
 from ..parts.look import (
+    NARROW,
+    ROLLED,
     STACKED,
     TALL,
     WRAPPED,
     Look,
+    half,
     legend_style,
     plain_figure,
     pressure_colors,
@@ -37,10 +44,23 @@ from ..parts.look import (
     widget_css,
 )
 from ..parts.widgets import button, factor
-from ..parts.widgets import read as read_field
 from ..state import Session, View, view_of
+from .record_inputs import FitInputs, RecordInputs
 from .reversal import grid
-from .tab import Tab, status
+from .tab import MOVING, Tab, status
+
+
+_INVITATION = f"""
+<div style="border:2px dashed var(--line);border-radius:var(--round);padding:var(--far);
+  max-width:640px;margin:var(--far) auto">
+<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">Your own muscle, as it was measured</h2>
+<p>Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in
+its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to
+them, with how sure each constant is.</p>
+<p style="color:var(--soft);margin:0">No record at hand? <b>Try an example record</b>: a synthetic
+one of this muscle, a little thicker and steeper than drawn. At most {MOST_ROWS} rows; they stay
+in this session's memory.</p></div>
+"""
 
 
 class DataView(Tab):
@@ -59,7 +79,7 @@ class DataView(Tab):
         self._tunes = session.view.muscle  # as it was when the fit began
         self._report = ""
         self._file = pn.widgets.FileInput(
-            label="Open a record",
+            label="Open a record (CSV)",
             accept=".csv,.txt,.tsv",
             stylesheets=css,
             margin=(2, 8),
@@ -67,27 +87,22 @@ class DataView(Tab):
         )
         self._file.param.watch(lambda _: self._opened(), "value")
         self._example: bytes = b""  # instead of a file
+        self._raw: bytes = b""  # what was opened last
         self._try = button(
             look, "Try an example record (synthetic)", self._tried, sizing_mode="stretch_width",
             margin=(2, 8),
         )  # fmt: skip
-        self._length = pn.widgets.TextInput(
-            label="Rest length, if the record doesn't say it",
-            stylesheets=css, sizing_mode="stretch_width", margin=(2, 8),
-        )  # fmt: skip
-        self._length.param.watch(lambda _: self._opened(), "value")
-        self._clipped = pn.widgets.Checkbox(
-            label="Forces of exactly zero only say: not above", stylesheets=css, margin=(6, 8)
-        )
-        self._clipped.param.watch(lambda _: self._opened(), "value")
+        self._how = RecordInputs(look, self._opened)
+        self._what = FitInputs(look)
+        self._reading, self._free = Reading(), (FOUND,)  # of what was read and fitted
         self._calibrate = button(
             look, "Calibrate the muscle", self._fit, color="primary", disabled=True,
             sizing_mode="stretch_width", margin=(6, 8),
         )  # fmt: skip
-        self._progress = pn.indicators.Progress(
-            active=False, value=0, sizing_mode="stretch_width", margin=(2, 8), height=12
-        )
-        self._status = pn.pane.HTML("", margin=(0, 8))
+        self._bar = pn.pane.HTML(
+            MOVING, visible=False, margin=(0, 8), sizing_mode="stretch_width"
+        )  # fmt: skip
+        self._status = pn.pane.HTML("", margin=(0, 8), sizing_mode="stretch_width")
         self._notes = pn.pane.HTML("", margin=(4, 8), sizing_mode="stretch_width")
         self._table = pn.pane.HTML("", margin=(4, 8))
         self._take = button(
@@ -112,20 +127,19 @@ class DataView(Tab):
         self._fitted = Latest(self._show_fit, self._failed)
         self._begun, self._timer = 0.0, None
         left = pn.Column(
-            pn.pane.HTML(
-                '<div style="font-size:13.5px">A dynamometer\'s CSV: pressure, force, and strain,'
-                f" length or displacement, with units in its header; up to {MOST_ROWS} rows. It"
-                " stays in this session's memory.</div>", margin=(4, 8),
-            ),
-            self._file, self._try, self._length, self.message.pane, self._clipped,
-            self._calibrate, self._progress, self._status, self._table, self._take,
+            self._file, self._try, self._how.panel, self.message.pane, self._what.panel,
+            self._calibrate, self._bar, self._status, self._table, self._take,
             pn.Row(*self._saves, margin=0), self._notes,
-            width=420, height=660, scroll=True, margin=0,
+            width=420, margin=(0, 8, 0, 0), stylesheets=[ROLLED],
+        )  # fmt: skip
+        self._invitation = pn.pane.HTML(_INVITATION, sizing_mode="stretch_width", margin=(8, 8))
+        self._drawn = pn.Column(
+            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
+            visible=False, sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
         )  # fmt: skip
         right = pn.Column(
-            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]),
-            sizing_mode="stretch_width", margin=0,
+            self._invitation, self._drawn,
+            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]), margin=0, **half(),
         )  # fmt: skip
         self.panel = pn.Row(
             left, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
@@ -179,13 +193,19 @@ class DataView(Tab):
         if not raw:
             return
         view, name = self.session.view, self._name
-        unit, typed = view.shown["length"], self._length.value.strip()
+        if raw is not self._raw:
+            self._raw = raw
+            self._how.offer(headers(raw, name))
         try:
-            rest = read_field(typed, "length", unit, "rest_length") if typed else None
-            self.record = read(raw, name, float(view.muscle.length), self._clipped.value, rest)
+            reading = self._how.reading(view.shown)
+            self.record = read(raw, name, float(view.muscle.length), reading)
         except ValueError as error:
             self.message.say(str(error))
+            self._how.show(True)  # what can be said to it
             return
+        self._reading = reading
+        self._what.offer(view.muscle)
+        self._invitation.visible, self._drawn.visible = False, True
         self.message.say(suited(view.muscle, self.record))
         self.made = None
         self._table.object = ""
@@ -234,14 +254,17 @@ class DataView(Tab):
     # the fit
 
     def _fit(self) -> None:
-        record, muscle = self.record, self.session.view.muscle
-        self._tunes = muscle
+        record, muscle, names = self.record, self.session.view.muscle, self._what.chosen
+        if not names:
+            self.message.say("`fit` must name at least one constant: choose some, or another way.")
+            return
+        self._tunes, self._fits = muscle, names
         self._calibrate.disabled = True
-        self._progress.value, self._progress.active = -1, True  # it moves
         self._begun = time.monotonic()
         date = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
         stage = ["fitting"]
         self._stage = stage
+        self._tick()
         if pn.state.curdoc is not None and pn.state.curdoc.session_context:
             self._timer = pn.state.add_periodic_callback(self._tick, period=500)
 
@@ -249,13 +272,15 @@ class DataView(Tab):
             def tell(what: str) -> None:
                 stage[0] = what if what.startswith("fitting") else f"fitting: {what}"
 
-            choice = fitted(record, muscle, tell)
+            choice = fitted(record, muscle, tell, names)
             stage[0] = "drawing the report"
             return choice, report_page(choice, date)
 
         self._fitted.ask(compute)
 
     def _tick(self) -> None:
+        # nobody knows how long it takes: the bar moves, and the seconds count
+        self._bar.visible = True
         seconds = time.monotonic() - self._begun
         self._status.object = status(f"{self._stage[0]}: {seconds:.0f} s")
 
@@ -263,8 +288,7 @@ class DataView(Tab):
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
-        self._progress.value, self._progress.active = 0, False
-        self._calibrate.disabled = False
+        self._calibrate.disabled, self._bar.visible = False, False
         self._status.object = ""
 
     def _failed(self, text: str) -> None:
@@ -277,6 +301,7 @@ class DataView(Tab):
         )
 
         self._done()
+        self._free = self._fits
         self._choice, self._report = found
         self.made = self._choice.made
         rows = [
@@ -313,7 +338,7 @@ class DataView(Tab):
         muscle, tuned = self.session.view.muscle, None
         if self.made is not None:
             muscle, tuned = self._tunes, self.made.muscle
-        return data(muscle, self.record, tuned, self._name, self._clipped.value)
+        return data(muscle, self.record, tuned, self._name, self._reading, self._free)
 
     def _tuned(self) -> Any:
         return io.BytesIO(

@@ -133,7 +133,7 @@ class EfficiencyView(Tab):
         self.message.say("")
         with_it, without = found.resisted.average, found.free.average
         self._numbers.object = grid(
-            ("average efficiency of this bundle", ""),
+            ("this bundle", "average efficiency"),
             [("with resistance", f"{with_it:.4f}"), ("without", f"{without:.4f}")],
         )
         self._status.object = status("computing averages by number of units")

@@ -154,7 +154,7 @@ class ReversalView(Tab):
             ))
             for one in found
         ]  # fmt: skip
-        self._table.object = grid(("split", "turns at", "depth", ""), rows)
+        self._table.object = grid(("split", "turns at", "depth", "how"), rows)
 
 
 def grid(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

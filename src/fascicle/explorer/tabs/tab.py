@@ -7,6 +7,17 @@ from ..parts.widgets import Message
 from ..state import Session, View, changed
 
 
+# for what lasts nobody knows how long
+MOVING = """<style>
+@keyframes to-and-fro { from { left: 0; } to { left: 70%; } }
+.bar { position: relative; height: 8px; border-radius: var(--round); background: var(--line);
+  overflow: hidden; margin: var(--near) 0; }
+.bar div { position: absolute; width: 30%; height: 100%; background: var(--accent);
+  animation: to-and-fro 1.2s ease-in-out infinite alternate; }
+@media (prefers-reduced-motion: reduce) { .bar div { animation: none; width: 100%; } }
+</style><div class="bar" role="progressbar" aria-label="fitting"><div></div></div>"""
+
+
 class Tab:
     """A tab that is drawn anew where one of its fields of the view changes."""
 
