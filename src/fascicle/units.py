@@ -68,6 +68,8 @@ _LITERS = {"m^3": 1, "dm^3": Fraction("1e-3"), "L": Fraction("1e-3"), "mL": Frac
 _GIVING = {f"{v}/{p}": factor / _PRESSURE[p] for v, factor in _LITERS.items() for p in _PRESSURE}
 _SONIC = {f"{v}/({t}*{p})": factor / _TIME[t] / _PRESSURE[p]
           for v, factor in _LITERS.items() for t in _TIME for p in _PRESSURE}  # fmt: skip
+_RELIEVING = {f"{m}/({t}*{p})": _MASS[m] / _TIME[t] / _PRESSURE[p]
+              for m in _MASS for t in _TIME for p in _PRESSURE}  # fmt: skip
 _YIELDING = {f"{d}/{f}": _LENGTH[d] / _FORCE[f] for d in _LENGTH for f in _FORCE}
 _SLIDING = {f"{f}/{p}": _FORCE[f] / _PRESSURE[p] for f in _FORCE for p in _PRESSURE}
 _INERTIA = {f"{m}*{d}^2": _MASS[m] * _LENGTH[d] ** 2 for m in _MASS for d in ("m", "cm", "mm")}
@@ -119,6 +121,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
                                   _table(**{"W/K": 1, "mW/K": "1e-3"}), ("mW/K",)),
     "sonic_conductance": Dimension("a sonic conductance", "m^3/(s*Pa)", "L/(s*bar)",
                                    ("L/(s*bar)", "m^3/(s*Pa)"), _table(**_SONIC)),
+    "relief_slope": Dimension("a mass flow per pressure", "kg/(s*Pa)", "g/(s*bar)",
+                              ("g/(s*bar)", "kg/(s*Pa)"), _table(**_RELIEVING)),
     "compliance": Dimension("a volume per pressure", "m^3/Pa", "mm^3/kPa",
                             ("mm^3/kPa", "m^3/Pa"), _table(**_GIVING)),
     "axial_compliance": Dimension("a length per force", "m/N", "mm/kN", ("mm/kN", "m/N"),
@@ -139,6 +143,7 @@ _EXAMPLES = {"length": "127 mm", "angle": "33 deg", "force": "20 N", "pressure":
              "angular_stiffness": "20 N*m/rad", "inertia_moment": "0.01 kg*m^2",
              "slip": "0.02 N/kPa", "wall_conductance": "0.2 W/K",
              "sonic_conductance": "0.1 L/(s*bar)", "compliance": "1e-12 m^3/Pa",
+             "relief_slope": "100 g/(s*bar)",
              "axial_compliance": "20 mm/kN",
              "viscosity": "39 mPa*s", "strain": "0.12", "number": "1.25"}  # fmt: skip
 

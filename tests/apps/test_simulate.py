@@ -112,7 +112,7 @@ CONTROLLED = ("ramp_1_4", "ramp_1x5", "raise_1_1", "raise_1_4", "raise_1x5",
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in CONTROLLED]
 
 
-@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step", *SLOW])
+@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step", "supply_is_pumped", *SLOW])
 def test_named_scenarios_close(fascicle, name):
     code, out, err = fascicle("simulate", name, "--json")
     found = json.loads(out)

@@ -50,6 +50,7 @@ WORDS = {
     "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
     "broken": "numbers that are none came up; take a smaller `dt`",
 }
+_SPENT = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
 # what happened, but is no reason to doubt the run
 _HARMLESS = ("supply_empty", "stop")
 
@@ -206,6 +207,7 @@ def _of_supply(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str,
     held = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
     into = {"shaft": spent.pop("shaft_work", 0.0)}
+    spent = {_SPENT.get(name, name): x for name, x in spent.items()}
     went = {"supplied": a["supplied"], "stored in the supply": held[-1] - held[0], **spent}
     most = most | {"held": float(np.max(np.abs(held - held[0])))}
     return _balance("energy of the supply", SMOOTH, most, into, went, ("supplied", "held"))

@@ -28,16 +28,12 @@ from ..fluid import (
     NITROGEN,
     OIL,
     WATER,
-    Accumulator,
-    AdiabaticWall,
     Gas,
-    Isothermal,
     Line,
     LiquidChamber,
     OrderlyValve,
     Orifice,
     SonicValve,
-    Tank,
     checked_commands,
 )
 from ..muscle import Muscle
@@ -48,6 +44,7 @@ from .reading import described, load, loads, parsed, text_of
 from .scenario_schema import PARTS, chosen
 from .shipped import names as shipped
 from .shipped import text as shipped_text
+from .supplies import supply_of
 
 
 if TYPE_CHECKING:
@@ -287,31 +284,11 @@ def _parts(
                 "reference_density", float(SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
             )
         if key == "supply":
-            made[key] = _supply(table, kind, room, at)
+            made[key] = supply_of(table, kind, room.medium, room.given, at)
             continue
         with at.naming():
             made["chamber" if key == "fluid" else key] = kind(**table)
     return made
-
-
-def _supply(table: dict[str, Any], kind: type, room: _Room, place: Place) -> Any:
-    gas = isinstance(room.medium, Gas)
-    if kind is Accumulator and gas:
-        raise place.refuse(("kind",), "it holds a liquid: take constant or tank for a gas.")
-    if kind is Tank and not gas:
-        raise place.refuse(("kind",), "it holds a gas: take constant or accumulator for a liquid.")
-    with place.naming():
-        if kind is Tank:
-            wall = table.pop("conductance", None)
-            chamber: Any = Isothermal if wall is None else AdiabaticWall
-            own = {} if wall is None else {"conductance": wall}
-            return Tank(chamber(gas=room.medium, **own, **room.given), **table)
-        if kind is Accumulator:
-            return Accumulator(**table, liquid=room.medium, **room.given)
-        if "room_temperature" in room.given:
-            table.setdefault("supply_temperature", room.given["room_temperature"])
-        around = {key: x for key, x in room.given.items() if key == "room_pressure"}
-        return kind(**table, **around)
 
 
 def _times(run: Any, place: Place) -> tuple[float, float]:

@@ -26,15 +26,20 @@ from ..fluid import (
     AdiabaticWall,
     ConstantSupply,
     Direct,
+    FixedPump,
     Isothermal,
     Line,
     LiquidChamber,
     OrderlyValve,
     Orifice,
     Polytropic,
+    PressureBand,
+    PumpedAccumulator,
+    Relief,
     Servovalve,
     SonicValve,
     Tank,
+    VariablePump,
 )
 from ..units import parse, sample
 from .control_schema import control_keys
@@ -56,6 +61,8 @@ _DIMENSIONS = {
     "discharge_coefficient": "number", "critical_pressure_difference": "pressure",
     "length": "length", "diameter": "length", "viscosity": "viscosity",
     "friction_factor": "number", "overlap": "number", "time_constant": "time",
+    "displacement": "volume", "speed": "frequency", "volumetric_efficiency": "number",
+    "mechanical_efficiency": "number", "crack": "pressure", "slope": "relief_slope",
     "slip_force": "force", "slip_force_slope": "slip", "width": "pressure",
     "velocity": "velocity",
 }  # fmt: skip
@@ -63,8 +70,14 @@ _OF_A_TURN = {
     "damping": "angular_damping", "stiffness": "angular_stiffness", "low": "angle", "high": "angle",
     "position": "angle",
 }  # fmt: skip
+# what a name is in one class alone
+_OF_A_CLASS: Mapping[type, Mapping[str, str]] = {
+    PressureBand: {"low": "pressure", "high": "pressure"},
+    VariablePump: {"band": "pressure"},
+}
 _NAME: tuple[Any, Any] = (str | None, None)
 _INNER = {"stop": Stop, "line": Line}  # tables in a table
+PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
 
 
 class Part(NamedTuple):
@@ -95,6 +108,7 @@ PARTS = {
     }, found=("gas", "liquid")),
     "supply": Part("kind", {
         "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
+        "pumped": PumpedAccumulator,
     }, found=(*_ROOM, "chamber"), many=False),
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, left_out=True),
@@ -105,6 +119,8 @@ PARTS = {
         "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
     }, left_out=True),
 }  # fmt: skip
+_PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
+              found=("liquid",), many=False)  # fmt: skip
 
 
 def _quantity(dimension: str, many: bool = False) -> BeforeValidator:
@@ -136,12 +152,32 @@ def _table(part: Part, kind: type, turns: bool) -> type[Section]:
             inner: Any = _table(Part("", {}, many=False), _INNER[name], turns)
             keys[name] = (_or_none(inner), None)
             continue
-        dimension = _OF_A_TURN.get(name) if turns else None
+        own = _OF_A_CLASS.get(kind, _OF_A_TURN if turns else {})
+        dimension = own.get(name)
         needed = one.default is Parameter.empty
         keys[name] = _key(dimension or _DIMENSIONS[name], part.many, needed)
     if kind is Tank:  # it stands behind a wall of its own
         keys["conductance"] = _key("wall_conductance", needed=False)
     return create_model(f"{kind.__name__}Section", __base__=Section, **keys)
+
+
+def _pumped(data: Mapping[str, Any], place: Place) -> type[Section]:
+    """The table of an accumulator with the kind of pump that a scenario's `data` name."""
+    keys: dict[str, Any] = {
+        name: (_or_none(_table(Part("", {}, many=False), kind, turns=False)), None)
+        for name, kind in PUMPED.items()
+    }
+    pump = _table(_PUMPS, pump_class(data, place), turns=False)
+    keys["pump"] = (pump, Field(examples=["[supply.pump]"]))
+    store = _table(PARTS["supply"], Accumulator, turns=False)
+    return create_model("PumpedSection", __base__=store, **keys)
+
+
+def pump_class(data: Mapping[str, Any], place: Place) -> type:
+    """The class of the pump [-] that a scenario's `data` [-] name, of the whole file's `place`."""
+    table = data["supply"].get("pump")
+    at = place.inner("supply", kind="part")
+    return _class("pump", _PUMPS, table if isinstance(table, dict) else {}, at)
 
 
 class CommandSection(Section):
@@ -190,11 +226,11 @@ def chosen(data: Mapping[str, Any], place: Place) -> tuple[type[BaseModel], dict
         "muscle": (Any, None),
     }
     for name, part in PARTS.items():
-        kind: Any = (
-            Section
-            if name not in classes
-            else _table(part, classes[name], turns and name == "load")
-        )
+        kind: Any = Section
+        if classes.get(name) is PumpedAccumulator:
+            kind = _pumped(data, place)
+        elif name in classes:
+            kind = _table(part, classes[name], turns and name == "load")
         if name == "fluid" and name in classes:
             kind = create_model("FluidSection", __base__=kind, medium=_NAME)
         needed = (kind, Field(examples=[f"[{name}]"]))

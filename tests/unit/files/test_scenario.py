@@ -9,7 +9,9 @@ from fascicle import fluid
 from fascicle.files import example_text, loads_scenario, scenarios
 
 
-GAS, OIL, JOINT, DRY = map(example_text, ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry"))
+GAS, OIL, JOINT, DRY, PUMPED = map(
+    example_text, ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped")
+)
 
 
 def edited(text, *edits):
@@ -63,6 +65,23 @@ def test_the_room_is_everybodys():
         assert_allclose(plant.supply.temperature_at(state), 303.15)
         assert_allclose(plant.supply.pressure_at(state), 413.7e3)
         assert plant.chamber.room_pressure == 90e3
+
+
+def test_a_pump_its_band_and_its_relief_valve_reach_the_supply():
+    warm = 'medium = "oil"\nroom_pressure = "90 kPa"'
+    read = loads_scenario(edited(PUMPED, ('medium = "oil"', warm)))
+    store = fluid.Accumulator(60e-6, 200e3, 413.7e3, room_pressure=90e3)
+    pump = fluid.FixedPump(1e-6, 25.0, 0.92, 0.9)
+    # 50 g/(s·bar)
+    relief = fluid.Relief(450e3, 5e-7)
+    expected = fluid.PumpedAccumulator(store, pump, fluid.PressureBand(350e3, 413.7e3), relief)
+    assert read.plant.supply == expected
+    band = PUMPED[PUMPED.index("[supply.band]") : PUMPED.index("[valve]")]
+    swivels = 'kind = "variable"\npressure = "400 kPa"\nband = "30 kPa"'
+    water = edited(PUMPED, (band, ""), ('kind = "fixed"', swivels), ('"oil"', '"water"'))
+    supply = loads_scenario(water).plant.supply
+    assert supply.pump == fluid.VariablePump(1e-6, 25.0, 400e3, 30e3, 0.92, 0.9, fluid.WATER)
+    assert supply.band is None and supply.relief is None
 
 
 def test_a_bundle_may_be_written_out_or_stand_beside(tmp_path):
@@ -138,6 +157,15 @@ MOVED = "\n".join(
         (GAS, [('"constant"', '"accumulator"\nvolume = "1 L"\nprecharge = "1 bar"')], "a liq"),
         (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind = \"tank\": it holds a gas"),
         (DRY, [('"200 kPa"', '"500 kPa"')], "supply.pressure = \"413.7 kPa\": `pressure` must lie"),
+        (DRY, [('"accumulator"', '"pumped"')], "supply.pump: missing, write [supply.pump]"),
+        (PUMPED, [('"200 kPa"', '"500 kPa"')], "supply.pressure = \"413.7 kPa\": `pressure` must"),
+        (PUMPED, [('"fixed"', '"fxed"')], 'supply.pump.kind = "fxed": there is none, did you mean'),
+        (PUMPED, [('"fixed"', '"variable"')], "supply.pump.pressure: missing, write pressure ="),
+        (PUMPED, [("= 0.9\n", "= 1.9\n")], "pump.mechanical_efficiency = 1.9: `mechanical_e"),
+        (PUMPED, [('"350 kPa"', '"450 kPa"')], "supply.band.high = \"413.7 kPa\": `high`"),
+        (PUMPED, [('"350 kPa"', '"35 mm"')], "supply.band.low = \"35 mm\": `low` must be a press"),
+        (PUMPED, [('"50 g/(s*bar)"', '"50 g/s"')], "relief.slope = \"50 g/s\": `slope` must"),
+        (PUMPED, [('"fixed"  ', '"variable"\npressure = "4 bar"\nband = "1 bar"')], "supply.band"),
         (GAS, [('"-20 mm"', '"40 mm"')], "load.stop.low = \"40 mm\": `low` must be less than"),
         (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
         (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no way on which all muscles' strains"),
@@ -154,7 +182,9 @@ def test_bad_input_is_one_line_with_its_key(text, edits, told):
     assert told in line and "\n" not in line
 
 
-@pytest.mark.parametrize("name", ["lift_gas", "lift_oil", "joint_step", "supply_runs_dry"])
+@pytest.mark.parametrize(
+    "name", ["lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped"]
+)
 def test_named_scenarios_say_what_they_are(name):
     assert name in scenarios() and len(scenarios()[name]) > 30
     assert "made up" in fs.example(name).source
