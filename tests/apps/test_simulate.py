@@ -146,7 +146,7 @@ def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
     [
         (["lift_gass"], "did you mean lift_gas?"),
         (["nowhere/a.toml"], "no such file"),
-        (["kim2021_figure_6"], "no such file or named scenario, choose one of joint_step"),
+        (["kim2021_figure_6"], "no such file or named scenario, choose one of joint_gait"),
         (["lift_gas", "--report", "a.pdf"], "--report 'a.pdf': its name must end in .html"),
         (["lift_gas", "-o", "a.txt"], "a result's name must end in"),
         (["lift_gas", "--json", "--csv"], "both can't be printed"),
