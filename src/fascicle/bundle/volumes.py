@@ -15,8 +15,16 @@ from .plates import muscle_strain
 
 
 def told_by_strain(muscles: Iterable[Muscle]) -> None:
-    """Refuse `muscles` [-] whose ends give: what fluid they take in depends on their force, too."""
+    """Refuse `muscles` [-] whose ends give: what fluid they take in depends on their force, too.
+    Warn of those whose braid swells by its pressure.
+    """
     for muscle in muscles:
+        if muscle.tension.stretches:
+            warnings.warn(
+                "fluid is counted in the braid as it is without pressure: what fibers that"
+                " stretch let it swell by isn't in it.",
+                stacklevel=3,
+            )
         give = getattr(muscle.ends, "end_compliance", 0.0)
         if concrete(give) and np.any(np.asarray(give) > 0):
             rule = "must be 0 where fluid is counted by strain alone"
@@ -43,12 +51,6 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
         ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
         rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
         ends = [muscle_strain(ratio, eps) for ratio in ratios]
-    if any(unit.muscle.tension.stretches for unit in bundle.motor_units):
-        warnings.warn(
-            "fluid is counted in the braid as it is without pressure: what fibers that stretch"
-            " let it swell by isn't in it.",
-            stacklevel=3,
-        )
     taken = [
         unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
         for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
