@@ -63,6 +63,8 @@ COMBINATIONS = [
     },
     {"buckling": Kim2021(0.6), "collapse": "kim2021", "tuned": True},
     {"buckling": Elastica(0.6), "collapse": "wood1958"},
+    {"buckling": Kim2021(shear="engesser"), "collapse": "kim2021"},
+    {"buckling": Elastica(0.3, "engesser"), "collapse": "wood1958", "tuned": True},
     # fibers that stretch by up to a sixth at 1 MPa
     {"buckling": "kim2021", "collapse": "kim2021", "tension": ElasticBraid(1e8)},
     {"buckling": "elastica", "collapse": "wood1958", "tension": ElasticBraid(2e8), "tuned": True},

@@ -137,7 +137,7 @@ other = muscle.replace(
 fs.save(other, "toy.toml")
 text = Path("toy.toml").read_text()
 for line in ('tension = { law = "toy2027", loss = "0.005 kPa", friction = "0.01 kPa" }',
-             'buckling = { law = "toy_bow", braid_share = 0, gap = "2 mm" }',
+             'buckling = { law = "toy_bow", braid_share = 0, gap = "2 mm", shear = "none" }',
              'law = "toy_fold"', 'given = "0.07 N*m"', 'factor = 1.5'):
     assert line in text.splitlines(), text
 assert fs.load("toy.toml") == other
@@ -149,7 +149,7 @@ for wrong, said in (("law = 'toy_bow', gap = 3", "buckling.gap = 3: `gap` must b
                     ("law = 'kim2021', gap = '1 mm'", "not a parameter of kim2021"),
                     ("law = 'toy_bow', gap = '-3 mm'", "`gap` must be positive")):
     try:
-        loads(text.replace('law = "toy_bow", braid_share = 0, gap = "2 mm"', wrong))
+        loads(text.replace('law = "toy_bow", braid_share = 0, gap = "2 mm", shear = "none"', wrong))
     except ValueError as error:
         assert said in str(error), error
     else:

@@ -68,6 +68,8 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
 _OURS = ("fascicle", "jaxtyping")  # the latter stands between where tests check annotations
 _said_to_be_faint: list[float] = []
+_BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
+_said_to_be_stubby: list[float] = []
 
 
 def pressed(pressure: Any) -> None:
@@ -160,15 +162,22 @@ def _within(value: Values, known: Range, name: str) -> None:
 
 def slender(length: Batch, outer_radius: Batch) -> None:
     """Warn of a muscle shorter than it is wide, whose ends are all of it: the laws leave them out;
-    `length` and `outer_radius` [m].
+    and, once, of one that is no beam; `length` and `outer_radius` [m].
     """
     if not concrete(length, outer_radius):
         return
-    ratio = np.min(np.asarray(length) / np.asarray(outer_radius))
+    ratio = float(np.min(np.asarray(length) / np.asarray(outer_radius)))
     if ratio < 2:
         warnings.warn(
             f"`length` is {ratio:.3g} times `outer_radius`: a muscle shorter than it is wide is"
             " unusual, and the laws leave its ends out.",
+            stacklevel=3,
+        )
+    elif ratio < _BEAM and not _said_to_be_stubby:
+        _said_to_be_stubby.append(ratio)
+        warnings.warn(
+            f"`length` is {ratio:.3g} times `outer_radius`: below {_BEAM:g} a muscle is no beam,"
+            " and what is said of it past its free strain is a guess. This is said once.",
             stacklevel=3,
         )
 

@@ -30,8 +30,17 @@ def no_offset(pressure):
 
 
 def test_registry():
-    assert set(TENSION_LAWS.values()) == {
-        KluteHannaford, Ideal, TonduLopez, Meller2014, Kothera2009,
+    assert set(TENSION_LAWS.values()) >= {
+        KluteHannaford,
+        Ideal,
+        TonduLopez,
+        Meller2014,
+        Kothera2009,
+    }
+    assert set(TENSION_LAWS) == {
+        "klute_hannaford", "ideal", "tondu_lopez", "meller2014", "kothera2009", "elastic_braid",
+        "bolen", "bolen_20", "martens2017", "martens2017_20",
+        "sarosi", "sarosi_10", "sarosi_20_400",
     }  # fmt: skip
     assert all(law.name == name for name, law in TENSION_LAWS.items())
 

@@ -10,14 +10,26 @@ fibers hold where they don't slip, (B1):
 $$EI(P) = E I + \chi\, 2 \pi r^4 P \frac{\cos^2\alpha}{\sin^4\alpha}, \tag{B2}$$
 
 with $r$ and $\alpha$ at free strain. The paper leaves it out, as does $\chi = 0$, to the bit.
+
+A stubby column shears as it bends, and gives way below Euler's load $N_E$, at Engesser's, which is
+that of a column that bends more easily:
+
+$$N = \frac{N_E}{1 + N_E/S}, \qquad EI \to \frac{EI}{1 + 4\pi^2 EI/(L_{fs}^2 S)}, \qquad
+  S = \kappa G A + \pi r^2 P, \tag{S1}$$
+
+with $G = E/(2(1 + \nu))$ and a thin tube's $\kappa = 1/2$; pressure resists, since a tube that
+shears by $\gamma$ holds less by $1 - \cos\gamma$. `shear="engesser"` asks for it.
+
+**Source:** for shear, Engesser (1889); derived on the theory page.
 """
 
 import abc
 from typing import Any, NamedTuple
 
 import equinox as eqx
+import numpy as np
 
-from ...core.constant import SHARE, Constant
+from ...core.constant import SHARE, Constant, Switch
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..law import AbstractLaw
@@ -27,6 +39,12 @@ BRAID_SHARE = Constant(
     "braid_share", r"\chi", "number", (0.0, 0.0, 1.0, 1.0), SHARE, 0.0,
     "of the braid's bending stiffness under pressure", "derived here",
 )  # fmt: skip
+
+
+SHEAR = Switch(
+    "shear", ("none", "engesser"), "whether the column shears as it bends", "Engesser (1889)"
+)
+_KAPPA = 0.5  # of a thin tube, whose shear flow goes as the sine around it; a solid rod has 6/7
 
 
 class Push(NamedTuple):
@@ -56,13 +74,13 @@ class Buckled(NamedTuple):
 
 class AbstractBuckling(AbstractLaw):
     """A law for the muscle between its free strain and its collapse; `braid_share` [-] is how much
-    of the braid's bending stiffness it counts.
+    of the braid's bending stiffness it counts. One that may shear has a `shear` among its fields.
     """
 
     braid_share: eqx.AbstractVar[Batch]
 
     def solved(self, column: Column) -> Column:
-        """The `column` [-] with its braid's stiffness, (B2), and its `branch` [-]."""
+        """The `column` [-] with its stiffness, (B2) and (S1), and its `branch` [-]."""
         tension, free = column.tension, column.free_strain
         # what of the pressure reaches the braid
         P = tension.tuning.effective_pressure(column.pressure)
@@ -70,6 +88,8 @@ class AbstractBuckling(AbstractLaw):
             P, free * tension.stretch
         )
         stiffer = column._replace(bending_stiffness=column.bending_stiffness + braid)
+        if getattr(self, SHEAR.name, SHEAR.options[0]) == "engesser":
+            stiffer = _sheared(stiffer)
         return stiffer._replace(branch=self.branch(stiffer))
 
     @abc.abstractmethod
@@ -113,3 +133,14 @@ class AbstractBuckling(AbstractLaw):
             push.mesh, push.bladder, push.bending, deflection, moment,
             push.arc_strain, push.straight,
         )  # fmt: skip
+
+
+def _sheared(column: Column) -> Column:
+    """A `column` [-] that bends as much more easily as shear makes it, (S1)."""
+    tension, EI = column.tension, column.bending_stiffness
+    bladder = tension.bladder
+    G_A = column.axial_stiffness / (2 * (1 + bladder.material.poisson_ratio))
+    r = bladder.braid.radius_at(column.free_strain * tension.stretch)
+    S = _KAPPA * G_A + np.pi * r**2 * column.pressure
+    euler = 4 * np.pi**2 * EI / column.free_length**2
+    return column._replace(bending_stiffness=EI / (1 + euler / S))

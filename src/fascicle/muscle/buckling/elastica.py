@@ -70,7 +70,7 @@ from ...core.series import polynomial
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
@@ -88,6 +88,7 @@ class Elastica(AbstractBuckling):
     source: ClassVar[str] = "derived here, the elastica after Love (1927)"
 
     braid_share: Batch = BRAID_SHARE.field()
+    shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> "_Branch":
         """The onset [-], and the curve (E6) from there down to the free strain."""

@@ -32,7 +32,7 @@ from ...core.arrays import cos, spread, sqrt, where
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
 from .fixed_mode import compression_at_moment, left_over, left_over_slope, unshortened
 
 
@@ -43,6 +43,7 @@ class Kim2021(AbstractBuckling):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
 
     braid_share: Batch = BRAID_SHARE.field()
+    shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Pull:
         """What the tension law says at the free strain [N]."""
