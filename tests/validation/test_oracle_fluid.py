@@ -138,6 +138,24 @@ def test_two_in_series_meet_the_pressure_between():
         assert off(low / 0.9995, 0.999) < 0.415
 
 
+@pytest.mark.parametrize("opening", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("hose", [(0.3, 0.004), (2.0, 0.004), (5.0, 0.006)])
+def test_a_valve_with_a_hose_meets_the_pressure_between(hose, opening):
+    C, b, low = 1e-8, 0.3, 1e5
+    line = fluid.Line(*hose)
+    valve = fluid.SonicValve(C, b, line=line)
+    own, behind = (opening * C, b), (line.conductance, line.critical_pressure_ratio)
+    for high in np.append(np.geomspace(1.02, 20, 12), 1 / 0.995) * low:
+        onward = valve.flow(high, low, WARM, WARM, opening)
+        back = -valve.flow(low, high, WARM, WARM, opening)
+        # the pair is an ellipse by assumption, within 2 %
+        assert_allclose(onward, oracle.sonic_pair(own, behind, high, low, 1.0), rtol=0.02)
+        assert_allclose(back, oracle.sonic_pair(behind, own, high, low, 1.0), rtol=0.02)
+    # exact where it chokes
+    choked = valve.flow(1e8, low, WARM, WARM, opening)
+    assert_allclose(choked, oracle.sonic_pair(own, behind, 1e8, low, 1.0), rtol=1e-11)
+
+
 @pytest.mark.parametrize("diameter", [0.002, 0.004, 0.012])
 @pytest.mark.parametrize("length", [0.1, 1.0, 10.0])
 def test_hoses_are_near_fannos(length, diameter):
