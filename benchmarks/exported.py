@@ -1,7 +1,8 @@
 """A muscle as C: what a call of the table takes, compiled by gcc -O2, at points in random order.
 
 Force and volume of one muscle from the table of doubles, 65 × 81 nodes, and of floats, 33 × 41;
-nanoseconds of processor time a call, a million calls a round.
+nanoseconds of processor time a call, a million calls a round. Beside them a controller's step: the
+force's cascade with "threshold", of a bundle of 1 + 4 muscles, at measurements that wander.
 
     python benchmarks/exported.py
 """
@@ -14,6 +15,7 @@ from pathlib import Path
 from timing import Measured, Row, run
 
 import fascicle as fs
+from fascicle import control, dynamics, fluid
 from fascicle.export import write_table
 
 
@@ -23,6 +25,7 @@ POINTS = """
 #include <time.h>
 #include "wide.h"
 #include "slim.h"
+#include "knee.h"
 static double P[N], eps[N];
 static float p[N], e[N];
 int main(void)
@@ -30,7 +33,10 @@ int main(void)
     double F, V[1], sum = 0;
     float f;
     int i, k;
+    double at[2], u[2];
+    knee_memory memory;
     clock_t t;
+    knee_begin(&memory);
     for (i = 0; i < N; i++) {
         p[i] = (float)(P[i] = 4e5 * rand() / RAND_MAX);
         e[i] = (float)(eps[i] = -0.1 + 0.45 * rand() / RAND_MAX);
@@ -41,10 +47,22 @@ int main(void)
         TIMED(wide_force(P + i, eps[i], &F, 0, 0); sum += F);
         TIMED(wide_volume(P + i, eps[i], V); sum += V[0]);
         TIMED(slim_force(p + i, e[i], &f, 0, 0); sum += f);
+        TIMED(at[0] = P[i]; at[1] = P[N - 1 - i];
+              knee_step(&memory, 3e-4 * P[i], 1e-4 * P[i], at, 4e5, 0.1 + 0.1 * eps[i], 0.01, u);
+              sum += u[0]);
     }
     return sum == 0;
 }
 """
+
+
+def controller() -> control.Cascade:
+    bundle = fs.example("kim2021_bundle_1_4")
+    plant = dynamics.Plant(
+        bundle, dynamics.HangingMass(5.0), fluid.ConstantSupply(413.7e3), fluid.Isothermal(),
+        fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    return control.cascade(plant, "threshold")
 
 
 def rows(small: bool = False) -> list[Row]:
@@ -52,6 +70,7 @@ def rows(small: bool = False) -> list[Row]:
         "one force, a table of doubles in C",
         "one volume, a table of doubles in C",
         "one force, a table of floats in C",
+        "one controller's step in C, 1 + 4 muscles",
     )
     gcc = shutil.which("gcc")
     if gcc is None:
@@ -63,26 +82,31 @@ def rows(small: bool = False) -> list[Row]:
             _, source = write_table(muscle, folder, name, precision, highest_pressure=413.7e3)
             ran = [gcc, "-O2", "-c", str(source), "-o", str(Path(folder, f"{name}.o"))]
             subprocess.run(ran, check=True)  # noqa: S603 what was just written
-            sizes[precision] = Path(folder, f"{name}.o").stat().st_size
+            sizes[name] = Path(folder, f"{name}.o").stat().st_size
+        _, source = write_table(controller(), folder, "knee")
+        ran = [gcc, "-O2", "-c", str(source), "-o", str(Path(folder, "knee.o"))]
+        subprocess.run(ran, check=True)  # noqa: S603 as above
+        sizes["knee"] = Path(folder, "knee.o").stat().st_size
         main, program = Path(folder, "main.c"), str(Path(folder, "main"))
         main.write_text(POINTS, encoding="utf-8")
         counts = f"-DN={1000 if small else 1_000_000}", f"-DROUNDS={3 if small else 15}"
-        objects = [str(Path(folder, f"{name}.o")) for name in ("wide", "slim")]
+        objects = [str(Path(folder, f"{name}.o")) for name in ("wide", "slim", "knee")]
         build = [gcc, "-O2", *counts, "-o", program, str(main), *objects, "-lm"]
         subprocess.run(build, check=True)  # noqa: S603 as above
         told = subprocess.run([program], capture_output=True, text=True, check=True)  # noqa: S603 as above
     taken = [float(x) for x in told.stdout.split()]
-    rooms = sizes["double"], sizes["double"], sizes["float"]
+    rooms = sizes["wide"], sizes["wide"], sizes["slim"], sizes["knee"]
+    reaches = 48.0, 48.0, 48.0, None
     return [
         Row(
             question,
-            Measured.of(taken[i::3]),
+            Measured.of(taken[i::4]),
             "ns",
-            reach=48.0,
+            reach=reach,
             side="≤",
             limit=f"{room / 1e3:.0f} kB of machine code and numbers",
         )
-        for i, (question, room) in enumerate(zip(questions, rooms, strict=True))
+        for i, (question, room, reach) in enumerate(zip(questions, rooms, reaches, strict=True))
     ]
 
 

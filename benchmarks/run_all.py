@@ -39,6 +39,7 @@ MODULES = (
     "designing",
     "in_time",
     "exported",
+    "robots",
     "fitting",
     "roofline",
     "gpu",

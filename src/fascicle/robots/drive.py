@@ -8,7 +8,7 @@ callback.
 
 Fluid flows between steps: at the pressures $P$ of this step a chamber's mass becomes
 
-$$m \leftarrow m + \Delta t\, \dot m(P), \tag{T6}$$
+$$m \leftarrow m + \Delta t\, \dot m(P),$$
 
 and the next step's pressures are the roots of (F12) at its lengths, so that a closed chamber is a
 spring, which keeps its energy.
