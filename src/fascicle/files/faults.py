@@ -12,6 +12,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from ..muscle.law import AbstractLaw
+from ..muscle.laws import LAWS
 from .schema import CHOICES, PLAIN, TABLE
 
 
@@ -48,7 +50,7 @@ def from_validation(error: ValidationError, source: str, data: Any, model: type[
     path = [part for i, part in enumerate(loc) if part != "" or i != 1 or loc[0] != "muscle"]
     kind, name = fault["type"], str(path[-1])
     if kind == "extra_forbidden":
-        known = _known_keys(model, fault["loc"][:-1])
+        known = _of_law(_known_keys(model, fault["loc"][:-1]), data, loc[:-1])
         return line(source, path, f"unknown key{nearest(name, known)}")
     if kind == "missing":
         return line(source, path, f"missing{_example(model, fault['loc'])}.")
@@ -150,6 +152,20 @@ def _known_keys(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
     field = _field(model, loc)
     sections = _sections(getattr(field, "annotation", None)) or [model]
     return list(sections[0].model_fields)
+
+
+def _of_law(known: list[str], data: Any, loc: Sequence[Any]) -> list[str]:
+    """Of the `known` keys of a law's table those of the law that it names, where it names one."""
+    laws, table = LAWS.get(str(loc[-1]), {}) if loc else {}, value(data, loc)
+    named = laws.get(str(table.get("law"))) if isinstance(table, dict) else None
+    if named is None:
+        return known
+    others = {key for law in laws.values() for key in _keys(law)} - _keys(named)
+    return [key for key in known if key not in others]
+
+
+def _keys(law: type[AbstractLaw]) -> set[str]:
+    return {one.name for one in (*law.constants(), *law.switches())}
 
 
 def _example(model: type[BaseModel], loc: Sequence[Any]) -> str:

@@ -189,7 +189,8 @@ def test_refuses(old, new, message):
             'tension = { law = "none" }',
             "muscle.tension.law = \"none\": `tension` 'none'",
         ),
-        ("tension = {}", 'muscle.tension.law: missing, write law = "tondu_lopez".'),
+        # the law with most numbers of its own
+        ("tension = {}", 'muscle.tension.law: missing, write law = "bolen".'),
         (TONDU + "k = 1 }", "muscle.tension.k: unknown key, choose one of"),
         (TONDU + "strain_factor = -1 }", "tension.strain_factor = -1: `strain_factor` must be"),
         (TONDU + "strain_factor_rise = -1 }", "tension.strain_factor_rise = -1: `strain_factor_r"),
