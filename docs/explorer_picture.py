@@ -1,4 +1,5 @@
-"""The README's animation of the explorer: its muscle's tab while a strain is swept, in chromium.
+"""The README's animation of the explorer, ten seconds of it in chromium: a muscle whose strain is
+swept until it buckles and folds, then a bundle whose second unit loses pressure until it folds.
 
 python docs/explorer_picture.py docs/_static/explorer.gif
 """
@@ -13,35 +14,60 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Page, sync_playwright
 
 
-STRAINS = np.r_[np.linspace(0.02, 0.26, 17), np.linspace(0.24, 0.04, 6)]
-VIEW = {"width": 1280, "height": 800}
-SHOWN, COLORS = 0.7, 255  # of its size, and how many colors
-READY = "window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle"
-HERE = "strain => Bokeh.documents[0].get_model_by_name('here').data.x[0] === strain"
+STRAINS = np.r_[np.linspace(0.02, 0.26, 22), np.linspace(0.25, 0.06, 9)]
+PRESSURES = np.r_[np.linspace(210, 21, 22), np.linspace(40, 200, 9)]  # kPa
+VIEW = {"width": 1280, "height": 760}
+SHOWN, COLORS = 0.62, 128  # of its size, and how many colors
+SECONDS = 10.0
+FIRST = "Bokeh.documents[0].get_model_by_name(name)?.data[column]?.[0]"
+READY = f"""([name, column]) => window.Bokeh && Bokeh.documents.length
+  && Bokeh.documents[0].is_idle && {FIRST} !== undefined"""
+CHANGED = f"([name, column, before]) => {FIRST} !== before"
+
+
+def swept(
+    page: Page, address: str, label: str, source: list[str], texts: list[str]
+) -> list[Image.Image]:
+    """The page at an `address`, for each of the `texts` in the field of a `label`: when a
+    `source`'s column, which the scene changes with, has another first number.
+    """
+    page.goto(address)
+    page.wait_for_function(READY, arg=source)
+    page.wait_for_timeout(1500)
+    field, taken = page.get_by_label(label).first, []
+    for text in texts:
+        before = page.evaluate(f"([name, column]) => {FIRST}", source)
+        field.fill(text)
+        field.press("Enter")
+        page.wait_for_function(CHANGED, arg=[*source, before])
+        page.wait_for_timeout(250)
+        taken.append(Image.open(io.BytesIO(page.screenshot())).convert("RGB"))
+    return taken
 
 
 def frames(url: str) -> list[Image.Image]:
-    """The page at each of the strains."""
-    taken = []
+    """The page, moment by moment."""
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox"]
         )
         page = browser.new_page(viewport=VIEW)
-        page.goto(f"{url}?pressure=69kPa")
-        page.wait_for_function(READY)
-        field = page.get_by_label("Contraction ε, typed").first
-        for strain in STRAINS.round(3).tolist():
-            field.fill(str(strain))
-            field.press("Enter")
-            page.wait_for_function(HERE, arg=strain)
-            page.wait_for_timeout(200)
-            taken.append(Image.open(io.BytesIO(page.screenshot())).convert("RGB"))
+        page.set_default_timeout(120_000)
+        muscle = swept(
+            page, f"{url}?pressure=69kPa&strain=0.01", "Contraction ε, typed", ["here", "x"],
+            [f"{strain:.4g}" for strain in STRAINS],
+        )  # fmt: skip
+        bundle = swept(
+            page,
+            f"{url}?muscle=kim2021_bundle_1_4&tab=bundle&strain=0.2&pressures=344.7kPa,220kPa",
+            "Pressure P2, typed", ["bundle_force", "force"],
+            [f"{pressure:.4g} kPa" for pressure in PRESSURES],
+        )  # fmt: skip
         browser.close()
-    return taken
+    return muscle + bundle
 
 
 def main(path: Path) -> None:
@@ -59,10 +85,14 @@ def main(path: Path) -> None:
         server.wait(30)
     size = (round(VIEW["width"] * SHOWN), round(VIEW["height"] * SHOWN))
     small = [one.resize(size, Image.Resampling.LANCZOS) for one in taken]
-    # one palette, so that only what moves is stored again
-    palette = small[len(small) // 2].quantize(COLORS, kmeans=2)
+    # one palette of both tabs, so that only what moves is stored again
+    both = Image.new("RGB", (size[0], 2 * size[1]))
+    both.paste(small[len(small) // 4], (0, 0))
+    both.paste(small[-len(small) // 4], (0, size[1]))
+    palette = both.quantize(COLORS, kmeans=2)
     first, *rest = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in small)
-    first.save(path, save_all=True, append_images=rest, duration=140, loop=0, optimize=True)
+    each = round(1e3 * SECONDS / len(small))
+    first.save(path, save_all=True, append_images=rest, duration=each, loop=0, optimize=True)
 
 
 if __name__ == "__main__":

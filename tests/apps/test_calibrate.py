@@ -92,8 +92,12 @@ def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
     assert (code, err) == (0, "")
     found, path = json.loads(out), folder / "calibrated-d/muscle.toml"
     muscle = fs.load(path)
-    assert found["parameters"]["transition_rate"]["value"] == float(muscle.tuning.transition_rate)
     told = provenance(path)
+    # the file is rounded to what is known, and says so; the JSON has all digits
+    rate = found["parameters"]["transition_rate"]
+    off = abs(rate["value"] - float(muscle.tuning.transition_rate))
+    assert off <= 0.01 * (rate["high"] - rate["low"])
+    assert "1% of its interval" in told["rounded"]
     assert [one["name"] for one in told["parameter"]] == FACTORS
     assert told["synthetic"] and told["method"] == "tuning"
     assert "Synthetic" in (folder / "calibrated-d/report.html").read_text(encoding="utf-8")

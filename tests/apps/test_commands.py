@@ -398,7 +398,7 @@ def test_errors_name_the_options_that_were_typed(fascicle, arguments, words):
     assert err.count("\n") == 1 and "`" not in err and "=" not in err
 
 
-@pytest.mark.parametrize("columns", [80, 200])
+@pytest.mark.parametrize("columns", [60, 80, 200])
 def test_a_table_stays_one_table(fascicle, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
     out = answer(fascicle, "force", SIX)

@@ -34,6 +34,9 @@ def show(
     if sum(widths) + spaces * len(widths) > console.width - 2:  # narrow: heads of two lines
         heads, spaces = [_folded(head) for head in heads], 1
         widths = _widths(heads, rows)
+    if sum(widths) + spaces * len(widths) > console.width - 1:  # narrower: marks at their number
+        heads, *rows = _closer([heads, *rows])
+        widths = _widths(heads, rows)
     for columns in _blocks([width + spaces for width in widths], console.width - 1):
         console.print(Text(title, style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, spaces // 2, 0, spaces // 2))
@@ -50,6 +53,21 @@ def _folded(head: str) -> str:
     """A head's words below one another; spaces at its end, which keep a place, stay at each."""
     end = " " * (len(head) - len(head.rstrip()))
     return "\n".join(word + end for word in head.split())
+
+
+def _closer(table: Sequence[Sequence[str]]) -> list[list[str]]:
+    """A table whose marks, where all of a column have room for one, stand right at the number."""
+    columns = []
+    for column in zip(*table, strict=True):
+        lines = [line for entry in column for line in entry.split("\n")]
+        apart = all(line[-2:-1] == " " for line in lines)
+        columns.append([_drawn_up(entry) if apart else entry for entry in column])
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _drawn_up(entry: str) -> str:
+    """An entry's lines without the space before their last sign."""
+    return "\n".join(line[:-2] + line[-1:] for line in entry.split("\n"))
 
 
 def _widths(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:

@@ -18,6 +18,20 @@ if TYPE_CHECKING:
     from ..calibrate.fits.finding import Choice
 
 
+def calibrated_text(made: Calibration, date: str, choice: "Choice | None" = None) -> str:
+    """The fitted muscle's file, its numbers rounded to what is known of them.
+
+    **Arguments:** those of `provenance_of` [-].
+
+    **Returns:** the TOML [-]; its `[calibration]` says how far it was rounded.
+    """
+    from .rounding import as_known
+    from .writing import dumps
+
+    muscle, told = as_known(made)
+    return dumps(muscle, provenance_of(made, date, choice) | {"rounded": told})
+
+
 def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) -> dict[str, Any]:
     """Where the fitted muscle comes from.
 

@@ -149,8 +149,7 @@ class Found:
 
     def write(self, folder: Path, date: str, overwrite: bool) -> list[str]:
         """Write muscle, report and figures into `folder` [-]; `overwrite`: over others' too [-]."""
-        from ...files import dumps
-        from ...files.calibrated import provenance_of
+        from ...files.calibrated import calibrated_text
         from ...files.ours import write_folder
         from ...plot import to_bytes
         from ...reports.calibration import report
@@ -162,7 +161,7 @@ class Found:
             remarks=self.remarks, drawn=drawn, choice=self.choice,
         )  # fmt: skip
         content = {
-            "muscle.toml": dumps(made.muscle, provenance_of(made, date, self.choice)).encode(),
+            "muscle.toml": calibrated_text(made, date, self.choice).encode(),
             "report.html": page.encode(),
         }
         for name, figure in self.figures.items():

@@ -215,10 +215,9 @@ def fitted(
 
 def tuned_file(choice: "Choice", date: str) -> str:
     """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
-    from ...files import dumps
-    from ...files.calibrated import provenance_of
+    from ...files.calibrated import calibrated_text
 
-    return dumps(choice.made.muscle, provenance_of(choice.made, date, _several(choice)))
+    return calibrated_text(choice.made, date, _several(choice))
 
 
 def report_page(choice: "Choice", date: str) -> str:

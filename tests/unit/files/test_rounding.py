@@ -1,0 +1,69 @@
+"""A calibrated muscle's file has no digits that nobody knows, and is the muscle that was fitted."""
+
+import re
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.calibrate import fit
+from fascicle.files import loads, provenance
+from fascicle.files.calibrated import calibrated_text
+from fascicle.files.rounding import as_known
+from fascicle.records import Record
+
+
+P, EPS = np.linspace(1e5, 4e5, 4), np.linspace(0, 0.12, 12)
+
+
+def calibration(noise):
+    # synthetic: a muscle a little thicker and steeper than the one that is fitted to it
+    start = fs.Muscle.from_dimensions(0.2, 10e-3, 1.7e-3, np.radians(27), "latex")
+    built = start.replace(outer_radius=10.4e-3, braid_angle=np.radians(27.777))
+    force = np.asarray(built.force(P[:, None], EPS))
+    force = force + noise * np.random.default_rng(3).normal(size=force.shape)
+    record = Record.of(P[:, None], EPS, force, synthetic=True)
+    return start, fit(record, start, ["outer_radius", "braid_angle"], whole=False)
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    return calibration(2.0)
+
+
+def test_the_file_reads_back_within_what_is_known(noisy, tmp_path):
+    _, made = noisy
+    path = tmp_path / "m.toml"
+    path.write_text(calibrated_text(made, "2026-01-02"), encoding="utf-8")
+    read = fs.load(path)
+    for one, value in zip(made.parameters, (read.braid_angle, read.outer_radius), strict=True):
+        assert one.name in ("braid_angle", "outer_radius")
+        assert abs(float(value) - one.value) <= 0.01 * (one.high - one.low)
+    off = np.abs(read.force(P[:, None], EPS) - made.muscle.force(P[:, None], EPS)).max()
+    assert 0 < off <= 0.01 * made.rmse
+    assert "1% of its interval" in provenance(path)["rounded"]
+
+
+def test_what_was_fitted_has_few_digits_and_degrees(noisy):
+    text = calibrated_text(noisy[1], "2026-01-02").partition("[calibration]")[0]
+    angle = re.search(r'braid_angle = "([\d.]+) deg"', text)
+    radius = re.search(r'outer_radius = "([\d.]+) mm"', text)
+    assert angle and radius
+    assert max(len(one[1].replace(".", "")) for one in (angle, radius)) <= 6
+    assert not re.search(r"\d{8}", text)
+
+
+def test_what_was_given_stays_as_it_was(noisy):
+    start, made = noisy
+    rounded, _ = as_known(made)
+    assert rounded.wall_thickness == start.wall_thickness
+    assert rounded.length == start.length
+    assert rounded.material == start.material
+
+
+def test_without_noise_digits_are_kept():
+    # what is left over is nothing but rounding: so are the digits
+    _, made = calibration(0.0)
+    read = loads(calibrated_text(made, "2026-01-02"))
+    force = made.muscle.force(P[:, None], EPS)
+    np.testing.assert_allclose(read.force(P[:, None], EPS), force, atol=0.011 * made.rmse, rtol=0)
