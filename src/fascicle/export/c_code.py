@@ -48,6 +48,10 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     muscles = [unit.muscle for unit in units] if bundle else [target]
     if not concrete(target) or any(not muscle._is_single for muscle in muscles):
         raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
+    for muscle in muscles:
+        if not muscle.buckling.symbolic:
+            rule, remedy = "can't be written in C", "take elastica or kim2021"
+            raise Refused("buckling", rule, muscle.buckling.name, remedy)
     kept, kinds = unlike(muscles)
     written, room = _laws([muscles[i] for i in kept], name)
     ratios = [1.0] * len(muscles)

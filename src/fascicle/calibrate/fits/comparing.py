@@ -41,6 +41,10 @@ from .fitting import fitted
 _NOMINAL = 0.1  # of a diameter: nearer than that published constants are of such a muscle
 
 
+# a law that collapses by itself takes seconds for each force, and would come once for each choice
+_BUCKLING = tuple(name for name, law in LAWS["buckling"].items() if getattr(law, "collapses", True))
+
+
 @dataclass(frozen=True)
 class Row:
     """One law against a record.
@@ -72,7 +76,7 @@ def compare(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    buckling: Sequence[str] = tuple(LAWS["buckling"]),
+    buckling: Sequence[str] = _BUCKLING,
     collapse: Sequence[str] = tuple(LAWS["collapse"]),
     post_collapse: Sequence[str] = tuple(LAWS["post_collapse"]),
     **search: Any,
@@ -84,7 +88,8 @@ def compare(
     **Arguments:**
 
     - `record`, `muscle`, `parameters`, `priors`: as `fit` [-].
-    - `buckling`, `collapse`, `post_collapse`: names of the laws to choose from [-].
+    - `buckling`, `collapse`, `post_collapse`: names of the laws to choose from [-]; left out, all,
+      but for buckling laws that never ask a collapse law.
     - `search`: loss, weights, starts and seed, as `fit` [-].
 
     **Returns:** a row for each, the least AIC first [-].

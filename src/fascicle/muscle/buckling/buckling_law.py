@@ -24,7 +24,7 @@ shears by $\gamma$ holds less by $1 - \cos\gamma$. `shear="engesser"` asks for i
 """
 
 import abc
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -75,7 +75,12 @@ class Buckled(NamedTuple):
 class AbstractBuckling(AbstractLaw):
     """A law for the muscle between its free strain and its collapse; `braid_share` [-] is how much
     of the braid's bending stiffness it counts. One that may shear has a `shear` among its fields.
+
+    `collapses`: whether it asks the collapse law; `symbolic`: whether it can be written as symbols.
     """
+
+    collapses: ClassVar[bool] = True
+    symbolic: ClassVar[bool] = True
 
     braid_share: eqx.AbstractVar[Batch]
 

@@ -1,0 +1,253 @@
+r"""Post-buckling and collapse in one: an elastica whose section ovalizes and softens as it bends.
+
+The elastica with Brazier's softening at each place, pressure, and what it costs that ovality
+changes along the axis. With the mid radius $r = r_0 - t_0/2$, $D = E t_0^3/(12 (1 - \nu^2))$ and
+$S$ along the axis at free strain,
+
+$$U_b = \int \tfrac12 EI \kappa^2 \bigl(1 - \tfrac32 \zeta + \tfrac58 \zeta^2\bigr)
+  + a \zeta^2 + b \zeta'^2 + g \zeta''^2 \,\mathrm{d}S, \tag{O2}$$
+
+$$a = \frac{3 \pi E t_0^3}{8 (1 - \nu^2) r} + \frac{3 \pi}{2} P r^2, \qquad
+  b = \frac94 \pi r D (1 - \nu), \qquad
+  g = \frac{\pi E t_0 r^5}{32} + \frac{\pi r^3 D}{2}. \tag{O3}$$
+
+Ends are clamped and round. Walls touch at $\zeta = 1 - t_0/2r$. As in the elastica the arc is
+compressed by the tension law; at a shortening $w$ of the bent arc, whose load is
+$n(w)\, EI/(L_{fs} \ell)$,
+
+$$-T(P, \varepsilon_a) (1 - \varepsilon_a) = n(w) (1 - w) \frac{EI}{L_{fs} L_0}, \qquad
+  1 - \varepsilon = (1 - \varepsilon_a) (1 - w), \qquad F = -n \frac{EI}{L_{fs} \ell}.
+  \tag{O4}$$
+
+There is no collapse moment, no hinge and no rate: the muscle softens gradually. Whatever collapse
+law the muscle has is never asked. Without $b$ and $g$ all of the bending would gather in one place
+of no length: the problem would be ill-posed.
+
+**Branch:** followed from the free strain; where it turns back the force jumps to the next state of
+the same strain, as in the elastica. **Sign:** tension positive. **Valid for**
+$\varepsilon \le 0.6$, $L_0/r_0$ from some 8 to 60. **Assumes** a thin wall that ovalizes without
+stretching, rubber that stays linear. **Derivatives:** by strain of all orders, by what the section
+is first ones. **Source:** derived here; Brazier (1927) for the softening; pressure as in Wood
+(1958).
+"""
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from ...core.arrays import (
+    absolute,
+    both,
+    cos,
+    isfinite,
+    least,
+    maximum,
+    minimum,
+    no,
+    nodes,
+    over,
+    sin,
+    spread,
+    sqrt,
+    total,
+    where,
+)  # fmt: skip
+from ...core.roots import guarded, root, searched, still
+from ...core.types import Batch, BatchLike, BoolBatch
+from ..column import ROUNDING, Centerline, Column
+from ..tension.tension_law import Pull
+from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
+from .oval_column import STEP, Oval, States, between, shortenings, splined, states
+
+
+_CLOSEST = 0.95  # of an arc's strain: past all that can be asked for
+
+
+class _Branch(NamedTuple):
+    """What is solved for once: the `onset` [-], the column's states over $w$ with their slopes,
+    and the `strain` of the ends at them [-], nodes first.
+    """
+
+    onset: Batch
+    states: States
+    slopes: States
+    strain: Batch
+
+
+class _Followed(NamedTuple):
+    """Whether the muscle is bent, the cell and the shortening $w$ of its bent arc, the arc's
+    $1 - \\varepsilon_a$ [-], and what the tension law says of it.
+    """
+
+    bent: BoolBatch
+    cell: Batch
+    w: Batch
+    arc: Batch
+    pull: Pull
+
+
+class Ovalising(AbstractBuckling):
+    """An elastica whose section ovalizes: (O2) to (O4), without a collapse moment."""
+
+    name: ClassVar[str] = "ovalising"
+    source: ClassVar[str] = "derived here, after Brazier (1927) and Wood (1958)"
+    collapses: ClassVar[bool] = False
+    symbolic: ClassVar[bool] = False
+
+    braid_share: Batch = BRAID_SHARE.field()
+
+    def branch(self, column: Column) -> _Branch:
+        """The onset [-], and all bent states of the column."""
+        found = states(_oval(column))
+        slopes = States(*(splined(x) for x in found[:3]), found.sines)
+        free = column.free_strain
+        theta = (column, 4 * np.pi**2 * _unit(column))
+        onset = root(_compressed, theta, free, _CLOSEST + 0.0 * free, free + 1e-3)
+        here, w = still(column), nodes(shortenings(), still(found.load[0]))
+        wanted = still(found.load) * (1 - w) * _unit(here)
+        low = here.free_strain + 0.0 * wanted
+        arc = searched(_compressed, (here, wanted), low, _CLOSEST + 0.0 * low, low + 1e-3)
+        ever = where(onset < 0.999 * _CLOSEST, onset, np.inf)
+        return _Branch(ever, found, slopes, 1 - (1 - arc) * (1 - w))
+
+    def push(self, column: Column, strain: BatchLike) -> Push:
+        """Force in its components at `strain` [-], (O4)."""
+        at, unit, branch = _followed(column, strain), _unit(column), column.branch
+        n, rising = between(branch.states.load, branch.slopes.load, at.cell, at.w)
+        chord, T = 1 - at.w, at.pull.force
+        # h(w, ε) = -T (1 - ε_a) - n (1 - w) u is zero: how w and the arc move with strain
+        by_arc = at.pull.slope * at.arc - T
+        by_w = by_arc * at.arc / chord - unit * (rising * chord - n)
+        w_slope = by_arc / chord / guarded(by_w != 0, by_w)
+        arc_slope = (at.arc * w_slope - 1) / chord
+        F = -n * unit / at.arc
+        return Push(
+            mesh=at.pull.mesh,
+            bladder=at.pull.bladder + 0.0 * F,
+            bending=where(at.bent, F - T, 0.0),
+            slope=where(
+                at.bent,
+                -unit * rising * w_slope / at.arc - F * arc_slope / at.arc,
+                at.pull.slope,
+            ),
+            arc_strain=1 - at.arc,
+            straight=no(at.bent),
+        )
+
+    def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
+        """Deflection [m] and the larger of the moments at the ends and in the middle [N·m]."""
+        at, branch = _followed(column, strain), column.branch
+        bends = both(at.bent, at.w > 0)
+        root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
+        n, off, bend = (
+            between(x, slope, at.cell, at.w)[0]
+            for x, slope in zip(branch.states[:3], branch.slopes[:3], strict=True)
+        )
+        moment = maximum(bend, n * off - bend) * root_w
+        length = column.rest_length * at.arc
+        return length * off * root_w, moment * column.bending_stiffness / column.free_length
+
+    def onset(self, column: Column) -> Batch:
+        """Strain [-] at which the straight muscle buckles; inf where it never does."""
+        return column.branch.onset
+
+    def folds(self, column: Column) -> tuple[Batch, ...]:
+        """The strain [-] at which the branch first turns back, to a node; inf where it doesn't."""
+        strain = column.branch.strain
+        ahead, behind = strain[1:], strain[:-1]
+        rank = nodes(np.arange(float(ahead.shape[0])), ahead[0])
+        first = least(where(ahead < behind, rank, np.inf))
+        fold = total(where(rank == first, behind, 0.0))
+        turns = both(isfinite(first), fold > still(column.branch.onset))
+        return (where(turns, fold, np.inf),)
+
+    def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
+        """Never [-], whatever `moment` [N·m] a collapse law has: the section softens instead."""
+        return where(0.0 * (moment + column.free_strain) < 0, 0.0, np.inf)
+
+    def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
+        """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
+        at = _followed(column, strain)
+        sines = column.branch.states.sines
+        bends = both(at.bent, at.w > 0)
+        root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
+        place = at.w / STEP
+        middle = (np.arange(points - 1) + 0.5) / (points - 1)
+        theta = spread(0.0 * root_w)
+        for k in range(sines.shape[1]):
+            own = over(sines[:, k], place)
+            share = maximum(1 - absolute(place - nodes(np.arange(len(sines)), place)), 0.0)
+            theta = theta + spread(root_w * total(share * own)) * np.sin(
+                2 * np.pi * (k + 1) * middle
+            )
+        # from point to point: sums of all steps before
+        before = np.arange(points)[:, None] > np.arange(points - 1)
+        length = spread(column.rest_length * at.arc) / (points - 1)
+        z, y = ((length * part) @ before.T for part in (cos(theta), sin(theta)))
+        return Centerline(z=z * spread(column.rest_length * (1 - strain)) / z[..., -1:], y=-y)
+
+    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
+        """Whether other bent states exist at `strain` [-] beside the one followed."""
+        eps = still(strain + 0.0 * column.free_strain)
+        past = over(column.branch.strain, eps) > eps
+        crossed = total(where(past[1:] != past[:-1], 1.0, 0.0))
+        return both(crossed > 1.5, eps > still(column.free_strain))
+
+
+def _unit(column: Column) -> Batch:
+    """$EI/(L_{fs} L_0)$ [N]."""
+    return column.bending_stiffness / (column.free_length * column.rest_length)
+
+
+def _oval(column: Column) -> Oval:
+    """What the section's ovality costs, (O3), over the column's own numbers [-]."""
+    bladder, EI, L = column.tension.bladder, column.bending_stiffness, column.free_length
+    E, t, nu = (
+        column.axial_stiffness / bladder.area,
+        bladder.wall_thickness,
+        (bladder.material.poisson_ratio),
+    )
+    r = bladder.braid.radius - t / 2
+    D = E * t**3 / (12 * (1 - nu**2))
+    a = 3 * np.pi * E * t**3 / (8 * (1 - nu**2) * r) + 1.5 * np.pi * column.pressure * r**2
+    b = 9 / 4 * np.pi * r * D * (1 - nu)
+    g = np.pi * E * t * r**5 / 32 + np.pi * r**3 * D / 2
+    return Oval(a * L**2 / EI, b / EI, g / (EI * L**2), 1 - t / (2 * r))
+
+
+def _compressed(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """What is left of a load [N] after the compressed arc holds its share, and its slope [N]."""
+    column, wanted = theta
+    pull = column.pull(arc)
+    return wanted + pull.force * (1 - arc), pull.slope * (1 - arc) - pull.force
+
+
+def _unheld(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
+    """By how much more the arc is compressed than the bent column holds [N] at a shortening `w`
+    [-], (O4), and its slope [N].
+    """
+    column, strain, cell = theta
+    chord = 1 - w
+    arc = (1 - strain) / chord
+    pull = column.pull(1 - arc)
+    branch, unit = column.branch, _unit(column)
+    n, rising = between(branch.states.load, branch.slopes.load, cell, w)
+    by_arc = pull.slope * arc - pull.force
+    return -pull.force * arc - n * chord * unit, (
+        by_arc * arc / chord - unit * (rising * chord - n)
+    )
+
+
+def _followed(column: Column, strain: BatchLike) -> _Followed:
+    """The state that is followed from the free strain to `strain` [-]."""
+    branch = column.branch
+    bent = strain > branch.onset + ROUNDING
+    eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
+    wanted = still(eps)
+    ends = over(branch.strain, wanted)[1:]
+    rank = nodes(np.arange(float(ends.shape[0])), wanted)
+    cell = minimum(least(where(ends >= wanted, rank, np.inf)), ends.shape[0] - 1.0)
+    low = STEP * cell
+    w = root(_unheld, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
+    arc = where(bent, (1 - eps) / (1 - w), 1 - strain)
+    return _Followed(bent, cell, where(bent, w, 0.0), arc, column.pull(1 - arc))
