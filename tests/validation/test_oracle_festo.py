@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.design.space.designs import Designs
 from fascicle.muscle.tension import TENSION_LAWS
 
 
@@ -91,6 +92,12 @@ def test_they_are_laws_of_a_muscle(name, buckling):
         assert_allclose(pull.slope, measured, rtol=1e-4, atol=1e-2)
         slopes = jax.grad(lambda m, P=P: m.force(P, 0.05))(made)
         assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_designs_refuse_it(name):
+    with pytest.raises(ValueError, match="other sizes"):
+        Designs.of(muscle(name), [[1, 2]])
 
 
 @pytest.mark.parametrize("name", MADE)

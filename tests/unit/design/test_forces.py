@@ -24,7 +24,8 @@ TUNED = fs.Tuning(
     hinge_stiffness_factor=0.7, hinge_stiffness_slope=1e-6, dead_band=15e3,
 )  # fmt: skip
 LAWS = (
-    [{"tension": name} for name in TENSION_LAWS]
+    # a law with one muscle's numbers is none for designs
+    [{"tension": name} for name, law in TENSION_LAWS.items() if not law.made_for]
     + [{"buckling": name} for name in BUCKLING_LAWS]
     + [{"collapse": name} for name in COLLAPSE_LAWS if name != "stein_hedgepeth1961"]
     + [{"post_collapse": name} for name in POST_COLLAPSE_LAWS]

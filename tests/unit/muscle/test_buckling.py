@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import fascicle as fs
-from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
+from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021, Kim2021Series, Ovalising
 from fascicle.muscle.buckling.fixed_mode import moment, unshortened
 
 
@@ -56,7 +56,10 @@ def springs(x):
 
 
 def test_registry():
-    assert dict(BUCKLING_LAWS) == {"kim2021": Kim2021, "elastica": Elastica}
+    assert dict(BUCKLING_LAWS) == {
+        "kim2021": Kim2021, "elastica": Elastica, "kim2021_series": Kim2021Series,
+        "ovalising": Ovalising,
+    }  # fmt: skip
     assert all(law.name == name for name, law in BUCKLING_LAWS.items())
 
 

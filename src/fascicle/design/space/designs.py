@@ -14,6 +14,7 @@ from jaxtyping import Float, Int
 from ...bundle import Bundle, MotorUnit
 from ...bundle.volumes import told_by_strain
 from ...core.modules import numbers
+from ...core.refused import Refused
 from ...muscle import Muscle
 from .rows import sized
 from .splits import label
@@ -36,8 +37,13 @@ class Designs:
     angle: Float[np.ndarray, "design unit"]
 
     def __post_init__(self):
-        """Refuse drawings whose fluid isn't told by strain alone."""
+        """Refuse drawings whose fluid isn't told by strain alone, or whose law is of one size."""
         told_by_strain(self.drawings.values())
+        for muscle in self.drawings.values():
+            if muscle.tension.made_for:
+                rule = f"has the numbers of {muscle.tension.made_for}, and a design has other sizes"
+                remedy = "take a law of any muscle, such as klute_hannaford"
+                raise Refused("tension", rule, muscle.tension.name, remedy)
 
     @classmethod
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":

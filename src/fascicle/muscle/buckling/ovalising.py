@@ -99,7 +99,8 @@ class Ovalising(AbstractBuckling):
     def branch(self, column: Column) -> _Branch:
         """The onset [-], and all bent states of the column."""
         found = states(_oval(column))
-        slopes = States(*(splined(x) for x in found[:3]), found.sines)
+        load, bow, bend, sines = found
+        slopes = States(splined(load), splined(bow), splined(bend), sines)
         free = column.free_strain
         theta = (column, 4 * np.pi**2 * _unit(column))
         onset = root(_compressed, theta, free, _CLOSEST + 0.0 * free, free + 1e-3)
