@@ -19,6 +19,10 @@ from .metrics import reachable as reachable
 from .metrics import worth as worth
 from .policies import POLICIES as POLICIES
 from .policies import cascade as cascade
+from .power_units import POWER_UNITS as POWER_UNITS
+from .power_units import shaft_work as shaft_work
+from .sines import Sines as Sines
+from .sines import sines as sines
 from .transition import Transition as Transition
 from .transition import gain as gain
 from .transition import needed_reserve as needed_reserve

@@ -199,6 +199,9 @@ class Cascade(Module):
             flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
             into, out = units.flows(P, seen.supply_pressure + 0.0 * P)
             opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
+            # one that idles is open to the room: shut, it would be sucked empty as it is shortened,
+            # and what comes back into it needn't come from the supply
+            opening = where(P_r > 0, opening, -1.0)
             commands.append(minimum(maximum(opening, -self.flow_limit), self.flow_limit))
         return jnp.concatenate(commands)
 

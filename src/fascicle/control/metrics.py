@@ -18,6 +18,7 @@ from ..core.refused import Refused
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
 from ..dynamics.account import ACCOUNT
+from ..dynamics.seen import Seen
 from .cascade import Cascade
 
 
@@ -91,7 +92,7 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
         raise Refused("reference", "must have one for each step", wanted.size)
     # what a step led to is compared with what was demanded at its beginning
     y = done(controller, run)[1:]
-    reach = reachable(controller, run, wanted)
+    reach = reachable(controller, seen, wanted)
     can, beyond = reach.can, np.flatnonzero(~reach.can)
     first, last = (float(run.time[beyond[end]]) if beyond.size else np.nan for end in (0, -1))
     error = np.where(can, y - wanted, 0.0)
@@ -130,12 +131,12 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
     return float(deepest)
 
 
-def reachable(controller: Cascade, run: Trajectory, reference: Numbers) -> Reach:
-    """What the bundles could do of what the `reference` [SI] asks of the `controller` [-] at each
-    step of the `run` [SI]: a `Reach` [SI].
+def reachable(controller: Cascade, seen: Seen, reference: Numbers) -> Reach:
+    """What the bundles could do, standing still, of what the `reference` [SI] asks of the
+    `controller` [-] at each step of a run that was `seen` [SI]: a `Reach` [SI].
     """
-    plant, supply = controller.plant, np.asarray(run.seen.supply_pressure)[:-1]
-    position, wanted = np.asarray(run.seen.position)[:-1], np.asarray(reference, float)
+    plant, supply = controller.plant, np.asarray(seen.supply_pressure)[:-1]
+    position, wanted = np.asarray(seen.position)[:-1], np.asarray(reference, float)
     if controller.of == "position":
         low, high = plant.way
         position = np.clip(wanted, low, high)

@@ -25,7 +25,7 @@ def demanded(scenario: "Scenario", run: "Trajectory") -> Demanded | None:
     made = scenario.controlled
     if made is None:
         return None
-    can = reachable(made.controller, run, made.reference).can
+    can = reachable(made.controller, run.seen, made.reference).can
     return Demanded(made.controller.of, made.reference, done(made.controller, run), can)
 
 

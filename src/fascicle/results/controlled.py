@@ -44,7 +44,7 @@ def followed(controller: "Cascade", run: "Trajectory", reference: Any) -> dict[s
     from ..control import done, reachable, worth
 
     unit, force = units_of(controller)
-    reach = reachable(controller, run, reference)
+    reach = reachable(controller, run.seen, reference)
 
     def now(values: Any, unit: str, about: str) -> Variable:
         return Variable(("time",), np.append(values, values[-1]), unit, about)

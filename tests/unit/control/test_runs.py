@@ -1,0 +1,85 @@
+"""What else a cascade has, each in a run: friction fed forward, delay, sets of units, gas at a
+wall.
+"""
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import control, dynamics, fluid
+from fascicle.files import example_text, loads_scenario
+
+
+SUPPLY, STRAIN = 413.7e3, 0.2
+
+
+@pytest.fixture(scope="module")
+def bench(pair):
+    """1 + 1 held at a strain, with air, begun where one muscle holds most of what it can."""
+    plant = dynamics.Plant(
+        pair, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
+        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    return plant, dynamics.rest(plant, [330e3, 0.0])
+
+
+@pytest.fixture(scope="module")
+def ran(bench):
+    def run(policy, **options):
+        first = float(control.transition(bench[0].bundles[0], STRAIN).largest_force)
+        ramp = np.linspace(0.7, 1.2, 500) * first
+        controller = control.cascade(bench[0], policy, **options)
+        found = dynamics.simulate(bench[0], controller, ramp, start=bench[1], substeps=2)
+        return np.asarray(found.seen.pressures), control.worth(controller, found, ramp)
+
+    return run
+
+
+def test_friction_that_is_fed_forward_halves_what_a_stride_misses():
+    short = example_text("joint_gait").replace('duration = "2 s"', 'duration = "1 s"')
+    gait = loads_scenario(short)
+    missed = {}
+    for compensate in (True, False):
+        one = gait.taking(compensate=compensate)
+        run = one.run()
+        worth = control.worth(one.controlled.controller, run, one.controlled.reference)
+        missed[compensate] = worth.rms
+        # its gas warms and cools at a wall
+        assert np.ptp(np.asarray(run.seen.temperatures)) > 1.0
+        assert worth.unreachable == 0 and dynamics.audit(one.plant, run).closes
+    assert missed[True] < 0.7 * missed[False]
+    assert np.degrees(missed[True]) < 2.0
+
+
+def test_what_is_measured_late_is_followed_late_but_stays_bounded(ran):
+    _, now = ran("hand_over")
+    pressures, late = ran("hand_over", delay=5e-3)
+    # the valve's loop, of 3 ms, is driven by what was 5 ms ago
+    assert now.rms < late.rms < 2.0
+    assert np.all(np.isfinite(pressures)) and pressures.max() < 1.01 * SUPPLY
+
+
+def test_a_batch_is_at_one_pressure_and_dips_by_more(ran):
+    pressures, worth = ran("batch")
+    assert worth.recruited == 1 and worth.drawdown > worth.dip
+    # at its end both, up to how near valves come to a pressure that moves
+    assert abs(pressures[-1, 0] - pressures[-1, 1]) < 0.02 * SUPPLY
+    assert pressures[100, 1] < 1e3
+
+
+def test_units_that_are_alike_are_chosen_as_in_turn_by_their_fluid(ran):
+    pressures, worth = ran("energy_aware")
+    _, plain = ran("orderly")
+    assert worth.drawdown == pytest.approx(plain.drawdown, rel=0.05)
+    assert worth.supply_energy <= 1.01 * plain.supply_energy
+    assert pressures[-1].min() > 50e3
+
+
+def test_more_units_than_sets_can_be_told_of_are_refused(muscle):
+    many = fs.Bundle([fs.MotorUnit(muscle)] * 7, SUPPLY)
+    plant = dynamics.Plant(
+        many, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
+        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="energy_aware takes at most 6 units"):
+        control.cascade(plant, "energy_aware")

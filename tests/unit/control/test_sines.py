@@ -1,0 +1,85 @@
+"""Sines in one batch are the runs that they'd be one by one, with oil; power units by hand."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle import control, dynamics
+
+
+SUPPLY = 413.7e3
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return fs.example("sine_1_4")
+
+
+def test_a_batch_is_the_runs_one_by_one(scenario):
+    plant, controller = scenario.plant, scenario.controlled.controller
+    A, f, mean, time = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
+    found = control.sines(plant, controller, mean, A, f, scenario.start, time)
+    assert found.error.shape == (2, 2) and found.trusted.all()
+    assert np.all(found.reached[0] == 1)
+    # the last of them by itself, its reference made anew: one second in which it grows
+    now = 1e-3 * np.arange(1500)
+    grown = np.where(now < 1, 3 * now**2 - 2 * now**3, 1.0)
+    wanted = mean + A[1] * grown * np.sin(2 * np.pi * f[1] * (now - 1))
+    one = dynamics.simulate(plant, controller, wanted, start=scenario.start)
+    late = np.asarray(one.seen.position)[1001:] - wanted[1000:]
+    # sums in another order, run on for 1500 steps
+    error = np.sqrt(np.mean(late**2)) / (A[1] / np.sqrt(2))
+    assert_allclose(found.error[1, 1], error, rtol=1e-6)
+    drawn = np.maximum(one.seen.drawn, 0).sum(-1)[1000:1500]
+    assert_allclose(found.drawn[1, 1], drawn, rtol=0, atol=1e-6 * drawn.max())
+    pull = np.asarray(one.seen.forces).sum(-1)  # plates move as the load does
+    power = np.maximum(pull * one.seen.velocity, 0)[1000:1500]
+    assert_allclose(found.work[1, 1], power.sum() * 1e-3 / 2, rtol=1e-6)
+    # oil of one muscle suffices for the small one, five are filled for the large one
+    assert found.drawn[1, 0].sum() > 3 * found.drawn[0, 0].sum()
+
+
+def test_power_units_by_hand():
+    # of 2 Hz, 1 s: two periods that draw 850 g/s for a tenth of a second each, 0.1 L a period
+    drawn = np.zeros((1, 1, 1000))
+    drawn[..., :100] = drawn[..., 500:600] = 0.85
+    top = np.where(drawn > 0, 100e3, 0.0)
+    one = np.ones((1, 1))
+    found = control.Sines(
+        np.array([5e-3]), np.array([2.0]), 0 * one, one, one, drawn, top, 1e-3, 1.0, one
+    )
+    work = control.shaft_work(found, 400e3, 850.0, 0.5, band=100e3, margin=50e3)
+    assert_allclose(work["relief"], 400e3 * 1e-3 / 0.5 / 2)
+    assert_allclose(work["accumulator"], 450e3 * 1e-4 / 0.5)
+    assert_allclose(work["sensing"], 150e3 * 1e-4 / 0.5)
+    assert tuple(work) == control.POWER_UNITS
+    # never more than the supply's
+    near = control.shaft_work(found._replace(top=top + 290e3 * (top > 0)), 400e3, 850.0, 0.5)
+    assert_allclose(near["sensing"], 400e3 * 1e-4 / 0.5)
+
+
+@pytest.mark.parametrize(
+    ("edits", "told"),
+    [
+        ({"frequencies": [0.7]}, "`frequencies` must have whole periods in 0.5 s, got 0.7"),
+        ({"frequencies": [-2.0]}, "`frequencies` must be positive"),
+        ({"amplitudes": [0.0]}, "`amplitudes` must be positive"),
+        ({"time": 0.0}, "`time` must be positive"),
+    ],
+)
+def test_what_cant_be_is_refused(scenario, edits, told):
+    plant, controller = scenario.plant, scenario.controlled.controller
+    given = {"amplitudes": [1e-3], "frequencies": [2.0], "time": 0.5} | edits
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
+        control.sines(plant, controller, 12.7e-3, start=scenario.start, **given)
+    assert told in str(refused.value)
+
+
+def test_a_force_isnt_a_sine_of_position(scenario):
+    force = control.cascade(scenario.plant, "orderly", "force")
+    with pytest.raises(ValueError, match="must be one of position"):
+        control.sines(scenario.plant, force, 12.7e-3, [1e-3], [2.0], scenario.start, 0.5)
+    found = control.Sines(*np.ones(7), *np.ones(3))
+    with pytest.raises(ValueError, match=r"`efficiency` must lie in \(0, 1\]"):
+        control.shaft_work(found, SUPPLY, 850.0, 1.2)
