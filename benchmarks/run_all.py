@@ -38,6 +38,7 @@ MODULES = (
     "inverse",
     "designing",
     "in_time",
+    "control_reach",
     "exported",
     "robots",
     "fitting",

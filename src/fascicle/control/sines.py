@@ -69,7 +69,7 @@ def sines(
     - `controller`: of position, that acts at each step [-].
     - `mean`: of the sines [SI].
     - `amplitudes`: a row of them [SI].
-    - `frequencies`: a row of them [Hz], each with whole periods in `time`.
+    - `frequencies`: a row of them [1/s], each with whole periods in `time`.
     - `start`: the state they begin with [SI].
     - `time`: that is looked at [s].
 
@@ -78,7 +78,7 @@ def sines(
     **Raises:** `ValueError` for a controller of force, and periods that aren't whole.
     """
     A = np.atleast_1d(positive(amplitudes, "amplitudes", "SI"))
-    f = np.atleast_1d(positive(frequencies, "frequencies", "Hz"))
+    f = np.atleast_1d(positive(frequencies, "frequencies", "1/s"))
     middle = float(within(mean, -np.inf, np.inf, "mean", "SI"))
     span, dt = float(positive(time, "time", "s")), float(controller.dt)
     if controller.of != "position":
