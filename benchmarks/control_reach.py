@@ -27,7 +27,8 @@ AIR = {1: 5.0, 4: 12.0}  # %
 
 class Ran(NamedTuple):
     """A policy's run: drawdown over the dip, root mean square [N], air [kg], and that it takes
-    more of than `threshold` [%]."""
+    more of than `threshold` [%].
+    """
 
     drawdown: float
     rms: float
@@ -73,9 +74,10 @@ def ran(
         air = float(np.maximum(done.seen.drawn[:last], 0.0).sum() * DT)
         least = least or air
         found[policy] = Ran(worth.drawdown / worth.dip, worth.rms, air, 100 * (air / least - 1))
+        one = found[policy]
         print(
-            f"1 + {count} at {strain:.2f}, {case[2]:.2f} C, {policy:10} dip {found[policy][0]:6.3f} D"
-            f"  rms {worth.rms:6.3f} N  air {1e6 * air:7.1f} mg, {found[policy].more:+5.1f} %",
+            f"1 + {count} at {strain:.2f}, {case[2]:.2f} C, {policy:10} {one.drawdown:6.3f} D"
+            f"  rms {one.rms:6.3f} N  air {1e6 * air:7.1f} mg, {one.more:+5.1f} %",
             flush=True,
         )
     return said, found
@@ -93,12 +95,16 @@ def rows(small: bool = False) -> list[Row]:
             one = found[policy]
             held = policy == "hand_over" and said.found
             about = f"beforehand: {said}" if policy == "hand_over" else ""
-            made += [
-                Row(f"{name}: `{policy}`, drawdown", Measured.of([one.drawdown]), "D",
-                    "the dip D of unit 2", REACH if held else None, "≤", about),
-                Row(f"{name}: `{policy}`, air", Measured.of([one.more]), "%",
-                    "more than `threshold`", AIR[count] if held else None, "≤"),
-            ]  # fmt: skip
+            dip = Row(
+                f"{name}: `{policy}`, drawdown", Measured.of([one.drawdown]), "D",
+                "the dip D of unit 2", REACH if held else None, "≤", about,
+            )  # fmt: skip
+            made.append(dip)
+        air = Row(
+            f"{name}: `hand_over`, air", Measured.of([found["hand_over"].more]), "%",
+            "more than `threshold`", AIR[count] if said.found else None, "≤",
+        )  # fmt: skip
+        made.append(air)
     return made
 
 
