@@ -10,7 +10,8 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle import Bundle, MotorUnit
-from fascicle.muscle.tension import Kothera2009, Meller2014, TonduLopez
+from fascicle.muscle.buckling import Kim2021
+from fascicle.muscle.tension import ElasticBraid, Kothera2009, Meller2014, TonduLopez
 
 
 ca = pytest.importorskip("casadi", reason="C is written by CasADi, which isn't here")
@@ -36,8 +37,11 @@ LAWS = {
     "ideal": {"tension": "ideal", "collapse": "stein_hedgepeth1961", "post_collapse": "consistent"},
     "elastica": {"tension": Meller2014(1.1, 0.9), "buckling": "elastica"},
     "elastica_tuned": {"buckling": "elastica", "tuning": TUNED},
+    "engesser": {"buckling": Kim2021(shear="engesser"), "tuning": TUNED},
+    "elastic_braid": {"tension": ElasticBraid(1e8), "collapse": "wood1958"},
 }  # fmt: skip
-SLOW = ("elastica", "elastica_tuned")  # half a megabyte of C each
+# half a megabyte of C each, and more where a root lies in a root
+SLOW = ("elastica", "elastica_tuned", "elastic_braid")
 
 
 def muscle(**laws):
