@@ -19,9 +19,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 def test_the_core_install_is_small():
     names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
     assert names == {
-        "jax", "equinox", "jaxtyping", "optimistix", "diffrax", "numpy", "scipy", "pandas",
-        "pydantic", "pint", "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4",
-        "matplotlib",
+        "jax", "equinox", "jaxtyping", "diffrax", "numpy", "scipy", "pandas", "pydantic", "pint",
+        "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4", "matplotlib",
     }  # fmt: skip
 
 
