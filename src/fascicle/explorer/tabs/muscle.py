@@ -16,6 +16,7 @@ from ..parts.background import Latest
 from ..parts.look import (
     AFTER,
     NARROW,
+    ROLLED,
     STACKED,
     TALL,
     Look,
@@ -80,7 +81,7 @@ class MuscleView:
         )  # fmt: skip
         turn.param.watch(lambda event: self._scene.turn(event.new), "value")
         left = pn.Column(self._inputs.panel, self._compare, width=284, margin=(0, 8, 0, 0),
-                         stylesheets=[AFTER])  # fmt: skip
+                         stylesheets=[ROLLED, AFTER])  # fmt: skip
         dials = pn.Row(
             self._pressure.panel, self._strain.panel, sizing_mode="stretch_width", margin=0,
             stylesheets=[STACKED],

@@ -63,7 +63,7 @@ class ReversalView(Tab):
         fig.text("x", "y", "label", source=self._turns, x_offset=8, y_offset=16,
                  text_color=look.ink, text_font_size="12px")  # fmt: skip
         legend_style(fig, look)
-        fig.legend.orientation, fig.legend.ncols = "horizontal", 2
+        fig.legend.orientation, fig.legend.ncols, fig.legend.spacing = "horizontal", 2, 14
         fig.add_layout(fig.legend[0], "above")  # beside every curve, however narrow the page
         self._table = pn.pane.HTML("", margin=(8, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
