@@ -13,6 +13,8 @@ The pressure itself is the root of $g$, which Newton's method takes from where t
 
 from typing import NamedTuple
 
+from jax import lax
+
 from ..core.arrays import absolute, library, maximum
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
@@ -120,8 +122,11 @@ def settled(
     """The pressures [Pa] of `chambers` [SI] of a `plant` [-] at `strains` [-], from `near` [Pa], in
     so many `steps` [-] of Newton's method.
     """
-    P, lowest = near, plant.chamber.lowest_pressure
-    for _ in range(steps):
+    lowest = plant.chamber.lowest_pressure
+
+    def stepped(P: Numbers, _: None) -> tuple[Numbers, None]:
         # half of the way to no fluid at all at most
-        P = maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2)
-    return P
+        return maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2), None
+
+    # a loop, which is compiled once
+    return lax.scan(stepped, near, length=steps)[0]

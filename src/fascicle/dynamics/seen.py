@@ -60,7 +60,8 @@ def looked_at(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Seen:
     return Seen(
         now.position, now.velocity, flows.pressures, flows.temperatures, now.strains,
         plant.counts * now.fluid.at.force, now.fluid.volume, state.chambers[..., 0], flows.supply,
-        flows.exhaust, flows.drawn, flows.vented, flows.supply_pressure[..., 0], store,
+        flows.exhaust, flows.drawn, flows.vented,
+        flows.supply_pressure[..., 0] + 0.0 * now.position, store,
         _status(plant, state, now, store), state.supply,
     )  # fmt: skip
 

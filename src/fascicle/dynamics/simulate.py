@@ -20,6 +20,7 @@ from ..core.types import Batch, Numbers, Values
 from ..fluid import checked_commands
 from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
+from .muscles import Tables
 from .pace import Pace, pace
 from .plant import Plant
 from .rest import rest
@@ -30,6 +31,7 @@ from .stepping import Course, set_right, substep
 
 
 _NEWTON = 8  # a state that is given may be off
+_AT_ONCE = 20_000  # moments, of which tables' cells fill some megabytes
 
 
 class Trajectory(NamedTuple):
@@ -93,11 +95,15 @@ def simulate(
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
     given = [x if eqx.is_array_like(x) else None for x in leaves]
-    found = _run(plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps))
-    if concrete(found):
-        found = numbers(found)
+    ran = _run(plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps))
     steps = len(inputs)
-    seen, commands, account, end = found
+    known = concrete((plant, ran))
+    every, commands, end = numbers(ran) if known else ran
+    tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
+    # tables are asked without a compiler, which would take as long again as for the run
+    seen, more = (_looked if known and tables else _traced)(plant, dt, every, commands)
+    seen, more = numbers((seen, more)) if known else (seen, more)
+    account = every.account + more - more[0]
     if looked is not None and looked.stiff:
         seen = seen._replace(status=seen.status | (1 << STATUS.index("stiff")))
     return Trajectory(
@@ -130,7 +136,7 @@ def _driven(
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     fixed: tuple[tuple[Any, ...], Any], substeps: int,
-) -> tuple[Seen, Numbers, Numbers, State]:  # fmt: skip
+) -> tuple[Course, Numbers, State]:  # fmt: skip
     leaves, kind = fixed
     act = jax.tree.unflatten(
         kind, [x if y is None else y for x, y in zip(given, leaves, strict=True)]
@@ -160,12 +166,31 @@ def _run(
     every = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), every, last)
     commands = jnp.concatenate([commands, commands[-1:]])
 
-    def look(time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
-        now = moment(plant, time, course.state, command, course.anchor)
-        return looked_at(plant, course.state, course.anchor, now), pressed(plant, now)
+    return every, commands, last.state
 
-    seen, more = jax.vmap(look)(times, every, commands)
-    return seen, commands, every.account + more - more[0], last.state
+
+def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
+    """What a plant shows, and what is pressed into its muscles [J]."""
+    now = moment(plant, time, course.state, command, course.anchor)
+    return looked_at(plant, course.state, course.anchor, now), pressed(plant, now)
+
+
+@jax.jit
+def _traced(plant: Plant, dt: Batch, every: Course, commands: Numbers) -> tuple[Seen, Numbers]:
+    times = dt * jnp.arange(len(commands))
+    return jax.vmap(partial(_look, plant))(times, every, commands)
+
+
+def _looked(plant: Plant, dt: Batch, every: Course, commands: Numbers) -> tuple[Seen, Numbers]:
+    times = dt * np.arange(len(commands))
+    plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
+    found = []
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        for k in range(0, len(times), _AT_ONCE):
+            here = slice(k, k + _AT_ONCE)
+            some = jax.tree.map(lambda x, here=here: x[here], every)
+            found.append(_look(plant, times[here], some, commands[here]))
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
 
 
 def _measured(plant: Plant, time: Batch, course: Course) -> Measurement:
