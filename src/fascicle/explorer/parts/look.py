@@ -146,7 +146,8 @@ def widget_css(look: Look) -> str:
   color: var(--ink); font: {TEXT}px/1.4 var(--sans); padding: var(--near) var(--apart);
   min-height: 30px; }}
 input[type=file].bk-input {{ padding: 1px; min-height: 30px; height: 32px; }}
-input::file-selector-button {{ font: inherit; height: 26px; vertical-align: top; cursor: pointer;
+input::file-selector-button {{ font: inherit; height: 28px; margin-top: 0; cursor: pointer;
+  padding: 0 10px !important; line-height: 26px !important;
   color: var(--ink);
   background: var(--raised); border: 1px solid var(--line); border-radius: var(--round);
   margin-right: var(--apart); }}
