@@ -9,6 +9,8 @@ from ..core.lazy import lazily
 
 
 if TYPE_CHECKING:
+    from .after.bootstrap import bootstrap as bootstrap
+    from .after.calibration import Bootstrap as Bootstrap
     from .after.calibration import Calibration as Calibration
     from .after.calibration import Estimate as Estimate
     from .after.pictures import figures as figures
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from .problem.beginning import Prior as Prior
 
 __all__ = [
+    "Bootstrap",
     "Calibration",
     "Candidate",
     "Choice",
@@ -34,6 +37,7 @@ __all__ = [
     "Prior",
     "Profile",
     "Row",
+    "bootstrap",
     "compare",
     "compare_tension",
     "figures",
@@ -44,6 +48,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Bootstrap": "after.calibration",
     "Calibration": "after.calibration",
     "Candidate": "fits.choosing",
     "Choice": "fits.finding",
@@ -52,6 +57,7 @@ _HOMES = {
     "Prior": "problem.beginning",
     "Profile": "after.profiling",
     "Row": "fits.comparing",
+    "bootstrap": "after.bootstrap",
     "compare": "fits.comparing",
     "compare_tension": "fits.comparing",
     "figures": "after.pictures",

@@ -61,6 +61,7 @@ def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) 
         "noise": exact(float(made.problem.noise), "force"),
         "inflation": float(made.inflation),
         "wider": made.wider.tolist(),
+        "intervals": "quick" if made.bootstrapped is None else "bootstrap",
         "not_told": list(made.untold),
         "rest_length": _rest_length(made),
         "warnings": list(made.warnings),

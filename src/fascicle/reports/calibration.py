@@ -256,15 +256,16 @@ def _parameters(page: Page, made: Calibration, profiles: Sequence[Profile]) -> N
     for one in made.parameters:
         row = [
             f'<code>{escape(one.name)}</code><br><span class="note">{escape(one.about)}</span>',
-            escape(pretty(one.value, one.dimension)),
-            escape(_interval(one.low, one.high, one.dimension)),
-        ]
+            *map(escape, (pretty(one.value, one.dimension),
+                          _interval(one.low, one.high, one.dimension))),
+        ]  # fmt: skip
         row += [escape(_interval(*ends[one.name], one.dimension))] if profiles else []
         rows.append([*row, escape(pretty(one.start, one.dimension)), _known(one)])
     page.table(heads, rows)
     page.paragraph(
         "Identifiable: the data alone, the prior taken off, know the parameter within a factor"
-        f" of e. The noise of one reading is {float(made.problem.noise):.3g} N.",
+        f" of e. The noise of one reading is {float(made.problem.noise):.3g} N. Intervals:"
+        f" {made.intervals}.",
         "note",
     )
 
@@ -353,8 +354,8 @@ def _comparison(page: Page, rows: "Sequence[Row]") -> None:
     )
     page.paragraph(
         "AIC and BIC are counted from the least of the table, by the likelihood of all readings,"
-        " clipped ones too. A law that is only better where it"
-        " was fitted is not better: the pressures left out decide.",
+        " clipped ones too. A law that is only better where it was fitted is not better: the"
+        " pressures left out decide.",
         "note",
     )
 

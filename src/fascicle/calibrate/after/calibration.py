@@ -1,6 +1,6 @@
 """What a calibration found, with how sure it is and what the data could not tell."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import equinox as eqx
@@ -44,6 +44,24 @@ class Estimate:
     identifiable: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Bootstrap:
+    """What fits of simulated records found (`bootstrap`).
+
+    - `names`: of the parameters [-].
+    - `coordinates`, `values`: a row for each draw [-], [SI unit of each parameter].
+    - `low`, `high`: ends of each parameter's 90 % interval [SI unit], (C15).
+    - `failed`: draws whose fit broke [-].
+    """
+
+    names: tuple[str, ...]
+    coordinates: np.ndarray
+    values: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    failed: int
+
+
 @printed(sheet)
 @dataclass(frozen=True, eq=False)
 class Calibration:
@@ -70,6 +88,8 @@ class Calibration:
       problem's tables, each to be taken a standard normal deviate times [-].
     - `weights`: how levels count [-].
     - `warnings`: what to know before using it, a line each [-].
+    - `bootstrapped`: fits of simulated records, whose intervals `parameters` then tell; `None`:
+      these are the quick ones of (C3) [-].
     """
 
     muscle: Muscle
@@ -93,6 +113,7 @@ class Calibration:
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     weights: str = "uniform"
     warnings: tuple[str, ...] = field(default=())
+    bootstrapped: Bootstrap | None = None
 
     @property
     def record(self) -> Record:
@@ -112,7 +133,22 @@ class Calibration:
     @cached_property
     def parameters(self) -> tuple[Estimate, ...]:
         """The fitted parameters, in the order of the covariance [-]."""
-        return estimates(self.problem, self.coordinates, self.covariance)
+        quick, boots = estimates(self.problem, self.coordinates, self.covariance), self.bootstrapped
+        if boots is None:
+            return quick
+        return tuple(
+            replace(one, low=float(low), high=float(high))
+            for one, low, high in zip(quick, boots.low, boots.high, strict=True)
+        )
+
+    @property
+    def intervals(self) -> str:
+        """How `parameters` came to their 90 % intervals, in words [-]."""
+        boots = self.bootstrapped
+        if boots is None:
+            return "quick, by the linear (C3); --intervals bootstrap simulates"
+        failed = f", {boots.failed} more broke" if boots.failed else ""
+        return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}"
 
     @property
     def correlation(self) -> np.ndarray:

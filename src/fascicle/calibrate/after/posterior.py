@@ -132,9 +132,12 @@ class _Target:
         self.chosen = made.problem.chosen
         self.center = jnp.asarray(made.coordinates)
         self.scale = jnp.linalg.cholesky(jnp.asarray(made.covariance))
-        self.curves = jnp.zeros((0, 0))
+        self.curves, self.base = jnp.zeros((0, 0)), jnp.zeros(0)
         if made.readings is not None:
-            spread, basis = jnp.linalg.eigh(made.readings.covariance)
+            # what the pull alone says of them: the rest is in the likelihood
+            known = made.readings.alone or (self.problem.curves, made.readings.covariance)
+            self.base = jnp.asarray(known[0])
+            spread, basis = jnp.linalg.eigh(jnp.asarray(known[1]))
             own = np.asarray(spread) > 1e-12 * float(jnp.max(spread))
             self.curves = (basis * jnp.sqrt(jnp.maximum(spread, 0)))[:, own]
         self.discrepancy = jnp.asarray(made.discrepancy)
@@ -153,7 +156,7 @@ class _Target:
         noise = self.noise * jnp.exp(away[0] / jnp.sqrt(2 * self.count))
         problem = eqx.tree_at(lambda p: p.noise, self.problem, noise)
         if curves.size:
-            moved = problem.curves + self.curves @ curves
+            moved = self.base + self.curves @ curves
             problem = eqx.tree_at(lambda p: p.curves, problem, moved)
         return self.center + self.scale @ z, problem, noise
 

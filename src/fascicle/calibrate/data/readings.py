@@ -41,7 +41,7 @@ from .regression import Polynomial, line, polynomial, safe, scatter
 _NEAR = 0.3  # of the free strain: how far a reading looks, as a Gaussian's deviation
 _PULLING = 0.15  # of the level's largest force: readings above it surely pull
 _NO_PRESSURE = 0.01  # of the highest pressure: below, nothing can be read [R13]
-_ORDERS = 4  # of the free strain's quotient: constant to cubic
+ORDERS = 4  # of the free strain's quotient: constant to cubic
 
 Level = Float[AnyArray, "level"]
 
@@ -59,6 +59,8 @@ class Readings:
     - `order`: of the polynomial [-].
     - `misfit`: squared deviations from the curves, over their expectation [-]; 1 where the
       curves are as good as the readings.
+    - `alone`: where the curves were fitted together with what resists (`joint`), the coefficients
+      and covariance that the pull alone gives them [-], [N]; else `None`.
     """
 
     pressure: np.ndarray
@@ -72,6 +74,7 @@ class Readings:
     covariance: np.ndarray
     order: int
     misfit: np.ndarray
+    alone: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def read(muscle: Muscle, data: Grid) -> Readings:
@@ -108,7 +111,7 @@ def read(muscle: Muscle, data: Grid) -> Readings:
     over, share = safe(free_th), P / top
     quotient = _quotient(share[valid], (free / over)[valid], (free_sd / over)[valid])
     straight = polynomial(share[valid], blocked[valid], blocked_sd[valid], 1, 2)
-    none = np.zeros((_ORDERS, 2))
+    none = np.zeros((ORDERS, 2))
     return Readings(
         P, free, free_sd, blocked, blocked_sd, valid, noise,
         np.concatenate([quotient[1].coefficients, straight.coefficients]),
@@ -123,8 +126,8 @@ def _quotient(
     """The order of the free strain's quotient, and its polynomial in pressure."""
     n = share.size
     fits = [
-        polynomial(share, value, deviation, order, _ORDERS)
-        for order in range(min(_ORDERS, max(n, 1)))  # never more terms than readings
+        polynomial(share, value, deviation, order, ORDERS)
+        for order in range(min(ORDERS, max(n, 1)))  # never more terms than readings
     ]
     # by Schwarz's criterion
     scores = [one.squares + (order + 1) * np.log(n + 1.0) for order, one in enumerate(fits)]
@@ -139,7 +142,7 @@ def free_strain_of(
     they take over `top` [Pa], the largest one if left out; 0 without pressure [R13].
     """
     share = pressure / (_highest(pressure) if top is None else top)
-    quotient = jnp.polyval(coefficients[:_ORDERS][::-1], share)
+    quotient = jnp.polyval(coefficients[:ORDERS][::-1], share)
     free = free_strain_at(untuned(muscle), pressure, jnp.zeros_like(pressure)) * quotient
     return jnp.where(share > _NO_PRESSURE, free, 0.0)
 
@@ -148,8 +151,8 @@ def smooth_free_strain(muscle: Muscle, readings: Readings) -> tuple[np.ndarray, 
     """The smooth curve's free strain [-] at each level, and its standard deviation [-]."""
     P = readings.pressure
     share = P / _top(P)
-    basis = share[:, None] ** np.arange(_ORDERS)
-    mean, covariance = readings.coefficients[:_ORDERS], readings.covariance[:_ORDERS, :_ORDERS]
+    basis = share[:, None] ** np.arange(ORDERS)
+    mean, covariance = readings.coefficients[:ORDERS], readings.covariance[:ORDERS, :ORDERS]
     variance = np.einsum("li,ij,lj->l", basis, covariance, basis)
     free = np.where(share > _NO_PRESSURE, strain_of(untuned(muscle), P, np.zeros(P.shape)), 0.0)
     return free * (basis @ mean), free * np.sqrt(np.maximum(variance, 0.0))
@@ -161,9 +164,9 @@ def tables_of(
     """`tables` of `readings` [-] at any `pressure` [Pa]."""
     law, share = untuned(muscle), pressure / _top(readings.pressure)
     some = (share > _NO_PRESSURE) & (pressure > float(muscle.tuning.dead_band))
-    quotient = np.polyval(readings.coefficients[:_ORDERS][::-1], share)
+    quotient = np.polyval(readings.coefficients[:ORDERS][::-1], share)
     free = strain_of(law, pressure, np.zeros(pressure.shape)) * quotient
-    blocked = readings.coefficients[_ORDERS] + readings.coefficients[_ORDERS + 1] * share
+    blocked = readings.coefficients[ORDERS] + readings.coefficients[ORDERS + 1] * share
     c1, at_rest = (force_of(law, pressure, strain)[0] for strain in (free, 0 * free))
     return np.where(some, c1, 0.0), np.where(some, blocked / safe(at_rest - c1), 1.0)
 
@@ -177,7 +180,7 @@ def tables(
     law = tension_of(untuned(muscle))
     share = pressure / (_highest(pressure) if top is None else top)
     some = (share > _NO_PRESSURE) & (law.tuning.effective_pressure(pressure) > 0)
-    blocked = coefficients[_ORDERS] + coefficients[_ORDERS + 1] * share
+    blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * share
     c1 = law.force(pressure, free_strain_of(muscle, coefficients, pressure, top))
     above = law.force(pressure, jnp.zeros_like(pressure)) - c1
     c2 = blocked / guarded(some, above)
@@ -186,7 +189,7 @@ def tables(
 
 def no_curves() -> np.ndarray:
     """Coefficients in the place of the curves' where these don't hold [-], [N]."""
-    return np.zeros(_ORDERS + 2)
+    return np.zeros(ORDERS + 2)
 
 
 def _top(pressure: np.ndarray) -> float:

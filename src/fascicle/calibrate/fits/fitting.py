@@ -22,11 +22,12 @@ from ..after.discrepancy import from_trends, table, widening
 from ..after.remainder import remainder
 from ..after.trends import looked
 from ..after.warned import remarks
-from ..data.grid import Grid, trimmed
+from ..data.grid import Grid, trimmed, weighed
 from ..data.pulling import strain_of, untuned
 from ..data.readings import Readings, smooth_free_strain, tables_of
 from ..data.taking import Taken, pulling_of, taken
 from ..problem.beginning import STARTS, Prior, Search, begun
+from ..problem.joint import joined
 from ..problem.parameters import put
 from ..problem.residuals import Problem
 from ..problem.searching import searched
@@ -88,7 +89,13 @@ def fitted(
     problem, readings = begun(of, muscle, parameters, priors, search)
     if readings is not None and not np.any(readings.valid) and _pressed(of.data):
         raise ValueError(_UNREAD)
-    return concluded(of, readings, search, *searched(problem, readings, search))
+    problem, solutions, best, end = searched(problem, readings, search)
+    if readings is not None:
+        together = joined(problem, readings, best, weighed(problem.data, search.weights))
+        if together is not None:
+            problem, readings = together.problem, together.readings
+            best, end = together.coordinates, together.end
+    return concluded(of, readings, search, problem, solutions, best, end)
 
 
 def concluded(

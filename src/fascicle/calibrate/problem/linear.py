@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from .misfit import Misfit
 from .parameters import put
 from .residuals import Problem
 
@@ -46,22 +47,37 @@ class Linearized:
     def __init__(self, problem: Problem):
         """**Arguments:** `problem` [-]."""
         arrays, static = eqx.partition(problem, eqx.is_array)
-        leaves, tree = jax.tree.flatten(arrays)
+        paths, tree = jax.tree_util.tree_flatten_with_path(arrays)
+        leaves = [leaf for _, leaf in paths]
+        names = [getattr(path[0], "name", "") for path, _ in paths]
+        self._curves = names.index("curves") if "curves" in names else None
         # a number that was written down is of a weaker kind, for which all is compiled once more
         self._leaves = jax.device_put([np.asarray(leaf) for leaf in leaves])
         self._forces = _compiled(tree, static)
         self._misfit = problem.misfit
-        self._k = len(problem.parameters)
 
     def __call__(self, coordinates: np.ndarray) -> Linear:
         """The problem at `coordinates` [-] of all its parameters."""
         z = np.asarray(coordinates, dtype=float)
-        mu, force_slopes, strain = (np.asarray(x) for x in self._forces(self._leaves, z))
-        r, by_force, misfits = self._misfit.residuals(mu, z)
-        n, k = by_force.size, self._k
+        return self.by(self._misfit, z, None, every=z)
+
+    def by(
+        self, misfit: Misfit, coordinates: np.ndarray, curves: np.ndarray | None, every: np.ndarray
+    ) -> Linear:
+        """The same as a `misfit` [-] has it, with other `curves` [-], [N] where these are given;
+        its priors are on `every` of the numbers [-], which begin with the coordinates.
+        """
+        leaves = self._leaves
+        if curves is not None and self._curves is not None:
+            leaves = list(leaves)
+            leaves[self._curves] = jax.device_put(np.asarray(curves))
+        z = np.asarray(coordinates, dtype=float)
+        mu, force_slopes, strain = (np.asarray(x) for x in self._forces(leaves, z))
+        r, by_force, misfits = misfit.residuals(mu, every)
+        n, k = by_force.size, every.size
         slopes = np.zeros((n + k, force_slopes.shape[-1]))
         slopes[:n] = by_force[:, None] * force_slopes.reshape(n, -1)
-        slopes[np.arange(n, n + k), np.arange(k)] = 1 / self._misfit.deviation
+        slopes[np.arange(n, n + k), np.arange(k)] = 1 / misfit.deviation
         return Linear(r, slopes, mu, force_slopes, strain, misfits)
 
 

@@ -4,6 +4,7 @@ MINPACK's walks, by way of SciPy, with exact Jacobians (`linear`). The loop runs
 compiled, which is then one evaluation of the law and no more.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,14 +62,20 @@ def solve(
     step wins no more than `little` of the cost [-].
     """
     places, linear = problem.chosen if moving is None else moving, Linearized(problem)
-    ends = [_solve(linear, start, places, little) for start in np.asarray(starts, float)]
+    ends = [walked(linear, start, places, little) for start in np.asarray(starts, float)]
     z, cost, status, steps = zip(*ends, strict=True)
     return Solutions(np.array(z), np.array(cost), np.array(status), np.array(steps))
 
 
-def _solve(
-    linear: Linearized, start: np.ndarray, free: np.ndarray, little: float
+def walked(
+    linear: Callable[[np.ndarray], Linear],
+    start: np.ndarray,
+    free: np.ndarray,
+    little: float = _LITTLE,
 ) -> tuple[np.ndarray, float, int, int]:
+    """One walk of `solve` [-]: what is minimized as `linear` has it [-], from `start` [-] over the
+    `free` places [-]. Where it ended, half the sum of squares, status, steps [-].
+    """
     last: dict[bytes, Linear] = {}
 
     def at(z: np.ndarray) -> Linear:

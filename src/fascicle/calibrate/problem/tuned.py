@@ -17,6 +17,7 @@ import numpy as np
 from ...muscle import Muscle
 from ..data.grid import Grid, weighed
 from ..data.readings import Readings, read, smooth_free_strain
+from .joint import joined
 from .linear import linear
 from .parameters import Parameter
 from .residuals import Problem
@@ -77,11 +78,14 @@ def left_out(
     """
     data = problem.data
     seen = replace(data, count=np.where(fold, 0.0, np.asarray(data.count)))
-    _, without = problem_of(
+    readings, without = problem_of(
         problem.muscle, seen, weighed(seen, weights), np.asarray(problem.center),
         np.asarray(problem.deviation),
         problem.parameters, problem.loss, problem.rest_length, free=problem.free,
         pulls=problem.pulls, corrects=problem.corrects,
     )  # fmt: skip
     again = solve(without, coordinates[None], little=ROUGH).coordinates[0]
+    together = joined(without, readings, again, weighed(seen, weights), starts=1)
+    if together is not None:
+        without, again = together.problem, together.coordinates
     return linear(without, again).force

@@ -121,6 +121,13 @@ Weights = Annotated[
 ]
 Starts = Annotated[int, typer.Option("--starts", min=1, max=64, help="Places to search from.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the random ones among them.")]
+Intervals = Annotated[
+    str,
+    typer.Option(
+        "--intervals",
+        help="quick: linear, at once; or bootstrap: 199 simulated records, fitted anew.",
+    ),
+]
 Posterior = Annotated[
     bool, typer.Option("--posterior", help="Also sample the posterior (needs numpyro).")
 ]
@@ -180,6 +187,7 @@ def run(
     weights: Weights = "uniform",
     starts: Starts = 4,
     seed: Seed = 0,
+    intervals: Intervals = "quick",
     posterior: Posterior = False,
     compare: Compare = False,
     profile: Profiles = True,
@@ -204,7 +212,7 @@ def run(
     search = Search(
         None if fit is None else [name.strip() for name in fit.split(",")],
         pairs(prior, "--prior"), loss, weights, starts, seed, posterior, compare,
-        profile and not (as_json and out is None),
+        profile and not (as_json and out is None), intervals,
     )  # fmt: skip
     folder = folder_for("calibrate", out, data[0], as_json, overwrite)
     found = calibrated(begin, reading, search, drawn=folder is not None)

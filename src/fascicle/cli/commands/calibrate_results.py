@@ -60,6 +60,7 @@ class Found:
             "untold": list(made.untold),
             "loop": _loop(made.loop),
             "friction": _friction(made.friction),
+            "intervals": "quick" if made.bootstrapped is None else "bootstrap",
         }  # fmt: skip
         if self.choice is not None:
             found["candidates"] = [
@@ -99,7 +100,8 @@ class Found:
             for one in made.parameters
         ]
         lost = any(not one.identifiable for one in made.parameters)
-        caption = "not known: the data alone do not determine it" if lost else ""
+        lines = ["not known: the data alone do not determine it"] if lost else []
+        caption = "; ".join([f"intervals: {made.intervals}", *lines])
         show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
         if self.comparison:
             rows = [

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from ...core.checks import one_of
 from ...units import parse, pretty
 from ..inputs import read_muscle, read_one
 from ..problems import UserError, refusing
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ...records.record import Record
 
 TUNING = "tuning"  # among what is to be fitted: the paper's way
+INTERVALS = ("quick", "bootstrap")
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
 
@@ -60,6 +62,7 @@ class Search:
     posterior: bool
     compare: bool
     profile: bool
+    intervals: str = INTERVALS[0]
 
 
 def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> Found:
@@ -93,6 +96,11 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
             names = None if search.names == [TUNING] else search.names
             made = fit(record, muscle, names, priors, **how, whole=False)
             found = Found(made, remarks)
+        if search.intervals == "bootstrap":
+            from ...calibrate.after.bootstrap import bootstrap
+
+            made = bootstrap(made, seed=search.seed, tell=tell)
+            found = replace(found, made=made)
         if search.profile:
             from ...calibrate.after.profiling import profiles
 
@@ -204,6 +212,12 @@ def _check(search: Search) -> None:
     """Refuse what would only fail after the fit."""
     if search.names is not None and TUNING in search.names and len(search.names) > 1:
         raise UserError(f"--fit {','.join(search.names)}: {TUNING} stands alone.")
+    with refusing():
+        one_of(search.intervals, INTERVALS, "intervals")
+    if search.intervals == "bootstrap" and search.loss != "linear":
+        raise UserError(
+            "--intervals bootstrap: needs --loss linear, a robust loss is no model of noise."
+        )
     if not search.posterior:
         return
     from importlib.util import find_spec
