@@ -95,6 +95,33 @@ def test_a_length_that_does_not_work_is_found():
     assert any(line.startswith("Another active length takes it from") for line in found.reasons)
 
 
+def test_ends_that_give_are_found_and_named():
+    # synthetic: (E8) solved by halving, not by the library; a meter per newton of both ends
+    compliance, length = 2e-5, 0.2
+    low, high = STRAIN + 0 * P, STRAIN + 0 * P + 0.2
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        pulled = middle < STRAIN + compliance * np.asarray(TRUE.force(P, middle)) / length
+        low, high = np.where(pulled, middle, low), np.where(pulled, high, middle)
+    force = np.asarray(TRUE.force(P, low))
+    force = force + np.random.default_rng(3).normal(size=force.shape)
+    made = Record.of(P, STRAIN, force, force < 0, rest_length=0.2)
+    # without them the cause is named
+    rigid = fit(made, NOMINAL, FOUR, whole=False)
+    assert rigid.causes[0].name == "an end effect: fibers or fittings that give"
+    found = find(made, NOMINAL)
+    assert set(found.made.names) == {*FOUR, "end_compliance"}
+    ends = next(one for one in found.made.parameters if one.name == "end_compliance")
+    assert ends.low < compliance < ends.high
+    assert found.made.muscle.ends.name == "compliant" and found.made.seen.noisy
+    assert any(line.startswith("Ends that give takes it from") for line in found.reasons)
+
+
+def test_ends_that_hold_stay_rigid(choice):
+    assert choice.made.muscle.ends.name == "rigid"
+    assert any("end_compliance" in one.names for one in choice.candidates)
+
+
 def test_friction_is_told_and_freed_by_no_constant():
     half = 0.04 * np.asarray(TRUE.force(P, 0.0))
     up, down = record(error=-half, sigma=0.5), record(error=half, sigma=0.5, seed=1)

@@ -45,12 +45,20 @@ _CONSTANTS = {
         "free active_length",
     ),
     "wall_thickness": ("another wall", "free wall_thickness"),
+    "end_compliance": ("an end effect: fibers or fittings that give", "free end_compliance"),
+    "inactive_length": (
+        "an end effect: a part of the length that doesn't work",
+        "free inactive_length",
+    ),
     "c10": ("the rubber's modulus", "free c10"),
     "c01": ("the rubber's modulus", "free c01"),
     "braid_angle": ("another braid angle", "free braid_angle"),
     "outer_radius": ("another radius", "free outer_radius"),
 }
-_COMPLIANCE = ("fibers or fittings that stretch", "no law here has it yet")
+_COMPLIANCE = (
+    "an end effect: fibers or fittings that give",
+    "free end_compliance",
+)
 _ENDS = (
     "an end effect: ends that don't swell",
     "compare tension laws: tondu_lopez scales the strain",

@@ -32,10 +32,11 @@ def left_out_errors(made: Calibration) -> np.ndarray:
 def left_out_force(made: Calibration) -> np.ndarray:
     """Forces [N] at each place of a calibration's `data` of fits that did not see it."""
     problem, every = made.problem, made.problem.whole(made.coordinates)
+    whole = made.readings is not None and made.readings.alone is not None
     force = np.full(problem.data.uncensored.shape, np.nan)
     for fold in folds(problem.data):
         if made.method == "tuning":
-            force[fold] = left_out(problem, every, fold, made.weights)[fold]
+            force[fold] = left_out(problem, every, fold, made.weights, whole)[fold]
         else:
             force[fold] = without(problem, every, fold)[fold]
     rows, columns = made.force.shape

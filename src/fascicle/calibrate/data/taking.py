@@ -145,7 +145,13 @@ def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:
         )
         ends = 0 if idle[points[0]] else int(np.argmax(right))
         small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
-        out[points] = (np.arange(points.size) >= ends) & ~gone & small
+        slack = (np.arange(points.size) >= ends) & ~gone & small
+        # before it, too, what is no more than the noise that is seen beyond
+        noise = np.max(force[points], where=slack, initial=0.0)
+        while ends > 0 and (gone[ends - 1] or force[points][ends - 1] <= noise):
+            ends -= 1
+            slack[ends] = not gone[ends]
+        out[points] = slack
     return out
 
 

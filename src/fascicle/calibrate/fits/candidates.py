@@ -11,8 +11,9 @@ wall beside them.
 from collections.abc import Callable, Collection, Sequence
 
 from ...muscle import Muscle
+from ...muscle.laws import LAWS, UNSAID
 from ...muscle.materials import MooneyRivlin
-from ..problem.parameters import RUBBER
+from ..problem.parameters import RUBBER, of_muscle
 
 
 BAND, WALL = "dead_band", "wall_thickness"
@@ -33,6 +34,22 @@ def sets(muscle: Muscle, always: Collection[str] = ()) -> list[Names]:
         bases = [sizes, RUBBER, (*RUBBER, *sizes)]
     found = [(), *bases, *((*base, BAND) for base in bases)]
     return list(dict.fromkeys(_with(names, always) for names in found))
+
+
+def widened(muscle: Muscle) -> Muscle:
+    """A `muscle` [-] with constants where its own laws have none to free: of kinds of law that
+    nobody chose, such as rigid ends, the first that has some. Its defaults change nothing.
+    """
+    for kind in UNSAID:
+        names = [name for name, law in LAWS[kind].items() if law.constants()]
+        if names and not getattr(muscle, kind).constants():
+            muscle = muscle.replace(**{kind: names[0]})
+    return muscle
+
+
+def with_laws(muscle: Muscle, names: Collection[str]) -> Muscle:
+    """The `muscle` [-], or where `names` [-] aren't all its own as `widened` has it."""
+    return muscle if set(names) <= of_muscle(muscle).keys() else widened(muscle)
 
 
 def grown(
@@ -56,10 +73,7 @@ def grown(
             tried(_with(before, (name,)))
         if best() == before:
             break
-    before = best()
-    tried(_with(before, others))  # two may be worth it that alone are not
-    if best() == before:
-        return
+    tried(_with(best(), others))  # two may be worth it that alone are not
     for _ in range(_ROUNDS):
         before = best()
         for name in before:

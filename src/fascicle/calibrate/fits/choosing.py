@@ -9,16 +9,17 @@ from ...core.refused import Refused
 
 
 ALIKE = 0.02  # of the least left-out error beyond noise: candidates that near it are as good
-_DEVIATIONS = 2.0  # of a difference: so far it may be chance
+_DEVIATIONS = 1.0  # of a difference: the one-standard-error rule, Breiman et al. (1984)
 _OUTLIER = 3.0  # of the usual error: what a robust fit leaves counts no more
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
 JUDGED = (
     "Judged by the error at pressures that the fit did not see, each left out in turn: of all that"
-    f" err no more than the least by chance, two deviations, or by {100 * ALIKE:g} %, the one with"
-    " the fewest numbers."
+    f" err no more than the least by one standard error, or by {100 * ALIKE:g} %, the one with the"
+    " fewest numbers."
 )
-_WORDS = {"dead_band": "A dead band", "active_length": "Another active length"}
+_WORDS = {"dead_band": "A dead band", "active_length": "Another active length",
+          "end_compliance": "Ends that give"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -92,8 +93,8 @@ def trial(
 def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """Of those that are no worse than the best, the one with fewest constants.
 
-    No worse is one whose squared errors exceed the best one's by no more than chance lets them,
-    twice the deviation of their sum; or by 2 % of what the best one errs beyond the noise.
+    No worse is one whose squared errors exceed the best one's by no more than a standard error of
+    their sum; or by 2 % of what the best one errs beyond the noise.
 
     **Arguments:**
 

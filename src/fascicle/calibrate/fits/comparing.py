@@ -29,12 +29,12 @@ from ..after.calibration import Calibration, largest_force, root_mean_square
 from ..after.leaving_out import folds, left_out_errors
 from ..data.grid import Grid
 from ..data.reference import DIAMETER, SAROSI_DMSP_20_200N, refitted, sarosi
-from ..data.taking import taken
+from ..data.taking import Taken, taken
 from ..problem.alternatives import collapse_named, post_collapse_named
 from ..problem.beginning import Prior, Search
 from ..problem.likelihood import deviance
 from ..problem.parameters import of_muscle
-from .candidates import BAND
+from .candidates import BAND, with_laws
 from .fitting import fitted
 
 
@@ -130,8 +130,23 @@ def compare_tension(
 
     **Returns:** a row for each, the least AIC first [-].
     """
-    of, fits = taken(record), {}
-    own, asked = muscle.tension.name, list(parameters or ())
+    fits = tension_fits(taken(record), muscle, parameters, priors, Search(**search))
+    rows = [row(label, made) for label, made in fits.items()]
+    return ranked([*rows, *(one for one, _ in compare_published(next(iter(fits.values()))))])
+
+
+def tension_fits(
+    of: Taken,
+    muscle: Muscle,
+    parameters: Sequence[str] | None,
+    priors: Mapping[str, Prior] | None,
+    search: Search,
+) -> dict[str, Calibration]:
+    """The fits of `compare_tension` by label [-]; arguments as there, `of` what was taken of a
+    record [-].
+    """
+    fits, own, asked = {}, muscle.tension.name, list(parameters or ())
+    muscle = with_laws(muscle, asked)
     for law, kind in {own: type(muscle.tension), **LAWS["tension"]}.items():
         if kind.made_for and law != own:
             continue  # its constants are another muscle's
@@ -143,9 +158,8 @@ def compare_tension(
         for names in dict.fromkeys(tuple(dict.fromkeys(one)) for one in sets):
             told = {name: prior for name, prior in (priors or {}).items() if name in names}
             label = f"{kind.title or law}: {', '.join(names)}"
-            fits[label] = fitted(of, with_law, names, told, Search(**search))
-    rows = [row(label, made) for label, made in fits.items()]
-    return ranked([*rows, *_sarosi(next(iter(fits.values())))])
+            fits[label] = fitted(of, with_law, names, told, search)
+    return fits
 
 
 def row(label: str, made: Calibration) -> Row:
@@ -179,8 +193,10 @@ def _missed(data: Grid, force: np.ndarray) -> np.ndarray:
     return np.where(data.uncensored, np.asarray(data.force) - force, np.nan)
 
 
-def _sarosi(made: Calibration) -> list[Row]:
-    """Sárosi's law as published and refitted to the record of `made` [-]."""
+def compare_published(made: Calibration) -> list[tuple[Row, np.ndarray]]:
+    """Sárosi's law as published and refitted to the record of `made` [-], and their forces [N] at
+    its places.
+    """
     data = made.data
     every, count = np.broadcast_to(data.pressure, data.strain.shape), np.asarray(data.count)
 
@@ -192,12 +208,12 @@ def _sarosi(made: Calibration) -> list[Row]:
     for fold in folds(data):
         unseen[fold] = force(refitted(data, np.where(fold, 0.0, 1.0)))[fold]
     left = root_mean_square(_missed(data, published), count)
+    label = f"Sárosi, as published for a DMSP-20-200N{_other(made.start)}"
+    missed = root_mean_square(_missed(data, unseen), count)
     return [
-        _row(f"Sárosi, as published for a DMSP-20-200N{_other(made.start)}", 0, published, left,
-             made, "not fitted"),
-        _row("Sárosi, refitted", 6, again, root_mean_square(_missed(data, unseen), count), made,
-             "converged"),
-    ]  # fmt: skip
+        (_row(label, 0, published, left, made, "not fitted"), published),
+        (_row("Sárosi, refitted", 6, again, missed, made, "converged"), again),
+    ]
 
 
 def _other(muscle: Muscle) -> str:

@@ -10,7 +10,7 @@ than the best the one with the fewest constants is taken: what the data don't as
 fitted.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from ...records.record import Record
 from ..after.calibration import Calibration, largest_force
 from ..after.leaving_out import folds, without
 from ..after.printing import choice_sheet
+from ..after.remainder import beside, span
 from ..data.grid import WEIGHTS, Grid
 from ..data.pulling import force_of, untuned
 from ..data.readings import read, tables_of
@@ -31,7 +32,7 @@ from ..problem.linear import linear
 from ..problem.misfit import LOSSES
 from ..problem.parameters import named
 from ..problem.searching import places_of, settled
-from .candidates import WALL, grown, sets
+from .candidates import WALL, grown, sets, widened, with_laws
 from .choosing import (
     AS_GIVEN,
     TUNING,
@@ -48,6 +49,7 @@ from .resisting import FACTOR_NAMES, resisting
 
 
 _LONGEST = 64  # readings at a pressure while candidates are tried
+_APART = 1e-3  # of a constant's effect on the force: less than that others have, too
 _STARTS = 2  # places each begins from, beside where the one before it ended
 
 
@@ -93,7 +95,7 @@ def find(
     one_of(loss, LOSSES, "loss")
     one_of(weights, WEIGHTS, "weights")
     if given:
-        named(list(given), muscle)  # refuses what no muscle has
+        named(list(given), widened(muscle))  # refuses what no muscle has
     tell("trying what the record can tell")
     trials, noise = _tension(pulling_of(of, _LONGEST), muscle, given, search)
     if not trials:  # nothing pulls: the fit says what is missing
@@ -108,6 +110,7 @@ def find(
     tell("fitting what resists")
     search = replace(search, whole=True)
     best = chosen([one for one in trials if one.candidate.method == "constants"], noise, loss)
+    muscle = with_laws(muscle, best.candidate.names)
     last, fits = resisting(of, muscle, given, search, best.candidate.names)
     end = chosen(last, noise, loss)
     told = (
@@ -136,27 +139,39 @@ def _tension(
             known.add(frozenset(names))
             told = {name: prior for name, prior in given.items() if name in names}
             begin = replace(search, near=dict(near), starts=min(search.starts, _STARTS))
-            trials.append(_constants(of, muscle, names, told, begin, near))
+            law = with_laws(muscle, names)
+            trials.append(_constants(of, law, names, told, begin, near))
 
     for names in sets(muscle, always):
         tried(names)
     noise = read(muscle, on_length(of.data, of.record, muscle)).noise
     if any(one.judged for one in trials):
         usual = {*muscle.tension.usually_free(), WALL}
-        others = [name for name in _telling(of, muscle, search) if name not in usual]
+        others = [
+            name for name in _telling(of, widened(muscle), search, usual) if name not in usual
+        ]
         grown(lambda: chosen(trials, noise, search.loss).candidate.names, others, always, tried)
     # a tuning has no place for what is known of constants
     tuning = [] if always else _tuning(of, muscle, search.loss)
     return [*trials[:1], *tuning, *trials[1:]], noise
 
 
-def _telling(of: Taken, muscle: Muscle, search: Search) -> list[str]:
-    """Constants that move the force of a `muscle` where it was measured to pull [-]."""
+def _telling(of: Taken, muscle: Muscle, search: Search, usual: Collection[str]) -> list[str]:
+    """Constants that move the force of a `muscle` where it was measured to pull, each in a way
+    that those before it and the wall don't [-], the `usual` ones [-] first.
+    """
     problem, _ = begun(of, muscle, ("braid_angle",), {}, search)
     freed = replace(problem, free=np.ones(len(problem.parameters), dtype=bool))
     slopes = linear(freed, np.asarray(problem.center)).force_slopes[problem.data.uncensored]
-    moved = np.any(np.nan_to_num(slopes) != 0, axis=0)
-    return [one.name for one, moves in zip(problem.parameters, moved, strict=True) if moves]
+    slopes = np.nan_to_num(slopes)
+    names = [one.name for one in problem.parameters]
+    found, basis = [], np.zeros((len(slopes), 0))
+    for i in sorted(range(len(names)), key=lambda i: names[i] not in usual):
+        own = beside(basis, slopes[:, i])
+        if np.linalg.norm(own) > _APART * np.linalg.norm(slopes[:, i]):
+            found.append(names[i])
+            basis = span(np.column_stack([basis, own]))
+    return found
 
 
 def _constants(

@@ -33,6 +33,7 @@ from ..problem.residuals import Problem
 from ..problem.searching import searched
 from ..problem.solving import Solutions
 from ..problem.uncertainty import Conclusion
+from .candidates import with_laws
 
 
 _ROWS = 33  # of the tuned muscle's table
@@ -86,12 +87,14 @@ def fitted(
     """As `fit`, `of` what was taken of a record [-], by a `search` [-]."""
     if of.pulls and not search.whole:
         of = pulling_of(of)
+    muscle = with_laws(muscle, parameters or ())
     problem, readings = begun(of, muscle, parameters, priors, search)
     if readings is not None and not np.any(readings.valid) and _pressed(of.data):
         raise ValueError(_UNREAD)
     problem, solutions, best, end = searched(problem, readings, search)
     if readings is not None:
-        together = joined(problem, readings, best, weighed(problem.data, search.weights))
+        weight = weighed(problem.data, search.weights)
+        together = joined(problem, readings, best, weight, apart=end.covariance)
         if together is not None:
             problem, readings = together.problem, together.readings
             best, end = together.coordinates, together.end

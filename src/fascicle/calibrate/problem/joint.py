@@ -14,7 +14,9 @@ strain.
 
 **Assumes** that the law carries the pull's shape. Where it misses it by more than half as much
 again as readings scatter about their own lines, blocked force and free strain stay as they were
-read, and factors are what follows of them.
+read, and factors are what follows of them; so they do where factors would move by more than five
+deviations of their own search, or a factor of 7: what pulls and what resists then ask for
+different muscles.
 """
 
 from dataclasses import dataclass, replace
@@ -32,6 +34,8 @@ from .uncertainty import Conclusion, scatter
 
 _SHRINK = 0.3  # of the free strain: deviation of each term above the constant
 _WIDE = 10.0  # of the largest blocked force: as good as no prior on the line's two numbers
+_AGREES = 5.0  # deviations of factors that were searched for alone: more is the law's error
+_FAR = 2.0  # of a coordinate, a factor of 7: as far for factors that were hardly known
 _CARRIES = 1.5  # of the readings' own scatter: more is the law's error, not noise
 
 
@@ -80,6 +84,7 @@ def joined(
     weight: np.ndarray,
     starts: int = 4,
     seed: int = 0,
+    apart: np.ndarray | None = None,
 ) -> Joined | None:
     """Coordinates and curves moved together, (C14).
 
@@ -90,9 +95,10 @@ def joined(
     - `weight`: of each reading's residual, wherever it lies [-].
     - `starts`: how many places it begins from [-], about the first end: kinks leave shallow minima.
     - `seed`: of these places [-].
+    - `apart`: covariance of the factors' own search [-]; left out, it isn't compared with.
 
-    **Returns:** where it ended; `None` where nothing was read, or the law doesn't carry the
-    pull's shape [-].
+    **Returns:** where it ended; `None` where nothing was read, the law doesn't carry the pull's
+    shape, or what resists asks for another pull [-].
     """
     pulling = np.asarray(problem.data.uncensored) & (np.asarray(problem.weight) == 0)
     if problem.curves is None or not np.any(readings.valid) or not np.any(pulling):
@@ -116,6 +122,10 @@ def joined(
     seen = pulling & (used > 0)
     if not np.sqrt(np.mean(missed[seen] ** 2)) < _CARRIES * readings.noise:
         return None
+    if apart is not None:
+        away = np.abs(at[problem.chosen] - best[problem.chosen])
+        if np.any(away > np.minimum(_AGREES * np.sqrt(np.diag(apart)), _FAR)):
+            return None
     J = ended.slopes.copy()
     J[: missed.size] *= float(sigma) / noise  # priors are in no units of the noise
     covariance = np.linalg.inv(J[:, free].T @ J[:, free])

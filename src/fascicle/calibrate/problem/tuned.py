@@ -71,10 +71,11 @@ def problem_of(
 
 
 def left_out(
-    problem: Problem, coordinates: np.ndarray, fold: np.ndarray, weights: str
+    problem: Problem, coordinates: np.ndarray, fold: np.ndarray, weights: str, whole: bool = False
 ) -> np.ndarray:
     """Forces [N] everywhere of a tuning that did not see the places in a `fold` [-], begun from
-    the `coordinates` [-] of the one that did; `problem` and `weights` are that one's [-].
+    the `coordinates` [-] of the one that did; `problem` and `weights` are that one's [-]; whether
+    its curves and factors were one vector, `whole` [-].
     """
     data = problem.data
     seen = replace(data, count=np.where(fold, 0.0, np.asarray(data.count)))
@@ -85,7 +86,9 @@ def left_out(
         pulls=problem.pulls, corrects=problem.corrects,
     )  # fmt: skip
     again = solve(without, coordinates[None], little=ROUGH).coordinates[0]
-    together = joined(without, readings, again, weighed(seen, weights), starts=1)
+    together = None
+    if whole:
+        together = joined(without, readings, again, weighed(seen, weights), starts=1)
     if together is not None:
         without, again = together.problem, together.coordinates
     return linear(without, again).force

@@ -2,18 +2,24 @@
 
 import sys
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..options import Replace
 from ..outputs import say
-from ..problems import UserError, refusing
+from ..problems import INCOMPLETE, UserError, refusing
 from ..startup import prepare
+from ..telling import telling
 
 
 if TYPE_CHECKING:
     from ...reproduce.claims import Claim
+
+
+MEASUREMENTS = "measurements"
+_WIDEST = 40  # characters of a label in a line
 
 
 def run(
@@ -21,8 +27,9 @@ def run(
         str,
         typer.Argument(
             metavar="PAPER",
-            help="Which one: kim2021.",
-            autocompletion=lambda: ["kim2021"],
+            help="Which one: kim2021; or measurements, every measured record in reach against"
+            " every law.",
+            autocompletion=lambda: ["kim2021", MEASUREMENTS],
             show_default=False,
         ),
     ],
@@ -32,7 +39,7 @@ def run(
             "--out",
             "-o",
             metavar="DIR",
-            help="The folder for what is made; left out, out/kim2021.",
+            help="The folder for what is made; left out, out/PAPER.",
             show_default=False,
         ),
     ] = None,
@@ -40,11 +47,15 @@ def run(
 ) -> None:
     """Figures and claims of a paper, made anew.
 
-    Exit code 1 if a claim fails: one that isn't known to differ.
+    Exit code 1 if a claim fails: one that isn't known to differ; 3 if no measured record is in
+    reach, or some had to be left out.
     """
-    if paper != "kim2021":
-        raise UserError(f"{paper}: no such paper here, choose kim2021.")
+    if paper not in ("kim2021", MEASUREMENTS):
+        raise UserError(f"{paper}: no such paper here, choose kim2021, or {MEASUREMENTS}.")
     folder = Path(f"out/{paper}" if out is None else out)
+    if paper == MEASUREMENTS:
+        _measured(folder, overwrite)
+        return
     with refusing("--out "):
         _check(folder, overwrite)
     prepare()
@@ -57,6 +68,48 @@ def run(
 
     if failed(claims):
         raise typer.Exit(1)
+
+
+def _measured(folder: Path, overwrite: bool) -> None:
+    """Every measured record in reach against every law, shown and written."""
+    prepare()
+    from ...files.ours import write_folder
+    from ...reproduce.measurements import Judged, measured_records, nothing, run
+    from ...reproduce.measurements.report import UNTESTED
+    from ..printed import show
+
+    with refusing():
+        records = measured_records()
+    left = [one for one in records if one.left_out]
+    for one in left:
+        say(f"left out: {one.name}: {one.left_out}")
+    if len(left) == len(records):
+        say(nothing())
+        raise typer.Exit(INCOMPLETE)
+    with refusing("--out "):
+        _check(folder, overwrite)
+    found: list[Judged] = []
+    with refusing(), telling("measurements") as tell:
+        write_folder(
+            folder, "reproduce", lambda draft: found.extend(run(draft, records, tell)), overwrite
+        )
+    heads = ["", "free", "rmse", "left out", "along pressure", "along strain"]
+    for one in found:
+        rows = [
+            [fill(law.row.label, _WIDEST), str(law.row.free), f"{law.row.relative_rmse:.2%}",
+             f"{law.row.relative_left_out_rmse:.2%}",
+             *(f"{low:+.3g} to {high:+.3g} N" for low, high in
+               (law.along_pressure, law.along_strain))]
+            for law in one.against
+        ]  # fmt: skip
+        show(f"{one.measured.name}: error over the largest force, mean residuals", heads, rows)
+        best = one.against[0]
+        say(f"{best.row.label}: {best.misses or 'six numbers without physics'}")
+    for text in UNTESTED:
+        say(text)
+    say(f"report: {folder / 'report.html'}")
+    if left:
+        raise typer.Exit(INCOMPLETE)
 
 
 def _check(folder: Path, overwrite: bool) -> None:
