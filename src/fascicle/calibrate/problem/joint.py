@@ -90,7 +90,8 @@ def joined(
 
     **Arguments:**
 
-    - `problem`: of a tuning [-], `readings` its curves [-].
+    - `problem`: of a tuning [-].
+    - `readings`: its curves [-], [N].
     - `best`: coordinates of all parameters, where the factors' own search ended [-].
     - `weight`: of each reading's residual, wherever it lies [-].
     - `starts`: how many places it begins from [-], about the first end: kinks leave shallow minima.
