@@ -125,7 +125,9 @@ static real opened(int unit, real target, real pressure, real strain, real rate,
     const real passed = need > 0 ? flow(supply_valve[unit], supply + room[unit], p)
                                  : flow(exhaust_valve[unit], p, room[unit]);
 
-    return least(most(need / most(passed, @trickle@), -flow_limit), flow_limit);
+    /* one that idles is open to the room */
+    return P_r > 0 ? least(most(need / most(passed, @trickle@), -flow_limit), flow_limit)
+                   : -flow_limit;
 }
 
 void @name@_begin(@name@_memory *memory)
