@@ -57,7 +57,7 @@ slow: $(STAMP)
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going -q -b html docs docs/_build/html
 
-# takes up to ten minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
+# takes some twenty minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)
 	$(BIN)/python benchmarks/run_all.py
 

@@ -41,6 +41,7 @@ MODULES = (
     "control_reach",
     "exported",
     "robots",
+    "training",
     "fitting",
     "roofline",
     "gpu",

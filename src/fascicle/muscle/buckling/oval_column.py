@@ -23,7 +23,6 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ...core.arrays import library, nodes, over, total, where
 from ...core.roots import still
@@ -223,6 +222,8 @@ def _by_numbers(at_work: Any, P: Any, x: Any) -> Any:
 @cache
 def _spline() -> np.ndarray:
     """Slopes of a spline through numbers at the nodes, as a matrix: numbers first."""
+    from scipy.interpolate import CubicSpline  # which other laws needn't wait for
+
     return np.ascontiguousarray(
         CubicSpline(shortenings(), np.eye(_NODES), axis=0)(shortenings(), 1).T
     )
