@@ -59,7 +59,7 @@ int main(void)
 def controller() -> control.Cascade:
     bundle = fs.example("kim2021_bundle_1_4")
     plant = dynamics.Plant(
-        bundle, dynamics.HangingMass(5.0), fluid.ConstantSupply(413.7e3), fluid.Isothermal(),
+        bundle, dynamics.HangingMass(mass=5.0), fluid.ConstantSupply(413.7e3), fluid.Isothermal(),
         fluid.SonicValve(1e-9, 0.3),
     )  # fmt: skip
     return control.cascade(plant, "threshold")

@@ -179,6 +179,6 @@ def test_init_writes_one_that_runs(fascicle, tmp_path):
     assert fascicle("init", "--scenario", "--from", "joint_step", "j.toml")[0] == 0
     assert (tmp_path / "j.toml").read_text() == example_text("joint_step")
     code, _, err = fascicle("init", "--scenario", "--from", "kim2021_figure_6", "k.toml")
-    assert code == 2 and "no scenario, take joint_step" in err
+    assert code == 2 and "no scenario, take " in err and "joint_step, " in err
     code, _, err = fascicle("force", "scenario.toml")
     assert code == 2 and "`fascicle simulate` runs it" in err

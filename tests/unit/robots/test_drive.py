@@ -72,9 +72,9 @@ def test_a_closed_chamber_is_a_spring_that_keeps_its_energy(elbow):
     }  # fmt: skip
     model, data, drive = elbow(**parts)
     held = drive.start(model, data, HELD)
-    mass, angles = held.chambers.copy(), []
+    mass, angles, act = held.chambers.copy(), [], jax.jit(drive.act)
     for _ in range(2400):
-        held = drive.step(model, data, held, np.zeros(2))
+        held = drive.step(model, data, held, np.zeros(2), act)
         angles.append(float(data.qpos[0]))
     np.testing.assert_array_equal(held.chambers, mass)
     assert abs(held.pressures - HELD).max() > 100.0  # they have moved with the arm
@@ -90,9 +90,9 @@ def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
     }  # fmt: skip
     model, data, drive = elbow(angle=0.0, **parts)
     model.dof_damping[:] = 0.05
-    held = drive.start(model, data, 0.0)
+    held, act = drive.start(model, data, 0.0), jax.jit(drive.act)
     for _ in range(1000):
-        held = drive.step(model, data, held, [1.0, -1.0])
+        held = drive.step(model, data, held, [1.0, -1.0], act)
     np.testing.assert_allclose(held.pressures, [SUPPLY, 0.0], atol=0.01 * SUPPLY)
     assert data.qpos[0] > 0.5  # the flexor is the shorter one
 
@@ -121,9 +121,9 @@ def test_mjx_is_mujoco(spatial, elbow):
     (_, ended), rows = jax.jit(lambda c: jax.lax.scan(step, c, jnp.asarray(commands)))(
         (begin, jax.tree.map(jnp.asarray, held))
     )
-    expected = []
+    expected, act = [], jax.jit(drive.act)
     for command in commands:
-        held = drive.step(model, data, held, command)
+        held = drive.step(model, data, held, command, act)
         expected.append([*data.qpos, *data.qvel, *(held.pressures / SUPPLY)])
     # rounding of a second's thousand steps
     assert np.max(np.abs(np.asarray(rows) - expected)) < 1e-12
