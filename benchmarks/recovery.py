@@ -141,10 +141,10 @@ def draw(results: dict, seeds: int) -> Figure:
     axes[0, 0].set_yticks(range(len(names)), [n.replace("_", " ") for n in names])
     axes[0, 0].set_xlabel("90 % intervals that hold the truth [%]")
     axes[0, 1].set_xlabel("Mean error over mean width [%]")
-    axes[0, 0].set_xlim(82, 98)
+    axes[0, 0].set_xlim(77, 99)
     axes[0, 1].set_xlim(-15, 15)
-    axes[0, 1].legend(loc="upper right")
-    letter(axes[0, 0], "a", f"coverage, {seeds} synthetic records; open: quick")
+    axes[0, 1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    letter(axes[0, 0], "a", f"{seeds} synthetic records; open: quick")
     letter(axes[0, 1], "b", "bias")
     axes[0, 0].invert_yaxis()
     return figure
