@@ -6,7 +6,6 @@ length. No memory is allocated. What is added here are the names, the checks of 
 sum over motor units, and the search for a bundle's free strain between its kinks.
 """
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain
+from .pair import checked_name, write_pair
 from .template import header, source
 
 
@@ -34,13 +34,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     **Raises:** `ValueError` for a name that C can't have and for what isn't one muscle or bundle;
     `ModuleNotFoundError` where CasADi is missing.
     """
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
-        raise Refused(
-            "name",
-            "must be a name in C",
-            None,
-            f"up to 31 letters, digits and _, a letter first, got {name[:40]!r}",
-        )
+    checked_name(name)
     bundle = isinstance(target, Bundle)
     if not bundle and not isinstance(target, Muscle):
         raise Refused("target", "must be a Muscle or a Bundle", target)
@@ -90,13 +84,7 @@ def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tu
 
     **Raises:** as `c_code`.
     """
-    texts = c_code(target, name)
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = folder / f"{name}.h", folder / f"{name}.c"
-    for path, text in zip(paths, texts, strict=True):
-        path.write_text(text, encoding="utf-8")
-    return paths
+    return write_pair(c_code(target, name), folder, name)
 
 
 def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:

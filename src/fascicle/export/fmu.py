@@ -26,7 +26,8 @@ from ..core.checks import positive
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
-from .table_code import Tabulated, checked_name, filled, tabulated, written
+from .pair import checked_name
+from .table_code import Tabulated, filled, tabulated, written
 
 
 _STEP = 1e-3  # s, that a host is told to take where no controller has its own

@@ -26,6 +26,7 @@ from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, off_the_law
 from .controlling import on_table
 from .controlling import words as controls
+from .pair import checked_name, write_pair
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -108,12 +109,7 @@ def write_table(
     **Raises:** as `table_code`.
     """
     texts = table_code(target, name, precision, highest_pressure, shape)
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = folder / f"{name}.h", folder / f"{name}.c"
-    for path, text in zip(paths, texts, strict=True):
-        path.write_text(text, encoding="utf-8")
-    return paths
+    return write_pair(texts, folder, name)
 
 
 def tabulated(
@@ -228,14 +224,6 @@ def filled(file: str, words: dict[str, Any]) -> str:
     text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
     made = re.sub(r"@(\w+)@", lambda found: str(words[found[1]]), text)
     return made.rstrip("\n") + "\n"
-
-
-def checked_name(name: str) -> str:
-    """A `name` [-] as it is [-], refused where C can't have it."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
-        rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
-        raise Refused("name", rule, None, f"{remedy}, got {name[:40]!r}")
-    return name
 
 
 def _numbers(precision: str) -> Any:

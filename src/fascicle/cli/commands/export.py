@@ -101,7 +101,8 @@ def run(
         _write("--c", _paths(Path(c), name), _of_the_law(found, name), overwrite)
     if table is not None:
         from ...export import tabulated
-        from ...export.table_code import checked_name, written
+        from ...export.pair import checked_name
+        from ...export.table_code import written
 
         with refusing():
             checked_name(name)
