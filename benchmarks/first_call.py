@@ -1,13 +1,16 @@
 """The first answer of a fresh process, with nothing compiled before: what people wait for.
 
 Each call is made once, in a process of its own, with an empty cache of compiled functions: CPU
-seconds of that call alone, imports before it left out; of commands those of the whole process.
-Beside them the CPU seconds of a process that only imports JAX.
+seconds of that call alone, imports before it left out; of commands and of the README's first
+snippet those of the whole process, whose bytecode is there, as an installer leaves it. Beside them
+the CPU seconds of a process that only imports JAX.
 
     python benchmarks/first_call.py
 """
 
+import compileall
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -18,7 +21,11 @@ from pathlib import Path
 from real_record import DATA, find
 from timing import Measured, Row, run
 
+import fascicle
 
+
+README = Path(__file__).parents[1] / "README.md"
+SNIPPET = re.compile(r"```python\n(.*?)```", re.DOTALL)
 MUSCLE = 'import fascicle as fs; m = fs.example("kim2021_figure_6"); P, e = 1e5, 0.1'
 BUNDLE = 'import fascicle as fs; b = fs.example("kim2021_bundle_five"); P = [4e5, 3e5, 1e5, 0, 0]'
 ELASTICA = """
@@ -67,6 +74,8 @@ def rows(small: bool = False) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         kept = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "FASCICLE_"))}
         environment = {**kept, "FASCICLE_NO_CACHE": "1", "JAX_PLATFORMS": "cpu"}
+        # a checkout that changed, under PYTHONDONTWRITEBYTECODE, is else read as source each time
+        compileall.compile_dir(Path(fascicle.__file__).parent, quiet=1)
         python, command = sys.executable, str(Path(sys.executable).with_name("fascicle"))
 
         def process(*arguments: str) -> tuple[float, str]:
@@ -88,6 +97,9 @@ def rows(small: bool = False) -> list[Row]:
             )
             times = [float(process(python, "-c", code)[1]) for _ in range(repeats)]
             made.append(row(name, times, floor, reach))
+        snippet = SNIPPET.findall(README.read_text(encoding="utf-8"))[0]
+        times = [process(python, "-c", snippet)[0] for _ in range(repeats)]
+        made.append(row("README's first snippet, whole process", times, floor, 1.5))
         process(command, "init", "--task")
         for name, (arguments, reach) in list(COMMANDS.items())[: 1 if small else None]:
             more = ("--json",) if arguments[0] == "design" else ()

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from .garbage import uncollected
 from .interrupts import at_once
 
 
@@ -10,7 +11,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     **Arguments:** `arguments`: those of the command line [-]; left out, the process's own.
     """
-    with at_once():
+    with at_once(), uncollected():
         from .app import main as run
 
     run(arguments)

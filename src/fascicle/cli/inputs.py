@@ -92,9 +92,9 @@ def read_bundle(target: str) -> "Bundle":
 
     **Returns:** the bundle [-].
     """
-    from ..bundle import Bundle, MotorUnit
-
     found = read_target(target)
+    from ..bundle import Bundle, MotorUnit  # only now: JAX is made ready first
+
     return found if is_bundle(found) else Bundle([MotorUnit(found)])
 
 

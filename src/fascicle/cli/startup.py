@@ -6,6 +6,7 @@ import sys
 import warnings
 from pathlib import Path
 
+from .garbage import uncollected
 from .interrupts import at_once
 from .problems import UserError
 from .telling import telling
@@ -21,7 +22,7 @@ def prepare() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module="jax.*")
-    with telling("loading the laws"):
+    with telling("loading the laws"), uncollected():
         _load()
     folder = cache_folder()
     if folder is not None:
@@ -39,7 +40,7 @@ def _load() -> None:
 
     if not os.environ.get("JAX_PLATFORMS"):
         jax.config.update("jax_platforms", "cpu")
-    else:
+    elif os.environ["JAX_PLATFORMS"] != "cpu":  # which is always there, and takes time to start
         _check_platforms()
     with at_once():
         from ..core.limits import pascals_meant

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ...core.checks import one_of
 from ...units import parse, pretty
 from ..inputs import read_muscle, read_one
 from ..problems import UserError, refusing
@@ -212,6 +211,8 @@ def _check(search: Search) -> None:
     """Refuse what would only fail after the fit."""
     if search.names is not None and TUNING in search.names and len(search.names) > 1:
         raise UserError(f"--fit {','.join(search.names)}: {TUNING} stands alone.")
+    from ...core.checks import one_of
+
     with refusing():
         one_of(search.intervals, INTERVALS, "intervals")
     if search.intervals == "bootstrap" and search.loss != "linear":
