@@ -198,6 +198,35 @@ def test_what_the_data_dont_ask_for_is_not_taken():
     assert chosen([few, trial("more", 5, 0.7 * errors)], 0.0, "linear") is not few
 
 
+def test_a_constant_must_be_worth_more_than_a_reading_s_share():
+    errors = np.random.default_rng(0).normal(size=30)
+    # as a constant at its bound: the same errors but for what its search left, all one way
+    few, more = trial("few", 5, errors), trial("more", 6, (1 - 1e-4) * errors)
+    assert chosen([few, more], 10.0, "linear") is few  # noise that takes all of the 2 %
+
+
+def test_one_pressure_is_judged_by_strains_and_says_so():
+    strain = np.linspace(0.0, 0.12, 18)
+    noise = 8.0 * np.random.default_rng(2).normal(size=strain.size)
+    one = Record.of(6e5, strain, np.asarray(TRUE.force(6e5, strain)) + noise, rest_length=0.2)
+    found = find(one, NOMINAL)
+    assert "at stretches of strain that the fit did not see" in found.reasons[-1]
+    warned = " ".join(found.made.warnings)
+    assert "Measured at 600 kPa only" in warned
+    assert "could not be read" not in warned
+
+
+def test_few_readings_that_push_are_not_what_resists():
+    strain = np.linspace(0.0, 0.08, 12)
+    P = np.linspace(3e5, 6e5, 5)[:, None]
+    force = np.array(TRUE.force(P, strain))
+    force[0, -1] = -3.0  # a gauge's noise, once, where the muscle hardly pulls
+    found = find(Record.of(P, strain, force, rest_length=0.2), NOMINAL)
+    assert found.made.taken.pulls and found.made.taken.pushes == 1
+    assert {one.readings for one in found.candidates} == {"pulling"}
+    assert any("too few to tell what resists" in line for line in found.made.taken.words())
+
+
 def test_a_record_too_short_to_leave_out_says_so():
     with pytest.raises(ValueError, match="too short to leave readings out"):
         chosen([trial("none", 2, np.array([np.nan]))], 0.0, "linear")

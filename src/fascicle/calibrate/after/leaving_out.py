@@ -55,8 +55,7 @@ def without(problem: Problem, coordinates: np.ndarray, fold: np.ndarray) -> np.n
 
 def folds(data: Grid) -> list[np.ndarray]:
     """Parts of `data` [-] to leave out, as masks of its places; each has something measured."""
-    measured = data.uncensored
-    levels = np.flatnonzero(measured.any(axis=1))
+    measured, levels = data.uncensored, _levels(data)
     if levels.size >= _FEW:
         rows = np.arange(len(measured))[:, None]
         parts = np.array_split(levels, min(_MOST, levels.size))
@@ -66,3 +65,12 @@ def folds(data: Grid) -> list[np.ndarray]:
     place = np.clip(np.searchsorted(ends, strain, "right") - 1, 0, _STRETCHES - 1)
     parts = [(place == part) & (np.asarray(data.count) > 0) for part in range(_STRETCHES)]
     return [part for part in parts if np.any(part & measured)]
+
+
+def parts(data: Grid) -> str:
+    """What of `data` [-] is left out in turn, in words [-]."""
+    return "pressures" if _levels(data).size >= _FEW else "stretches of strain"
+
+
+def _levels(data: Grid) -> np.ndarray:
+    return np.flatnonzero(data.uncensored.any(axis=1))

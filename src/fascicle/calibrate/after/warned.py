@@ -45,6 +45,13 @@ def _reach(made: "Calibration") -> list[str]:
             f"{made.censored} readings are clipped at zero: they only say that the force was not"
             " above it, so nothing past the free strain was measured there."
         )
+    levels = used.any(axis=1)
+    if np.sum(levels) == 1:
+        only = float(np.asarray(made.problem.data.pressure)[levels][0, 0])
+        lines.append(
+            f"Measured at {pretty(only, 'pressure')} only: how force goes with pressure is the"
+            " law's word, not the data's."
+        )
     names = _named(made, _AFTER)
     if made.taken.pulls or not np.any(past):
         lines.append(
@@ -119,7 +126,8 @@ def _curves(made: "Calibration") -> list[str]:
     if made.readings is None:
         return []
     lines = []
-    valid, P = np.asarray(made.readings.valid), np.asarray(made.readings.pressure)
+    used = np.any(np.asarray(made.problem.data.count) > 0, axis=1)  # not what only fills the table
+    valid, P = np.asarray(made.readings.valid)[used], np.asarray(made.readings.pressure)[used]
     unread = P[~valid & (0.01 * P.max() < P)]
     if unread.size:
         lines.append(

@@ -9,6 +9,7 @@ from ...records.record import UNKNOWN, Record
 from .grid import LONGEST, Gathered, Grid, gathered, trimmed
 
 
+TELLING = 5  # readings that push: as many as what resists has factors; fewer can't tell them
 _SMALL = 0.1  # of a level's largest force: what noise may be where a gauge reads none
 _NOISE = 0.02  # of the largest force, the same
 _IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
@@ -23,6 +24,7 @@ class Taken:
     - `read`: how many readings were read [-].
     - `left_out`: how many of these are not fitted, by the reason why [-].
     - `slack`: how many small forces among clipped ones were taken for clipped as well [-].
+    - `pushes`: how many readings that don't pull were taken for clipped as well [-].
     """
 
     record: Record
@@ -30,6 +32,7 @@ class Taken:
     read: int
     left_out: Mapping[str, int] = field(default_factory=dict)
     slack: int = 0
+    pushes: int = 0
 
     @property
     def data(self) -> Grid:
@@ -44,8 +47,12 @@ class Taken:
     @property
     def pulls(self) -> bool:
         """Whether all that was measured pulls: the tension law is all that is needed [-]."""
-        force = self.record.force[~self.record.censored]
-        return bool(force.size and np.min(force) > 0)
+        return not self.pushing and not np.all(self.record.censored)
+
+    @property
+    def pushing(self) -> int:
+        """Readings of no pull that aren't clipped [-]."""
+        return int(np.sum((self.record.force <= 0) & ~self.record.censored))
 
     def counts(self) -> dict[str, int]:
         """Readings by what became of them [-]."""
@@ -72,6 +79,11 @@ class Taken:
                 f"{self.slack} of these are small forces past the strain from which the others of"
                 " their pressure are clipped: taken for noise"
             )
+        if self.pushes:
+            lines.append(
+                f"{self.pushes} of these {'does' if self.pushes == 1 else 'do'} not pull, too few"
+                f" to tell what resists ({TELLING} numbers): `--fit tuning` fits that all the same"
+            )
         made = self.gathered
         if made.averaged:
             lines.append(
@@ -80,7 +92,7 @@ class Taken:
             )
         levels, seen = int(made.level.max()) + 1, np.unique(self.record.pressure).size
         if seen > levels:
-            lines.append(f"{seen} pressures gathered into {levels} levels")
+            lines.append(f"{seen} pressures gathered into {levels} level{'s' * (levels > 1)}")
         return lines
 
     def errors(self, force: np.ndarray, strain: np.ndarray) -> np.ndarray:
@@ -123,8 +135,9 @@ def pulling_of(of: Taken, longest: int = LONGEST) -> Taken:
     gone = record.censored | below | slack
     clipped = replace(record, force=np.where(gone, 0.0, record.force), censored=gone)
     return replace(
-        of, record=clipped, gathered=gathered(clipped, longest), slack=int(np.sum(slack))
-    )
+        of, record=clipped, gathered=gathered(clipped, longest),
+        slack=int(np.sum(slack)), pushes=int(np.sum(below)),
+    )  # fmt: skip
 
 
 def _slack(of: Taken, clipped: np.ndarray) -> np.ndarray:

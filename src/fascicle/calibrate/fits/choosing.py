@@ -14,9 +14,9 @@ _OUTLIER = 3.0  # of the usual error: what a robust fit leaves counts no more
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
 JUDGED = (
-    "Judged by the error at pressures that the fit did not see, each left out in turn: of all that"
-    f" err no more than the least by one standard error, or by {100 * ALIKE:g} %, the one with the"
-    " fewest numbers."
+    "Judged by the error at {parts} that the fit did not see, each left out in turn: of all that"
+    f" err no more than the least by one standard error, by {100 * ALIKE:g} % or by a reading's"
+    " share of the squares, the one with the fewest numbers."
 )
 _WORDS = {"dead_band": "A dead band", "active_length": "Another active length",
           "end_compliance": "Ends that give"}  # fmt: skip
@@ -94,7 +94,8 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """Of those that are no worse than the best, the one with fewest constants.
 
     No worse is one whose squared errors exceed the best one's by no more than a standard error of
-    their sum; or by 2 % of what the best one errs beyond the noise.
+    their sum; or by 2 % of what the best one errs beyond the noise; or by what one reading has of
+    them on average, since a constant may follow that much of any noise.
 
     **Arguments:**
 
@@ -124,7 +125,8 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     for one, square in zip(tried, squares, strict=True):
         worse = square - least
         chance = _DEVIATIONS * float(np.std(worse)) / np.sqrt(worse.size)
-        if float(np.mean(worse)) <= max(chance, ((1 + ALIKE) ** 2 - 1) * own):
+        share = float(np.mean(least)) / worse.size
+        if float(np.mean(worse)) <= max(chance, ((1 + ALIKE) ** 2 - 1) * own, share):
             good.append(one)
     return min(good, key=lambda one: (one.candidate.constants, one.candidate.left_out_rmse))
 
@@ -146,11 +148,11 @@ def marked(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
     return tuple(replace(one.candidate, chosen=one is best) for one in trials)
 
 
-def reasons(trials: Sequence[Trial], best: Trial) -> tuple[str, ...]:
-    """Why the `best` [-] of `trials` [-] was taken, a line each."""
+def reasons(trials: Sequence[Trial], best: Trial, parts: str = "pressures") -> tuple[str, ...]:
+    """Why the `best` [-] of `trials` [-] was taken, a line each; `parts` are what was left out."""
     tried = [one.candidate for one in trials if one.judged]
     first, second, *more = _reasons(tried, best.candidate)
-    return (first, second, *differences(trials, best), *more, JUDGED)
+    return (first, second, *differences(trials, best), *more, JUDGED.format(parts=parts))
 
 
 def differences(trials: Sequence[Trial], best: Trial) -> Iterator[str]:

@@ -5,7 +5,8 @@ first, on the record as a gauge that only pulls would have seen it. Tried are th
 sets of its constants, and the paper's tuning. Where the record shows what resists, the best set
 and the paper's tuning are then fitted with the factors on all that resists, to all readings.
 
-A candidate is judged by its error at pressures that it did not see. Of those that are no worse
+A candidate is judged by its error at pressures that it did not see, or at strains where there are
+too few pressures. Of those that are no worse
 than the best the one with the fewest constants is taken: what the data don't ask for isn't
 fitted.
 """
@@ -20,13 +21,13 @@ from ...core.sheet import printed
 from ...muscle import Muscle
 from ...records.record import Record
 from ..after.calibration import Calibration, largest_force
-from ..after.leaving_out import folds, without
+from ..after.leaving_out import folds, parts, without
 from ..after.printing import choice_sheet
 from ..after.remainder import beside, span
 from ..data.grid import WEIGHTS, Grid
 from ..data.pulling import force_of, untuned
 from ..data.readings import read, tables_of
-from ..data.taking import Taken, pulling_of, taken
+from ..data.taking import TELLING, Taken, pulling_of, taken
 from ..problem.beginning import STARTS, Prior, Search, begun, on_length
 from ..problem.linear import linear
 from ..problem.misfit import LOSSES
@@ -91,6 +92,8 @@ def find(
     **Raises:** `ValueError` as `fit`.
     """
     of, given = taken(record), dict(priors or {})
+    if 0 < of.pushing < TELLING:
+        of = pulling_of(of)
     search = Search(loss, weights, starts, seed, whole=False)
     one_of(loss, LOSSES, "loss")
     one_of(weights, WEIGHTS, "weights")
@@ -106,7 +109,7 @@ def find(
         names = None if best.candidate.method == "tuning" else best.candidate.names
         told = {name: prior for name, prior in given.items() if name in (names or ())}
         made = fitted(of, muscle, names, told, search)
-        return Choice(made, marked(trials, best), reasons(trials, best))
+        return Choice(made, marked(trials, best), reasons(trials, best, parts(of.data)))
     tell("fitting what resists")
     search = replace(search, whole=True)
     best = chosen([one for one in trials if one.candidate.method == "constants"], noise, loss)
@@ -116,7 +119,7 @@ def find(
     told = (
         f"Where the muscle pulls {best.candidate.label} is best.",
         *differences(trials, best),
-        *reasons(last, end),
+        *reasons(last, end, parts(of.data)),
     )
     every = (*marked(trials, best), *marked(last, end))
     return Choice(fits[last.index(end)], every, told)
