@@ -312,11 +312,132 @@ def test_what_is_compared_is_there_after_a_reload(visit):
     assert source(page, "compared", both) == shown
 
 
-@pytest.mark.parametrize("tab", ["muscle", "bundle", "reversal", "efficiency", "data"])
-def test_a_phones_page_is_as_wide_as_the_phone(visit, tab):
-    page = visit(f"?muscle=kim2021_bundle_1_4&tab={tab}", width=390, height=844)
-    page.get_by_text("Data, CSV").first.wait_for()
-    assert page.evaluate("() => document.documentElement.scrollWidth") == 390
+# of what can be seen: widgets and figures that lie over one another, that leave the page, and words
+# that don't fit into what holds them
+UNTIDY = """() => {
+  const found = [], wrong = [], wide = document.documentElement.clientWidth;
+  const walk = (at) => { for (const one of at.querySelectorAll("*")) {
+    if (one.matches(".bk-input, .bk-btn, .bk-Figure, .bk-tab, .noUi-base, label, h1, th, td"))
+      found.push(one);
+    if (one.shadowRoot) walk(one.shadowRoot);
+  } };
+  walk(document);
+  const name = (one) => `${one.className || one.tagName} ${one.textContent.trim().slice(0, 30)}`;
+  const rolled = (one) => {  // what can be seen of it in a column that rolls
+    let { left, right, top, bottom } = one.getBoundingClientRect();
+    for (let at = one; at; at = at.assignedSlot ?? at.parentNode ?? at.host) {
+      if (!(at instanceof Element) || getComputedStyle(at).overflowY !== "auto") continue;
+      const hole = at.getBoundingClientRect();
+      top = Math.max(top, hole.top); bottom = Math.min(bottom, hole.bottom);
+    }
+    return { left, right, top, bottom };
+  };
+  const seen = found.filter((one) => one.checkVisibility({ visibilityProperty: true }))
+    .map((one) => [one, rolled(one)]).filter(([, r]) => r.right > r.left && r.bottom > r.top);
+  for (const [one, box] of seen) {
+    if (box.right < -1000) continue;  // read aloud only
+    if (box.left < -1 || box.right > wide + 1) wrong.push(`leaves the page: ${name(one)}`);
+    if (one.matches(".bk-btn, .bk-tab, label") && one.scrollWidth > one.clientWidth + 1)
+      wrong.push(`doesn't fit: ${name(one)}`);
+  }
+  seen.forEach(([one, p], i) => seen.slice(i + 1).forEach(([other, q]) => {
+    if (one.contains(other) || other.contains(one)) return;
+    const x = Math.min(p.right, q.right) - Math.max(p.left, q.left);
+    const y = Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top);
+    if (x > 2 && y > 2) wrong.push(`overlap: ${name(one)} and ${name(other)}`);
+  }));
+  return seen.length < 12 ? ["too little was found"] : wrong;
+}"""
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 800), (1920, 1080)])
+def test_nothing_leaves_the_page_or_overlaps(visit, width, height):
+    page = visit("?muscle=kim2021_bundle_1_4", width=width, height=height)
+    shown = {"Muscle": "solid", "Bundle": "bundle", "Reversal": "turns",
+             "Efficiency": "average_true", "Data": None}  # fmt: skip
+    for tab, name in shown.items():
+        page.get_by_text(tab, exact=True).first.click()
+        if name is None:
+            page.get_by_role("button", name="Try an example record").wait_for()
+        else:
+            source(page, name)
+        page.wait_for_timeout(300)  # until it is laid out
+        assert (tab, page.evaluate(UNTIDY)) == (tab, [])
+        assert page.evaluate("() => document.documentElement.scrollWidth") == width
+
+
+def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
+    page = visit()
+    source(page, "solid")
+    stage = page.locator(".bk-Figure").nth(1)
+    slider = handle(page, "Turn it")
+    value = "element => Number(element.getAttribute('aria-valuenow'))"
+    assert slider.evaluate(value) == 30
+    box = stage.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = source(page, "solid_drawn")
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0] - 80, middle[1], steps=8)
+    page.mouse.up()
+    # half a degree a pixel
+    page.wait_for_function(f"element => ({value})(element) === 70", arg=slider.element_handle())
+    assert source(page, "solid_drawn") != before
+    stage.dblclick()
+    page.wait_for_function(f"element => ({value})(element) === 30", arg=slider.element_handle())
+    assert source(page, "solid_drawn") == before
+    slider.press("ArrowRight")
+    page.wait_for_function(f"element => ({value})(element) === 31", arg=slider.element_handle())
+    assert source(page, "solid_drawn") != before
+
+
+def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
+    page = visit("?strain=0.2&pressure=137.9kPa")
+    field(page, "Force").select_option("lbf")
+    source(page, "chosen")
+    figure = page.locator(".bk-Figure").first
+    box = figure.bounding_box()
+    figure.click(position={"x": 0.4 * box["width"], "y": 0.3 * box["height"]})
+    page.wait_for_function(f"() => ({SOURCE})('here').x[0] < 0.19")
+    pointed = source(page, "here")
+    typed = float(field(page, "Contraction ε, typed").input_value())
+    assert typed == pytest.approx(pointed["x"][0], abs=1e-9)
+    force = float(MUSCLE.force(137.9e3, typed)) / 4.4482216152605
+    assert pointed["y"][0] == pytest.approx(force, rel=1e-9)
+    # the pointer is far above the curve, and is told what it is there, with its unit
+    said = page.locator(".bk-tooltip-row-value").last
+    number, unit = said.inner_text().split()
+    assert unit == "lbf" and float(number) == pytest.approx(force, abs=0.02)
+
+
+def test_a_bundles_last_pressure_can_be_swept(visit):
+    page = visit("?muscle=kim2021_bundle_1_4&tab=bundle&pressures=344.7kPa,69kPa&strain=0.2")
+    before = source(page, "bundle_force")["force"]
+    sweep = page.get_by_role("button", name="Sweep P2")
+    sweep.click()
+    page.wait_for_function(f"old => ({SOURCE})('bundle_force').force[0] > old", arg=before[0])
+    sweep.click()
+
+
+def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
+    from fascicle.explorer.parts.background import Latest
+    from fascicle.explorer.parts.look import look_of
+    from fascicle.explorer.state import Session, view_of
+    from fascicle.explorer.tabs.efficiency import EfficiencyView
+
+    asked = []
+    monkeypatch.setattr(Latest, "ask", lambda self, compute: asked.append((self, compute)))
+    bundle = fs.example("kim2021_bundle_1_1")
+    tab = EfficiencyView(Session(view_of(bundle, "b"), contextlib.nullcontext), look_of("default"))
+    tab.refresh()
+    cards, figures = tab._waits, tab._figures
+    told = [(card.visible, figure.visible) for card, figure in zip(cards, figures, strict=True)]
+    assert told == [(True, False)] * 2
+    for k in range(2):  # the map, then the averages
+        latest, compute = asked[k]
+        latest._show(compute())
+        assert (cards[k].visible, figures[k].visible) == (False, True)
+    assert "progressbar" in cards[0].objects[1].object
 
 
 def test_tabs_come_first_for_the_keyboard(visit):

@@ -10,7 +10,7 @@ from ..core.tokens import TITLE
 from ..core.visible import visible
 from ..files import example, examples, loads
 from .parts.address import to_query
-from .parts.look import NARROW, WRAPPED, Look, widget_css
+from .parts.look import HEADED, NARROW, Look, widget_css
 from .parts.widgets import Message, button, choice
 from .state import SHOWN, Session, View, changed, view_of
 
@@ -63,7 +63,7 @@ class Header:
         self.message = Message("file")
         row = pn.Row(
             self._example, self._file, self._save, *self._units.values(), self._theme,
-            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[WRAPPED],
+            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[HEADED],
         )  # fmt: skip
         self.panel = pn.Column(
             self._name,

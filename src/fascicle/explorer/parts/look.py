@@ -4,11 +4,11 @@ Colors, typeface and spacing are those of `core.tokens`, as in figures, reports 
 styles differ as well, so that no color is needed to read.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 
-from bokeh.models import ColumnDataSource, Range1d
+from bokeh.models import ColumnDataSource, LabelSet, Range1d
 from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
@@ -44,9 +44,24 @@ STACKED = """
 NARROW = """
 @media (max-width: 860px) { :host, :host > div { min-width: 0 !important; } }
 """
-# a long column that rolls beside the picture, where there is room beside it
+# a long column that rolls beside the picture, where there is room beside it: a shadow at its end
+# says that there is more
 ROLLED = """
-@media (min-width: 861px) { :host { max-height: calc(100vh - 190px); overflow-y: auto; } }
+@media (min-width: 861px) { :host { max-height: calc(100vh - 190px); overflow-y: auto;
+  background: linear-gradient(var(--paper), var(--paper)) bottom / 100% 24px no-repeat local,
+    linear-gradient(transparent, var(--line)) bottom / 100% 18px no-repeat scroll; } }
+"""
+# the header's fields: on a phone a row for the file, one for what is done with it, one of units
+HEADED = """
+:host { flex-wrap: wrap !important; }
+@media (max-width: 480px) {
+  :host { display: grid !important; grid-template-columns: repeat(6, 1fr) !important;
+    min-width: 0 !important; }
+  :host > div { width: auto !important; min-width: 0 !important; grid-column: span 2; }
+  :host > div:nth-of-type(1), :host > div:nth-of-type(2) { grid-column: span 6; }
+  :host > div:nth-of-type(3), :host > div:nth-of-type(7) { order: 1; grid-column: span 3;
+    margin: 8px !important; }
+}
 """
 # what stands beside the picture, below it where the page is narrow
 AFTER = "@media (max-width: 860px) { :host { order: 2; } }"
@@ -106,6 +121,30 @@ def source_of(columns: Mapping[str, Any], name: str | None = None) -> Any:
     return ColumnDataSource(data=dict(columns), name=name)
 
 
+def tags(fig: Any, look: Look, source: ColumnDataSource, **more: Any) -> None:
+    """Write the `label`s of a `source` [-] at its points of `fig` [-], readable on every curve."""
+    given: dict[str, Any] = {"x_offset": 5, "y_offset": 3, "text_font_size": "11px"} | more
+    fig.add_layout(LabelSet(
+        x="x", y="y", text="label", source=source, text_color=look.ink, text_font=FIGURES,
+        background_fill_color=look.paper, background_fill_alpha=0.8, **given,
+    ))  # fmt: skip
+
+
+def told(axis: str, unit: str) -> list[tuple[str, str]]:
+    """What a pointer above a curve is told [-]: contraction, and `axis` in a `unit` [-]."""
+    return [("ε", "$snap_x{0.0000}"), (axis, f"$snap_y{{0.00}} {unit}")]
+
+
+def key(curves: Sequence[tuple[str, str, str]]) -> str:
+    """A legend [-] that wraps: of each of the `curves`, name, color and line in CSS [-]."""
+    told = "".join(
+        f'<span style="white-space:nowrap"><i style="display:inline-block;width:26px;'
+        f'border-top:3px {line} {color};vertical-align:middle;margin-right:6px"></i>{name}</span>'
+        for name, color, line in curves
+    )
+    return f'<div style="display:flex;flex-wrap:wrap;gap:2px 18px;font-size:{SMALL}px">{told}</div>'
+
+
 def legend_style(fig: Any, look: Look, location: str = "top_right") -> None:
     """Make the legend of `fig` [-] quiet and readable; a click hides its curve."""
     fig.legend.location = location
@@ -144,8 +183,8 @@ def widget_css(look: Look) -> str:
 :host {{ {css(look)} --text-color: var(--ink); color: var(--ink); font: {TEXT}px/1.4 var(--sans); }}
 .bk-input {{ border: 1px solid var(--edge); border-radius: var(--round); background: var(--paper);
   color: var(--ink); font: {TEXT}px/1.4 var(--sans); padding: var(--near) var(--apart);
-  min-height: 30px; }}
-input[type=file].bk-input {{ padding: 1px; min-height: 30px; height: 32px; }}
+  min-height: 32px; }}
+input[type=file].bk-input {{ padding: 1px; height: 32px; }}
 input::file-selector-button {{ font: inherit; height: 28px; margin-top: 0; cursor: pointer;
   padding: 0 10px !important; line-height: 26px !important;
   color: var(--ink);

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.events import Pan
-from bokeh.models import CustomJS, Range1d
+from bokeh.events import DoubleTap, Pan, PanStart
+from bokeh.models import CustomJS, Range1d, Slider
 from bokeh.plotting import figure
 
 from ...core.tokens import red_green_blue
 from ..curves.tube import ALONG, Solid, quads, tube_faces
-from .look import Look, high_css, source_of
+from .look import Look, high_css, source_of, widget_css
 
 
 _PROJECT = """
@@ -71,11 +71,24 @@ if (frame.x_range.end !== x || frame.y_range.end !== y) {
   frame.x_range.setv({start: -x, end: x}); frame.y_range.setv({start: -y, end: y});
 }
 """
+# the slider goes where the pointer turns it, and turns it where it is moved
+_GRIP = "held.data = camera.data;"
 _TURN = """
-const data = camera.data;
-const azimuth = data.azimuth[0] - 0.5 * cb_obj.delta_x;
-const elevation = Math.max(-89, Math.min(89, data.elevation[0] + 0.5 * cb_obj.delta_y));
+// by how far the pointer is from where it went down
+const turned = held.data.azimuth[0] - 0.5 * cb_obj.delta_x;
+const azimuth = ((turned + 180) % 360 + 360) % 360 - 180;
+const elevation = Math.max(-89, Math.min(89, held.data.elevation[0] + 0.5 * cb_obj.delta_y));
 camera.data = {azimuth: [azimuth], elevation: [elevation]};
+slider.value = Math.round(azimuth);
+"""
+_SLID = """
+const data = camera.data;
+if (Math.round(data.azimuth[0]) !== slider.value)
+  camera.data = {azimuth: [slider.value], elevation: data.elevation};
+"""
+_BACK = """
+camera.data = {azimuth: [azimuth], elevation: [elevation]};
+slider.value = azimuth;
 """
 _FRAMED = ":host { border-radius: var(--round); overflow: hidden; cursor: grab; }"
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
@@ -84,7 +97,10 @@ AZIMUTH, ELEVATION = 30, 20  # degrees that the picture is seen from first
 
 
 class Scene:
-    """A figure of solids that the pointer turns; `show` replaces what is in it."""
+    """A figure of solids that the pointer turns, and a slider; a double click turns it back.
+
+    `show` replaces what is in it.
+    """
 
     def __init__(self, look: Look, name: str, height: str):
         """**Arguments:**
@@ -102,7 +118,7 @@ class Scene:
         )
         self._threads = source_of({"color": []})
         self._extent = source_of({"wide": [1.0], "high": [1.0], "thread": [0.0]})
-        drawn = source_of({"xs": [], "ys": [], "color": []})
+        drawn = source_of({"xs": [], "ys": [], "color": []}, name=f"{name}_drawn")
         self.figure = figure(
             height=300, sizing_mode="stretch_width", tools="", toolbar_location=None,
             x_range=Range1d(start=-1, end=1), y_range=Range1d(start=-1, end=1), min_border=0,
@@ -125,13 +141,19 @@ class Scene:
         # laid out for the first time, which is when the tab is first looked at
         self.figure.js_on_change("inner_width", project)
         self.figure.js_on_change("inner_height", project)
-        self.figure.js_on_event(Pan, CustomJS(args={"camera": self.camera}, code=_TURN))
+        slider = Slider(
+            title="Turn it, or drag it; in degrees", start=-180, end=180, value=AZIMUTH, step=1,
+            stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
+        )  # fmt: skip
+        self.turn = pn.pane.Bokeh(slider, margin=0, sizing_mode="stretch_width")
+        held = source_of(self.camera.data)
+        seen = {"camera": self.camera, "slider": slider, "held": held}
+        first = {"azimuth": AZIMUTH, "elevation": ELEVATION}
+        slider.js_on_change("value", CustomJS(args=seen, code=_SLID))
+        self.figure.js_on_event(PanStart, CustomJS(args=seen, code=_GRIP))
+        self.figure.js_on_event(Pan, CustomJS(args=seen, code=_TURN))
+        self.figure.js_on_event(DoubleTap, CustomJS(args=seen | first, code=_BACK))
         self._kinds: tuple[Any, ...] = ()
-
-    def turn(self, azimuth: float) -> None:
-        """Look from an `azimuth` in degrees [-]."""
-        with pn.io.unlocked():
-            self.camera.data = {"azimuth": [azimuth], "elevation": [float(ELEVATION)]}
 
     def show(
         self,

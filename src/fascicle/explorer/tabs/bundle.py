@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 from bokeh.events import Tap
+from bokeh.models import HoverTool
 
 from ...bundle.schemes import SCHEMES
 from ...core.checks import within
@@ -24,11 +25,13 @@ from ..parts.look import (
     plain_figure,
     set_range,
     source_of,
+    told,
     widget_css,
 )
 from ..parts.notes import equilibria, notes
 from ..parts.shared import shared
-from ..parts.solid import AZIMUTH, Scene
+from ..parts.solid import Scene
+from ..parts.sweep import STEPS, Sweep
 from ..parts.widgets import Dial, Field, button, choice, factor, heading
 from ..state import Session, View, changed
 from .bundle_units import UnitRows
@@ -65,6 +68,7 @@ class BundleView(Tab):
         )
         self._draw_figure()
         self._scene = Scene(look, "bundle", _STAGE)
+        self._play = Sweep(look, "", self._step)
         self._numbers = pn.pane.HTML("", margin=(0, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
         self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
@@ -76,17 +80,14 @@ class BundleView(Tab):
             self._scheme, self._supply.panel, self._resistance, self._rows.panel,
             width=318, margin=(0, 8, 0, 0), stylesheets=[ROLLED, AFTER],
         )  # fmt: skip
-        turn = pn.widgets.IntSlider(
-            label="Turn it, in degrees", start=-180, end=180, value=AZIMUTH,
-            stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
-        )  # fmt: skip
-        turn.param.watch(lambda event: self._scene.turn(event.new), "value")
         space = pn.Column(
             pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]), self.message.pane,
             margin=0, **half(),
         )  # fmt: skip
         stage = pn.Column(
-            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]), turn, self._numbers,
+            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
+            pn.Row(self._scene.turn, self._play.button, sizing_mode="stretch_width", margin=0),
+            heading("At this point"), self._numbers,
             heading("Pressures that reach a point"), self._ways, margin=0, **half(),
         )  # fmt: skip
         main = pn.Column(
@@ -106,6 +107,7 @@ class BundleView(Tab):
         self._silent = False
         self._supply.show(view.supply, view.shown["pressure"])
         self._rows.show(view)
+        self._play.name(f"P{len(view.units)}")
         self._notes.object = status(" ".join(notes(view, "bundle")))
         self._status.object = status("computing the space")
         self._space.ask(lambda: shared(shown_space, view.bundle, view.resistance))
@@ -136,6 +138,16 @@ class BundleView(Tab):
         self._status.object = ""
         self.message.say(text)
 
+    def _step(self) -> bool:
+        """Raise the last unit's pressure, and begin anew at none."""
+        view = self.session.view
+        if view.tab != self.name:
+            return False
+        following = float(f"{view.pressures[-1] + view.supply / STEPS:.6g}")
+        last = 0.0 if following > view.supply else following
+        self.session.change(pressures=(*view.pressures[:-1], last))
+        return True
+
     # the figure
 
     def _draw_figure(self) -> None:
@@ -161,8 +173,12 @@ class BundleView(Tab):
                     hatch_scale=9, legend_label="overlap of states")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._units, color="color", line_width=1.6,
                        line_dash="dashed", legend_label="each unit, now")  # fmt: skip
-        fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
-                 legend_label="all units, now")  # fmt: skip
+        main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
+                        legend_label="all units, now")  # fmt: skip
+        self._hover = HoverTool(
+            renderers=[main], mode="vline", line_policy="interp", tooltips=told("F", "N")
+        )
+        fig.add_tools(self._hover)
         fig.scatter("x", "y", source=self._zeros, size=10, line_color=look.ink,
                     fill_color="fill", line_width=2)  # fmt: skip
         fig.scatter("x", "y", source=self._here, size=13, marker="diamond", color=look.curves[1],
@@ -208,6 +224,7 @@ class BundleView(Tab):
         set_range(self.figure.x_range, 0.0, self._top)
         set_range(self.figure.y_range, -0.12 * high, 1.06 * high)
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        self._hover.tooltips = told("F", unit)
         self._asked.data = {"x": [], "y": []}
         self._invite()
         self.message.say("")
@@ -296,11 +313,11 @@ class BundleView(Tab):
         scale = factor(unit, "pressure")
         rows: list[Any] = [pn.pane.HTML(status(remark), margin=(0, 8))] if remark else []
         for way in several:
-            told = ", ".join(f"{P / scale:.4g}" for P in way.pressures)
+            needed = ", ".join(f"{P / scale:.4g}" for P in way.pressures)
             kept = "" if way.stable else ", not stable"
             rows.append(
                 button(
-                    self.look, f"state {way.state}: {told} {unit}{kept}",
+                    self.look, f"state {way.state}: {needed} {unit}{kept}",
                     lambda way=way: self.session.change(
                         pressures=tuple(float(f"{P:.6g}") for P in way.pressures), strain=strain
                     ),

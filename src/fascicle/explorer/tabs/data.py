@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
-from ...core.tokens import LARGE
 from ...units import pretty
 from ..curves.measured import (
     FOUND,
@@ -29,6 +28,7 @@ from ..curves.measured import (
 from ..parts.background import Latest
 from ..parts.exports import Export, data, downloads
 from ..parts.look import (
+    AFTER,
     NARROW,
     ROLLED,
     STACKED,
@@ -41,26 +41,24 @@ from ..parts.look import (
     pressure_colors,
     set_range,
     source_of,
+    tags,
     widget_css,
 )
 from ..parts.widgets import button, factor
 from ..state import Session, View, view_of
 from .record_inputs import FitInputs, RecordInputs
 from .reversal import grid
-from .tab import MOVING, Tab, status
+from .tab import Tab, card, moving, status
 
 
-_INVITATION = f"""
-<div style="border:2px dashed var(--line);border-radius:var(--round);padding:var(--far);
-  max-width:640px;margin:var(--far) auto">
-<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">Your own muscle, as it was measured</h2>
-<p>Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in
-its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to
-them, with how sure each constant is.</p>
-<p style="color:var(--soft);margin:0">No record at hand? <b>Try an example record</b>: a synthetic
-one of this muscle, a little thicker and steeper than drawn. At most {MOST_ROWS} rows; they stay
-in this session's memory.</p></div>
-"""
+_INVITED = "Your own muscle, as it was measured"
+_INVITATION = (
+    "Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in"
+    " its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to"
+    f" them, with how sure each constant is. At most {MOST_ROWS} rows; they stay in this session's"
+    " memory. No record at hand? There is a synthetic one of this muscle, a little thicker and"
+    " steeper than drawn."
+)
 
 
 class DataView(Tab):
@@ -88,9 +86,10 @@ class DataView(Tab):
         self._file.param.watch(lambda _: self._opened(), "value")
         self._example: bytes = b""  # instead of a file
         self._raw: bytes = b""  # what was opened last
-        self._try = button(
-            look, "Try an example record (synthetic)", self._tried, sizing_mode="stretch_width",
-            margin=(2, 8),
+        self._try, self._again = (
+            button(look, "Try an example record (synthetic)", self._tried, color=color,
+                   visible=visible, sizing_mode="stretch_width", margin=(2, 8))
+            for color, visible in (("primary", True), ("default", False))
         )  # fmt: skip
         self._how = RecordInputs(look, self._opened)
         self._what = FitInputs(look)
@@ -100,7 +99,7 @@ class DataView(Tab):
             sizing_mode="stretch_width", margin=(6, 8),
         )  # fmt: skip
         self._bar = pn.pane.HTML(
-            MOVING, visible=False, margin=(0, 8), sizing_mode="stretch_width"
+            moving("fitting"), visible=False, margin=(0, 8), sizing_mode="stretch_width"
         )  # fmt: skip
         self._status = pn.pane.HTML("", margin=(0, 8), sizing_mode="stretch_width")
         self._notes = pn.pane.HTML("", margin=(4, 8), sizing_mode="stretch_width")
@@ -127,20 +126,18 @@ class DataView(Tab):
         self._fitted = Latest(self._show_fit, self._failed)
         self._begun, self._timer = 0.0, None
         left = pn.Column(
-            self._file, self._try, self._how.panel, self.message.pane, self._what.panel,
+            self._file, self._again, self._how.panel, self.message.pane, self._what.panel,
             self._calibrate, self._bar, self._status, self._table, self._take,
             pn.Row(*self._saves, margin=0), self._notes,
-            width=420, margin=(0, 8, 0, 0), stylesheets=[ROLLED],
+            width=420, margin=(0, 8, 0, 0), stylesheets=[ROLLED, AFTER],
         )  # fmt: skip
-        self._invitation = pn.pane.HTML(_INVITATION, sizing_mode="stretch_width", margin=(8, 8))
+        self._invitation = card(_INVITED, _INVITATION, self._try)
         self._drawn = pn.Column(
             pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
+            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]),
             visible=False, sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
         )  # fmt: skip
-        right = pn.Column(
-            self._invitation, self._drawn,
-            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]), margin=0, **half(),
-        )  # fmt: skip
+        right = pn.Column(self._invitation, self._drawn, margin=0, **half())
         self.panel = pn.Row(
             left, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
         )
@@ -165,15 +162,14 @@ class DataView(Tab):
         self._points = source_of({"x": [], "y": [], "color": []}, name="readings")
         self._before = source_of({"xs": [], "ys": [], "color": []}, name="untuned")
         self._after = source_of({"xs": [], "ys": [], "color": []}, name="tuned")
-        self._names = source_of({"x": [], "y": [], "label": [], "color": []})
+        self._names = source_of({"x": [], "y": [], "label": []})
         fig.scatter("x", "y", source=self._points, size=4, color="color", alpha=0.55,
                     legend_label="measured")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._before, color="color", line_width=1.5,
                        line_dash="dashed", legend_label="this muscle")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._after, color="color", line_width=2.6,
                        legend_label="tuned")  # fmt: skip
-        fig.text("x", "y", "label", source=self._names, color="color", text_font_size="12px",
-                 x_offset=6, y_offset=-2)  # fmt: skip
+        tags(fig, look, self._names)
         fig.line([-1, 1], [0, 0], color=look.soft, line_width=1)
         legend_style(fig, look)
 
@@ -205,7 +201,7 @@ class DataView(Tab):
             return
         self._reading = reading
         self._what.offer(view.muscle)
-        self._invitation.visible, self._drawn.visible = False, True
+        self._invitation.visible, self._drawn.visible, self._again.visible = False, True, True
         self.message.say(suited(view.muscle, self.record))
         self.made = None
         self._table.object = ""
@@ -244,7 +240,6 @@ class DataView(Tab):
             "x": [float(before.strain[0])] * len(colors),
             "y": before.force[:, 0] / scale,
             "label": [f"{P / factor(unit, 'pressure'):.3g} {unit}" for P in before.pressure],
-            "color": colors,
         }
         force = np.r_[record.force, before.force.ravel()] / scale
         room = 0.06 * float(np.ptp(force))

@@ -12,6 +12,7 @@ from ...energetics import PATHS
 from ..curves.efficiency_maps import STATES, Maps, averages, maps, semu
 from ..parts.background import Latest
 from ..parts.look import (
+    NARROW,
     STACKED,
     TALL,
     WRAPPED,
@@ -27,11 +28,17 @@ from ..parts.shared import shared
 from ..parts.widgets import choice, factor
 from ..state import Session, View
 from .reversal import grid
-from .tab import Tab, status
+from .tab import Tab, card, moving, status
 
 
 _SHOWN = {"with resistance": "resisted", "without resistance": "free",
           "what resistance takes": "difference"}  # fmt: skip
+# what stands where the map and the averages will be, and on what they wait
+_AWAITED = {
+    "Drawing the map …": "How much of the fluid's energy becomes work, at every strain and force"
+    " that this bundle reaches: with its muscles' resistance, and without.",
+    "Averages come next …": "What more motor units in the same cross-section save.",
+}
 
 
 class EfficiencyView(Tab):
@@ -56,13 +63,24 @@ class EfficiencyView(Tab):
         self._numbers = pn.pane.HTML("", margin=(0, 8))
         self._maps = Latest(self._show, self._failed)
         self._averages = Latest(self._show_averages, self._failed)
+        self._waits = [
+            card(title, text, pn.pane.HTML(moving(title), sizing_mode="stretch_width"))
+            for title, text in _AWAITED.items()
+        ]
+        self._figures = [
+            pn.Column(
+                pn.pane.Bokeh(one, margin=0, stylesheets=[TALL]), margin=0, visible=False,
+                sizing_mode="stretch_width", stylesheets=[NARROW],
+            )
+            for one in (self.figure, self._bars)
+        ]  # fmt: skip
         self.panel = pn.Column(
             pn.Row(
                 self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]
             ),
             self.message.pane, self._notes, self._status,
-            pn.Row(*(pn.Column(pn.pane.Bokeh(one, margin=0, stylesheets=[TALL]), margin=0, **half())
-                     for one in (self.figure, self._bars)),
+            pn.Row(*(pn.Column(*both, margin=0, **half())
+                     for both in zip(self._waits, self._figures, strict=True)),
                    sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
@@ -83,10 +101,16 @@ class EfficiencyView(Tab):
     def _failed(self, text: str) -> None:
         self._status.object = ""
         self.message.say(text)
+        for one in self._waits:
+            one.visible = False
+
+    def _there(self, which: int) -> None:
+        """Show the figure `which` [-] waited for, in place of its card."""
+        self._waits[which].visible, self._figures[which].visible = False, True
 
     def _draw_figures(self) -> None:
         look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=352)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=320)
         self.figure = fig
         self._colors = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
         self.image = source_of(
@@ -101,15 +125,13 @@ class EfficiencyView(Tab):
             title_text_font_style="normal",
         )  # fmt: skip
         fig.add_layout(bar, "right")
-        fig.add_tools(HoverTool(
-            renderers=[drawn],
-            tooltips=[("η", "@image{0.000}"), ("ε", "$x{0.000}"), ("F", "$y{0.0}")],
-        ))  # fmt: skip
+        self._hover = HoverTool(renderers=[drawn])
+        fig.add_tools(self._hover)
         self._bars = plain_figure(
             look,
             "Motor units in the same cross-section (1: SEMU)",
             "Average efficiency [–]",
-            room=352,
+            room=320,
         )
         self._means = {}
         for resistance, dash, color, marker in (
@@ -128,6 +150,7 @@ class EfficiencyView(Tab):
 
     def _show(self, found: Maps) -> None:
         self._last = found
+        self._there(0)
         self._show_map()
         view = self.session.view
         self.message.say("")
@@ -163,8 +186,11 @@ class EfficiencyView(Tab):
         set_range(self.figure.x_range, 0.0, float(strain[-1] + d_strain))
         set_range(self.figure.y_range, 0.0, float(force[-1] + d_force))
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        at = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
+        self._hover.tooltips = [("η", "@image{0.000}"), *at]
 
     def _show_averages(self, found: dict[bool, np.ndarray]) -> None:
+        self._there(1)
         for resistance, values in found.items():
             self._means[resistance].data = {"x": list(STATES), "y": values}
         low = min(float(values.min()) for values in found.values())

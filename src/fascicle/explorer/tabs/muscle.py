@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.models import HoverTool, LabelSet
+from bokeh.events import Tap
+from bokeh.models import HoverTool
 
 from ...units import pretty
 from ..curves.muscle_curves import REGIONS, Picture, picture, strips, widest
@@ -26,10 +27,13 @@ from ..parts.look import (
     pressure_colors,
     set_range,
     source_of,
+    tags,
+    told,
     widget_css,
 )
 from ..parts.notes import branches, notes
-from ..parts.solid import AZIMUTH, Scene
+from ..parts.solid import Scene
+from ..parts.sweep import STEPS, Sweep
 from ..parts.widgets import Dial, factor, heading
 from ..state import Session, View, changed
 from .muscle_inputs import MuscleInputs
@@ -62,11 +66,7 @@ class MuscleView:
         self._scene = Scene(look, "solid", _STAGE)
         self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(2, 8))
-        self._play = pn.widgets.Toggle(
-            label="▶ Sweep the strain", stylesheets=[widget_css(look)], margin=(4, 8)
-        )
-        self._timer: Any = None
-        self._play.param.watch(self._sweep, "value")
+        self._play = Sweep(look, "the strain", self._step)
         self._compare = pn.widgets.MultiSelect(
             label="Compare with (Ctrl for several)", size=4, stylesheets=[widget_css(look)],
             sizing_mode="stretch_width", margin=(2, 8),
@@ -75,11 +75,6 @@ class MuscleView:
         self._silent = False
         self._others = Latest(self._show_others, self._inputs.message.say)
         session.watch(self._changed)
-        turn = pn.widgets.IntSlider(
-            label="Turn it, in degrees", start=-180, end=180, value=AZIMUTH,
-            stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
-        )  # fmt: skip
-        turn.param.watch(lambda event: self._scene.turn(event.new), "value")
         left = pn.Column(self._inputs.panel, self._compare, width=284, margin=(0, 8, 0, 0),
                          stylesheets=[ROLLED, AFTER])  # fmt: skip
         dials = pn.Row(
@@ -88,7 +83,7 @@ class MuscleView:
         )  # fmt: skip
         stage = pn.Column(
             pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(turn, self._play, sizing_mode="stretch_width", margin=0),
+            pn.Row(self._scene.turn, self._play.button, sizing_mode="stretch_width", margin=0),
             heading("At this point"), self._numbers, margin=0, **half(),
         )  # fmt: skip
         curves = pn.Column(
@@ -161,10 +156,8 @@ class MuscleView:
         names = ("force", *(part for part, _, _ in _PARTS))
         self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
         self._families = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="family")
-        self._told = source_of({"x": [], "y": [], "color": [], "label": []})
-        self._other = source_of(
-            {"xs": [], "ys": [], "color": [], "dash": [], "label": []}, name="compared"
-        )
+        self._told = source_of({"x": [], "y": [], "label": []})
+        self._other = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="compared")
         self._marks = source_of({"x": [], "y": [], "label": [], "below": []}, name="marks")
         self._here = source_of({"x": [], "y": []}, name="here")
         self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
@@ -174,28 +167,25 @@ class MuscleView:
         several = fig.multi_line(
             "xs", "ys", source=self._families, color="color", line_width=1.2, line_alpha=0.9
         )
-        fig.text(
-            "x", "y", "label", source=self._told, color="color", text_font_size="11px",
-            x_offset=5, y_offset=-3, text_baseline="bottom",
-        )  # fmt: skip
+        tags(fig, look, self._told)
         for (part, label, dash), color in zip(_PARTS, look.curves, strict=False):
             fig.line("strain", part, source=self.chosen, color=color, line_dash=dash,
                      line_width=1.8, legend_label=label)  # fmt: skip
         main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
                         legend_label="force")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._other, color="color", line_width=2.4,
-                       line_dash="dash", legend_field="label")  # fmt: skip
+                       line_dash="dashed", legend_field="label")  # fmt: skip
         fig.scatter("x", "y", source=self._marks, size=9, color=look.ink, fill_color=look.paper,
                     line_width=2)  # fmt: skip
-        fig.add_layout(LabelSet(
-            x="x", y="y", text="label", source=self._marks, x_offset=7, y_offset="below",
-            text_font_size="12px", text_color=look.ink, background_fill_color=look.paper,
-            background_fill_alpha=0.8,
-        ))  # fmt: skip
+        tags(fig, look, self._marks, x_offset=7, y_offset="below", text_font_size="12px")
         fig.scatter("x", "y", source=self._here, size=13, marker="diamond",
                     color=look.curves[1], line_color=look.paper)  # fmt: skip
+        self._hover = HoverTool(
+            renderers=[main], mode="vline", line_policy="interp", tooltips=told("F", "N")
+        )
+        fig.on_event(Tap, self._tapped)
         fig.add_tools(
-            HoverTool(renderers=[main], tooltips=[("ε", "$x{0.0000}"), ("F", "$y{0.00}")]),
+            self._hover,
             HoverTool(renderers=[several], tooltips=[("P", "@label")]),
         )
         legend_style(fig, look, "right")
@@ -215,6 +205,7 @@ class MuscleView:
         set_range(self.figure.x_range, 0.0, self._top)
         set_range(self.figure.y_range, low - 0.08 * (high - low), high + 0.16 * (high - low))
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        self._hover.tooltips = told("F", unit)
 
     def _curves(self, view: View, found: Picture) -> None:
         self._pressure.show(view.pressure, view.shown["pressure"], view.supply)
@@ -236,7 +227,6 @@ class MuscleView:
         self._told.data = {
             "x": [0.0] * len(shown),
             "y": held[shown] / scale,
-            "color": [self._families.data["color"][i] for i in shown],
             "label": [self._families.data["label"][i] for i in shown],
         }
 
@@ -326,11 +316,14 @@ class MuscleView:
             "xs": [strain for _, strain, _ in found],
             "ys": [force / scale for _, _, force in found],
             "color": [cycle[i % len(cycle)] for i in range(len(found))],
-            "dash": [""] * len(found),
             "label": [key.replace("_", " ").replace(":", ": ") for key, _, _ in found],
         }
 
-    # pressure, and the sweep
+    # pressure, a point that is clicked, and the sweep
+
+    def _tapped(self, event: Any) -> None:
+        if event.x is not None and 0 <= event.x <= self._top:
+            self._session.change(strain=round(float(event.x), 4))
 
     def _set_pressure(self, value: float) -> None:
         self._session.change(pressure=value)
@@ -339,20 +332,13 @@ class MuscleView:
         unit = view.shown["force"]
         return unit, factor(unit, "force")
 
-    def _sweep(self, event: Any) -> None:
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
-        if event.new and pn.state.curdoc is not None:
-            self._timer = pn.state.add_periodic_callback(self._step, period=120)
-
-    def _step(self) -> None:
+    def _step(self) -> bool:
         view = self._session.view
         if view.tab != "muscle":
-            self._play.value = False
-            return
-        following = round(view.strain + self._top / 80, 4)
+            return False
+        following = round(view.strain + self._top / STEPS, 4)
         self._session.change(strain=0.0 if following > self._top else following)
+        return True
 
 
 def _volume(volume: float, length: str) -> str:
@@ -371,6 +357,7 @@ def _moment(moment: float, units: Mapping[str, str]) -> str:
 
 def table(rows: dict[str, str]) -> str:
     """Two columns [-] of what and how much [-]."""
+    rows = {what: f"−{told[1:]}" if told[:1] == "-" else told for what, told in rows.items()}
     cells = "".join(
         f'<tr><th style="text-align:left;font-weight:400;opacity:.75;padding:1px 14px 1px 0">{what}'
         f'</th><td style="font-variant-numeric:tabular-nums">{value}</td></tr>'

@@ -12,7 +12,7 @@ from ..parts.look import (
     STACKED,
     TALL,
     Look,
-    legend_style,
+    key,
     plain_figure,
     set_range,
     source_of,
@@ -40,19 +40,14 @@ class ReversalView(Tab):
             sizing_mode="stretch_width", stylesheets=[widget_css(look)], margin=(2, 8),
         )  # fmt: skip
         self._splits.param.watch(self._typed, "value")
-        fig = plain_figure(look, "Pressure P2", "Free strain of the bundle [–]")
+        fig = plain_figure(look, "Pressure P2", "Free strain of the bundle [–]", room=300)
         self.figure = fig
         self._turns = source_of({"x": [], "y": [], "color": [], "label": []}, name="turns")
         for kind, dash, width in (("resisted", "solid", 3), ("free", "dashed", 1.8)):
             source = source_of({"xs": [], "ys": [], "color": [], "label": []},
                                       name=f"reversal_{kind}")  # fmt: skip
-            told = (
-                {"legend_field": "label"}
-                if kind == "resisted"
-                else {"legend_label": "dashed: without resistance"}
-            )
             fig.multi_line("xs", "ys", source=source, color="color", line_width=width,
-                           line_dash=dash, **told)  # fmt: skip
+                           line_dash=dash)  # fmt: skip
             setattr(self, f"_{kind}", source)
         self._jumps = source_of({"xs": [], "ys": [], "color": []}, name="reversal_jumps")
         fig.multi_line("xs", "ys", source=self._jumps, color="color", line_width=2,
@@ -62,9 +57,7 @@ class ReversalView(Tab):
         )
         fig.text("x", "y", "label", source=self._turns, x_offset=8, y_offset=16,
                  text_color=look.ink, text_font_size="12px")  # fmt: skip
-        legend_style(fig, look)
-        fig.legend.orientation, fig.legend.ncols, fig.legend.spacing = "horizontal", 2, 14
-        fig.add_layout(fig.legend[0], "above")  # beside every curve, however narrow the page
+        self._key = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
         self._table = pn.pane.HTML("", margin=(8, 8))
         self._status = pn.pane.HTML("", margin=(0, 8), height=22)
         self._notes = pn.pane.HTML("", margin=(8, 8), width=330)
@@ -77,7 +70,7 @@ class ReversalView(Tab):
             margin=(8, 8),
         )
         self.panel = pn.Row(
-            pn.Column(self._splits, self.message.pane, self._status,
+            pn.Column(self._splits, self.message.pane, self._status, self._key,
                       pn.pane.Bokeh(fig, stylesheets=[TALL]),
                       sizing_mode="stretch_width", margin=0),
             pn.Column(about, self._notes, self._table, width=360, margin=0),
@@ -138,6 +131,10 @@ class ReversalView(Tab):
             "color": [color for _, color in turning],
             "label": [f"−{one.turn.depth:.4f}" for one, _ in turning],
         }
+        self._key.object = key([
+            *((one.name, color, "solid") for one, color in zip(found, colors, strict=True)),
+            ("without resistance", self.look.soft, "dashed"),
+        ])  # fmt: skip
         values = np.concatenate([np.r_[one.resisted, one.free] for one in found])
         low, high = float(values.min()), float(values.max())
         room = max(0.1 * (high - low), 0.004)

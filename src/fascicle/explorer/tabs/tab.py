@@ -2,20 +2,23 @@
 
 from typing import Any, ClassVar
 
-from ..parts.look import Look
+import panel as pn
+
+from ...core.tokens import APART, FAR, LARGE, TEXT
+from ..parts.look import NARROW, Look
 from ..parts.widgets import Message
 from ..state import Session, View, changed
 
 
-# for what lasts nobody knows how long
-MOVING = """<style>
+# of a bar for what lasts nobody knows how long
+_BAR = """<style>
 @keyframes to-and-fro { from { left: 0; } to { left: 70%; } }
 .bar { position: relative; height: 8px; border-radius: var(--round); background: var(--line);
   overflow: hidden; margin: var(--near) 0; }
 .bar div { position: absolute; width: 30%; height: 100%; background: var(--accent);
   animation: to-and-fro 1.2s ease-in-out infinite alternate; }
 @media (prefers-reduced-motion: reduce) { .bar div { animation: none; width: 100%; } }
-</style><div class="bar" role="progressbar" aria-label="fitting"><div></div></div>"""
+</style>"""
 
 
 class Tab:
@@ -54,6 +57,26 @@ class Tab:
             self.refresh()
         else:
             self.moved(before, after)
+
+
+def moving(what: str) -> str:
+    """A bar [-] that moves while `what` [-] is done."""
+    return f'{_BAR}<div class="bar" role="progressbar" aria-label="{what}"><div></div></div>'
+
+
+def card(title: str, text: str, *more: Any) -> Any:
+    """A framed panel [-] where a picture will be: a `title` and a `text` [-], and `more` [-]."""
+    told = (
+        f'<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">{title}</h2>'
+        f'<p style="margin:0;font-size:{TEXT}px">{text}</p>'
+    )
+    framed = {"border": "2px dashed var(--line)", "border-radius": "var(--round)",
+              "padding": "var(--wide)", "max-width": "640px"}  # fmt: skip
+    return pn.Column(
+        pn.pane.HTML(told, sizing_mode="stretch_width"), *more,
+        styles=framed, sizing_mode="stretch_width", align="center", margin=(FAR, APART),
+        stylesheets=[NARROW],
+    )  # fmt: skip
 
 
 def status(text: str) -> str:
