@@ -1,8 +1,10 @@
 """A calibration as the `[calibration]` of the fitted muscle's file.
 
 Loading the file gives the muscle; `provenance` gives this back. Values are written with
-their units, exactly, so that a program can read what a reader sees. The covariance is one
-of coordinates, on which the parameters are free, in the order of their names.
+their units, so that a program can read what a reader sees, and with as many digits as are known
+of them. The coordinates and their covariance, in the order of the parameters' names, keep all of
+theirs: they belong together, and of nearly dependent constants a covariance that is rounded is
+none.
 """
 
 from collections.abc import Mapping
@@ -10,12 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 from ..calibrate.after.calibration import Calibration, Estimate
 from ..calibrate.after.friction import Friction
-from ..units import exact
+from ..muscle.laws import LAWS
+from ..units import exact, pretty
 from .measured import NONE
+from .rounding import as_known, told
 
 
 if TYPE_CHECKING:
     from ..calibrate.fits.finding import Choice
+
+
+_ERROR = 4  # digits of an error, a noise or a width: none is known to a ten-thousandth
+_GIVEN = 10  # digits of what was given, past what going to a coordinate and back rounds
 
 
 def calibrated_text(made: Calibration, date: str, choice: "Choice | None" = None) -> str:
@@ -25,11 +33,12 @@ def calibrated_text(made: Calibration, date: str, choice: "Choice | None" = None
 
     **Returns:** the TOML [-]; its `[calibration]` says how far it was rounded.
     """
-    from .rounding import as_known
     from .writing import dumps
 
-    muscle, told = as_known(made)
-    return dumps(muscle, provenance_of(made, date, choice) | {"rounded": told})
+    muscle, how = as_known(made)
+    of = provenance_of(made, date, choice)
+    own = {"fitted_length": exact(float(muscle.length), "length"), "rounded": how}
+    return dumps(muscle, of | own)
 
 
 def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) -> dict[str, Any]:
@@ -56,14 +65,15 @@ def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) 
         "loss": made.problem.loss,
         "points": made.points,
         "censored": made.censored,
-        "rmse": exact(made.rmse, "force"),
-        "relative_rmse": made.relative_rmse,
-        "noise": exact(float(made.problem.noise), "force"),
-        "inflation": float(made.inflation),
-        "wider": made.wider.tolist(),
+        "rmse": pretty(made.rmse, "force", _ERROR),
+        "relative_rmse": _short(made.relative_rmse),
+        "noise": pretty(float(made.problem.noise), "force", _ERROR),
+        "inflation": _short(made.inflation),
+        "wider": [_short(x) for x in made.wider.tolist()],
         "intervals": "quick" if made.bootstrapped is None else "bootstrap",
         "not_told": list(made.untold),
         "rest_length": _rest_length(made),
+        "fitted_length": exact(float(made.muscle.length), "length"),
         "warnings": list(made.warnings),
         "notes": list(record.notes),
         "coordinate_names": list(made.names),
@@ -74,28 +84,30 @@ def provenance_of(made: Calibration, date: str, choice: "Choice | None" = None) 
         "parameter": [_parameter(one) for one in made.parameters],
         "readings": made.taken.counts(),
         "residuals": [
-            {"against": one.along, "share": one.share, "chance": one.chance, "noise": not one.found}
+            {"against": one.along, "share": _short(one.share), "chance": _short(one.chance),
+             "noise": not one.found}
             for one in made.seen.trends
         ]
         + [
             {"against": f"signs along {one.along}", "pairs": one.pairs, "changes": one.changes,
-             "chance": one.chance, "noise": not one.found}
+             "chance": _short(one.chance), "noise": not one.found}
             for one in made.seen.runs
         ],
     }  # fmt: skip
     if loop is not None:
         found["hysteresis"] = {
-            "pressure": [exact(float(x), "pressure") for x in loop.pressure],
-            "width": [exact(float(x), "force") for x in loop.width],
-            "half": exact(loop.half, "force"),
+            "pressure": [pretty(float(x), "pressure", _ERROR) for x in loop.pressure],
+            "width": [pretty(float(x), "force", _ERROR) for x in loop.width],
+            "half": pretty(loop.half, "force", _ERROR),
             **_springs(made.friction),
         }
     if choice is not None:
         found["reasons"] = list(choice.reasons)
         found["candidate"] = [
             {
-                "free": one.label, "numbers": one.constants, "rmse": one.rmse,
-                "left_out_rmse": one.left_out_rmse, "on": one.readings, "taken": one.chosen,
+                "free": one.label, "numbers": one.constants, "rmse": _short(one.rmse),
+                "left_out_rmse": _short(one.left_out_rmse), "on": one.readings,
+                "taken": one.chosen,
             }
             for one in choice.candidates
         ]  # fmt: skip
@@ -114,17 +126,18 @@ def _springs(friction: Friction | None) -> dict[str, Any]:
         "slip_force": (law.slip_force, "force"),
         "slip_force_slope": (law.slip_force_slope, "slip"),
     }
-    springs = {key: [exact(float(x), unit) for x in row] for key, (row, unit) in numbers.items()}
+    springs = {
+        key: [pretty(float(x), unit, _ERROR) for x in row] for key, (row, unit) in numbers.items()
+    }
     return {
-        "kind": "maxwell_slip", **springs, "width_rmse": exact(friction.rmse, "force"),
+        "kind": "maxwell_slip", **springs, "width_rmse": pretty(friction.rmse, "force", _ERROR),
         "told": list(friction.told),
     }  # fmt: skip
 
 
 def laws_of(made: Calibration) -> dict[str, str]:
     """The names of the laws [-] that were fitted, by kind, of a calibration [-]."""
-    kinds = ("tension", "buckling", "collapse", "post_collapse")
-    return {kind: str(getattr(made.muscle, kind).name) for kind in kinds}
+    return {kind: str(getattr(made.muscle, kind).name) for kind in LAWS}
 
 
 def _rest_length(made: Calibration) -> str:
@@ -135,11 +148,17 @@ def _rest_length(made: Calibration) -> str:
 
 
 def _parameter(one: Estimate) -> Mapping[str, Any]:
+    width = one.high - one.low
     return {
         "name": one.name,
-        "value": exact(one.value, one.dimension),
-        "low": exact(one.low, one.dimension),
-        "high": exact(one.high, one.dimension),
-        "prior": exact(one.start, one.dimension),
+        "value": told(one.value, one.dimension, width),
+        "low": told(one.low, one.dimension, width),
+        "high": told(one.high, one.dimension, width),
+        "prior": pretty(one.start, one.dimension, _GIVEN),
         "identifiable": one.identifiable,
     }
+
+
+def _short(number: float) -> float:
+    """A `number` of an error [any] with as many digits as are known of one."""
+    return float(f"{number:.{_ERROR}g}")

@@ -13,10 +13,12 @@ from ..core.checks import one_of
 from ..core.refused import Refused
 from ..core.toml import tables
 from ..muscle import Muscle
+from ..muscle.fitted import OF_ENDS, remembering, warn_elsewhere
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..muscle.tuning import Tuning
+from ..units import parse
 from .faults import from_validation, line, nearest
 from .places import Place
 from .schema import (
@@ -124,7 +126,22 @@ def described(data: dict[str, Any], source: str) -> Muscle | Bundle:
         raise ValueError(
             f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
         )
-    return next(iter(muscles.values()))
+    return _fitted(next(iter(muscles.values())), data.get("calibration"), source)
+
+
+def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
+    """The `muscle` with the length that its file's `[calibration]` is of, if it says one."""
+    told = calibration.get("fitted_length") if isinstance(calibration, dict) else None
+    if told is None:
+        return muscle
+    names = calibration.get("coordinate_names", ())
+    try:
+        length = parse(told, "length", "fitted_length")
+    except ValueError as error:
+        raise ValueError(line(source, ["calibration", "fitted_length"], f"{error}")) from None
+    remembering(muscle, length, ends=not OF_ENDS.isdisjoint(names))
+    warn_elsewhere(muscle, stacklevel=4)
+    return muscle
 
 
 def parsed(text: str, source: str) -> dict[str, Any]:

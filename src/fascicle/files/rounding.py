@@ -15,11 +15,23 @@ from ..calibrate.after.calibration import Calibration
 from ..calibrate.problem.parameters import of_muscle
 from ..core.domain import HIGHEST_PRESSURE
 from ..muscle import Muscle
-from ..units import DIMENSIONS, parse, pretty
+from ..muscle.fitted import carried
+from ..units import DIMENSIONS, exact, parse, pretty
 
 
 SHARE = 0.01  # of an interval, and of what is left over: far below what anyone can tell
 _FEWEST, _MOST = 3, 17  # digits; with 17 every float is itself
+
+
+def told(value: float, dimension: str, width: float) -> str:
+    """A fitted `value` [SI] and its unit with as few digits as keep it within `SHARE` of its
+    interval's `width` [SI], at least three.
+    """
+    for digits in range(_FEWEST, _MOST):
+        text = pretty(value, dimension, digits)
+        if abs(parse(text, dimension) - value) <= SHARE * width:
+            return text
+    return exact(value, dimension)
 
 
 def as_known(made: Calibration) -> tuple[Muscle, str]:
@@ -34,7 +46,7 @@ def as_known(made: Calibration) -> tuple[Muscle, str]:
         rounded = _rounded(made.muscle, given, digits)
         moved = _moved(made, rounded)
         if moved is not None:
-            return rounded, (
+            return carried(made.muscle, rounded), (
                 f"to {digits} digits: no fitted constant is off by more than {SHARE:.0%} of its"
                 f" interval, no reading's force by more than {pretty(moved, 'force', 2)}"
             )

@@ -19,7 +19,7 @@ from ..core.checks import concrete
 from ..core.evaluate import evaluate
 from ..core.lazy import from_above
 from ..core.limits import size, slender
-from ..core.modules import Module, kept, renewed
+from ..core.modules import Module, kept
 from ..core.refused import Refused
 from ..core.sheet import printed
 from ..core.tiles import fields
@@ -45,6 +45,7 @@ from .entry import (
     strained,
     thinner,
 )
+from .fitted import replaced
 from .laws import law as law_of
 from .materials import LATEX, MATERIALS, AbstractMaterial
 from .piecewise import Piecewise, Response
@@ -170,7 +171,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError`, one line, for unknown names and for what a muscle can't be.
         """
-        return renewed(self, changes)
+        return replaced(self, changes)
 
     @kept
     def braid(self) -> Braid:
@@ -287,8 +288,7 @@ class Muscle(Module):
         return self._evaluated(collapse_moment_of, gauge(pressure, self.tuning))
 
     def volume(self, strain: Values) -> Batch:
-        """Volume of the fluid inside; the bladder's own is taken off [R17]. Of ends that give, that
-        without a load.
+        """Volume of the fluid inside, without the bladder's own [R17]; where ends give, unloaded.
 
         **Arguments:** `strain`: $\\varepsilon$ [-].
 

@@ -14,6 +14,7 @@ from ..calibrate.after.profiling import Profile
 from ..calibrate.after.trends import ALPHA
 from ..calibrate.after.warned import hysteresis
 from ..files.calibrated import laws_of
+from ..muscle.fitted import holds_at
 from ..plot.style import to_bytes
 from ..units import pretty
 from .page import Page, prose
@@ -227,8 +228,7 @@ def _looked(page: Page, made: Calibration) -> None:
     page.table(["Residuals against", "Found", "Chance of it in noise", ""], rows)
     page.paragraph(
         f"All tests of a record together call noise a trend in {100 * ALPHA:g} % of records."
-        " Trends are those that are left beside what the constants took up, and beside the ones"
-        " above them.",
+        " Trends are those left beside what the constants took up and the ones above them.",
         "note",
     )
     if made.seen.found:
@@ -265,7 +265,7 @@ def _parameters(page: Page, made: Calibration, profiles: Sequence[Profile]) -> N
     page.paragraph(
         "Identifiable: the data alone, the prior taken off, know the parameter within a factor"
         f" of e. The noise of one reading is {float(made.problem.noise):.3g} N. Intervals:"
-        f" {made.intervals}.",
+        f" {made.intervals}. {holds_at(made.muscle)}",
         "note",
     )
 

@@ -95,6 +95,19 @@ def test_a_length_that_does_not_work_is_found():
     assert any(line.startswith("Another active length takes it from") for line in found.reasons)
 
 
+def test_no_more_of_a_muscle_works_than_there_is():
+    # synthetic: of a muscle of 200 mm, said to be 160 mm long: 200 mm would explain it
+    made = record(strain=STRAIN, sigma=1.0)
+    told = Record.of(made.pressure, made.strain * 0.2 / 0.16, made.force, rest_length=0.16)
+    found = find(told, NOMINAL.replace(length=0.16))
+    assert "active_length" not in found.made.names
+    lines = [line for line in found.reasons if line.startswith("Not taken: ")]
+    assert lines and all("in a muscle of 160 mm can't be." in line for line in lines)
+    # fitted by name, or with something known of it, it is said
+    by_name = fit(told, NOMINAL.replace(length=0.16), [*FOUR, "active_length"], whole=False)
+    assert any(line.startswith("active_length is ") for line in by_name.warnings)
+
+
 def test_ends_that_give_are_found_and_named():
     # synthetic: (E8) solved by halving, not by the library; a meter per newton of both ends
     compliance, length = 2e-5, 0.2

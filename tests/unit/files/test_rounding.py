@@ -7,10 +7,12 @@ import pytest
 
 import fascicle as fs
 from fascicle.calibrate import fit
+from fascicle.core.toml import tables
 from fascicle.files import loads, provenance
 from fascicle.files.calibrated import calibrated_text
-from fascicle.files.rounding import as_known
+from fascicle.files.rounding import as_known, told
 from fascicle.records import Record
+from fascicle.units import parse
 
 
 P, EPS = np.linspace(1e5, 4e5, 4), np.linspace(0, 0.12, 12)
@@ -51,6 +53,43 @@ def test_what_was_fitted_has_few_digits_and_degrees(noisy):
     assert angle and radius
     assert max(len(one[1].replace(".", "")) for one in (angle, radius)) <= 6
     assert not re.search(r"\d{8}", text)
+
+
+def test_its_report_has_as_many_digits_as_are_known(noisy):
+    _, made = noisy
+    text = "[calibration]" + calibrated_text(made, "2026-01-02").partition("[calibration]")[2]
+    # but for the coordinates and their covariance, which belong together
+    kept = [one for one in text.splitlines() if not one.startswith(("coordinates", "covariance"))]
+    assert len(kept) < len(text.splitlines())
+    hashes = re.compile(r'sha256 = ".*"')
+    assert not re.search(r"\d{7}", hashes.sub("", "\n".join(kept)))
+    for one, row in zip(
+        made.parameters, tables(text, "m")["calibration"]["parameter"], strict=True
+    ):
+        width = one.high - one.low
+        for name in ("value", "low", "high"):
+            off = parse(row[name], one.dimension) - getattr(one, name)
+            assert abs(off) <= 0.01 * width, name
+
+
+def test_a_fitted_constant_has_the_digits_of_its_interval():
+    assert told(0.1234567, "length", 0.1) == "123 mm"
+    assert told(0.1234567, "length", 1e-3) == "123.46 mm"
+    assert told(0.1234567, "length", 0.0) == "123.4567 mm"
+    assert told(1 / 3, "number", 0.0) == repr(1 / 3)
+
+
+def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
+    text = calibrated_text(noisy[1], "2026-01-02")
+    assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
+    with pytest.warns(UserWarning, match="fitted at a length of 200 mm and has 300 mm now"):
+        loads(text).replace(length=0.3)
+    # whoever writes another length into the file is told as it is read
+    with pytest.warns(UserWarning, match="fitted at a length of 200 mm and has 100 mm now"):
+        loads(text.replace('length = "200 mm"', 'length = "100 mm"', 1))
+    with pytest.raises(ValueError, match=r"m.toml: calibration.fitted_length") as refused:
+        loads(text.replace('fitted_length = "200 mm"', 'fitted_length = "long"'), "m.toml")
+    assert "\n" not in str(refused.value)
 
 
 def test_what_was_given_stays_as_it_was(noisy):

@@ -25,6 +25,9 @@ from .printing import sheet
 from .trends import Looked
 
 
+_AS_CHOSEN = ", of these constants, which are not chosen anew"
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A fitted parameter: its value and 90 % interval [SI unit of the dimension].
@@ -146,9 +149,10 @@ class Calibration:
         """How `parameters` came to their 90 % intervals, in words [-]."""
         boots = self.bootstrapped
         if boots is None:
-            return "quick, by the linear (C3); --intervals bootstrap simulates"
+            return f"quick, by the linear (C3){_AS_CHOSEN}; --intervals bootstrap simulates"
         failed = f", {boots.failed} more broke" if boots.failed else ""
-        return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}"
+        draws = f"{len(boots.values)} draws{failed}"
+        return f"parametric bootstrap of the whole fit, {draws}{_AS_CHOSEN}"
 
     @property
     def correlation(self) -> np.ndarray:

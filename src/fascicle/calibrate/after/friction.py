@@ -30,6 +30,7 @@ _MOST = 3  # springs: the ends of loops hardly tell more
 _CLEAR = 3.0  # standard errors by which a mean width must exceed none
 _APART = 5e-3  # of the largest pressure: closer runs are at one, as `averaged` has it
 _FINELY = 200  # readings of a level at most: ends of loops are short
+_NONE = 5e-3  # of the mean width: what is less than that of it isn't told
 _FINE = 1e-4  # of the width: an error that small is none, and no reason for another spring
 
 
@@ -67,10 +68,13 @@ class Friction:
         """The same in a sentence or two [-]."""
         if self.law is None:
             return "No friction to tell from noise: both branches are one."
-        many, rise = len(self.told), self.half_width(1e5) - self.half_width(0.0)
+        many, still = len(self.told), self.half_width(0.0)
+        rise, clear = self.half_width(1e5) - still, _NONE * float(np.mean(self.width))
+        # at 10 bar, more than any record holds, a rise may matter that doesn't at one
+        parts = [f"{still:.3g} N"] * (still > clear) + [f"{rise:.3g} N/bar"] * (10 * rise > clear)
         line = (
             f"Friction: {many} sliding spring{'s' if many > 1 else ''}, together"
-            f" {self.half_width(0.0):.3g} N + {rise:.3g} N/bar either way, of which loops'"
+            f" {' + '.join(parts)} either way, of which loops'"
             f" widths err by {self.rmse:.3g} N."
         )
         if not all(self.told):

@@ -19,6 +19,7 @@ def sheet(made: Any) -> Sheet:
         ("fitted to", f"{made.points} readings{clipped}"),
         ("error, rms", f"{made.rmse:.3g} N, {100 * made.relative_rmse:.2g} % of the largest force"),
         ("best start", made.status),
+        ("intervals", made.intervals),
     ]
     rows = [
         [

@@ -17,6 +17,8 @@ _WIDER = 1.05  # from here on an interval is called wider
 _FEWEST = 3  # pressures, for residuals to go with them
 _CLEAR = 4.0  # deviations of a reading, from which a difference of two is told
 _TOLD = 3  # strains at which residuals' signs are told
+_CALIPERS = 0.1  # of a size: more than that nobody errs who measures it
+_TINY = 1e-12  # a chance below that is none: nobody's noise is so normal
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 
@@ -151,7 +153,7 @@ def _noise(made: "Calibration") -> list[str]:
     lines = [
         f"Residuals follow {trend.along}: a smooth curve along it explains"
         f" {100 * trend.share:.3g} % of their squares (chance of that in noise:"
-        f" {trend.chance:.1g}). That is the model's own error, or the gauge's, not noise."
+        f" {_chance(trend.chance)}). That is the model's own error, or the gauge's, not noise."
         for trend in seen.found
     ]
     lines += [
@@ -229,7 +231,32 @@ def _use(made: "Calibration") -> list[str]:
             f"The fitted muscle is {pretty(length, 'length')} long: its contractions refer to that,"
             f" the record's to {_rest(made)}."
         )
+    return lines + _sizes(made)
+
+
+def _sizes(made: "Calibration") -> list[str]:
+    """Sizes that were fitted, and aren't those that were measured: they make up for something."""
+    given, lines = made.start, []
+    rest = made.record.rest_length or float(given.length)
+    for one in made.parameters:
+        # an active length may be shorter than what lies between the fittings, never longer
+        real = {"active_length": rest}.get(one.name, getattr(given, one.name, None))
+        if real is None or not one.identifiable or one.dimension not in ("length", "angle"):
+            continue
+        longer, shorter = one.low > (1 + _CALIPERS) * real, one.high < (1 - _CALIPERS) * real
+        if longer or (shorter and one.name != "active_length"):
+            value, known = (pretty(x, one.dimension, 3) for x in (one.value, float(real)))
+            lines.append(
+                f"{one.name} is {value}, given as {known}, its whole interval more than"
+                f" {100 * _CALIPERS:g} % off: it makes up for what the law lacks, and is no"
+                " measured size."
+            )
     return lines
+
+
+def _chance(chance: float) -> str:
+    """A chance in words that claim no more than is computed."""
+    return f"{chance:.1g}" if chance > _TINY else f"below {_TINY:.0g}"
 
 
 def hysteresis(made: "Calibration") -> str:

@@ -16,7 +16,7 @@ from ...muscle.materials import MooneyRivlin
 from ..problem.parameters import RUBBER, of_muscle
 
 
-BAND, WALL = "dead_band", "wall_thickness"
+BAND, WALL, ACTIVE = "dead_band", "wall_thickness", "active_length"
 _ROUNDS = 4  # of taking one more, or one less
 
 Names = tuple[str, ...]

@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core.refused import Refused
+from ...units import pretty
 
 
 ALIKE = 0.02  # of the least left-out error beyond noise: candidates that near it are as good
 _DEVIATIONS = 1.0  # of a difference: the one-standard-error rule, Breiman et al. (1984)
 _OUTLIER = 3.0  # of the usual error: what a robust fit leaves counts no more
+_LONGER = 1.02  # of the length between the fittings: a ruler's error, generously
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
 JUDGED = (
@@ -50,16 +52,20 @@ class Candidate:
 @dataclass(frozen=True, eq=False)
 class Trial:
     """A `candidate` and its errors where it was left out, reading by reading [N]; NaN for those
-    that are clipped.
+    that are clipped. `impossible`: why no muscle can be so [-], empty where one can.
     """
 
     candidate: Candidate
     unseen: np.ndarray
+    impossible: str = ""
 
     @property
     def judged(self) -> bool:
-        """Whether it can be chosen [-]: something is fitted, and could be left out."""
-        return self.candidate.constants > 0 and bool(np.isfinite(self.candidate.left_out_rmse))
+        """Whether it can be chosen [-]: a muscle can be so, something is fitted, and it could be
+        left out.
+        """
+        fitted = self.candidate.constants > 0 and bool(np.isfinite(self.candidate.left_out_rmse))
+        return fitted and not self.impossible
 
 
 def trial(
@@ -72,12 +78,14 @@ def trial(
     loss: str,
     top: float,
     readings: str = "pulling",
+    impossible: str = "",
 ) -> Trial:
     """What was tried, with the size of its errors.
 
     **Arguments:**
 
     - `label`, `names`, `method`, `constants`, `readings`: as `Candidate` [-].
+    - `impossible`: as `Trial` [-].
     - `errors`: where it was fitted, reading by reading [N]; NaN for clipped ones.
     - `unseen`: where it was left out, in the same way [N].
     - `loss`: of the fits [-].
@@ -87,7 +95,17 @@ def trial(
     """
     rmse, left = judged(errors, loss), judged(unseen, loss)
     of = Candidate(label, names, method, constants, rmse, left, rmse / top, left / top, readings)
-    return Trial(of, unseen)
+    return Trial(of, unseen, impossible)
+
+
+def too_long(active: float, rest: float) -> str:
+    """Why no muscle of the length `rest` [m] between its fittings has such an `active` one [m];
+    empty where it can [-].
+    """
+    if active <= _LONGER * rest:
+        return ""
+    found, whole = pretty(active, "length"), pretty(rest, "length")
+    return f"an active length of {found} in a muscle of {whole}"
 
 
 def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
@@ -152,7 +170,15 @@ def reasons(trials: Sequence[Trial], best: Trial, parts: str = "pressures") -> t
     """Why the `best` [-] of `trials` [-] was taken, a line each; `parts` are what was left out."""
     tried = [one.candidate for one in trials if one.judged]
     first, second, *more = _reasons(tried, best.candidate)
-    return (first, second, *differences(trials, best), *more, JUDGED.format(parts=parts))
+    so = JUDGED.format(parts=parts)
+    return (first, second, *differences(trials, best), *impossible(trials), *more, so)
+
+
+def impossible(trials: Sequence[Trial]) -> Iterator[str]:
+    """What of the `trials` [-] couldn't be taken, though it may err less, a line each."""
+    for one in trials:
+        if one.impossible:
+            yield f"Not taken: {one.candidate.label}: {one.impossible} can't be."
 
 
 def differences(trials: Sequence[Trial], best: Trial) -> Iterator[str]:

@@ -31,9 +31,9 @@ from ..data.taking import TELLING, Taken, pulling_of, taken
 from ..problem.beginning import STARTS, Prior, Search, begun, on_length
 from ..problem.linear import linear
 from ..problem.misfit import LOSSES
-from ..problem.parameters import named
+from ..problem.parameters import named, put
 from ..problem.searching import places_of, settled
-from .candidates import WALL, grown, sets, widened, with_laws
+from .candidates import ACTIVE, WALL, grown, sets, widened, with_laws
 from .choosing import (
     AS_GIVEN,
     TUNING,
@@ -41,8 +41,10 @@ from .choosing import (
     Trial,
     chosen,
     differences,
+    impossible,
     marked,
     reasons,
+    too_long,
     trial,
 )
 from .fitting import fitted
@@ -119,6 +121,7 @@ def find(
     told = (
         f"Where the muscle pulls {best.candidate.label} is best.",
         *differences(trials, best),
+        *impossible(trials),
         *reasons(last, end, parts(of.data)),
     )
     every = (*marked(trials, best), *marked(last, end))
@@ -187,18 +190,22 @@ def _constants(
 ) -> Trial:
     """A set of constants; where it ended is noted in `near`, for the next to begin from."""
     problem, _ = begun(of, muscle, names or ("braid_angle",), priors, search)
-    every = np.asarray(problem.center)
+    every, wrong = np.asarray(problem.center), ""
     if names:
         problem, _, every, _ = settled(problem, problem.whole(places_of(problem, search)), None)
-        names_there = [one.name for one in problem.fitted]
-        near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
+        if ACTIVE in names and ACTIVE not in priors:
+            found = put(problem.fitted, problem.muscle, every[problem.chosen])
+            wrong = too_long(float(found.length), of.record.rest_length or float(muscle.length))
+        if not wrong:
+            names_there = [one.name for one in problem.fitted]
+            near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
     else:
         problem = replace(problem, free=np.zeros(len(problem.parameters), dtype=bool))
     force = linear(problem, every).force
     unseen = np.full(force.shape, np.nan) if names else force
     for fold in folds(problem.data) if names else ():
         unseen[fold] = without(problem, every, fold)[fold]
-    return _trial(of, names, "constants", len(names), force, unseen, search.loss)
+    return _trial(of, names, "constants", len(names), force, unseen, search.loss, wrong)
 
 
 def _tuning(of: Taken, muscle: Muscle, loss: str) -> list[Trial]:
@@ -232,8 +239,9 @@ def _trial(
     force: np.ndarray,
     unseen: np.ndarray,
     loss: str,
+    wrong: str = "",
 ) -> Trial:
     label = ", ".join(names) or (AS_GIVEN if method == "constants" else TUNING)
     strain, top = np.asarray(of.data.strain), largest_force(of.record)
     errors, left = of.errors(force, strain), of.errors(unseen, strain)
-    return trial(label, names, method, constants, errors, left, loss, top)
+    return trial(label, names, method, constants, errors, left, loss, top, impossible=wrong)

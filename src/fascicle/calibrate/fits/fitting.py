@@ -14,6 +14,7 @@ import numpy as np
 
 from ...core.refused import Refused
 from ...muscle import Muscle
+from ...muscle.fitted import OF_ENDS, remembering
 from ...muscle.tuning import Tuning
 from ...records.record import Record
 from ..after.calibration import Calibration
@@ -135,8 +136,9 @@ def concluded(
     if readings is not None and _pressed(data):
         muscle = _with_tables(muscle, readings)
     shape = np.shape(trimmed(data).count)
+    fits_ends = not OF_ENDS.isdisjoint(one.name for one in problem.fitted)
     made = Calibration(
-        muscle=muscle,
+        muscle=remembering(muscle, float(muscle.length), fits_ends),
         start=start,
         taken=of,
         method="constants" if readings is None else "tuning",

@@ -14,7 +14,8 @@ from ..data.grid import trimmed
 from ..data.taking import Taken
 from ..problem.beginning import Prior, Search
 from ..problem.parameters import FACTORS
-from .choosing import AS_GIVEN, TUNING, Trial, trial
+from .candidates import ACTIVE
+from .choosing import AS_GIVEN, TUNING, Trial, too_long, trial
 from .fitting import fitted
 
 
@@ -52,16 +53,22 @@ def resisting(
         # the next begin where this one ended: few other places are enough
         search = replace(search, starts=min(search.starts, _STARTS))
         near.update(zip(made.names, made.coordinates.tolist(), strict=True))
-        trials.append(_trial(label, free, made))
+        wrong = ""
+        if ACTIVE in free and ACTIVE not in given:
+            rest = of.record.rest_length or float(muscle.length)
+            wrong = too_long(float(made.muscle.length), rest)
+        trials.append(_trial(label, free, made, wrong))
         fits.append(made)
+    if all(one.impossible for one in trials):  # nothing else to take: the fit's warnings say it
+        trials = [replace(one, impossible="") for one in trials]
     return trials, fits
 
 
-def _trial(label: str, names: tuple[str, ...], made: Calibration) -> Trial:
+def _trial(label: str, names: tuple[str, ...], made: Calibration, wrong: str) -> Trial:
     of = made.taken
     unseen = of.errors(left_out_force(made), np.asarray(trimmed(of.data).strain))
     constants = len(names) + (0 if made.readings is None else made.readings.order + 3)
     return trial(
         label, names, made.method, constants, made.errors, unseen,
-        made.problem.loss, largest_force(made.record), "all",
+        made.problem.loss, largest_force(made.record), "all", wrong,
     )  # fmt: skip

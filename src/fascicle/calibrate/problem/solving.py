@@ -161,7 +161,7 @@ def in_words(solutions: Solutions) -> list[str]:
         zip(solutions.cost.tolist(), solutions.status.tolist(), solutions.steps.tolist(),
             strict=True), start=1
     ):  # fmt: skip
-        how = f"start {i}: {_WORDS[status]} ({steps} steps)"
+        how = f"start {i}: {_WORDS[status]} ({steps} step{'' if steps == 1 else 's'})"
         if status != BROKE:
             # two ends are one minimum if no data could tell them apart
             same = cost - best < _SAME

@@ -1,0 +1,73 @@
+"""What a muscle remembers of the length at which it was fitted."""
+
+import copy
+import warnings
+
+import jax
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.muscle.fitted import elsewhere, remembering
+
+
+SIZES = (0.15, 6e-3, 1e-3, np.radians(25))
+
+
+def fitted(ends=False):
+    return remembering(fs.Muscle(*SIZES), 0.15, ends)
+
+
+def test_another_length_warns_with_both_lengths():
+    with pytest.warns(UserWarning, match="fitted at a length of 150 mm and has 300 mm now") as told:
+        longer = fitted().replace(length=0.3)
+    assert "304 N at 83 mm and 441 N at 382 mm" in str(told[0].message)
+    # what else is changed of it says nothing again, and back at its length there is nothing to say
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        thinner = longer.replace(wall_thickness=8e-4)
+        assert elsewhere(thinner) and not elsewhere(thinner.replace(length=0.15))
+
+
+def test_ends_that_were_fitted_are_told_apart():
+    with pytest.warns(UserWarning, match="300 mm now, its ends too: one length tells them"):
+        fitted(ends=True).replace(length=0.3)
+
+
+@pytest.mark.parametrize("length", [0.15, 0.1525, 0.1475])
+def test_the_same_length_within_a_rulers_error_says_nothing(length):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fitted().replace(length=length)
+
+
+def test_one_of_many_lengths_is_enough():
+    with pytest.warns(UserWarning, match="has 150 mm to 200 mm now"):
+        fitted().replace(length=np.array([0.15, 0.2]))
+
+
+def test_it_is_no_part_of_the_muscle():
+    plain, other = fs.Muscle(*SIZES), fitted()
+    assert plain == other and repr(plain) == repr(other)
+    assert jax.tree.structure(plain) == jax.tree.structure(other)
+    assert not elsewhere(copy.deepcopy(other).replace(length=0.3))  # as all that is kept beside it
+
+
+def test_a_muscle_that_was_not_fitted_has_any_length():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fs.Muscle(*SIZES).replace(length=0.3)
+
+
+def test_traced_lengths_are_the_callers():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jax.jit(lambda length: fitted().replace(length=length).force(1e5, 0.1))(0.3)
+
+
+def test_the_forces_that_are_quoted_are_like_those_of_a_law_for_such_muscles():
+    # Bolen's law is a fit to muscles of that kind: both within 5 %, and their ratio within 3 %
+    law = [float(fs.Muscle(L, *SIZES[1:], tension="bolen").force(620e3, 0)) for L in (0.083, 0.382)]
+    np.testing.assert_allclose(law, [304, 441], rtol=0.05)
+    np.testing.assert_allclose(law[1] / law[0], 441 / 304, rtol=0.03)
+    assert [round(x) for x in law] == [292, 434]
