@@ -9,7 +9,7 @@ $$\int_0^1 \tfrac12 \theta'^2 \bigl(1 - \tfrac32 \zeta + \tfrac58 \zeta^2\bigr)
 
 stationary at a given shortening $w$; the multiplier of the chord is the load $n$. Slopes are
 sines and ovality is cosines, each state is found by Newton's method from the one before, and the
-load is a spline over $w$. Walls that touch are held by a spring three thousand times $\alpha$.
+load is a spline over $w$. Walls that touch are held by a spring $10^4$ times $\alpha$.
 
 What it depends on is $\alpha, \beta, \gamma, \zeta_t$: each state's derivatives by them come from
 the same equations, and go along with the numbers, first ones only.
@@ -32,8 +32,9 @@ from ...core.types import Batch
 _SINES, _COSINES, _POINTS = 24, 40, 112
 _FARTHEST, _NODES = 0.66, 45  # past all strains of the domain
 STEP = _FARTHEST / (_NODES - 1)  # of w, from node to node
-_STEPS = 9
-_HARD = 3000.0  # times α: walls sink by a thousandth of what they have come
+_STEPS = 30  # at most: where walls begin to touch one place after another, it takes a dozen
+_DONE = 1e-9  # of the largest number of a state
+_HARD = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
 _LONGEST = 0.25  # of a slope, in a step
 
 
@@ -133,19 +134,24 @@ def _followed(at_work: Any, P: Any) -> tuple[Any, Any]:
 def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
     """The state at a shortening `w` from one nearby, moved on to the next; what is kept of it."""
 
-    def step(_: Any, x: Any) -> Any:
+    def step(x: Any) -> Any:
         value, slopes = _residual(at_work, P, x, w)
         move = at_work.linalg.solve(slopes, value[..., None])[..., 0]
         long = at_work.max(at_work.abs(move[..., :_SINES]), axis=-1, keepdims=True)
         return x - move * at_work.minimum(1.0, _LONGEST / at_work.maximum(long, 1e-300))
 
+    def on(state: Any) -> Any:
+        i, x, before = state
+        moving = at_work.abs(x - before) >= _DONE * at_work.max(at_work.abs(x), -1, keepdims=True)
+        return (i < _STEPS) & at_work.any(moving)
+
+    state = (1, step(x), x)
     if at_work is jnp:
-        x = jax.lax.fori_loop(0, _STEPS, step, x)
+        x = jax.lax.while_loop(on, lambda state: (state[0] + 1, step(state[1]), state[1]), state)[1]
     else:
-        for i in range(_STEPS):
-            before, x = x, step(i, x)
-            if np.max(np.abs(x - before)) < 1e-9 * np.max(np.abs(x)):
-                break
+        while on(state):
+            state = (state[0] + 1, step(state[1]), state[1])
+        x = state[1]
     _, slopes = _residual(at_work, P, x, w)
     by = at_work.linalg.solve(slopes, _by_numbers(at_work, P, x))
     basis, root = _basis(), at_work.sqrt(w)
