@@ -25,11 +25,17 @@ def told_by_strain(muscles: Iterable[Muscle]) -> None:
                 " stretch let it swell by isn't in it.",
                 stacklevel=3,
             )
-        give = getattr(muscle.ends, "end_compliance", 0.0)
+        give = muscle.ends.compliance
         if concrete(give) and np.any(np.asarray(give) > 0):
-            rule = "must be 0 where fluid is counted by strain alone"
-            remedy = "`conjugate_volume` tells it of one muscle at its pressure"
-            raise Refused("end_compliance", rule, float(np.max(np.asarray(give))), remedy)
+            raise Refused(
+                "end_compliance",
+                "must be 0 where strain alone says what fluid a muscle takes in, as for"
+                " efficiencies, designs and the least fluid",
+                float(np.max(np.asarray(give))),
+                "leave it out there; simulations and `conjugate_volume` count fluid at its"
+                " pressure",
+                shown=f"{1e6 * float(np.max(np.asarray(give))):g} mm/kN",
+            )
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:

@@ -11,7 +11,7 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated
 
 import typer
@@ -100,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
-    warnings.showwarning = _warn
+    warnings.showwarning = _warner()
     with not_dropped():
         code, message = _run(given)
         unheard_at_exit()
@@ -123,9 +123,16 @@ def _open_streams() -> None:
             setattr(sys, name, open(number, mode, closefd=False))  # noqa: SIM115 for good
 
 
-def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    """Say a warning in one line, as a command's errors are said."""
-    _say(f"warning: {message}")
+def _warner() -> Callable[..., None]:
+    """What says each of a command's warnings once, in one line, as its errors are said."""
+    said: set[str] = set()
+
+    def warn(message: Warning | str, *_: object, **__: object) -> None:
+        if str(message) not in said:
+            said.add(str(message))
+            _say(f"warning: {message}")
+
+    return warn
 
 
 def _say(line: str) -> None:

@@ -60,6 +60,11 @@ class Compliant(AbstractEnds):
         "of both ends in series with the bladder",
     ).field()  # fmt: skip
 
+    @property
+    def compliance(self) -> Batch:
+        """$c$ [m/N]."""
+        return self.end_compliance
+
     def stretch(self, length: BatchLike) -> Batch:
         """$s$ [-] of a muscle of `length` $L_0$ [m]."""
         return length / (length - self.inactive_length)

@@ -20,9 +20,14 @@ Tension = Any  # the tuned one, which asks these
 
 
 class AbstractEnds(AbstractLaw):
-    """The ends of a muscle; `gives`: whether the bladder's strain depends on its force."""
+    """The ends of a muscle; `gives`: whether the bladder's strain may depend on its force."""
 
     gives: ClassVar[bool] = True
+
+    @property
+    @abc.abstractmethod
+    def compliance(self) -> Batch:
+        """By how much both ends together give [m/N]."""
 
     @abc.abstractmethod
     def stretch(self, length: BatchLike) -> Batch:

@@ -14,6 +14,11 @@ class Rigid(AbstractEnds):
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
     gives: ClassVar[bool] = False
 
+    @property
+    def compliance(self) -> Batch:
+        """None [m/N]."""
+        return 0.0
+
     def stretch(self, length: BatchLike) -> Batch:
         """1 [-] at any `length` [m]."""
         del length

@@ -6,12 +6,7 @@
 from typing import ClassVar
 
 from ...core.types import Batch
-from .bolen_law import AbstractBolen, bolen_constants
-
-
-# the last one, the largest strain, is the muscle's own: 0.149 to 0.175 in muscles of 153 to
-# 281 mm (Hunt et al. 2017, as that code quotes it)
-_OF = bolen_constants(0.5682, 4.254, 0.5597, 0.4895, 0.03068, 0.17)
+from .bolen_law import AbstractBolen, bolen_constant
 
 
 class Bolen(AbstractBolen):
@@ -22,10 +17,11 @@ class Bolen(AbstractBolen):
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
     made_for: ClassVar[str] = "Festo muscles of 10 mm"
 
-    bladder_share: Batch = _OF["bladder_share"].field()
-    bladder_rate: Batch = _OF["bladder_rate"].field()
-    pressure_rate: Batch = _OF["pressure_rate"].field()
-    largest_strain: Batch = _OF["largest_strain"].field()
-    force_scale: Batch = _OF["force_scale"].field()
-    length_scale: Batch = _OF["length_scale"].field()
-    end_length: Batch = _OF["end_length"].field()
+    bladder_share: Batch = bolen_constant("bladder_share", 0.5682).field()
+    bladder_rate: Batch = bolen_constant("bladder_rate", 4.254).field()
+    pressure_rate: Batch = bolen_constant("pressure_rate", 0.5597).field()
+    # the muscle's own: 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
+    largest_strain: Batch = bolen_constant("largest_strain", 0.17).field()
+    force_scale: Batch = bolen_constant("force_scale", 0.4895).field()
+    length_scale: Batch = bolen_constant("length_scale", 1 / 0.03068).field()
+    end_length: Batch = bolen_constant("end_length", 7.5e-3).field()

@@ -6,11 +6,7 @@
 from typing import ClassVar
 
 from ...core.types import Batch
-from .bolen_law import AbstractBolen, bolen_constants
-
-
-# the last one, the largest strain, is the muscle's own: a quarter, as that code takes it
-_OF = bolen_constants(0.2579, 6.477, 1.321, 1.4877, 0.0248, 0.25)
+from .bolen_law import AbstractBolen, bolen_constant
 
 
 class Bolen20(AbstractBolen):
@@ -21,10 +17,11 @@ class Bolen20(AbstractBolen):
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
     made_for: ClassVar[str] = "Festo muscles of 20 mm"
 
-    bladder_share: Batch = _OF["bladder_share"].field()
-    bladder_rate: Batch = _OF["bladder_rate"].field()
-    pressure_rate: Batch = _OF["pressure_rate"].field()
-    largest_strain: Batch = _OF["largest_strain"].field()
-    force_scale: Batch = _OF["force_scale"].field()
-    length_scale: Batch = _OF["length_scale"].field()
-    end_length: Batch = _OF["end_length"].field()
+    bladder_share: Batch = bolen_constant("bladder_share", 0.2579).field()
+    bladder_rate: Batch = bolen_constant("bladder_rate", 6.477).field()
+    pressure_rate: Batch = bolen_constant("pressure_rate", 1.321).field()
+    # the muscle's own: a quarter, as that code takes it
+    largest_strain: Batch = bolen_constant("largest_strain", 0.25).field()
+    force_scale: Batch = bolen_constant("force_scale", 1.4877).field()
+    length_scale: Batch = bolen_constant("length_scale", 1 / 0.0248).field()
+    end_length: Batch = bolen_constant("end_length", 7.5e-3).field()

@@ -29,30 +29,29 @@ from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
 _HIGHEST = 620e3  # Pa, P_m
 _SOURCE = "Agile and Adaptive Robotics laboratory, public code"
 _DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)
+# symbol, dimension, the code's unit over SI's, bounds, what it is
+_SEVEN = {
+    "bladder_share": ("a_0", "number", 1.0, _DIMENSIONLESS,
+                      "of the largest force, that the bladder takes"),
+    "bladder_rate": ("a_1", "number", 1.0, _DIMENSIONLESS, "of the bladder's rise"),
+    "pressure_rate": ("a_3", "number", 1.0, _DIMENSIONLESS, "of the mesh's fall"),
+    "largest_strain": (r"\varepsilon_m", "number", 1.0, (0.01, 0.05, 0.4, 0.6),
+                       "at 620 kPa, measured"),
+    "force_scale": (r"F_\infty", "force", _HIGHEST / 1e3, (1e-2, 1.0, 1e5, 1e6),
+                    "of the largest force"),
+    "length_scale": ("l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
+                     "over which the largest force rises"),
+    "end_length": ("l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "of a muscle that holds nothing"),
+}  # fmt: skip
 
 
-def bolen_constants(
-    a0: float, a1: float, a3: float, newtons: float, per_length: float, strain: float
-) -> dict[str, Constant]:
-    """The seven by name [-]: `a0`, `a1`, `a3` [-], `newtons` [N/kPa] and `per_length` [1/(kPa·m)]
-    of the largest force as published, and the largest `strain` [-].
+def bolen_constant(name: str, published: float) -> Constant:
+    """One of the seven by its `name` [-], `published` [-] in SI units, but for the largest
+    force over kPa, and its length times kPa.
     """
-    kPa = _HIGHEST / 1e3
-    rows = (
-        ("bladder_share", "a_0", "number", _DIMENSIONLESS, POSITIVE, a0,
-         "of the largest force, that the bladder takes"),
-        ("bladder_rate", "a_1", "number", _DIMENSIONLESS, POSITIVE, a1, "of the bladder's rise"),
-        ("pressure_rate", "a_3", "number", _DIMENSIONLESS, POSITIVE, a3, "of the mesh's fall"),
-        ("largest_strain", r"\varepsilon_m", "number", (0.01, 0.05, 0.4, 0.6), POSITIVE, strain,
-         "at 620 kPa, measured"),
-        ("force_scale", r"F_\infty", "force", (1e-2, 1.0, 1e5, 1e6), POSITIVE, kPa * newtons,
-         "of the largest force"),
-        ("length_scale", "l_1", "length", (1e-4, 1e-3, 1.0, 10.0), POSITIVE,
-         1 / (kPa * per_length), "over which the largest force rises"),
-        ("end_length", "l_0", "length", (0.0, 0.0, 0.1, 1.0), from_zero(5e-3), 7.5e-3,
-         "of a muscle that holds nothing"),
-    )  # fmt: skip
-    return {row[0]: Constant(*row, _SOURCE) for row in rows}
+    symbol, dimension, unit, bounds, about = _SEVEN[name]
+    scale = POSITIVE if bounds[0] > 0 else from_zero(5e-3)
+    return Constant(name, symbol, dimension, bounds, scale, published * unit, about, _SOURCE)
 
 
 class AbstractBolen(AbstractTension):
