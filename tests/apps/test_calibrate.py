@@ -11,6 +11,7 @@ import fascicle as fs
 from fascicle import records
 from fascicle.cli import main
 from fascicle.files import provenance
+from fascicle.muscle import LAWS
 
 
 TEN = "kim2021_slenderness_10"
@@ -161,6 +162,12 @@ def test_help_lists_every_name_that_a_fit_takes(fascicle):
         assert listed.count(name) == 1, name
 
 
+def test_each_kind_of_law_has_an_option(fascicle):
+    _, told, _ = fascicle("calibrate", "--help")
+    for kind in LAWS:
+        assert f"--{kind.replace('_', '-')} LAW" in told
+
+
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")
@@ -219,6 +226,7 @@ def test_without_a_muscle_one_line_names_the_missing_sizes(refused, folder):
         (["--muscle", "kim2021_bundle_1_1"], "a bundle, not a muscle"),
         (["--muscle", TEN, "--length", "127"], "`--length` must be a length"),
         (["--muscle", TEN, "--collapse", "nobody"], "--collapse 'nobody' is unknown"),
+        (["--muscle", TEN, "--ends", "loose"], "--ends 'loose' is unknown"),
         (["--muscle", TEN, "--fit", "c10,c11"], "--fit 'c11' is unknown: did you mean 'c10'?"),
         (["--muscle", TEN, "--fit", ""], "--fit '' is unknown"),
         (["--muscle", TEN, "--prior", "c10"], "--prior 'c10': write NAME=VALUE"),

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..core.sheet import Sheet, short, sized, spread_over
+from ..muscle.laws import LAWS, said
 from ..muscle.printing import material, tuned, words
 from ..units import exact, pretty
 
@@ -166,5 +167,5 @@ def _of(strain: float) -> str:
 
 
 def _laws(muscle: Any) -> str:
-    parts = (muscle.tension, muscle.buckling, muscle.collapse, muscle.post_collapse)
-    return ", ".join(words(law) for law in parts)
+    laws = {kind: getattr(muscle, kind) for kind in LAWS}
+    return ", ".join(words(law) for kind, law in laws.items() if said(kind, law))

@@ -11,13 +11,12 @@ from typing import Any
 
 from ..bundle import Bundle
 from ..bundle.alike import unlike
-from ..core.checks import concrete
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain
-from .pair import checked_name, write_pair
+from .pair import checked_bundle, checked_name, write_pair
 from .template import header, source
 
 
@@ -35,28 +34,25 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
     `ModuleNotFoundError` where CasADi is missing.
     """
     checked_name(name)
-    bundle = isinstance(target, Bundle)
-    if not bundle and not isinstance(target, Muscle):
-        raise Refused("target", "must be a Muscle or a Bundle", target)
-    units = list(target.motor_units) if bundle else []
-    muscles = [unit.muscle for unit in units] if bundle else [target]
-    if not concrete(target) or any(not muscle._is_single for muscle in muscles):
-        raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
+    bundle = checked_bundle(target)
+    units = bundle.motor_units
+    muscles = [unit.muscle for unit in units]
     for muscle in muscles:
         if not muscle.buckling.symbolic:
-            rule, remedy = "can't be written in C", "take elastica or kim2021"
+            rule = "can't be written in C"
+            remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
             raise Refused("buckling", rule, muscle.buckling.name, remedy)
     kept, kinds = unlike(muscles)
     written, room = _laws([muscles[i] for i in kept], name)
     ratios = [1.0] * len(muscles)
-    if bundle and target.ratios is not None:
-        ratios = [float(ratio) for ratio in target.ratios]
+    if bundle.ratios is not None:
+        ratios = [float(ratio) for ratio in bundle.ratios]
     numbers = {
         "name": name,
         "guard": name.upper(),
         "units": len(muscles),
         "kinds": kinds,
-        "counts": [int(unit.count) for unit in units] if bundle else [1],
+        "counts": [int(unit.count) for unit in units],
         "ratios": ratios,
         "lowest": max(
             1 - (1 - lowest_strain(*lowest_of(muscle))) / ratio
@@ -66,7 +62,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "highest": HIGHEST_PRESSURE,
         "room": room,
         "laws": written,
-        "bundle": bundle,
+        "bundle": isinstance(target, Bundle),
     }  # fmt: skip
     return header(numbers), source(numbers)
 

@@ -1,10 +1,13 @@
-"""A header and its source: the name that both begin with, and where they are written."""
+"""What is written as a header and its source: of what, by which name, and where."""
 
 import re
 from pathlib import Path
 
+from ..bundle import Bundle, MotorUnit
+from ..core.checks import concrete
 from ..core.refused import Refused
 from ..core.types import Values
+from ..muscle import Muscle
 
 
 def checked_name(name: str) -> str:
@@ -13,6 +16,16 @@ def checked_name(name: str) -> str:
         rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
         raise Refused("name", rule, None, f"{remedy}, got {name[:40]!r}")
     return name
+
+
+def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> Bundle:
+    """A `target` [-] as a bundle [-]; arrays, and what isn't of these `kinds` [-], are refused."""
+    if not isinstance(target, Muscle | Bundle):
+        raise Refused("target", f"must be {kinds}", target)
+    bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
+    if not concrete(target) or any(not unit.muscle._is_single for unit in bundle.motor_units):
+        raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
+    return bundle
 
 
 def write_pair(texts: tuple[str, str], folder: Values, name: str) -> tuple[Path, Path]:

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..bundle import Bundle, MotorUnit
+from ..bundle import Bundle
 from ..bundle.alike import unlike
 from ..control import Cascade
-from ..core.checks import concrete, one_of
+from ..core.checks import one_of
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
 from ..core.types import Values
@@ -26,7 +26,7 @@ from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, off_the_law
 from .controlling import on_table
 from .controlling import words as controls
-from .pair import checked_name, write_pair
+from .pair import checked_bundle, checked_name, write_pair
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -129,12 +129,8 @@ def tabulated(
         plant = made.plant
         top = np.max(plant.muscles.highest_pressure)
         return tabulated(plant.bundles[0], precision, top, shape)._replace(controller=made)
-    if not isinstance(target, Muscle | Bundle):
-        raise Refused("target", "must be a Muscle or a Bundle, or a Cascade", target)
-    bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
+    bundle = checked_bundle(target, "a Muscle or a Bundle, or a Cascade")
     units = bundle.motor_units
-    if not concrete(target) or any(not unit.muscle._is_single for unit in units):
-        raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
     if highest_pressure is None:
         supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply

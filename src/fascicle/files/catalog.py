@@ -174,11 +174,10 @@ def _muscle(section: ProductSection, own: Muscle, length: float) -> Muscle:
         radius = inner / (1 - ratio) if wall is None else inner + wall
     else:
         radius = section.outer_radius or 0.5 * (section.outer_diameter or 0.0)
-    return Muscle(
-        length, radius, ratio * radius if wall is None else wall,
-        float(own.braid_angle) if section.braid_angle is None else section.braid_angle,
-        own.material, own.tension, own.buckling, own.collapse, own.post_collapse,
-        own.transition_rate, own.tuning,
+    return own.replace(
+        length=length, outer_radius=radius,
+        wall_thickness=ratio * radius if wall is None else wall,
+        braid_angle=float(own.braid_angle) if section.braid_angle is None else section.braid_angle,
     )  # fmt: skip
 
 

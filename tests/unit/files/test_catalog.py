@@ -51,6 +51,15 @@ def test_a_product_of_two_lengths_is_two_drawings():
     assert any("wall, braid angle, rubber and laws are taken" in note for note in file.notes)
 
 
+def test_a_product_has_all_of_its_drawings_laws(tmp_path):
+    ends = fs.ends.Compliant(inactive_length=4e-3)
+    own = fs.example("kim2021_figure_6").replace(ends=ends, buckling="kim2021_series")
+    fs.save(own, tmp_path / "own.toml")
+    (tmp_path / "task.toml").write_text(PLAIN.replace("kim2021_figure_6", "own.toml") + THIN)
+    for muscle in load_task(tmp_path / "task.toml").space.drawings.values():
+        assert muscle.ends == ends and muscle.buckling == own.buckling
+
+
 def test_a_catalog_of_one_table_and_of_diameters():
     table = '[design.catalog]\nname = "a"\ninner_diameter = "20 mm"\nwall_thickness = "2 mm"\n'
     (muscle,) = loads_task(PLAIN + table).space.drawings.values()

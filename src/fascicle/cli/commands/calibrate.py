@@ -115,6 +115,7 @@ Tension = Annotated[str | None, _option("Law of tension.", "--tension", metavar=
 Buckling = Annotated[str | None, _option("Law of buckling.", "--buckling", metavar="LAW")]
 Collapse = Annotated[str | None, _option("Law of collapse.", "--collapse", metavar="LAW")]
 After = Annotated[str | None, _option("Law past collapse.", "--post-collapse", metavar="LAW")]
+Ends = Annotated[str | None, _option("Law of the ends.", "--ends", metavar="LAW")]
 Loss = Annotated[str, typer.Option("--loss", help="linear, or against outliers soft_l1 or cauchy.")]
 Weights = Annotated[
     str, typer.Option("--weights", help="uniform, or level: each pressure counts the same.")
@@ -183,6 +184,7 @@ def run(
     buckling: Buckling = None,
     collapse: Collapse = None,
     post_collapse: After = None,
+    ends: Ends = None,
     loss: Loss = "linear",
     weights: Weights = "uniform",
     starts: Starts = 4,
@@ -203,7 +205,7 @@ def run(
         {"length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
          "braid_angle": braid_angle},
         {"material": material, "tension": tension, "buckling": buckling, "collapse": collapse,
-         "post_collapse": post_collapse},
+         "post_collapse": post_collapse, "ends": ends},
     )  # fmt: skip
     reading = Reading(
         data, rest_length, pairs(unit, "--unit"), pairs(column, "--column"), clipped_at_zero,

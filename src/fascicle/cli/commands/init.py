@@ -25,6 +25,7 @@ braid_angle = "33 deg"           # of a fiber from the axis, at rest; below %(to
 %(tension)s
 %(buckling)s
 %(post_collapse)s
+%(ends)s
 
 [muscle.collapse]
 %(collapse)s
