@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..core.arrays import library, spread
+from ..core.arrays import least, library, spread, stack
 from ..core.domain import LARGEST_STRAIN
 from ..core.types import Numbers, Whole
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
@@ -52,20 +52,18 @@ class Pressurized(NamedTuple):
         """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
         units on the last axis.
         """
-        own = [spread(strain) for strain in strains]
-        values = []
-        for group, places in zip(self.groups, self.places, strict=True):
-            if self.ratios is None:
-                values.append(function(group, *own))
-            else:
-                ratio = self.ratios[..., np.array(places)]
-                values.append(function(group, *(muscle_strain(ratio, eps) for eps in own)))
-        return self._ordered(values)
+        return self._along(function, *(spread(strain) for strain in strains))
 
     @property
     def kinks(self) -> Numbers:
         """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
         return self._seen(self.each(lambda muscle: muscle.kinks))
+
+    @property
+    def fold(self) -> Numbers:
+        """The least strain of the bundle [-] past which a force may jump; inf where none does."""
+        folds = self._seen(self.each(_fold))
+        return library(folds).min(folds, axis=-1)
 
     @property
     def free_strains(self) -> Numbers:
@@ -74,7 +72,11 @@ class Pressurized(NamedTuple):
 
     def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
-        force, slope = self.along(lambda muscle, eps: muscle.force(eps), strain)
+        return self.forces_apart(spread(strain))
+
+    def forces_apart(self, strains: Numbers) -> tuple[Numbers, Numbers]:
+        """The same, each unit at one of the `strains` of the bundle [-] on the last axis."""
+        force, slope = self._along(lambda muscle, eps: muscle.force(eps), strains)
         if self.ratios is not None:
             slope = slope * self.ratios
         return self.counts * force, self.counts * slope
@@ -84,6 +86,16 @@ class Pressurized(NamedTuple):
         forces, slopes = self.unit_forces(strain)
         total = library(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
+
+    def _along(self, function: Callable[..., Any], *strains: Numbers) -> Any:
+        values = []
+        for group, places in zip(self.groups, self.places, strict=True):
+            some = np.array(places)
+            own = [eps if eps.shape[-1] == 1 else eps[..., some] for eps in strains]
+            if self.ratios is not None:
+                own = [muscle_strain(self.ratios[..., some], eps) for eps in own]
+            values.append(function(group, *own))
+        return self._ordered(values)
 
     def _seen(self, strains: Numbers) -> Numbers:
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
@@ -99,3 +111,8 @@ class Pressurized(NamedTuple):
 
 def _straight(muscle: MusclesAtPressures) -> Numbers:
     return muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain
+
+
+def _fold(muscle: MusclesAtPressures) -> Numbers:
+    none = np.inf + 0.0 * muscle.column.free_strain
+    return least(stack([none, *muscle.law.buckling.folds(muscle.column)]))

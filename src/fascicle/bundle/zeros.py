@@ -18,13 +18,13 @@ from ..core.roots import finished, searched, still
 from ..core.types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
+from .first import APART, LANES, first
 from .lists import put, ranked
 
 
 _MOST_LANES = 2**12  # searches at once
 _PAIRS = 2**16  # of units in all of them, which take a search's memory and time: 0.2 GB
 _INSET = 1e-7  # of a stretch: its sides are seen from inside
-_APART = 1e-13  # free strains closer than this are one
 
 At = Callable[[Any], Pressurized]
 Lanes = Float[AnyArray, "lane unit"]
@@ -127,7 +127,7 @@ def _zeros(at: At, pressures: Lanes) -> Zeros:
 
     def settled(lane: Any, before: Any, strain: Any) -> Any:
         # equal units vanish together, where they do
-        alike = (before <= low[lane]) & ((largest - low)[lane] <= _APART)
+        alike = (before <= low[lane]) & ((largest - low)[lane] <= APART)
         return where(alike, low[lane], strain)
 
     return _solved(live, 0.0 * largest, looked, pressures.shape, settled)
@@ -187,7 +187,19 @@ def carried(live: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
 
 def first_zero(at: At, pressures: Lanes) -> Float[AnyArray, " lane"]:
     """The smallest of them [-], inf where there is none; arguments as of `zeros`."""
-    found = zeros(at, pressures)
+    if library(pressures) is not np:
+        return _smallest(zeros(at, pressures))
+    count, units = pressures.shape
+    step = max(1, LANES // units)
+    parts = [pressures[start : start + step, None] for start in range(0, max(1, count), step)]
+    found = [first(at(part)) for part in parts]
+    strain, sure = (np.concatenate(x) for x in zip(*found, strict=True))
+    if not np.all(sure):
+        strain[~sure] = _smallest(zeros(at, pressures[~sure]))
+    return strain
+
+
+def _smallest(found: Zeros) -> Any:
     return where(found.count > 0, found.strain[:, 0], np.inf)
 
 
