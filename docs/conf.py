@@ -11,12 +11,14 @@ from fascicle.core.tokens import DARK, LIGHT, MONO, SANS, Colors
 
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE / "_ext"))
+sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "tests")]
 
-# pages share what they compile, and a rebuild compiles nothing
+from quick import compile_in_a_hurry  # noqa: E402 stands beside the tests
+
+
+# pages share what they and the tests compile, and a rebuild compiles nothing
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
-os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(HERE / "_build" / "compiled"))
-os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+compile_in_a_hurry(HERE.parent)
 logging.getLogger("traitlets").setLevel(logging.WARNING)
 
 
@@ -47,6 +49,7 @@ extensions = [
     "sphinx-mathjax-offline",
     "laws",  # _ext: tables of the laws, from what they declare
     "docstrings",  # _ext: Markdown docstrings, and the way back from a function to its equation
+    "pages",  # _ext: executed in a warm kernel, the long ones first
     "offline",  # _ext: a page that would ask another server fails the build
 ]
 exclude_patterns = ["_build", "_ext", "jupyter_execute"]

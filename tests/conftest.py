@@ -16,16 +16,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from kinds import checked_once
+from quick import compile_in_a_hurry
 
 
 _MANY_MAPS = 20_000
-# programs here run once or twice, so that making them fast costs more than they take: a quarter
-# of the compiler's time, the same numbers to rounding. `make slow` compiles as a user does
-_COMPILED_SOON = (
-    "--xla_backend_optimization_level=0",
-    "--xla_cpu_use_fusion_emitters=false",
-    "--xla_cpu_parallel_codegen_split_count=1",
-)
 
 jaxtyping.jaxtyped = checked_once
 jaxtyping.install_import_hook("fascicle", "beartype.beartype")
@@ -35,12 +29,8 @@ def pytest_configure(config):
     """Compiling is most of the time: workers share it, and the next run finds it. What commands
     remember of files that they wrote isn't the user's own.
     """
-    folder = config.rootpath / ".pytest_cache" / "compiled"
-    folder.mkdir(parents=True, exist_ok=True)
-    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
-    os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_SOON))
+    folder = compile_in_a_hurry(config.rootpath)
     os.environ["XDG_STATE_HOME"] = str(folder.parent / "state")
-    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
 
 
 @pytest.fixture(autouse=True, scope="module")

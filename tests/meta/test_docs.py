@@ -88,3 +88,9 @@ def test_an_outside_request_is_seen(asks):
 )
 def test_a_link_for_the_reader_is_no_request(quiet):
     assert not extension("offline").requests(quiet)
+
+
+def test_pages_are_dealt_to_the_batches_that_sphinx_makes():
+    dealt = extension("pages").dealt
+    assert dealt(list("abcdefg"), [3, 3, 1]) == [["a", "d", "f"], ["b", "e", "g"], ["c"]]
+    assert dealt([], []) == []
