@@ -25,7 +25,7 @@ from fascicle.muscle.tension import ElasticBraid, Kothera2009, Meller2014, Tondu
 from fascicle.units import DIMENSIONS
 
 
-N = 2000
+N, SLOW = 2000, pytest.mark.slow
 # each law at least once with either buckling law
 COMBINATIONS = [
     {"buckling": "kim2021", "collapse": "kim2021", "post_collapse": "derived"},
@@ -89,25 +89,42 @@ COMBINATIONS += [
     and not getattr(law, "made_for", "")
     and getattr(law, "collapses", True)
 ]
-every = pytest.mark.parametrize(
-    "laws",
-    COMBINATIONS,
-    ids=lambda laws: "-".join(str(getattr(law, "name", law)) for law in laws.values()),
-)
 
 
-# compiled for each combination: those that cost more than half a minute run with the slow ones
+def named(laws):
+    return "-".join(str(getattr(law, "name", law)) for law in laws.values())
+
+
+def every(test):
+    """Of each combination every fourth point of the sample; the slow ones have the whole.
+
+    What holds at each point of a sample holds at these; shares are held to the same bounds, too.
+    """
+    of_laws = pytest.mark.parametrize("laws", COMBINATIONS, ids=named)
+    return of_laws(pytest.mark.parametrize("n", [N // 4, pytest.param(N, marks=SLOW)])(test))
+
+
+# compiled for each combination: those that cost half a minute run with the slow ones
 LONG = [
-    pytest.mark.slow
-    if getattr(laws["buckling"], "name", laws["buckling"]) == "elastica" and i != 4
-    else ()
-    for i, laws in enumerate(COMBINATIONS)
+    SLOW if getattr(laws["buckling"], "name", laws["buckling"]) == "elastica" else ()
+    for laws in COMBINATIONS
 ]
 compiled = pytest.mark.parametrize(
     "laws",
     [pytest.param(laws, marks=mark) for laws, mark in zip(COMBINATIONS, LONG, strict=True)],
-    ids=lambda laws: "-".join(str(getattr(law, "name", law)) for law in laws.values()),
+    ids=named,
 )
+
+
+@pytest.fixture
+def drawn(random_muscles, random_points):
+    """`drawn(seed, laws, n)`: of N random muscles, pressures and strains `n`, evenly taken."""
+
+    def draw(seed, laws, n=N):
+        muscles = random_muscles(seed, N, **laws)
+        return jax.tree.map(lambda x: x[:: N // n], (muscles, *random_points(seed + 1, muscles)))
+
+    return draw
 
 
 def at(muscles, pressure, strain):
@@ -198,9 +215,8 @@ def test_every_law_is_here():
 
 
 @every
-def test_components_make_the_force_and_it_resists(laws, random_muscles, random_points):
-    muscles = random_muscles(1, N, **laws)
-    P, eps = random_points(2, muscles)
+def test_components_make_the_force_and_it_resists(laws, n, drawn):
+    muscles, P, eps = drawn(1, laws, n)
     response, kinks, _, _ = at(muscles, P, eps)
     free, onset, collapse = np.asarray(kinks).T
     force = np.asarray(response.force)
@@ -211,7 +227,7 @@ def test_components_make_the_force_and_it_resists(laws, random_muscles, random_p
     # a pull up to the free strain, never one past it
     past = eps > free
     assert np.all(force[past] <= 0) and np.all(force[~past] >= 0)
-    assert past.sum() > N / 10
+    assert past.sum() > n / 10
     region = np.asarray(response.region)
     assert np.array_equal(region == 0, ~past)
     assert np.array_equal(region == 2, eps > collapse)
@@ -220,9 +236,8 @@ def test_components_make_the_force_and_it_resists(laws, random_muscles, random_p
 
 
 @every
-def test_force_is_continuous_in_strain(laws, random_muscles, random_points):
-    muscles = random_muscles(3, N, **laws)
-    P, eps = random_points(4, muscles)
+def test_force_is_continuous_in_strain(laws, n, drawn):
+    muscles, P, eps = drawn(3, laws, n)
     _, kinks, _, _ = at(muscles, P, eps)
     step = 1e-12  # slopes reach 1e6 N per unit strain: 1e-6 N
     for place in (eps, *np.asarray(kinks).T):
@@ -240,9 +255,8 @@ def test_force_is_continuous_in_strain(laws, random_muscles, random_points):
 
 
 @every
-def test_force_is_continuous_in_pressure(laws, random_muscles, random_points):
-    muscles = random_muscles(5, N, **laws)
-    P, eps = random_points(6, muscles)
+def test_force_is_continuous_in_pressure(laws, n, drawn):
+    muscles, P, eps = drawn(5, laws, n)
     step = 1e-6  # Pa; without pressure the membrane's moment rises from zero
     low, before, _, _ = at(muscles, P, eps)
     high, after, _, _ = at(muscles, np.minimum(P + step, 1e6), eps)
@@ -262,9 +276,8 @@ def test_force_is_continuous_in_pressure(laws, random_muscles, random_points):
 
 
 @every
-def test_collapse_comes_where_the_moment_first_arrives(laws, random_muscles, random_points):
-    muscles = random_muscles(7, N, **laws)
-    P, eps = random_points(8, muscles)
+def test_collapse_comes_where_the_moment_first_arrives(laws, n, drawn):
+    muscles, P, eps = drawn(7, laws, n)
     _, kinks, _, limit = at(muscles, P, eps)
     (free, onset, collapse), limit = np.asarray(kinks).T, np.asarray(limit)
     last = np.minimum(collapse, 0.6)
@@ -275,7 +288,7 @@ def test_collapse_comes_where_the_moment_first_arrives(laws, random_muscles, ran
         # moments are of 1e-4 N·m and more: 1e-15 is rounding
         assert np.all(np.asarray(moment)[single] <= limit[single] * (1 + 1e-8) + 1e-15)
     collapsed = (collapse < 0.6) & (collapse > free)
-    assert collapsed.sum() > N / 10
+    assert collapsed.sum() > n / 10
     response, _, moment, _ = at(muscles, P, np.where(collapsed, collapse, 0.0))
     # a branch that folds back at the onset snaps over the moment there; seen from just below,
     # since at the onset itself rounding says whether the straight state counts
@@ -287,12 +300,11 @@ def test_collapse_comes_where_the_moment_first_arrives(laws, random_muscles, ran
 
 
 @every
-def test_scaling(laws, random_muscles, random_points):
+def test_scaling(laws, n, drawn):
     """All lengths times s at equal pressure: forces times s², strains as they were."""
     if laws.get("tuned") or laws.get("post_collapse") == "printed" or "ends" in laws:
         pytest.skip("C1 is a force of its own; the printed reading has not the units of one; ends")
-    muscles = random_muscles(9, N, **laws)
-    P, eps = random_points(10, muscles)
+    muscles, P, eps = drawn(9, laws, n)
     s = 1.7
     lengths = lambda m: (m.length, m.outer_radius, m.wall_thickness)  # noqa: E731
     larger = eqx.tree_at(lengths, muscles, [s * x for x in lengths(muscles)])
@@ -309,22 +321,21 @@ def test_scaling(laws, random_muscles, random_points):
     )
 
 
-def special_points(laws, random_muscles, random_points):
+def special_points(laws, n, drawn):
     """Muscles at no, full and other pressures, and strains: kinks, ends and others."""
-    muscles = random_muscles(11, N, **laws)
-    P, eps = random_points(12, muscles)
+    muscles, P, eps = drawn(11, laws, n)
     low = np.asarray(1 - 1 / np.cos(muscles.braid_angle))
-    rows = np.arange(N)
+    rows = np.arange(n)
     P = np.where(rows % 3 == 0, 0.0, np.where(rows % 3 == 1, 1e6, P))
     _, kinks, _, _ = at(muscles, P, eps)
     free, onset, collapse = np.where(np.asarray(kinks) <= 0.6, kinks, 0.3).T
-    for place in (eps, np.zeros(N), free, onset, collapse, low * (1 - 1e-6), np.full(N, 0.6)):
+    for place in (eps, np.zeros(n), free, onset, collapse, low * (1 - 1e-6), np.full(n, 0.6)):
         yield muscles, P, place
 
 
 @every
-def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
-    for every_muscle, *points in special_points(laws, random_muscles, random_points):
+def test_finite_slopes_at_special_points(laws, n, drawn):
+    for every_muscle, *points in special_points(laws, n, drawn):
         # slopes by each number in each muscle: a quarter of them is seconds of NumPy's
         muscles, P, place = jax.tree.map(lambda x: x[::4], (every_muscle, *points))
         force, row = slopes_at_once(muscles, P, place)
@@ -332,17 +343,16 @@ def test_finite_slopes_at_special_points(laws, random_muscles, random_points):
 
 
 @compiled
-def test_finite_compiled_slopes_at_special_points(laws, random_muscles, random_points):
-    for muscles, P, place in special_points(laws, random_muscles, random_points):
+def test_finite_compiled_slopes_at_special_points(laws, drawn):
+    for muscles, P, place in special_points(laws, N, drawn):
         force, row = slopes(muscles, P, place)
         assert np.all(np.isfinite(force))
         assert np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
 
 
 @every
-def test_finite_slopes_anywhere(laws, random_muscles, random_points):
-    muscles = random_muscles(13, N, **laws)
-    P, eps = random_points(14, muscles)
+def test_finite_slopes_anywhere(laws, n, drawn):
+    muscles, P, eps = drawn(13, laws, n)
     force, row = slopes_at_once(muscles, P, eps)
     assert np.all(np.isfinite(force)) and np.all(np.isfinite(row[~exempt(laws, P)]))
     # the derivative in strain is the force's: the row ends with it
@@ -359,7 +369,7 @@ def test_finite_slopes_anywhere(laws, random_muscles, random_points):
     assert np.all(np.abs(np.asarray(row)[:, -1] - measured)[smooth] < 1e-4 * scale[smooth])
 
 
-@pytest.mark.slow
+@SLOW
 @pytest.mark.parametrize("collapse", COLLAPSE_LAWS)
 @pytest.mark.parametrize("post_collapse", POST_COLLAPSE_LAWS)
 @pytest.mark.parametrize("buckling", [n for n, law in BUCKLING_LAWS.items() if law.collapses])
@@ -398,10 +408,9 @@ def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
 
 
 @compiled
-def test_numpy_and_jax_give_the_same(laws, random_muscles, random_points):
+def test_numpy_and_jax_give_the_same(laws, drawn):
     """One source, at random points and on both sides of every kink."""
-    muscles = random_muscles(31, N, **laws)
-    P, eps = random_points(32, muscles)
+    muscles, P, eps = drawn(31, laws)
     response, kinks, _, _ = at(muscles, P, eps)
     places = [eps]
     for kink in kinks.T:
