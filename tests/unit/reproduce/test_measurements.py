@@ -8,15 +8,16 @@ import pytest
 import fascicle as fs
 from fascicle.records import write
 from fascicle.records.record import Record
-from fascicle.reproduce.measurements import judged, measured_records, nothing, run
+from fascicle.reproduce.measurements import measured_records, nothing, run
 
 
 NOMINAL = fs.Muscle.from_dimensions(0.2, 10e-3, 2e-3, np.radians(29), fs.MooneyRivlin(5e5, 3e5))
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
     """A folder with a record that passes for measured, one of a model, and one without a muscle."""
+    tmp_path = tmp_path_factory.mktemp("measured")
     true = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), fs.MooneyRivlin(4e5, 2e5))
     P, strain = np.linspace(2.5e5, 6e5, 5)[:, None], np.linspace(0.0, 0.08, 6)
     force = np.asarray(true.force(P, strain))
@@ -27,22 +28,34 @@ def folder(tmp_path, monkeypatch):
         write(record, tmp_path / name / "pull.csv")
         if name != "bare":
             fs.save(NOMINAL, tmp_path / name / "muscle.toml")
-    monkeypatch.setenv("FASCICLE_DATA", str(tmp_path))
     return tmp_path
 
 
-def test_records_are_found_and_what_is_none_says_why(folder):
-    found = {one.name: one for one in measured_records()}
+@pytest.fixture
+def records(folder, monkeypatch):
+    monkeypatch.setenv("FASCICLE_DATA", str(folder))
+    return measured_records()
+
+
+@pytest.fixture(scope="module")
+def made(folder, tmp_path_factory):
+    """Where the reproduction wrote, and what it found: every law fitted, once."""
+    written = tmp_path_factory.mktemp("made")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("FASCICLE_DATA", str(folder))
+        return written, run(written, measured_records())
+
+
+def test_records_are_found_and_what_is_none_says_why(records):
+    found = {one.name: one for one in records}
     assert set(found) == {"lab/pull.csv", "model/pull.csv", "bare/pull.csv"}
     assert found["lab/pull.csv"].left_out == "" and len(found["lab/pull.csv"].record) == 30
     assert "synthetic" in found["model/pull.csv"].left_out
     assert "no muscle.toml" in found["bare/pull.csv"].left_out
 
 
-def test_each_law_stands_with_its_errors_and_what_it_misses(folder, tmp_path):
-    records = measured_records()
-    made = run(tmp_path, records)
-    (one,) = made
+def test_each_law_stands_with_its_errors_and_what_it_misses(made):
+    folder, (one,) = made
     labels = [law.row.label for law in one.against]
     assert any(label.startswith("Klute-Hannaford: ") for label in labels)
     assert any(label.startswith("ideal: ") for label in labels) and len(set(labels)) == len(labels)
@@ -54,10 +67,10 @@ def test_each_law_stands_with_its_errors_and_what_it_misses(folder, tmp_path):
     assert own.misses.startswith("nothing that shows")
     assert "follows" in ideal.misses and ideal.row.rmse > 1.5 * own.row.rmse
     assert own.along_pressure[0] <= 0 <= own.along_pressure[1]
-    told = json.loads((tmp_path / "measurements.json").read_text())
+    told = json.loads((folder / "measurements.json").read_text())
     assert [law["label"] for law in told["records"][0]["laws"]] == labels
     assert len(told["left_out"]) == 2
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (folder / "report.html").read_text(encoding="utf-8")
     for words in ("not public", "untested", "lab/pull.csv", "Left out"):
         assert words in page
 
@@ -68,8 +81,8 @@ def test_without_records_it_says_what_to_set(monkeypatch, tmp_path):
     assert "FASCICLE_DATA" in nothing() and "not public" in nothing()
 
 
-def test_biases_are_mean_residuals(folder):
-    one = judged(next(x for x in measured_records() if not x.left_out))
+def test_biases_are_mean_residuals(made):
+    _, (one,) = made
     made, law = one.choice.made, one.against[0]
     assert law.row.rmse > 0
     own = next(x for x in one.against if x.row.label.endswith(", ".join(made.names)))
