@@ -152,6 +152,14 @@ def test_wrong_number_of_pressures(refused, command, pressure):
         (["free-strain", SIX, "--no-resistance"], "--no-resistance: it is for bundles"),
         (["reproduce", "kim2020"], "kim2020: no such paper here"),
         (["muscles", "kim2021_figur_6"], "did you mean kim2021_figure_6?"),
+        (["explore", "--port", "99999"], "--port must be at most 65535, got 99999. Try 'fascicle"),
+        (
+            ["record", SIX, "--out", "x.csv", "--samples", "1"],
+            "--samples must be at least 2, got 1.",
+        ),
+        (["record", SIX, "--out", "x.csv", "--noise", "5"], "--noise must lie in [0, 1), got 5"),
+        (["calibrate", "d.csv", "--starts", "x"], "--starts must be a whole number, got x."),
+        (["recruit", PAIR, "-f", "10N"], "'--strain' / '-s'. Try 'fascicle recruit --help'."),
         (["forse"], "No such command 'forse'"),
         (["force"], "Missing argument 'FILE'"),
         (["--nope"], "No such option: --nope"),
@@ -183,3 +191,23 @@ def test_reproduce_onto_a_full_disk(refused, monkeypatch):
     monkeypatch.setattr("fascicle.reproduce.kim2021.run", run)
     message = refused("reproduce", "kim2021", "--out", "made")
     assert message == "--out made: can't be written: No space left on device."
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["export", SIX, "--table", "t"], "computing the table"),
+        (["force", SIX, "--plot", "f.png"], "drawing the picture"),
+        (["init", "m.toml"], "loading the laws"),
+    ],
+)
+def test_what_lasts_is_told_on_a_terminal_and_nowhere_else(fascicle, monkeypatch, arguments, words):
+    from fascicle.cli import telling
+
+    assert fascicle(*arguments)[2] == ""
+    shown = []
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    # in another command's line, as one that lasts longer tells it
+    monkeypatch.setattr(telling, "_told", [shown.append])
+    code, _, _ = fascicle(*arguments, "--force")
+    assert code == 0 and any(words in one for one in shown)

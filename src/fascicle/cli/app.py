@@ -36,7 +36,7 @@ from .commands.space import run as space
 from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
 from .into_file import into, parted
-from .problems import UserError, as_typed, too_large
+from .problems import UserError, as_typed, too_large, wrong_usage
 
 
 _LONGEST = 600  # characters of a message
@@ -163,10 +163,8 @@ def _run(arguments: list[str]) -> tuple[int, str]:
         else:
             code = 1
     except Exception as error:
-        # typer's own, whose class has moved between its versions: a wrong option, a missing one
-        wrong_usage = getattr(error, "format_message", None)
-        if wrong_usage is not None:
-            code, message = 2, f"{wrong_usage()} Try 'fascicle --help'."
+        if mistyped := wrong_usage(error):
+            code, message = 2, mistyped
         elif memory := too_large(error):
             code, message = 2, memory
         elif os.environ.get("FASCICLE_TRACEBACK", "") not in ("", "0"):

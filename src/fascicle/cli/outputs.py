@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.visible import visible
 from .problems import UserError, refusing
+from .telling import telling
 
 
 if TYPE_CHECKING:
@@ -84,11 +85,12 @@ class Outputs:
         from ..files.ours import replacing
         from ..results import labelled as results
 
-        with refusing():
+        with refusing(), telling("writing the result") as tell:
             if self.out is not None:
                 with replacing(self.out, self.overwrite, self.flag):
                     results.write(variables, self.out, title=title, source=SOURCE, **about)
             if self.plot is not None and draw is not None:
+                tell("drawing the picture")
                 picture = draw()
                 with replacing(self.plot, self.overwrite, self.flag):
                     save_figure(picture, self.plot)

@@ -72,6 +72,32 @@ def as_typed(error: Exception, options: Mapping[str, str]) -> str:
     return re.sub(r"`(\w+)`", option, text)
 
 
+# what typer asks of a number, as it is called there
+_RULES = {
+    "less_than_equal": "must be at most {le}",
+    "greater_than_equal": "must be at least {ge}",
+    "int_parsing": "must be a whole number",
+    "float_parsing": "must be a number",
+}
+
+
+def wrong_usage(error: Exception) -> str:
+    """What to say where typer can't read a command [-]: a wrong option, a missing one; empty for
+    any other `error` [-].
+    """
+    # by what it can do: its class has moved between typer's versions
+    told = getattr(error, "format_message", None)
+    if told is None:
+        return ""
+    command = getattr(getattr(error, "ctx", None), "command_path", None) or "fascicle"
+    text, names = told(), getattr(getattr(error, "param", None), "opts", [])
+    found = next(iter(getattr(error.__cause__, "errors", list)()), {})
+    if found.get("type") in _RULES and names:
+        rule = _RULES[found["type"]].format(**found.get("ctx", {}))
+        text = f"{max(names, key=len)} {rule}, got {found['input']}."
+    return f"{text} Try '{command} --help'."
+
+
 # arguments of the library, and those of commands that fill them
 _SAME = {
     "supply_pressure": "supply",

@@ -145,7 +145,9 @@ class VirtualDynamometer:
                 "pressures", "must hold at least one pressure above 0 Pa, in a list", None
             )
         for name in _NOT_NEGATIVE:
-            within(getattr(self, name), 0.0, np.inf, name, _unit(name), closed=(True, False))
+            # a share of the force itself: 5 was meant as 5 %
+            most = 1.0 if name in ("noise", "hysteresis") else np.inf
+            within(getattr(self, name), 0.0, most, name, _unit(name), closed=(True, False))
         for name in ("speed", "mullins_cycles"):
             within(getattr(self, name), 0.0, np.inf, name, _unit(name))
         if self.samples < 2 or self.preconditioning < 0:

@@ -116,7 +116,7 @@ def run(
     written: list[str] = []
     if folder is not None:
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        with refusing("--out "):
+        with telling("drawing the report"), refusing("--out "):
             written = write(found, folder, today, seconds, sure, file.notes, answered, overwrite)
     if as_json:
         print(to_json(found, answered, sure, file.notes))

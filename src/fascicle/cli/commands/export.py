@@ -9,6 +9,7 @@ from ..inputs import is_scenario, read_scenario, read_target
 from ..options import Replace, Target
 from ..outputs import say
 from ..problems import UserError, refusing
+from ..telling import telling
 
 
 Folder = Annotated[
@@ -98,13 +99,15 @@ def run(
     for flag, folder in given.items():
         _check(flag, _paths(folder, name), overwrite)
     if c is not None:
-        _write("--c", _paths(Path(c), name), _of_the_law(found, name), overwrite)
+        with telling("writing the law as C"):
+            texts = _of_the_law(found, name)
+        _write("--c", _paths(Path(c), name), texts, overwrite)
     if table is not None:
         from ...export import tabulated
         from ...export.pair import checked_name
         from ...export.table_code import written
 
-        with refusing():
+        with refusing(), telling("computing the table"):
             checked_name(name)
             made = tabulated(found, precision)
             texts = written(made, name, precision)
@@ -133,7 +136,8 @@ def _write_unit(
     from ...files.ours import replacing
 
     try:
-        with refusing(), replacing(path, force):
+        told = telling("computing the table, building the unit")
+        with refusing(), told, replacing(path, force):
             write_fmu(found, path, name, sample_time, platform)
     except Unbuilt as error:
         raise UserError(f"--fmu {path}: {error}: the file holds sources only.") from None

@@ -8,6 +8,7 @@ from ...bundle.schemes import listed
 from ..options import Replace, complete_target
 from ..outputs import say
 from ..problems import UserError, refusing
+from ..telling import telling
 from .task_template import TASK_TEMPLATE
 
 
@@ -107,9 +108,10 @@ def _template() -> str:
     """The muscle's template with the names of all materials and laws."""
     from math import degrees
 
-    from ...core.domain import NEUTRAL_ANGLE
-    from ...muscle import LAWS
-    from ...muscle.materials import MATERIALS
+    with telling("loading the laws"):
+        from ...core.domain import NEUTRAL_ANGLE
+        from ...muscle import LAWS
+        from ...muscle.materials import MATERIALS
 
     known = {"material": MATERIALS, **LAWS}
     keys = {kind: "law" if kind == "collapse" else kind for kind in known}  # it has a table

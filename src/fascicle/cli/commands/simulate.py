@@ -130,7 +130,8 @@ def run(
         from ...reports.simulated import report as made
 
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        page = made(read, found, balanced, doubts, today)
+        with telling("drawing the report"):
+            page = made(read, found, balanced, doubts, today)
         with refusing("--report "), replacing(report, overwrite):
             write_text(report, page)
         if not (as_json or as_csv):
