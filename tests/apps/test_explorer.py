@@ -320,10 +320,10 @@ def test_what_is_compared_is_there_after_a_reload(visit):
 # of what can be seen: widgets and figures that lie over one another, that leave the page, and words
 # that don't fit into what holds them
 UNTIDY = """() => {
+  const FITS = ".bk-btn, .bk-tab, .bk-slider-title, label";
   const found = [], wrong = [], wide = document.documentElement.clientWidth;
   const walk = (at) => { for (const one of at.querySelectorAll("*")) {
-    if (one.matches(".bk-input, .bk-btn, .bk-Figure, .bk-tab, .noUi-base, label, h1, th, td"))
-      found.push(one);
+    if (one.matches(`${FITS}, .bk-input, .bk-Figure, .noUi-base, h1, th, td`)) found.push(one);
     if (one.shadowRoot) walk(one.shadowRoot);
   } };
   walk(document);
@@ -342,7 +342,7 @@ UNTIDY = """() => {
   for (const [one, box] of seen) {
     if (box.right < -1000) continue;  // read aloud only
     if (box.left < -1 || box.right > wide + 1) wrong.push(`leaves the page: ${name(one)}`);
-    if (one.matches(".bk-btn, .bk-tab, label") && one.scrollWidth > one.clientWidth + 1)
+    if (one.matches(FITS) && one.scrollWidth > one.clientWidth + 1)
       wrong.push(`doesn't fit: ${name(one)}`);
   }
   seen.forEach(([one, p], i) => seen.slice(i + 1).forEach(([other, q]) => {
@@ -375,7 +375,7 @@ def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
     page = visit()
     source(page, "solid")
     stage = page.locator(".bk-Figure").nth(1)
-    slider = handle(page, "Turn it")
+    slider = handle(page, "Turn or drag it")
     value = "element => Number(element.getAttribute('aria-valuenow'))"
     assert slider.evaluate(value) == 30
     box = stage.bounding_box()

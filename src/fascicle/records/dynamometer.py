@@ -34,6 +34,7 @@ from ..core.types import Batch, BatchLike, Values
 from ..core.written import in_si
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
+from ..units import pretty
 from .fabrication import Scatter
 from .record import Record
 
@@ -279,8 +280,8 @@ class VirtualDynamometer:
         return (
             f"made by a virtual dynamometer, seed {seed}: no muscle was measured",
             f"full scale {exact.full_scale:.6g} N, stroke {np.ptp(exact.strain):.6g} of strain",
-            f"muscle on the machine: length {float(muscle.length)!r} m,"
-            f" braid angle {float(muscle.braid_angle)!r} rad",
+            f"muscle on the machine: length {pretty(float(muscle.length), 'length', 6)},"
+            f" braid angle {pretty(float(muscle.braid_angle), 'angle', 6)}",
             *settings,
         )
 

@@ -17,7 +17,7 @@ from ...core.tokens import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Color
 
 
 Look = Colors
-_FAMILIES = {False: (0.0, 0.82), True: (0.25, 1.0)}  # of viridis: what can be seen on the page
+_FAMILIES = {False: (0.0, 0.82), True: (0.38, 1.0)}  # of viridis: what can be seen on the page
 
 
 def look_of(theme: str) -> Look:
@@ -180,7 +180,8 @@ html, body {{ margin: 0; background: var(--paper); color: var(--ink);
 def widget_css(look: Look) -> str:
     """The style sheet [-] of widgets, each of which lives in a shadow root of its own."""
     return f"""
-:host {{ {css(look)} --text-color: var(--ink); color: var(--ink); font: {TEXT}px/1.4 var(--sans); }}
+:host {{ {css(look)} --text-color: var(--ink); --color: var(--ink); color: var(--ink);
+  font: {TEXT}px/1.4 var(--sans); }}
 .bk-input {{ border: 1px solid var(--edge); border-radius: var(--round); background: var(--paper);
   color: var(--ink); font: {TEXT}px/1.4 var(--sans); padding: var(--near) var(--apart);
   min-height: 32px; }}

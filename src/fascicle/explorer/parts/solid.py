@@ -142,7 +142,7 @@ class Scene:
         self.figure.js_on_change("inner_width", project)
         self.figure.js_on_change("inner_height", project)
         slider = Slider(
-            title="Turn it, or drag it; in degrees", start=-180, end=180, value=AZIMUTH, step=1,
+            title="Turn or drag it [°]", start=-180, end=180, value=AZIMUTH, step=1,
             stylesheets=[widget_css(look)], sizing_mode="stretch_width", margin=(0, 14),
         )  # fmt: skip
         self.turn = pn.pane.Bokeh(slider, margin=0, sizing_mode="stretch_width")
