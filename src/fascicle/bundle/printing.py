@@ -168,4 +168,5 @@ def _of(strain: float) -> str:
 
 def _laws(muscle: Any) -> str:
     laws = {kind: getattr(muscle, kind) for kind in LAWS}
-    return ", ".join(words(law) for kind, law in laws.items() if said(kind, law))
+    told = {kind.replace("_", "-"): words(law) for kind, law in laws.items() if said(kind, law)}
+    return "; ".join(f"{kind} {law}" for kind, law in told.items())

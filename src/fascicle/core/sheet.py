@@ -38,13 +38,15 @@ class Sheet(NamedTuple):
     def html(self) -> str:
         """It as a piece of a page [-]."""
         facts = "".join(
-            f'<tr><th style="text-align:left">{_safe(name)}</th>'
+            f'<tr><th style="text-align:left;padding-right:1em">{_safe(name)}</th>'
             f'<td style="text-align:left">{_safe(value)}</td></tr>'
             for name, value in self.facts
         )
-        heads = "".join(f"<th>{_safe(head)}</th>" for head in self.heads)
+        # numbers under one another, also where a page has no style of its own for tables
+        room = 'style="text-align:right;padding:0 0.6em;font-variant-numeric:tabular-nums"'
+        heads = "".join(f"<th {room}>{_safe(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td>{_safe(entry)}</td>" for entry in row) + "</tr>"
+            "<tr>" + "".join(f"<td {room}>{_safe(entry)}</td>" for entry in row) + "</tr>"
             for row in _ends(self.rows)
         )
         table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
