@@ -17,6 +17,7 @@ from ..core.checks import concrete, positive
 from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
+from ..core.whole import whole
 from ..fluid import checked_commands
 from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
@@ -95,9 +96,11 @@ def simulate(
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
     given = [x if eqx.is_array_like(x) else None for x in leaves]
-    ran = _run(plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps))
+    known = concrete((plant, given, memory, inputs, begin))
+    ran = (_alone if known else _run)(
+        plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps)
+    )
     steps = len(inputs)
-    known = concrete((plant, ran))
     every, commands, end = numbers(ran) if known else ran
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
@@ -167,6 +170,11 @@ def _run(
     commands = jnp.concatenate([commands, commands[-1:]])
 
     return every, commands, last.state
+
+
+def _alone(*every: Any) -> tuple[Course, Numbers, State]:
+    """The same, of numbers: not a part of a larger program."""
+    return whole(_run, every[:6], every[6:])
 
 
 def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:

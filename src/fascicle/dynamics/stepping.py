@@ -26,7 +26,7 @@ from .state import State
 _NEWTON = 2  # from where the rates led: two steps leave 1e-12 of a pressure
 # stages of the method: how far along each is, and what it weighs
 _ALONG, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6
-_FRICTION = ACCOUNT.index("friction")
+_FRICTION = np.array([name == "friction" for name in ACCOUNT], float)
 _BY_PARTS = np.array([[name == one for name in ACCOUNT] for one in
                       ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
 
@@ -72,7 +72,7 @@ def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batc
     if plant.hysteresis is None:
         return Course(after, anchor, account)
     anchor, lost = rubbed(plant, anchor, q, after.pressures)
-    return Course(after, anchor, account.at[_FRICTION].add(lost))
+    return Course(after, anchor, account + lost * _FRICTION)
 
 
 def moved(state: State, rate: State, h: Batch) -> State:
