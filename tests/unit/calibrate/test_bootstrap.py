@@ -94,6 +94,22 @@ def test_ends_are_the_errors_of_the_draws_turned_about(constants):
     assert np.any(bootstrap(constants, 19, seed=5).bootstrapped.low != made.bootstrapped.low)
 
 
+def test_a_constant_that_may_be_zero_lies_where_its_draws_do():
+    # synthetic: a dead band of 1 kPa, which noise of 6 N hides, among pressures from 50 kPa on
+    force = np.asarray(DRAWN.force(P - 1e3, STRAIN))
+    force = force + 6 * np.random.default_rng(4).normal(size=force.shape)
+    record = Record.of(P, STRAIN, np.maximum(force, 0), force <= 0, rest_length=0.127)
+    made = bootstrap(fit(record, DRAWN, ["outer_radius", "dead_band"], whole=False), 49, seed=1)
+    radius, band = made.parameters
+    values = np.sort(made.bootstrapped.values[:, 1])
+    assert np.std(made.bootstrapped.coordinates[:, 1]) > 1 and made.inflation == 1
+    # of 49 the 2nd or 3rd from either end
+    assert values[1] <= band.low <= values[3] and values[-4] <= band.high <= values[-2]
+    assert radius.identifiable and not band.identifiable
+    # turned round the upper end would be elsewhere
+    assert not values[-4] <= band.value**2 / values[2] <= values[-2]
+
+
 def test_a_tuning_is_read_and_fitted_anew(tuned):
     assert tuned.readings.alone is not None  # curves and factors were one vector
     made = bootstrap(tuned, 19, seed=6)

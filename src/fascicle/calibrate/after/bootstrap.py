@@ -11,6 +11,9 @@ $$\hat z - \delta_{95\,\%} < z < \hat z - \delta_{5\,\%}, \tag{C15}$$
 which needs no problem that is nearly linear, as (C3) does: a collapse is a kink, which passes from
 one reading to the next. Residuals that follow one another widen $\delta$ as they widen (C3).
 
+A constant whose draws scatter by more than a factor of e is hardly known, as one that may be zero:
+its errors aren't turned round, which would give it values that no fit found, but taken as they lie.
+
 **Assumes** that the law is right but for that error. Which constants are free is not chosen anew.
 **Source:** Efron and Tibshirani (1993), chapters 6 and 13.
 """
@@ -28,6 +31,7 @@ from ..problem.residuals import Problem
 from ..problem.searching import settled
 from ..problem.solving import solve
 from ..problem.tuned import problem_of
+from ..problem.uncertainty import KNOWN
 from .calibration import Bootstrap, Calibration, value_of
 
 
@@ -117,10 +121,11 @@ def _ends(made: Calibration, z: np.ndarray, values: np.ndarray) -> tuple[np.ndar
     problem, wide = made.problem, np.sqrt(made.inflation)
     best, fitted = made.coordinates, value_of(made.problem, made.coordinates)
     ranks = [(z.shape[0] + 1) * share for share in (1 - _TAIL, _TAIL)]
-    ends = []
+    ends, lost = [], np.std(z, axis=0) > KNOWN
+    errors = np.sort(z - best, axis=0)
     for rank in ranks:
         at = int(np.clip(round(rank), 1, z.shape[0])) - 1
-        away = np.sort(z - best, axis=0)[at] * wide
+        away = np.where(lost, -errors[-1 - at], errors[at]) * wide
         end = np.empty(best.size)
         for i, parameter in enumerate(problem.fitted):
             if parameter.linear:

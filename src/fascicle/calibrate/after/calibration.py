@@ -139,10 +139,13 @@ class Calibration:
         quick, boots = estimates(self.problem, self.coordinates, self.covariance), self.bootstrapped
         if boots is None:
             return quick
+        known = np.std(boots.coordinates, axis=0) < KNOWN
         return tuple(
-            replace(one, low=float(low), high=float(high))
-            for one, low, high in zip(quick, boots.low, boots.high, strict=True)
-        )
+            replace(one, low=float(low), high=float(high),
+                    identifiable=one.identifiable and bool(told or of.linear))
+            for one, of, low, high, told in
+            zip(quick, self.problem.fitted, boots.low, boots.high, known, strict=True)
+        )  # fmt: skip
 
     @property
     def intervals(self) -> str:

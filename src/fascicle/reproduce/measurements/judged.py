@@ -60,7 +60,7 @@ def judged(measured: Measured) -> Judged:
             fits.items()]  # fmt: skip
     first = next(iter(fits.values()))
     for published, force in compare_published(first):
-        rows.append(_against(published, first, force, "", fitted=False))
+        rows.append(_against(published, first, force, "not looked into", fitted=False))
     rows.sort(key=lambda one: one.row.relative_left_out_rmse)
     return Judged(measured, choice, tuple(rows))
 
@@ -88,8 +88,12 @@ def _words(made: Calibration) -> str:
     """What a fit misses."""
     if made.seen.noisy:
         return "nothing that shows: what is left could be noise"
-    along = [f"{one.along} ({100 * one.share:.0f} % of squares)" for one in made.seen.found]
+    along = [f"{one.along} ({_percent(one.share)} of squares)" for one in made.seen.found]
     along = along or [f"{one.along}, by runs of one sign" for one in made.seen.wandering]
     causes = [one.name for one in made.causes[:_MOST]]
     most = f"; most like {' or '.join(causes)}" if causes else "; like no cause known here"
     return f"what is left follows {', '.join(along)}{most}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
