@@ -11,6 +11,7 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2 and Fig. 10.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ from .paths import unit_work_along
 PATHS = ("isobaric", "isotonic")
 _LEVELS = 129  # throttled pressures between which a force is looked for
 _FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
+_ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 
 Grid = Float[np.ndarray, "force strain"]
 
@@ -133,6 +135,7 @@ def efficiency_map(
         better &= np.isfinite(work)
         best = np.where(better, work / energy[k], best)
         state = np.where(better, owner[k] + 1, state)
+    _possible(bundle, best)
     return EfficiencyMap(path, force, strain, best, state)
 
 
@@ -160,6 +163,20 @@ def average_efficiency(
     return efficiency_map(
         bundle, supply_pressure, path, resistance=resistance, scheme=scheme
     ).average
+
+
+def _possible(bundle: Bundle, efficiency: Grid) -> None:
+    """Warn of an `efficiency` [-] above 1, which laws that are fits and nothing else may say."""
+    most = float(np.nanmax(efficiency, initial=0.0))
+    if most <= 1 + _ROUNDING:
+        return
+    laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
+    warnings.warn(
+        f"an efficiency of {most:.3g} can't be: {' and '.join(laws)} does more work than the fluid"
+        " in a braid of these sizes brings; as a law of another muscle, or one that is only"
+        " fitted, may. The average means as little.",
+        stacklevel=3,
+    )
 
 
 def _best_work(
