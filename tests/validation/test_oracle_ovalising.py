@@ -179,6 +179,22 @@ def test_slopes_by_sizes_and_pressure_are_those_measured():
     )
 
 
+@pytest.mark.slow
+def test_second_derivatives_are_those_measured():
+    """Half a minute of compiling each."""
+    P, eps, h = 3e4, 0.2, 1e2
+    first = jax.grad(FIGURE_6.force)
+    measured = (first(P + h, eps) - first(P - h, eps)) / (2 * h)
+    assert_allclose(jax.grad(first)(P, eps), measured, rtol=1e-4)
+
+    def by_length(length):
+        return FIGURE_6.replace(length=length).force(P, eps)
+
+    h = 1e-5
+    measured = (jax.grad(by_length)(0.127 + h) - jax.grad(by_length)(0.127 - h)) / (2 * h)
+    assert_allclose(jax.hessian(by_length)(0.127), measured, rtol=1e-4)
+
+
 def test_compiled_it_says_the_same():
     strain = np.array([0.05, 0.2, 0.5])
     compiled = jax.jit(FIGURE_6.force)(2e4, strain)

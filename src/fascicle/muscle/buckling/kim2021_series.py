@@ -25,7 +25,7 @@ from ...core.roots import guarded, root, still
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
 
 
 _CLOSEST = 0.95  # of strains that are looked at
@@ -49,6 +49,7 @@ class Kim2021Series(AbstractBuckling):
     source: ClassVar[str] = "derived here from Kim, Mazzoleni and Bryant (2021), 3.2"
 
     braid_share: Batch = BRAID_SHARE.field()
+    shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Batch:
         """The onset [-]: inf where it never bows."""

@@ -11,8 +11,9 @@ stationary at a given shortening $w$; the multiplier of the chord is the load $n
 sines and ovality is cosines, each state is found by Newton's method from the one before, and the
 load is a spline over $w$. Walls that touch are held by a spring $10^4$ times $\alpha$.
 
-What it depends on is $\alpha, \beta, \gamma, \zeta_t$: each state's derivatives by them come from
-the same equations, and go along with the numbers, first ones only.
+What it depends on is $\alpha, \beta, \gamma, \zeta_t$. Derivatives by them go along with the
+numbers: compiled, two more of Newton's steps carry those up to the third; at once, first ones come
+from the same equations.
 
 **Resolved** are layers of ovality some $1/40$ of the length thick. **Source:** derived here.
 """
@@ -93,14 +94,25 @@ def states(oval: Oval) -> States:
     shape = np.broadcast_shapes(*(np.shape(x) for x in here))
     numbers = [at_work.broadcast_to(at_work.asarray(x, dtype=float), shape) for x in here]
     P = at_work.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
-    rows, slopes = _followed(at_work, P)
+    x, by = _followed(at_work, P)
+    w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
+    if at_work is jnp:
+        P = jnp.stack([jnp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
+        for _ in range(2):  # each doubles the order to which derivatives are right
+            value, slopes = _residual(jnp, P, x, w)
+            x = x - jnp.linalg.solve(slopes, value[..., None])[..., 0]
+    rows = _kept(at_work, x, w)
     # the straight column: Euler's load, and bows that grow as the root of w
     first = np.zeros(3 + _SINES)
     first[:3] = 4 * np.pi**2, 2 / np.pi, 4 * np.pi
     first[3] = 2.0
     begun = at_work.broadcast_to(at_work.asarray(first), (1, *shape, 3 + _SINES))
     rows = at_work.concatenate([begun, rows])
-    slopes = at_work.concatenate([at_work.zeros((1, *slopes.shape[1:])), slopes])
+    sines = at_work.moveaxis(rows[..., 3:], -1, 1)
+    if at_work is jnp:
+        return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
+    slopes = _moved(x, by, w)
+    slopes = np.concatenate([np.zeros((1, *slopes.shape[1:])), slopes])
     # each number moves with what it depends on, to first order
     moved = [x - h for x, h in zip(oval, here, strict=True)]
 
@@ -108,13 +120,12 @@ def states(oval: Oval) -> States:
         parts = (slopes[..., i, p] * step for p, step in enumerate(moved))
         return sum(parts, rows[..., i])
 
-    sines = at_work.moveaxis(rows[..., 3:], -1, 1)
     return States(of(0), of(1), of(2), sines)
 
 
 def _followed(at_work: Any, P: Any) -> tuple[Any, Any]:
-    """Load, bow, bend and sines at all nodes but the first, and slopes by the four numbers of `P`
-    of the first three.
+    """The states at all nodes but the first, and how they move with the four numbers of `P` and
+    with the shortening.
     """
     w = shortenings()[1:]
     shape = P.shape[:-2]
@@ -132,7 +143,9 @@ def _followed(at_work: Any, P: Any) -> tuple[Any, Any]:
 
 
 def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
-    """The state at a shortening `w` from one nearby, moved on to the next; what is kept of it."""
+    """The state at a shortening `w` from one nearby, moved on to the next; itself, and how it
+    moves.
+    """
 
     def step(x: Any) -> Any:
         value, slopes = _residual(at_work, P, x, w)
@@ -154,23 +167,31 @@ def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
         x = state[1]
     _, slopes = _residual(at_work, P, x, w)
     by = at_work.linalg.solve(slopes, _by_numbers(at_work, P, x))
-    basis, root = _basis(), at_work.sqrt(w)
+    return x + by[..., -1] * STEP, (x, by)
+
+
+def _kept(at_work: Any, x: Any, w: Any) -> Any:
+    """Load, bow, bend and sines of states `x` at shortenings `w`, on the last axis."""
+    basis, root = _basis(), np.sqrt(w)
     theta = x[..., :_SINES] @ basis.S.T
-    bow = basis.weight * at_work.sum(at_work.sin(theta), axis=-1)
-    off = basis.weight * at_work.cos(theta) @ basis.S  # by the sines
-    kept = at_work.concatenate([
-        -x[..., -1:], bow[..., None] / root,
+    bow = basis.weight * at_work.sum(at_work.sin(theta), axis=-1, keepdims=True)
+    return at_work.concatenate([
+        -x[..., -1:], bow / root,
         2 * np.pi * at_work.sum(x[..., :_SINES], axis=-1, keepdims=True) / root,
         x[..., :_SINES] / np.arange(1, _SINES + 1) / root,
     ], axis=-1)  # fmt: skip
+
+
+def _moved(x: Any, by: Any, w: Any) -> Any:
+    """How load, bow and bend of states `x` at shortenings `w` move with the four numbers."""
+    basis, root = _basis(), np.sqrt(w)
+    off = basis.weight * np.cos(x[..., :_SINES] @ basis.S.T) @ basis.S  # by the sines
     sines = by[..., :_SINES, :-1]
-    moved = at_work.stack([
+    return np.stack([
         -by[..., -1, :-1],
-        at_work.sum(off[..., None] * sines, axis=-2) / root,
-        2 * np.pi * at_work.sum(sines, axis=-2) / root,
+        np.sum(off[..., None] * sines, axis=-2) / root,
+        2 * np.pi * np.sum(sines, axis=-2) / root,
     ], axis=-2)  # fmt: skip
-    ahead = x + by[..., -1] * STEP
-    return ahead, (kept, moved)
 
 
 def _residual(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:

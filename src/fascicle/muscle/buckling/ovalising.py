@@ -26,9 +26,9 @@ of no length: the problem would be ill-posed.
 **Branch:** followed from the free strain; where it turns back the force jumps to the next state of
 the same strain, as in the elastica. **Sign:** tension positive. **Valid for**
 $\varepsilon \le 0.6$, $L_0/r_0$ from some 8 to 60. **Assumes** a thin wall that ovalizes without
-stretching, rubber that stays linear. **Derivatives:** by strain of all orders, by what the section
-is first ones. **Source:** derived here; Brazier (1927) for the softening; pressure as in Wood
-(1958).
+stretching, rubber that stays linear. **Derivatives:** of a compiled muscle up to third ones by what
+the section is, by strain of all orders. **Source:** derived here; Brazier (1927) for the softening;
+pressure as in Wood (1958).
 """
 
 from typing import ClassVar, NamedTuple
