@@ -3,7 +3,8 @@ r"""Tables and entries of the laws, made from what they declare: nobody lists th
     ```{laws} tension
     ```
 
-is a table of a kind's laws and their constants, and `{law-modules}` the modules that hold them.
+is a table of a kind's laws and their constants, `{law-modules}` the modules that hold them, and
+`{law-abilities}` what each law of every kind can do.
 """
 
 from typing import Any
@@ -36,6 +37,29 @@ def modules(kind: str) -> list[str]:
     return list(dict.fromkeys(law.__module__ for law in LAWS[kind].values()))
 
 
+def abilities() -> str:
+    """What every law can do, as Markdown."""
+    from fascicle.muscle import LAWS
+
+    heads = ("kind", "law", "in C", "in a table for C", "shear", "braid share", "muscles")
+    rows = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for kind, laws in LAWS.items():
+        for law in laws.values():
+            own = {one.name for one in (*law.constants(), *law.switches())}
+            past = kind == "buckling"  # who bends
+            can = (
+                _yes(getattr(law, "symbolic", True)), _yes(True),
+                _yes("shear" in own) if past else "", _yes("braid_share" in own) if past else "",
+                getattr(law, "made_for", "") or "any",
+            )  # fmt: skip
+            rows.append("| " + " | ".join((kind.replace("_", " "), f"`{law.name}`", *can)) + " |")
+    return "\n".join(rows)
+
+
+def _yes(can: bool) -> str:
+    return "yes" if can else "no"
+
+
 def _row(one: Any) -> str:
     from fascicle.units import pretty
 
@@ -57,6 +81,14 @@ class Laws(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """The table."""
         return _parsed(self, table(self.arguments[0]))
+
+
+class Abilities(SphinxDirective):
+    """What every law can do."""
+
+    def run(self) -> list[nodes.Node]:
+        """The table."""
+        return _parsed(self, abilities())
 
 
 class Modules(SphinxDirective):
@@ -83,4 +115,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Register with Sphinx."""
     app.add_directive("laws", Laws)
     app.add_directive("law-modules", Modules)
+    app.add_directive("law-abilities", Abilities)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
