@@ -21,6 +21,9 @@ from quick import compile_in_a_hurry
 
 _MANY_MAPS = 20_000
 
+# tracing makes so many objects that to look for those which nobody needs took a tenth of the time
+gc.set_threshold(50_000, 10, 10)
+
 jaxtyping.jaxtyped = checked_once
 jaxtyping.install_import_hook("fascicle", "beartype.beartype")
 

@@ -21,8 +21,9 @@ from sphinx.util.parallel import make_chunks
 
 
 # `%reset` comes last: it takes these names along
-BEGIN = """import os
+BEGIN = """import gc, os
 from matplotlib import pyplot
+gc.set_threshold(50_000, 10, 10)
 os.chdir({folder!r})
 pyplot.close("all")
 %reset -f"""
