@@ -10,6 +10,7 @@ import pytest
 import fascicle as fs
 from fascicle import records
 from fascicle.cli import main
+from fascicle.cli.commands.calibrate_work import Begin, _muscle
 from fascicle.files import provenance
 from fascicle.muscle import LAWS
 
@@ -196,6 +197,16 @@ def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monke
     plain = [one for one in how if one not in ("--loss", "soft_l1", "--weights", "level")]
     code, out, _ = fascicle("calibrate", "d.csv", *plain, "--tension", "ideal")
     assert code == 0 and abs(json.loads(out)["rmse"] / alone["rmse"] - 1) > 1e-3
+
+
+def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
+    muscle = fs.example(TEN)
+    fs.save(muscle, tmp_path / "tuned.toml", {"fitted_length": f"{float(muscle.length)} m"})
+    sizes = dict.fromkeys(("length", "outer_radius", "wall_thickness", "braid_angle"))
+    laws = dict.fromkeys(("material", "tension", "buckling", "collapse", "post_collapse"))
+    begin = Begin(str(tmp_path / "tuned.toml"), sizes | {"length": "300mm"}, laws)
+    with pytest.warns(UserWarning, match="fitted at a length of 127 mm and has 300 mm now"):
+        assert float(_muscle(begin).length) == 0.3
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ def prepare() -> None:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on stderr
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    warnings.filterwarnings("ignore", module="jax.*")
+    warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
     with telling("loading the laws"), uncollected():
         _load()
     folder = cache_folder()

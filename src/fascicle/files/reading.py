@@ -136,9 +136,10 @@ def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
         return muscle
     names = calibration.get("coordinate_names", ())
     try:
-        length = parse(told, "length", "fitted_length")
-    except ValueError as error:
-        raise ValueError(line(source, ["calibration", "fitted_length"], f"{error}")) from None
+        length = parse(told, "length")
+    except ValueError:
+        rule = 'must be a length with its unit, such as "127 mm".'
+        raise ValueError(line(source, ["calibration", "fitted_length"], rule, told)) from None
     remembering(muscle, length, ends=not OF_ENDS.isdisjoint(names))
     warn_elsewhere(muscle, stacklevel=4)
     return muscle

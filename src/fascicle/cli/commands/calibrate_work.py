@@ -142,14 +142,7 @@ def _muscle(begin: Begin) -> "Muscle":
             return Muscle.from_dimensions(**sizes, **laws)
     muscle = read_muscle(begin.target, "--muscle on each of its muscles")
     with refusing():
-        parts: dict[str, Any] = {**_parts(muscle), **sizes, **laws}
-        return type(muscle)(**parts)
-
-
-def _parts(muscle: "Muscle") -> dict[str, Any]:
-    from dataclasses import fields
-
-    return {one.name: getattr(muscle, one.name) for one in fields(muscle)}
+        return muscle.replace(**sizes, **laws)
 
 
 def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]:
