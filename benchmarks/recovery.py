@@ -191,7 +191,7 @@ def judged(title: str, rows: list[dict], samples: int, full: int) -> dict:
         "names": NAMES,
         "coverage": quick.tolist(),
         "coverage_error": quick_error.tolist(),
-        "bootstrap": (hold - ends + LEVEL).tolist(),
+        "bootstrap": np.clip(hold - ends + LEVEL, 0, 1).tolist(),
         "bootstrap_error": np.hypot(hold_error, ends_error).tolist(),
         "full": held(title, samples, full),
         "bias": (np.mean(value - real, axis=0) / np.mean(high - low, axis=0)).tolist(),
