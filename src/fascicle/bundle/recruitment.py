@@ -49,9 +49,9 @@ __all__ = [
 ]
 
 PREFERENCES = ("efficiency", "nearest")
-_PART, _LARGE_PART = 2**12, 2**14  # demands at once, where a law is compiled for them the second
+_PART, _LARGE_PART = 2**12, 2**16  # demands at once, where a law is compiled for them the second
 _SETS = 2**22  # of a set of units and a demand at once: some 0.2 GB
-LOOKS = 40  # points of a muscle's law that a demand takes of each unit, about
+LOOKS = 8  # points of a muscle's law that a demand takes of each unit, about
 
 
 def pressures_of(

@@ -24,7 +24,10 @@ from ...muscle import Muscle
 from ..alike import stacked, taken
 from ..plates import muscle_strain, plate_strain
 from ..states import States
+from .guide import Guide
 
+
+Forces = tuple[Numbers, ...]  # and their slopes in strain
 
 _FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
 _STEP = 1e-7  # of the level: for slopes that only guide a search
@@ -35,7 +38,7 @@ _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hi
 class Kinds(NamedTuple):
     """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
     the plates are apart; `which` of them [-] are meant, all of them where left out. Beyond
-    `at_once` points [-] their law is compiled.
+    `at_once` points [-] their law is compiled. `each`: them one by one, where NumPy works.
     """
 
     muscles: Muscle
@@ -43,6 +46,7 @@ class Kinds(NamedTuple):
     size: int
     which: Any = None
     at_once: int = COMPILE_ABOVE
+    each: tuple[Muscle, ...] = ()
 
     def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
@@ -64,11 +68,15 @@ class Kinds(NamedTuple):
         """Those at `place` [-], as many as it has."""
         return self._replace(which=minimum(maximum(place, 0), self.size - 1))
 
-    def _evaluated(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
+    def _evaluated(self, pressure: Numbers, strain: Numbers) -> Any:
         muscles, which = self.muscles, self.which
         if muscles.is_numpy and given(pressure, strain):
             kinds = np.arange(self.size) if which is None else which
             shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
+            if math.prod(shape) == 1:  # of numbers a law takes a quarter of an array's time
+                one = self.each[np.ravel(kinds)[0]]
+                at = one.law.at(np.ravel(pressure)[0])
+                return tuple(np.reshape(x, shape) for x in at.force(np.ravel(strain)[0]))
             if math.prod(shape) > self.at_once:
                 laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
                 found = scattered(compiled(_force), muscles, *laid)
@@ -111,7 +119,8 @@ class Bank(NamedTuple):
     """A bundle's kinds of muscle, and how many of each [-] a state has: `throttled`, at `no` and
     at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
     throttle one. `counted`: which states' beginnings and ends are solutions of their own [-]. Where
-    units are independent each is a state by itself, and nothing beside it is `held`.
+    units are independent each is a state by itself, and nothing beside it is `held`. `guide`: where
+    to look for demands, where NumPy does.
     """
 
     rows: tuple[Kinds, ...]
@@ -124,11 +133,17 @@ class Bank(NamedTuple):
     resistance: bool
     counted: tuple[np.ndarray, np.ndarray]
     by_itself: bool
+    guide: Guide | None = None
 
     @property
     def states(self) -> int:
         """How many states there are [-]."""
         return len(self.throttled)
+
+    @property
+    def at_once(self) -> int:
+        """Up to how many points [-] NumPy evaluates a law."""
+        return self.rows[0].at_once
 
     def for_many(self) -> "Bank":
         """The same for so many demands that a compiled law is worth its compiling."""
@@ -140,34 +155,47 @@ class Bank(NamedTuple):
         """
         at_work = library(level, strain, self.supply)
         P, eps = ((at_work.asarray(x) + 0.0)[..., None] for x in (level * self.supply, strain))
-        found = [self._kept(row.force(P, eps)) for row in self.rows]
+        found = [self.kept(row.force(P, eps)) for row in self.rows]
         return tuple(at_work.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
 
-    def held(self, strain: Numbers) -> tuple[Numbers, Numbers]:
-        """What the units that a state doesn't throttle give [N] at each `strain` [-], states
-        last, and its slope in strain [N].
+    def beside(self, strain: Numbers) -> tuple[Forces, Forces]:
+        """Forces [N] of one muscle of each kind at no and at supply pressure and each `strain` [-],
+        and their slopes in strain [N], kinds last.
+        """
+        if self.guide is not None:
+            return self.guide.ends(strain, np.size(strain) * self.throttled.shape[1] > self.at_once)
+        value, slope = self.forces(nodes((0.0, 1.0), strain) + 0.0 * strain, strain)
+        return (value[0], slope[0]), (value[1], slope[1])
+
+    def held(self, beside: tuple[Forces, Forces]) -> Forces:
+        """What the units that a state doesn't throttle give [N], states last, and its slope in
+        strain [N]; `beside`: what `beside` gives [N].
         """
         if self.by_itself:
-            at_work = library(strain, self.supply)
-            nothing = at_work.zeros((*np.shape(strain), self.states))
+            nothing = 0.0 * (beside[0][0] @ self.throttled.T)
             return nothing, nothing
-        return tuple(
-            none @ self.no.T + full @ self.full.T
-            for none, full in self.forces(nodes((0.0, 1.0), strain) + 0.0 * strain, strain)
-        )
+        none, full = beside
+        return tuple(off @ self.no.T + on @ self.full.T for off, on in zip(none, full, strict=True))
+
+    def throttled_force(self, state: Any, level: Numbers, strain: Numbers) -> Forces:
+        """Force [N] of the units that each `state` throttles, at its `level` [-] and `strain` [-],
+        and its slope in strain [N].
+        """
+        if self.alone is not None:
+            return self._alone(state, level, strain)
+        share = library(level).asarray(self.throttled)[state]
+        return tuple(library(x).sum(share * x, axis=-1) for x in self.forces(level, strain))
 
     def state_force(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] of the whole bundle in a `state` at `level` [-] and `strain` [-], and its slope
         in strain [N].
         """
+        own = self.throttled_force(state, level, strain)
         if self.by_itself:
-            return self._alone(state, level, strain)
-        at_work = library(level, strain, self.supply)
-        of_level = at_work.stack([0.0 * level, level, 1.0 + 0.0 * level]) + 0.0 * strain
-        shares = at_work.stack([self.no[state], self.throttled[state], self.full[state]])
-        return tuple(
-            at_work.sum(shares * part, axis=(0, -1)) for part in self.forces(of_level, strain)
-        )
+            return own
+        held = self.held(self.beside(strain))
+        at = library(level).arange(len(strain))
+        return tuple(x + rest[at, state] for x, rest in zip(own, held, strict=True))
 
     def values(self, state: Any, level: Numbers, strain: Numbers) -> Numbers:
         """Forces [N] of the kinds that a `state` throttles at `level` [-], places along a second
@@ -186,9 +214,9 @@ class Bank(NamedTuple):
         value, moved = both[:, : level.shape[1]], both[:, level.shape[1] :]
         return value, (moved - value) / step[..., None]
 
-    def ends(self, strain: Numbers) -> Numbers:
-        """Levels [-] between which each state's curve is smooth at each `strain` [-], rising along
-        a last axis, states ahead of it.
+    def ends(self, strain: Numbers, state: Any) -> Numbers:
+        """Levels [-] between which the curve of each `state` is smooth at each `strain` [-], rising
+        along a last axis.
         """
         at_work = library(strain, self.supply)
         found = [kinks.at(strain) for kinks in self.kinks]
@@ -198,12 +226,11 @@ class Bank(NamedTuple):
         padded = (at_work.pad(x, n, constant_values=1.0) for x, n in zip(found, more, strict=True))
         kinks = at_work.concatenate(tuple(padded), axis=1)
         if self.alone is None:
-            every = kinks.reshape(len(strain), 1, -1)
-            own = at_work.broadcast_to(every, (len(strain), self.states, every.shape[-1]))
+            own = kinks.reshape(len(strain), -1)
         else:
-            own = kinks[:, self.alone]
+            own = kinks[np.arange(len(strain)), at_work.asarray(self.alone)[state]]
         fixed = at_work.broadcast_to(
-            at_work.asarray([0.0, *_BETWEEN, 1.0]), (*own.shape[:2], 2 + len(_BETWEEN))
+            at_work.asarray([0.0, *_BETWEEN, 1.0]), (len(own), 2 + len(_BETWEEN))
         )
         return at_work.sort(at_work.concatenate([own, fixed], axis=-1), axis=-1)
 
@@ -213,7 +240,7 @@ class Bank(NamedTuple):
         kind = library(state).asarray(self.alone)[state]
         for row in self.rows:
             place = kind - first
-            found = self._kept(row.picked(place).force(level * self.supply, strain))
+            found = self.kept(row.picked(place).force(level * self.supply, strain))
             inside = (place >= 0) & (place < row.size)
             total, slope = (
                 x + where(inside, more, 0.0) for x, more in zip((total, slope), found, strict=True)
@@ -222,7 +249,8 @@ class Bank(NamedTuple):
         share = self.throttled[state, kind]
         return share * total, share * slope
 
-    def _kept(self, found: tuple[Numbers, Numbers]) -> tuple[Numbers, Numbers]:
+    def kept(self, found: Forces) -> Forces:
+        """Of forces and their slopes [N], what counts."""
         if self.resistance:
             return found
         return tuple(where(found[0] > 0, x, 0.0) for x in found)
@@ -242,8 +270,15 @@ def bank(
     scheme [-].
     """
     groups = stacked(muscles)
+    at_once = library(supply, *jax.tree.leaves(muscles)) is np
     rows = tuple(
-        Kinds(one, None if length is None else length / one.length, len(row)) for row, one in groups
+        Kinds(
+            one,
+            None if length is None else length / one.length,
+            len(row),
+            each=tuple(muscles[i] for i in row) if at_once else (),
+        )
+        for row, one in groups
     )
     order = [i for row, _ in groups for i in row]
     column = [order.index(place) for place in places]
@@ -260,9 +295,10 @@ def bank(
     if all(len(one) == 1 for one in members):
         alone = np.array([one.pop() for one in members])
     kinks = tuple(_kinks(row, supply) for row in rows)
-    return Bank(
+    made = Bank(
         rows, throttled, no, full, alone, kinks, supply, resistance, counted, states.independent
     )
+    return made._replace(guide=Guide(rows, supply, throttled, made.kept)) if at_once else made
 
 
 def _kinks(row: Kinds, supply: Numbers) -> Kinks:

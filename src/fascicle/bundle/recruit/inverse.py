@@ -90,9 +90,11 @@ def recruited(
 
     **Returns:** what to do for each demand [-], without derivatives.
     """
-    fixed, f, eps = still((bank, force, strain))
+    f, eps = still((force, strain))
+    fixed = still(bank) if bank.guide is None else bank  # a copy would forget what it has kept
     at_work = library(f, eps, fixed.supply)
-    found = solve(fixed, f, eps)
+    beside = fixed.beside(eps)
+    found = solve(fixed, f, eps, beside=beside)
     met = found.met
     reached = found.count > 0
 
@@ -104,12 +106,12 @@ def recruited(
     elif taken is not None:
         fed = at_work.maximum(still(taken), 0.0) @ states.fed.T.astype(float)
         cost = where(met, at_work.take_along_axis(fed, found.state, axis=1), np.inf)
-    taken = at_work.argmin(cost, axis=1)[:, None]
+    slot = at_work.argmin(cost, axis=1)
     state, level = (
-        where(reached, at_work.take_along_axis(x, taken, axis=1)[:, 0], nearest)
+        where(reached, at_work.take_along_axis(x, slot[:, None], axis=1)[:, 0], nearest)
         for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
-    there, slope, firm = _at_ends(fixed, found, state, level, eps)
+    there, slope, firm = _at_ends(fixed, found, slot, state, level, eps, beside)
     return Recruited(
         pressures=states.pressures(state, level, fixed.supply),
         state=state + 1,
@@ -127,25 +129,37 @@ def recruited(
 
 
 def _at_ends(
-    fixed: Bank, found: Found, state: Any, level: Numbers, strain: Numbers
+    fixed: Bank,
+    found: Found,
+    taken: Any,
+    state: Any,
+    level: Numbers,
+    strain: Numbers,
+    beside: Any,
 ) -> tuple[Numbers, Numbers, Any]:
-    """Force [N] in the `state` and at the `level` [-] taken, its slope in strain [N], and which of
-    the solutions are stable.
+    """Force [N] in the `state` and at the `level` [-] of the slot `taken`, or nearest, its slope in
+    strain [N], and which of the solutions are stable. `beside`: forces at each unit's ends [N].
     """
-    if library(level) is np:  # only those that there are
+    at_work, held = library(level), fixed.held(beside)
+
+    def forces(owner: Any, state: Any, level: Numbers) -> tuple[Numbers, Numbers]:
+        own = fixed.throttled_force(state, level, strain[owner])
+        return tuple(x + rest[owner, state] for x, rest in zip(own, held, strict=True))
+
+    every = np.arange(len(state))
+    if at_work is np:  # only those that there are
         owner, slot = np.nonzero(found.met)
-        states = np.concatenate([state, found.state[owner, slot]])
-        levels = np.concatenate([level, found.level[owner, slot]])
-        force, slope = fixed.state_force(states, levels, np.concatenate([strain, strain[owner]]))
-        firm, count = np.zeros(found.met.shape, bool), len(state)
-        firm[owner, slot] = slope[count:] < 0
-        return force[:count], slope[:count], firm
-    at_work = library(level)
+        none = np.flatnonzero(found.count == 0)
+        states = np.concatenate([found.state[owner, slot], state[none]])
+        levels = np.concatenate([found.level[owner, slot], level[none]])
+        place = (np.concatenate([owner, none]), np.concatenate([slot, taken[none]]))
+        force, slope = (np.zeros(found.met.shape) for _ in range(2))
+        force[place], slope[place] = forces(place[0], states, levels)
+        return force[every, taken], slope[every, taken], found.met & (slope < 0)
     states, levels = (
-        at_work.concatenate([own[:, None], x], axis=1)
+        at_work.concatenate([own[:, None], x], axis=1).reshape(-1)
         for own, x in ((state, found.state), (level, found.level))
     )
-    every = at_work.broadcast_to(strain[:, None], levels.shape)
-    flat = (x.reshape(-1) for x in (states, levels, every))
-    force, slope = (x.reshape(levels.shape) for x in fixed.state_force(*flat))
+    shape = (len(state), 1 + found.level.shape[1])
+    force, slope = (x.reshape(shape) for x in forces(np.repeat(every, shape[1]), states, levels))
     return force[:, 0], slope[:, 0], found.met & (slope[:, 1:] < 0)

@@ -17,9 +17,10 @@ from jaxtyping import Bool, Float, Int
 
 from ...core.arrays import absolute, library, maximum, minimum, where
 from ...core.types import AnyArray, Numbers
-from ..crossings import Cut, Sides, changes, cut, following, sides
+from ..crossings import Cut, changes, cut, following, sides
 from ..lists import put, ranked, repeated, worked
 from .curves import Bank
+from .guide import Runs
 
 
 EXACT = 2e-10  # N, the force that counts as met
@@ -79,32 +80,43 @@ class Lanes(NamedTuple):
         """How far a lane is above [N] at each `level` [-]."""
         return library(level, self.wanted).sum(self.values(lane, level), axis=-1)
 
+    def of(self, some: Any) -> "Lanes":
+        """Those lanes [-], whole demands or each by itself."""
+        wanted, strain, state = (x[some] for x in (self.wanted, self.strain, self.state))
+        return self._replace(wanted=wanted, strain=strain, state=state)
+
+    def ends(self) -> Numbers:
+        """Levels [-] between which each lane is smooth, rising along a last axis."""
+        return self.bank.ends(self.strain, self.state)
+
     def _short(self, lane: Any, level: Numbers) -> Numbers:
         wanted = -self.wanted[lane][:, None, None]
         return library(level, wanted).broadcast_to(wanted, (*level.shape, 1))
 
 
-def solve(bank: Bank, force: Numbers, strain: Numbers, which: Any = None) -> Found:
+def solve(
+    bank: Bank, force: Numbers, strain: Numbers, which: Any = None, beside: Any = None
+) -> Found:
     """All levels of all states at which the bundle's force is `force` [N] at `strain` [-]; of each
     demand's own state alone where it is said `which` [-] that is: it is the only one then.
+    `beside`: what the bank's `beside` gives there [N], where it is known.
     """
     demands, states = len(strain), bank.states if which is None else 1
     at_work = library(force, strain, bank.supply)
-    held, ends = bank.held(strain)[0], bank.ends(strain)
+    beside = bank.beside(strain) if beside is None else beside
+    held, _ = bank.held(beside)
+    at_ends = [end @ bank.throttled.T for end, _ in beside]
     state = at_work.asarray(np.tile(np.arange(states), demands))
     if which is not None:
         every, state = np.arange(demands), at_work.asarray(which)
-        held, ends = held[every, which][:, None], ends[every, which]
+        held, *at_ends = (x[every, state][:, None] for x in (held, *at_ends))
     wanted = (force[:, None] - held).reshape(-1)
+    low, high = (x.reshape(-1) - wanted for x in at_ends)
     lanes = Lanes(bank, wanted, at_work.repeat(strain, states), state, states)
-    ends = ends.reshape(demands * states, -1)
-    stretches = sides(lanes, ends, _INSET)
     close = EXACT + _ROUNDING * absolute(wanted)
-    looked = cut(lanes, stretches, stretches.may_cross)
+    met_low, met_high = absolute(low) <= close, absolute(high) <= close
+    lane, level, met = _within(lanes, close, low, high)
 
-    met_low = absolute(stretches.value_low[:, 0]) <= close
-    met_high = absolute(stretches.value_high[:, -1]) <= close
-    lane, level, met = _crossed(lanes, close, _ends_apart(looked, met_low, met_high))
     # a later state without pressure is an earlier one, which has counted it
     begins, finishes = (at_work.asarray(one)[state] for one in bank.counted)
     every = np.arange(demands * states)
@@ -125,7 +137,37 @@ def solve(bank: Bank, force: Numbers, strain: Numbers, which: Any = None) -> Fou
     table = put(0.0, shape, where_to, level, total)
     state = put(0, shape, where_to, lane % states, total)
     used = np.arange(slots) < count[:, None]
-    return Found(table, state, used, count, *_nearest(lanes, stretches, count))
+    return Found(table, state, used, count, *_nearest(lanes, count, low, high))
+
+
+def _within(lanes: Lanes, close: Numbers, low: Numbers, high: Numbers) -> tuple:
+    """Where lanes are met within their curves: by lane and level [-], and whether they are, in a
+    jump they aren't. `low` and `high`: how far above they are at the ends [N].
+    """
+    if lanes.bank.guide is None:
+        every = library(low).arange(len(lanes.wanted))
+        return _searched(lanes, every, close, low, high)
+    runs, hard = lanes.bank.guide.runs(lanes.state, lanes.strain, lanes.wanted, (low, high), close)
+    level, miss = _followed(lanes, close[runs.lane], runs)
+    met = absolute(miss) <= close[runs.lane]
+    # what the guide has said in vain is looked for as if it had said nothing
+    hard = np.union1d(hard, runs.lane[~met])
+    if not len(hard):
+        return runs.lane, level, met
+    more = _searched(lanes, hard, close, low, high)
+    met = met & ~np.isin(runs.lane, hard)
+    found = zip((runs.lane, level, met), more, strict=True)
+    return tuple(np.concatenate(both) for both in found)
+
+
+def _searched(lanes: Lanes, some: Any, close: Numbers, low: Numbers, high: Numbers) -> tuple:
+    """The same of `some` lanes, in all their stretches."""
+    part, close = lanes.of(some), close[some]
+    stretches = sides(part, part.ends(), _INSET)
+    looked = cut(part, stretches, stretches.may_cross)
+    met = (absolute(x[some]) <= close for x in (low, high))
+    lane, level, met = _crossed(part, close, _ends_apart(looked, *met))
+    return some[lane], level, met
 
 
 def _ends_apart(looked: Cut, low: Any, high: Any) -> Cut:
@@ -142,8 +184,8 @@ def _ends_apart(looked: Cut, low: Any, high: Any) -> Cut:
 
 def _crossed(lanes: Lanes, close: Numbers, looked: Cut) -> tuple[Any, Numbers, Any]:
     """Crossings by lane and level [-], and which of them are solutions rather than jumps."""
-    demands = len(lanes.wanted) // lanes.each
-    found = changes(looked, demands * (ROOM * lanes.each + 2))
+    # so many for each state, and as many for all
+    found = changes(looked, len(lanes.wanted) * ROOM + 2 * -(-len(lanes.wanted) // lanes.each))
 
     def refined(lane: Any, *of: Any) -> tuple[Numbers, Numbers]:
         return _met(lanes, lane, close[lane], *of)
@@ -152,6 +194,38 @@ def _crossed(lanes: Lanes, close: Numbers, looked: Cut) -> tuple[Any, Numbers, A
     real = np.arange(len(found.lane)) < found.total
     met = real & (absolute(miss) <= close[found.lane])
     return found.lane, level, met
+
+
+def _followed(lanes: Lanes, close: Numbers, runs: Runs) -> tuple[Numbers, Numbers]:
+    """The level [-] at which each run is met and its miss [N]: by secants from near it, within
+    its sides, and some bisection.
+    """
+
+    def step(n: int, entry: tuple, state: tuple) -> tuple:
+        lane, sense, _ = entry
+        a, b, x, before, g_before, slope, level, miss = state
+        g = sense * lanes.above(lane, x[:, None])[:, 0]
+        a, b = np.where(g < 0, x, a), np.where(g < 0, b, x)
+        if n:
+            apart = x - before
+            slope = (g - g_before) / np.where(apart == 0, np.inf, apart)
+        secant = x - g / np.where(slope > 0, slope, np.nan)
+        inside = (a < secant) & (secant < b) & (n % _SECANTS != _SECANTS - 1)
+        nearer = np.abs(g) < np.abs(miss)
+        return (
+            a, b, np.where(inside, secant, 0.5 * (a + b)), x, g, slope,
+            np.where(nearer, x, level), np.where(nearer, g, miss),
+        )  # fmt: skip
+
+    def ended(entry: tuple, state: tuple) -> Any:
+        return (np.abs(state[7]) <= entry[2]) | (state[1] - state[0] <= _ROUNDED)
+
+    sense, nothing = np.where(runs.rises, 1.0, -1.0), 0.0 * runs.near
+    begun = (runs.low, runs.high, runs.near, nothing, nothing, sense * runs.slope)
+    state = repeated(
+        step, (runs.lane, sense, 1e-2 * close), (*begun, runs.near, np.inf + nothing), ended, _STEPS
+    )
+    return state[6], sense * state[7]
 
 
 def _met(
@@ -194,12 +268,39 @@ def _met(
     return state[4], sense * state[5]
 
 
-def _nearest(lanes: Lanes, stretches: Sides, count: Any) -> tuple[Any, Any, Any]:
-    """The level [-] nearest to each demand, its state and miss [N]; of use where none is met."""
+def _nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any, Any, Any]:
+    """The level [-] nearest to each demand, its state and miss [N]; of use where none is met.
+    `low` and `high`: how far above lanes are at the ends of their curves [N].
+    """
+    guide = lanes.bank.guide
+    if guide is None:
+        return _nearest_of(lanes, count)
+    some = np.flatnonzero(count == 0)
+    at_ends = np.concatenate([x.reshape(len(count), -1) for x in (low, high)], axis=1)
+    best = np.argmin(np.abs(at_ends), axis=1)
+    side, state = np.divmod(best, lanes.each)
+    miss = at_ends[np.arange(len(count)), best]
+    level = side + 0.0 * miss
+    if len(some):
+        part = lanes.of(_lanes_of(some, lanes.each))
+        within = np.repeat(np.abs(miss[some]), lanes.each)
+        nearer = guide.nearer(part.state, part.strain, part.wanted, within)
+        some = some[nearer.reshape(-1, lanes.each).any(axis=1)]
+    if len(some):
+        found = _nearest_of(lanes.of(_lanes_of(some, lanes.each)), count[some])
+        level[some], state[some], miss[some] = found
+    return level, state, miss
+
+
+def _lanes_of(demands: np.ndarray, each: int) -> np.ndarray:
+    return (demands[:, None] * each + np.arange(each)).reshape(-1)
+
+
+def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
+    """The same, looked for in all stretches."""
     states, at_work = lanes.each, library(lanes.wanted)
     demands = len(count)
-    if at_work is np and np.all(count > 0):
-        return np.zeros(demands), np.zeros(demands, int), np.zeros(demands)
+    stretches = sides(lanes, lanes.ends(), _INSET)
 
     def of_demand(x: Any) -> Any:
         return x.reshape(demands, -1)

@@ -1,0 +1,94 @@
+"""The guide only says where to look: with and without it the same is found."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.bundle import recruitment
+from fascicle.bundle.recruit import levels
+from fascicle.bundle.recruitment import recruit
+
+
+SUPPLY = 413.7e3
+LAWS = {
+    "plain": {},
+    "elastica": {"buckling": "elastica"},
+    "tuned": {"tuning": fs.Tuning([5e4, 2e5, 4.2e5], [1, 4, 6], [0.9, 0.95, 1.1], dead_band=5e3)},
+}
+
+
+def random_bundle(random: np.random.Generator, laws: str) -> fs.Bundle:
+    """Three unlike units; collapsed ones go over to their hinge slowly and at once."""
+    made = []
+    for _ in range(3):
+        radius = random.uniform(4e-3, 10e-3)
+        muscle = fs.Muscle.from_dimensions(
+            0.127,
+            radius,
+            radius * random.uniform(0.15, 0.35),
+            math.radians(random.uniform(25, 40)),
+            "silicone_kim2021",
+            transition_rate=random.choice([25.0, 100.0, 300.0]),
+            **LAWS[laws],
+        )
+        made.append(fs.MotorUnit(muscle, int(random.integers(1, 5))))
+    return fs.Bundle(made, SUPPLY)
+
+
+def demands(random: np.random.Generator, one: fs.Bundle, count: int) -> tuple:
+    """Forces and strains; many small forces, where states overlap and dip, some out of reach."""
+    strain = random.uniform(-0.02, 0.33, count)
+    full = np.abs(one.force(np.full(3, SUPPLY), strain))
+    size = random.choice([1.0, 0.1, 0.01], count) * np.where(random.random(count) < 0.5, full, 300)
+    return random.uniform(-0.3, 1.1, count) * size, strain
+
+
+@pytest.mark.parametrize(
+    ("laws", "scheme", "count"),
+    [
+        ("plain", "orderly", 400),
+        ("plain", "batch", 250),
+        ("tuned", "orderly", 250),
+        ("elastica", "orderly", 40),
+        pytest.param("plain", "free", 100, marks=pytest.mark.slow),
+        pytest.param("tuned", "batch", 500, marks=pytest.mark.slow),
+        pytest.param("elastica", "batch", 200, marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.parametrize("resistance", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_what_is_found_is_what_a_look_at_every_stretch_finds(
+    monkeypatch, laws, scheme, count, resistance
+):
+    random = np.random.default_rng(1)
+    one = random_bundle(random, laws)
+    force, strain = demands(random, one, count)
+    guided = recruit(one, force, strain, scheme=scheme, resistance=resistance)
+    made = recruitment._bank
+    monkeypatch.setattr(recruitment, "_bank", lambda *x: made(*x)._replace(guide=None))
+    every = recruit(one, force, strain, scheme=scheme, resistance=resistance)
+    assert guided.count.tolist() == every.count.tolist()
+    assert guided.status.tolist() == every.status.tolist()
+    assert guided.state.tolist() == every.state.tolist()
+    assert (every.count > 1).any() or scheme == "free" or not resistance
+    assert_allclose(guided.solutions.pressure, every.solutions.pressure, rtol=0, atol=1e-9 * SUPPLY)
+    assert guided.solutions.stable.tolist() == every.solutions.stable.tolist()
+    assert_allclose(guided.force, every.force, rtol=0, atol=1e-9)
+
+
+def test_few_demands_are_left_to_the_search(monkeypatch):
+    random = np.random.default_rng(2)
+    one = random_bundle(random, "plain")
+    strain = random.uniform(0, 0.25, 500)
+    force = random.uniform(0, 1, 500) * one.force(np.full(3, SUPPLY), strain)
+    searched = []
+    search = levels._searched
+    monkeypatch.setattr(
+        levels,
+        "_searched",
+        lambda lanes, some, *x: searched.append(some) or search(lanes, some, *x),
+    )
+    assert np.all(recruit(one, force, strain).count > 0)
+    assert sum(map(len, searched)) < 0.05 * 3 * 500
