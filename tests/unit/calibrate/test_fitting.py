@@ -1,13 +1,18 @@
 """Whole fits of synthetic records; each fixture is one compiled search, and many look at it."""
 
+import warnings
+
+import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, fit
+from fascicle.calibrate.fits.fitting import _with_tables
 from fascicle.calibrate.problem.uncertainty import NORMAL
 from fascicle.files.calibrated import provenance_of
+from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
 
@@ -356,3 +361,14 @@ def test_a_slope_may_fall_beforehand():
     falling = {"hinge_stiffness_slope": Prior(-1e-7, 1e-6)}
     free = named(["hinge_stiffness_slope"], DRAWN)
     assert _centered(DRAWN, free, falling).tuning.hinge_stiffness_slope < 0
+
+
+def test_a_factor_that_was_fitted_far_out_is_told_with_its_interval_alone(tuned):
+    far = eqx.tree_at(lambda m: m.tuning.hinge_stiffness_factor, tuned.muscle, np.float64(151.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = _with_tables(far, tuned.readings)
+    assert float(made.tuning.hinge_stiffness_factor) == 151.0
+    # one that is given is warned of
+    with pytest.warns(UserWarning, match="`hinge_stiffness_factor` of 151 is unusual"):
+        Tuning(hinge_stiffness_factor=151.0)

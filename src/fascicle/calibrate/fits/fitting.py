@@ -6,6 +6,7 @@ constants among the parameters all of the readings are fitted directly by the la
 ones as what they are (`problem`).
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -194,10 +195,10 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
     # below the blocked force's threshold the muscle doesn't pull: the table begins above it
     good = np.isfinite(c1) & np.isfinite(c2) & (c2 > 0) & (seen > 0)
     old = muscle.tuning
-    return eqx.tree_at(
-        lambda m: m.tuning,
-        muscle,
-        Tuning(
+    with warnings.catch_warnings():
+        # a number that was given may be a slip; one that was fitted is told with its interval
+        warnings.filterwarnings("ignore", ".* is unusual", UserWarning)
+        tuning = Tuning(
             seen[good], c1[good], c2[good],
             youngs_modulus_factor=old.youngs_modulus_factor,
             collapse_moment_factor=old.collapse_moment_factor,
@@ -205,5 +206,5 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
             hinge_stiffness_slope=old.hinge_stiffness_slope,
             transition_rate=old.transition_rate,
             dead_band=old.dead_band,
-        ),
-    )  # fmt: skip
+        )  # fmt: skip
+    return eqx.tree_at(lambda m: m.tuning, muscle, tuning)
