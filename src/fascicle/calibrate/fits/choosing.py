@@ -169,7 +169,8 @@ def marked(trials: Sequence[Trial], best: Trial) -> tuple[Candidate, ...]:
 def reasons(trials: Sequence[Trial], best: Trial, parts: str = "pressures") -> tuple[str, ...]:
     """Why the `best` [-] of `trials` [-] was taken, a line each; `parts` are what was left out."""
     tried = [one.candidate for one in trials if one.judged]
-    first, second, *more = _reasons(tried, best.candidate)
+    all_can = not any(one.impossible for one in trials)
+    first, second, *more = _reasons(tried, best.candidate, "" if all_can else " and can be")
     so = JUDGED.format(parts=parts)
     return (first, second, *differences(trials, best), *impossible(trials), *more, so)
 
@@ -194,14 +195,14 @@ def differences(trials: Sequence[Trial], best: Trial) -> Iterator[str]:
         yield from _difference(by_names, best.candidate, name, _WORDS.get(name, f"`{name}`"))
 
 
-def _reasons(tried: Sequence[Candidate], best: Candidate) -> Iterator[str]:
+def _reasons(tried: Sequence[Candidate], best: Candidate, can: str) -> Iterator[str]:
     least = min(tried, key=lambda one: one.left_out_rmse)
     yield (
         f"Taken: {best.label} ({_numbers(best)}), wrong by {_share(best)} of the largest force"
         " where it was left out."
     )
     if least is best:
-        yield f"None of the {len(tried)} that were fitted is better there."
+        yield f"None of the {len(tried)} that were fitted{can} is better there."
     else:
         yield (
             f"Least is {_share(least)}, with {least.label} ({_numbers(least)}): no better than"
