@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from oracle_braid import bent_volume, stiffness, stiffness_without_slip
+from oracle_braid import (
+    bent_volume,
+    stiffness,
+    stiffness_of_any_section,
+    stiffness_without_slip,
+)
 
 import fascicle as fs
 from fascicle.muscle.buckling import Elastica, Kim2021
@@ -52,6 +57,13 @@ def test_virtual_work_without_slip_says_five_sixths_at_the_neutral_angle():
     ratio = stiffness_without_slip(P, r, neutral) / stiffness(P, r, neutral)
     # the trapezoid rule is even around the section: what is left is of sixth order in the step
     assert_allclose(ratio, 5 / 6, rtol=1e-5)
+
+
+def test_nor_does_a_section_of_any_shape_hold_less():
+    P, r, neutral = 1e5, 6.35e-3, math.atan(math.sqrt(2))
+    ratio = stiffness_of_any_section(P, r, neutral) / stiffness(P, r, neutral)
+    # bends of 0.05 and 0.1 leave some 1e-4, as do 200 steps
+    assert_allclose(ratio, 5 / 6, rtol=1e-3)
 
 
 def test_a_dead_band_keeps_pressure_from_the_braid():
