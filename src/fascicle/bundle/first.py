@@ -59,7 +59,8 @@ def first(here: Pressurized) -> First:
     once = _steepest(slope[:, 0], slope[:, 1]).sum(axis=-1) < 0
     smooth = behind < here.fold[:, 0]  # slopes don't tell of a jump
     alike = top - low <= APART  # equal units vanish together
-    sure = (over > 0) & (under <= 0) & once & smooth & _pulls(here, low, before, turns)
+    sure = (over > 0) & (under <= 0) & once & smooth
+    sure = sure & _pulls(here, low, sides[:, :1], (force[:, :1], slope[:, :1]), turns)
     return First(np.where(alike, low, found), alike | sure)
 
 
@@ -84,17 +85,25 @@ def _halved(here: Pressurized, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _pulls(
-    here: Pressurized, low: np.ndarray, high: np.ndarray, turns: list[np.ndarray]
+    here: Pressurized,
+    low: np.ndarray,
+    high: np.ndarray,
+    at_high: tuple[np.ndarray, np.ndarray],
+    turns: list[np.ndarray],
 ) -> np.ndarray:
     """Whether (B13) proves that each lane pulls from `low` up to `high` [-]: in one, or from one
-    unit's last kink to the next one's.
+    unit's last kink to the next one's. `at_high`: its units' forces there, and their slopes [N].
     """
     beside = (0.0, _BESIDE)
-    kinks = [np.minimum(kink + step, high[:, None]) for kink in turns for step in beside]
+    kinks = [np.minimum(kink + step, high) for kink in turns for step in beside]
     seen = [here.forces_apart(kink[:, None]) for kink in kinks]
 
     def proved(lane: np.ndarray, stops: np.ndarray) -> np.ndarray:
-        force, slope = here.of(lane).unit_forces(stops)
+        begun = here.of(lane).unit_forces(stops)
+        force, slope = (
+            np.concatenate([x, last[lane]], axis=1) for x, last in zip(begun, at_high, strict=True)
+        )
+        stops = np.concatenate([stops, high[lane]], axis=1)
         left, right = force[:, :-1], force[:, 1:]
         least, most = np.minimum(left, right), np.maximum(left, right)
         steepest = _steepest(slope[:, :-1], slope[:, 1:])
@@ -109,11 +118,10 @@ def _pulls(
         return np.all((right.sum(axis=-1) > 0) & ((falls < 0) | (above > 0)), axis=-1)
 
     lanes = np.arange(len(high))
-    sure = (low >= high) | proved(lanes, np.stack([low, high], axis=1))
+    sure = proved(lanes, low[:, None])
     left = lanes[~sure]
-    last = turns[-1] if turns else high[:, None]
-    stops = np.minimum(np.concatenate([low[left, None], last[left]], axis=1), high[left, None])
-    sure[left] = proved(left, np.sort(np.concatenate([stops, high[left, None]], axis=1), axis=1))
+    last = np.minimum(turns[-1] if turns else high, high)[left]
+    sure[left] = proved(left, np.sort(np.concatenate([low[left, None], last], axis=1), axis=1))
     return sure
 
 
