@@ -1,11 +1,11 @@
 """The tables of a scenario that is controlled: `[control]`, and `[[demand]]` or `[sine]`."""
 
-from typing import Annotated, Any
+from functools import partial
+from typing import Any
 
-from pydantic import BeforeValidator, Field, StrictBool, create_model
+from pydantic import Field, StrictBool, create_model
 
-from ..units import parse, sample
-from .schema import Section
+from .schema import Section, key
 
 
 _OPTIONS = {
@@ -15,20 +15,12 @@ _OPTIONS = {
 }  # fmt: skip
 
 
-def _quantity(dimension: str) -> BeforeValidator:
-    return BeforeValidator(lambda value, info: parse(value, dimension, info.field_name))
-
-
-def _key(dimension: str, needed: bool = False) -> tuple[Any, Any]:
-    kind: Any = Annotated[float | None, _quantity(dimension)]
-    return kind, Field(examples=[sample(dimension)]) if needed else None
-
-
 def control_keys(turns: bool) -> dict[str, Any]:
     """Keys of a controlled scenario's file [-], of a load that `turns` or not."""
-    keys: dict[str, Any] = {name: _key(dimension) for name, dimension in _OPTIONS.items()}
-    keys["position_gain"] = _key("angular_stiffness" if turns else "stiffness")
-    keys["velocity_gain"] = _key("angular_damping" if turns else "damping")
+    may = partial(key, needed=False)
+    keys: dict[str, Any] = {name: may(dimension) for name, dimension in _OPTIONS.items()}
+    keys["position_gain"] = may("angular_stiffness" if turns else "stiffness")
+    keys["velocity_gain"] = may("angular_damping" if turns else "damping")
     named: Any = (str, Field(examples=['"hand_over"']))
     control: Any = create_model(
         "ControlSection", __base__=Section, policy=named,
@@ -37,12 +29,12 @@ def control_keys(turns: bool) -> dict[str, Any]:
     where = "angle" if turns else "length"
     force = "moment" if turns else "force"
     demand: Any = create_model(
-        "DemandSection", __base__=Section, time=_key("time", True), force=_key(force),
-        position=_key(where),
+        "DemandSection", __base__=Section, time=key("time"), force=may(force),
+        position=may(where),
     )  # fmt: skip
     sine: Any = create_model(
-        "SineSection", __base__=Section, mean=_key(where, True), amplitude=_key(where, True),
-        frequency=_key("frequency", True),
+        "SineSection", __base__=Section, mean=key(where), amplitude=key(where),
+        frequency=key("frequency"),
     )  # fmt: skip
     return {
         "control": (control, Field(examples=["[control]"])),

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from inspect import Parameter, signature
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, StrictInt, create_model
+from pydantic import BaseModel, Field, StrictInt, create_model
 
 from ..dynamics import (
     AntagonisticJoint,
@@ -41,11 +40,10 @@ from ..fluid import (
     Tank,
     VariablePump,
 )
-from ..units import parse, sample
 from .control_schema import control_keys
 from .faults import nearest
 from .places import Place
-from .schema import Section
+from .schema import Section, key, quantity
 
 
 _DIMENSIONS = {
@@ -123,21 +121,6 @@ _PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
               found=("liquid",), many=False)  # fmt: skip
 
 
-def _quantity(dimension: str, many: bool = False) -> BeforeValidator:
-    def read(value: Any, info: Any) -> Any:
-        name = info.field_name
-        if many and isinstance(value, list) and value:
-            return np.array([parse(entry, dimension, name) for entry in value])
-        return parse(value, dimension, name)
-
-    return BeforeValidator(read)
-
-
-def _key(dimension: str, many: bool = False, needed: bool = True) -> tuple[Any, Any]:
-    kind: Any = Annotated[Any, _quantity(dimension, many)]
-    return kind, Field(examples=[sample(dimension)]) if needed else None
-
-
 def _or_none(kind: Any) -> Any:
     return kind | None
 
@@ -155,9 +138,9 @@ def _table(part: Part, kind: type, turns: bool) -> type[Section]:
         own = _OF_A_CLASS.get(kind, _OF_A_TURN if turns else {})
         dimension = own.get(name)
         needed = one.default is Parameter.empty
-        keys[name] = _key(dimension or _DIMENSIONS[name], part.many, needed)
+        keys[name] = key(dimension or _DIMENSIONS[name], part.many, needed)
     if kind is Tank:  # it stands behind a wall of its own
-        keys["conductance"] = _key("wall_conductance", needed=False)
+        keys["conductance"] = key("wall_conductance", needed=False)
     return create_model(f"{kind.__name__}Section", __base__=Section, **keys)
 
 
@@ -183,20 +166,20 @@ def pump_class(data: Mapping[str, Any], place: Place) -> type:
 class CommandSection(Section):
     """`[[schedule]]`: from a time on, a command for each valve, or one for all of them."""
 
-    time: Annotated[float, _quantity("time")] = Field(examples=['"0 s"'])
-    command: Annotated[Any, _quantity("number", many=True)] = Field(examples=["[1, 0]"])
+    time: Annotated[float, quantity("time")] = Field(examples=['"0 s"'])
+    command: Annotated[Any, quantity("number", many=True)] = Field(examples=["[1, 0]"])
 
 
 def _run(turns: bool) -> type[Section]:
     return create_model(
         "RunSection",
         __base__=Section,
-        duration=(Annotated[float, _quantity("time")], Field(examples=['"10 s"'])),
-        dt=_key("time", needed=False),
+        duration=(Annotated[float, quantity("time")], Field(examples=['"10 s"'])),
+        dt=key("time", needed=False),
         law=_NAME,
         volume=_NAME,
-        pressures=_key("pressure", many=True, needed=False),
-        position=_key("angle" if turns else "length", needed=False),
+        pressures=key("pressure", many=True, needed=False),
+        position=key("angle" if turns else "length", needed=False),
     )
 
 

@@ -9,6 +9,7 @@ keys of a law are those of the constants that it declares.
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -24,22 +25,37 @@ from pydantic import (
 from ..core.constant import Constant
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from ..units import parse
+from ..units import parse, sample
 
 
-def _reader(dimension: str) -> BeforeValidator:
-    def read(value: Any, info: Any) -> float:
-        return parse(value, dimension, info.field_name)
+def quantity(dimension: str, many: bool = False) -> BeforeValidator:
+    """What reads text with a unit of a `dimension` [-], a list of it too where there may be `many`
+    [-].
+    """
+
+    def read(value: Any, info: Any) -> Any:
+        name = info.field_name
+        if many and isinstance(value, list) and value:
+            return np.array([parse(entry, dimension, name) for entry in value])
+        return parse(value, dimension, name)
 
     return BeforeValidator(read)
 
 
-Length = Annotated[float, _reader("length")]
-Angle = Annotated[float, _reader("angle")]
-Force = Annotated[float, _reader("force")]
-Pressure = Annotated[float, _reader("pressure")]
-InversePressure = Annotated[float, _reader("inverse_pressure")]
-Number = Annotated[float, _reader("number")]
+def key(dimension: str, many: bool = False, needed: bool = True) -> tuple[Any, Any]:
+    """A key of a section [-]: its value's kind, and what stands for it; arguments as `quantity`'s,
+    and whether it is `needed` [-].
+    """
+    kind: Any = Annotated[Any, quantity(dimension, many)]
+    return kind, Field(examples=[sample(dimension)]) if needed else None
+
+
+Length = Annotated[float, quantity("length")]
+Angle = Annotated[float, quantity("angle")]
+Force = Annotated[float, quantity("force")]
+Pressure = Annotated[float, quantity("pressure")]
+InversePressure = Annotated[float, quantity("inverse_pressure")]
+Number = Annotated[float, quantity("number")]
 
 # a value that is either plain or a table: the choice is by type, so an error names one key
 PLAIN, TABLE = "(plain)", "(table)"
@@ -68,7 +84,7 @@ def _float(reader: BeforeValidator) -> Any:
 
 
 def _keys(constants: Iterable[Constant]) -> dict[str, Any]:
-    return {one.name: (_float(_reader(one.dimension)), None) for one in constants}
+    return {one.name: (_float(quantity(one.dimension)), None) for one in constants}
 
 
 def _reader_of(kind: str, name: str) -> BeforeValidator:

@@ -10,6 +10,7 @@ from typer.core import TyperCommand
 from ..options import AsJson, Replace, complete_target
 from ..outputs import folder_for, say
 from ..problems import UserError, refusing
+from ..telling import telling
 
 
 Data = Annotated[
@@ -220,7 +221,7 @@ def run(
     found = calibrated(begin, reading, search, drawn=folder is not None)
     written: list[str] = []
     if folder is not None:
-        with refusing("--out "):
+        with refusing("--out "), telling("writing the report"):
             today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             written = found.write(folder, today, overwrite)
     if as_json:

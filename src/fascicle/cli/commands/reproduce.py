@@ -73,12 +73,13 @@ def run(
 def _measured(folder: Path, overwrite: bool) -> None:
     """Every measured record in reach against every law, shown and written."""
     prepare()
-    from ...files.ours import write_folder
-    from ...reproduce.measurements import Judged, measured_records, nothing, run
-    from ...reproduce.measurements.report import UNTESTED
-    from ..printed import show
+    with telling("loading the records"):
+        from ...files.ours import write_folder
+        from ...reproduce.measurements import Judged, measured_records, nothing, run
+        from ...reproduce.measurements.report import UNTESTED
+        from ..printed import show
 
-    with refusing():
+    with refusing(), telling("reading the records"):
         records = measured_records()
     left = [one for one in records if one.left_out]
     for one in left:
@@ -131,7 +132,9 @@ def _made(folder: Path, overwrite: bool) -> "list[Claim]":
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from ...files.ours import write_folder
-    from ...reproduce import kim2021
+
+    with telling("loading the paper's figures"):
+        from ...reproduce import kim2021
 
     columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
                TimeElapsedColumn())  # fmt: skip

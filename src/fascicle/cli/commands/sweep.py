@@ -12,6 +12,7 @@ import typer
 from ..options import Replace
 from ..outputs import say
 from ..problems import StoppedError, UserError, refusing
+from ..telling import telling
 
 
 StudyFile = Annotated[
@@ -72,16 +73,17 @@ def run(
     from ..startup import prepare
 
     prepare()
-    from ...design.searches.study import Study
-    from ...design.sweeps.running import sweep
-    from ...files.task import load_task
+    with telling("loading the task"):
+        from ...design.searches.study import Study
+        from ...design.sweeps.running import sweep
+        from ...files.task import load_task
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
-    with refusing():
+    with refusing(), telling("reading the task"):
         file = load_task(study)
         made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
     # what can't be is said before a cluster is started
-    with refusing():
+    with refusing(), telling("looking into the folder"):
         from ...design.sweeps.store import Store
         from ...files.ours import check_file
 
@@ -127,16 +129,17 @@ def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
     from .design_results import print_answer
 
     index, values = np.arange(len(file.space)), store.all()
-    found = concluded(
-        file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
-    )
-    answered = answer(found)
-    if not isinstance(answered, Unreached):
-        title = f"Front of designs for {file.task.name}"
-        variables = front_variables(found) | case_variables(answered)
-        about = {"notes": " ".join(file.notes)} if file.notes else {}
-        with replacing(folder / "front.nc", overwrite):
-            write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
+    with telling("looking for the front"):
+        found = concluded(
+            file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
+        )
+        answered = answer(found)
+        if not isinstance(answered, Unreached):
+            title = f"Front of designs for {file.task.name}"
+            variables = front_variables(found) | case_variables(answered)
+            about = {"notes": " ".join(file.notes)} if file.notes else {}
+            with replacing(folder / "front.nc", overwrite):
+                write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
     return print_answer(found, answered, file.notes)
 
 
@@ -151,7 +154,8 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     if scheduler is None:
         with contextlib.ExitStack() as stack:
             try:
-                client = stack.enter_context(local(workers))
+                with telling("starting the workers"):
+                    client = stack.enter_context(local(workers))
             except ConnectionError as error:
                 raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
             yield client
