@@ -70,6 +70,7 @@ _DISTRUSTED = 1
 # of arrays up to so many bytes; what has been set is respected
 LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"
 _EVENTS = 20  # that are printed
+_ROUNDED = 1e-14  # of a balance's largest term: what rounding makes of a zero
 
 
 def run(
@@ -211,7 +212,7 @@ def _balances(balanced: Any) -> None:
     rows = [
         [
             one.name.replace(" of ", "\nof "),
-            "\n".join([*_terms(one.into, one.unit, ""), *_terms(one.went, one.unit, "to ")]),
+            "\n".join(_terms(one)),
             f"{one.share:.0e}",
             "closes" if one.closes else "DOES NOT CLOSE",
         ]
@@ -221,5 +222,11 @@ def _balances(balanced: Any) -> None:
     show("Balances", ["balance", "what came and went", "left over", ""], rows, told)
 
 
-def _terms(terms: dict[str, float], unit: str, mark: str) -> list[str]:
-    return [f"{mark}{name} {value:.3g} {unit}" for name, value in terms.items() if value]
+def _terms(balance: Any) -> list[str]:
+    least = _ROUNDED * max(map(abs, [*balance.into.values(), *balance.went.values()]))
+    return [
+        f"{mark}{name} {value:.3g} {balance.unit}"
+        for mark, terms in (("", balance.into), ("to ", balance.went))
+        for name, value in terms.items()
+        if abs(value) > least
+    ]
