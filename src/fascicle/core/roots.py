@@ -39,24 +39,35 @@ def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Ba
 
 
 def root(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual,
+    theta: Any,
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    soon: int = 0,
 ) -> Batch:
     """The root of an elementwise `residual` that is positive below it, negative above.
 
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and two more Newton steps take it to rounding and carry its derivatives.
     """
-    return finished(residual, theta, searched(residual, *still((theta, low, high, start))))
+    return finished(residual, theta, searched(residual, *still((theta, low, high, start)), soon))
 
 
 def searched(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual,
+    theta: Any,
+    low: BatchLike,
+    high: BatchLike,
+    start: BatchLike,
+    soon: int = 0,
 ) -> Batch:
     """About where the root of an elementwise `residual` is, without derivatives.
 
     Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection
     where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
-    right, else to 1e-7.
+    right, else to 1e-7. `soon`: how many steps are mostly enough, which compiled code then tries
+    without a loop.
     """
     at_work = library(low, high, start)
     if at_work is np:
@@ -66,7 +77,7 @@ def searched(
         if at_work is np:
             return _searched(residual, theta, low, high, start, first)
     if at_work is jnp:
-        return _searched_compiled(residual, theta, low, high, start)
+        return _searched_compiled(residual, theta, low, high, start, soon)
     state = _begun(low, high, start)
     for _ in range(_WRITTEN_OUT):
         state = _stepped(state, *residual(theta, state.x))
@@ -140,12 +151,16 @@ def _searched(
 
 
 def _searched_compiled(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike, soon: int
 ) -> Batch:
     shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
     low, high, start = (
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
+    begun = _begun(low, high, start)
+    if soon:
+        x, ended = _by_newton(residual, theta, low, high, start, soon)
+        begun = begun._replace(x=where(ended, x, start), ended=ended)
 
     def step(state: tuple) -> tuple:
         n, search = state
@@ -155,7 +170,33 @@ def _searched_compiled(
         n, search = state
         return (n < _STEPS) & ~jnp.all(search.ended)
 
-    return lax.while_loop(keep_going, step, (0, _begun(low, high, start)))[1].x
+    return lax.while_loop(keep_going, step, (0, begun))[1].x
+
+
+def _by_newton(
+    residual: Residual, theta: Any, low: Batch, high: Batch, start: Batch, steps: int
+) -> tuple[Batch, BoolBatch]:
+    """Where a search would be after so many steps, and whether all were Newton's, and it ended.
+
+    A search is five numbers a point, and a compiler computes each with all that they share.
+    Newton's steps alone are one number: it goes out of the bracket, and stays there, where the
+    search would have done anything else: halved steps on a falling residual don't leave the
+    bracket of signs.
+    """
+    lost = high + 1.0
+
+    def step(_: Any, state: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
+        before, x = state
+        value, slope = residual(theta, x)
+        step = -value / guarded(slope != 0, slope)
+        new, length = x + step, absolute(step)
+        halved = either(length < 0.5 * absolute(x - before), length <= (1 + absolute(x)) * _TINY)
+        inside = both(both(new >= low, new <= high), x <= high)
+        sloped = both(slope < 0, slope > -np.inf)
+        return x, where(both(both(sloped, inside), halved), new, lost)
+
+    before, x = lax.fori_loop(0, steps, step, (_begun(low, high, start).before, start))
+    return x, both(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)
 
 
 def still(values: Any) -> Any:

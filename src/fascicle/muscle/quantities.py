@@ -5,6 +5,12 @@ They stand in a module, since what was compiled for a function is found again by
 
 from typing import Any
 
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..core.arrays import library
+from ..core.blocks import in_blocks
 from ..core.types import Batch
 from .column import Centerline
 from .piecewise import Response
@@ -14,7 +20,24 @@ Muscle = Any  # the class, which imports this
 
 
 def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """Pulling force [N] at `pressure` [Pa] and `strain` [-]."""
+    """Pulling force [N] at `pressure` [Pa] and `strain` [-]; of many points block by block."""
+    t = muscle.tuning
+    if library(pressure, strain) is not jnp or t.pressures.ndim > 1:  # as a table for each has
+        return _force(muscle, pressure, strain)
+    leaves, tree = jax.tree.flatten(muscle)
+    tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
+    columns = [i for i, x in enumerate(leaves) if np.ndim(x) and id(x) not in tables]
+
+    def force(*arrays: Batch) -> Batch:
+        *parts, pressure, strain = arrays
+        cut = dict(zip(columns, parts, strict=True))
+        some = tree.unflatten([cut.get(i, x) for i, x in enumerate(leaves)]) if cut else muscle
+        return _force(some, pressure, strain)
+
+    return in_blocks(force, *(leaves[i] for i in columns), pressure, strain)
+
+
+def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     return muscle.law.at(pressure).force(strain)[0]
 
 

@@ -55,8 +55,9 @@ def test_slopes_of_what_is_left_over():
 
     by_xi, by_v = jax.vmap(jax.grad(left, (1, 2)))(c.ravel(), xi.ravel(), v.ravel())
     per_xi = c * (1 - xi) ** 4 / (1 + xi)
+    fall = per_xi * (-4 / (1 - xi) - 1 / (1 + xi))
     assert_allclose(left_over(per_xi, xi, v)[1].ravel(), by_v, rtol=1e-12)
-    assert_allclose(left_over_slope(per_xi, xi, v).ravel(), by_xi, rtol=1e-11)
+    assert_allclose(left_over_slope(per_xi, fall, xi, v).ravel(), by_xi, rtol=1e-11)
 
 
 def test_without_compression_the_share_is_its_limit():

@@ -27,7 +27,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ...core.arrays import exp, expm1, log, log1p, maximum, minimum, sqrt, where
+from ...core.arrays import maximum, minimum, sqrt, where
 from ...core.roots import root, still
 from ...core.series import series
 from ...core.types import Batch, BatchLike, BoolBatch
@@ -51,11 +51,9 @@ def unshortened(c: BatchLike, xi: BatchLike) -> Batch:
     b, q = x * f, x * (0.0612 + 0.0037 * x)
     opened = 1 + b - 0.87 * x
     v = f * opened / (1 + b - q + b * opened)
-    value, slope = left_over(f, x, v)
-    v = v - value / slope
+    v = _nearer(f, x, v)
     for _ in range(2):  # from here on derivatives go along, right up to the third
-        value, slope = left_over(per_xi, xi, v)
-        v = v - value / slope
+        v = _nearer(per_xi, xi, v)
     return v
 
 
@@ -64,25 +62,41 @@ def left_over(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch, Ba
 
     `per_xi` is $b/\\xi$ [-], at compression `xi` [-].
     """
-    w = 1 - xi * v
-    g = xi * w
-    share = 1 / (2 - xi)
-    h = sqrt(1 - g * share)
+    w, g, share, squared = _opened(xi, v)
+    per_h = 1 / sqrt(squared)
+    h = squared * per_h
     return per_xi * (1 - g) * w - v * h, (
-        per_xi * xi * (g - (1 - g)) - h - 0.5 * share * v * xi**2 / h
+        per_xi * xi * (g - (1 - g)) - h - 0.5 * share * v * xi**2 * per_h
     )
 
 
-def left_over_slope(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
-    """Its slope [-] in `xi` [-], where $v$ [-] is held, at $b/\\xi$ of `per_xi` [-]."""
+def left_over_slope(per_xi: BatchLike, fall: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
+    """Its slope [-] in `xi` [-], where $v$ [-] is held, at $b/\\xi$ of `per_xi` [-], whose own
+    slope is `fall` [-].
+    """
+    w, g, share, squared = _opened(xi, v)
+    g_slope = 1 - 2 * xi * v
+    return (
+        fall * (1 - g) * w
+        - per_xi * (g_slope * w + (1 - g) * v)
+        + (0.5 * v * share * (g_slope + g * share) * (1 / sqrt(squared)))
+    )
+
+
+def _nearer(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
+    """One Newton step from $v$ [-]; `left_over` over its slope, both times $h$: divisions count."""
+    w, g, share, squared = _opened(xi, v)
+    h = sqrt(squared)
+    value = per_xi * (1 - g) * w * h - v * squared
+    slope = per_xi * xi * (g - (1 - g)) * h - squared - 0.5 * share * v * xi**2
+    return v - value / slope
+
+
+def _opened(xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch, Batch, Batch]:
+    """$w$, $w \\xi$, $1/(2 - \\xi)$, and the square of $h$ times $1 - w \\xi$ [-]."""
     w = 1 - xi * v
-    g, g_slope = xi * w, 1 - 2 * xi * v
-    share = 1 / (2 - xi)
-    h = sqrt(1 - g * share)
-    thinner = -4 / (1 - xi) - 1 / (1 + xi)
-    return per_xi * (thinner * (1 - g) * w - g_slope * w - (1 - g) * v) + (
-        0.5 * v * share * (g_slope + g * share) / h
-    )
+    g, share = xi * w, 1 / (2 - xi)
+    return w, g, share, 1 - g * share
 
 
 def moment(c: BatchLike, xi: BatchLike) -> Batch:
@@ -99,31 +113,43 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     asked = maximum(still(target), _NOTHING)
     reached = _surplus((still(c), asked), asked / peak)[0] >= 0
     m = where(reached, target, _early_moment(still(c)))
-    r = root(_surplus, (c, m), still(m) / peak, sqrt(still(c)), _start(still(c), still(m), peak))
+    start = _start(still(c), still(m), peak)
+    r = root(_surplus, (c, m), still(m) / peak, sqrt(still(c)), start, soon=3)
     return m / r, reached
 
 
 def _surplus(theta: tuple, r: Batch) -> tuple[Batch, Batch]:
     """(16a) at $r = \\hat m/\\xi$, where (16b) says $v = r^2 (1 - \\xi)^3$, and its slope."""
     c, m = theta
-    xi = m / r
-    free = 1 - xi
-    per_xi, v = c * free**4 / (1 + xi), r**2 * free**3
+    per_r = 1 / r
+    xi = m * per_r
+    free, per = 1 - xi, 1 / (1 + xi)
+    cubed = free**3
+    per_xi, v = c * cubed * free * per, r**2 * cubed
     value, by_v = left_over(per_xi, xi, v)
-    by_xi = left_over_slope(per_xi, xi, v)
-    return value, by_v * r * free**2 * (2 + xi) - by_xi * xi / r
+    by_xi = left_over_slope(per_xi, -c * cubed * per * (4 + free * per), xi, v)
+    return value, by_v * r * free**2 * (2 + xi) - by_xi * xi * per_r
 
 
 def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """$r$ [-] with $h = 1$: the end of small $\\xi$, then one Newton step in logarithms."""
+    """$r$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators, with
+    $h$ as it is for $b$ at the place before; near the peak they are kept short.
+    """
     g = maximum(m, _NOTHING) ** 2
     small = 0.5 * (g + sqrt(g * (g + 4 / c)))
-    xi = -expm1(-log1p(3 * small) / 3)
-    per_xi = c * (1 - xi) ** 4 / (1 + xi)
-    b = xi * per_xi
-    short = log((1 + b) * g * (1 - xi) ** 3 / (xi * b))
-    rise = 1 + (1 - 4 * xi / (1 - xi) - xi / (1 + xi)) / (1 + b) + 3 * xi / (1 - xi)
-    return sqrt(g) / minimum(xi * exp(minimum(maximum(short / rise, -1.0), 0.3)), peak)
+    xi = minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
+    for _ in range(2):
+        free = 1 - xi
+        cubed = c * free**3
+        b = cubed * free * xi
+        held = xi * (1 + xi) / (1 + xi + b)  # w ξ
+        h = (1 - 0.5 * held / (2 - xi)) / (1 - held)
+        value = c * xi**2 * free - g * (h * (1 + xi) + b)
+        slope = c * xi * (2 - 3 * xi) - g * (h + cubed * (1 - 5 * xi))
+        step = value / where(slope > 0, slope, 1.0)
+        new = minimum(maximum(xi - step, 0.3 * xi), minimum(1.5 * xi, peak))
+        xi = where(slope > 0, new, peak)
+    return sqrt(g) / xi
 
 
 def _early_moment(c: Batch) -> Batch:

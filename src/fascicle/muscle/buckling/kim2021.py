@@ -60,7 +60,8 @@ class Kim2021(AbstractBuckling):
         bending = -EA * shortening * (1 - xi) / (1 - shortening)
         # slopes in ξ, v's from the equation that it solves
         per_xi = c * (1 - xi) ** 4 / (1 + xi)
-        v_slope = -left_over_slope(per_xi, xi, v) / left_over(per_xi, xi, v)[1]
+        fall = -c * (1 - xi) ** 3 * (5 + 3 * xi) / (1 + xi) ** 2
+        v_slope = -left_over_slope(per_xi, fall, xi, v) / left_over(per_xi, xi, v)[1]
         growth = 1 - xi * (2 * v + xi * v_slope)
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(

@@ -125,7 +125,7 @@ def solved_free_strain(
     bend = (_remaining(theta, far)[0] - value - slope * far) / far**2
     inside = sqrt(maximum(slope**2 - 4 * bend * value, 0.0))
     start = minimum(maximum(-2 * value / (slope - inside), low), high)
-    return root(_remaining, theta, low, high, start)
+    return root(_remaining, theta, low, high, start, soon=4)
 
 
 def _remaining(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
