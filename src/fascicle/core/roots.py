@@ -51,7 +51,8 @@ def root(
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and two more Newton steps take it to rounding and carry its derivatives.
     """
-    return finished(residual, theta, searched(residual, *still((theta, low, high, start)), soon))
+    found = searched(residual, *still((theta, low, high, start)), soon=soon)
+    return finished(residual, theta, found)
 
 
 def searched(

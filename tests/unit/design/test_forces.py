@@ -1,5 +1,7 @@
 """What muscles give at the task's points, against the whole law looked at at every level."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +10,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
+from fascicle.design.judge import unlike as judge_unlike
 from fascicle.design.judge.forces import Resolution, tabulated
 from fascicle.design.judge.outcome import Demand
 from fascicle.design.space.rows import Rows, sized
@@ -109,3 +112,27 @@ def test_a_drawing_of_other_arrays_is_judged_as_one_of_numbers():
     same = jax.tree.map(jnp.asarray, plain)
     values = [evaluate(Designs.of(m, [(1, 2)]), task, ["margin"])["margin"] for m in (plain, same)]
     assert_allclose(*values, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("among", "sizes"), [(10**7, {16, 32}), (0, {9, 12, 16, 17})])
+def test_numbers_of_unlike_designs_are_compiled_on_a_ladder(monkeypatch, among, sizes):
+    """A worker that met a block of another length compiled it inside of its work."""
+    seen = set()
+
+    def at_once(rows, demand, needs, level, compiling):
+        seen.add(rows.radius.shape[-1])
+        assert compiling == bool(among)
+        return tabulated(rows, demand, needs, level, False)
+
+    monkeypatch.setattr(judge_unlike, "tabulated", at_once)
+    monkeypatch.setattr(judge_unlike, "run", lambda law, _, names: partial(law, names=names))
+    task = Task.of([100.0, 300.0], [0.1, 0.02], SUPPLY)
+    designs = unlike(drawing({}), 17)
+    designs.counts[:] = 2  # all have three units
+    every = evaluate(designs, task, ["margin"], among)["margin"]
+    for count in (9, 12, 16):
+        some = designs.take(np.arange(count))
+        assert_allclose(
+            evaluate(some, task, ["margin"], among)["margin"], every[:count], rtol=1e-12
+        )
+    assert seen == sizes

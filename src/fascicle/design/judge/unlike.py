@@ -72,8 +72,10 @@ def unlike_objectives(
     designs, units = own.counts.shape
     forces = units * demand.travel.size
     compiling = max(designs, among) * forces > COMPILE_ABOVE
+    # sizes of a ladder where it is compiled: else once more for every number of designs
+    wanted = 1 << (designs - 1).bit_length() if compiling else designs
     # twice as many: most of a table is the tension law's, which takes little
-    step = max(1, min(2 * _AT_ONCE // forces, designs))
+    step = max(1, min(2 * _AT_ONCE // forces, wanted))
     values = np.empty((len(names), designs))
     for places in filled_up(designs, step):
         counts, length, radius, wall, angle = (x[places].T for x in own)
