@@ -51,7 +51,9 @@ def in_blocks(function: Callable[..., Batch], *arrays: Any) -> Batch:
             for x in wide
         )))  # fmt: skip
 
-    made = jnp.moveaxis(lax.map(block, jnp.arange(blocks)), 0, axis)
+    # backwards a block is gone through once more: what it would keep for that doesn't fit a cache
+    found = lax.map(jax.checkpoint(block), jnp.arange(blocks))
+    made = jnp.moveaxis(found, 0, axis)
     joined = made.reshape((*shape[:axis], blocks * step, *shape[axis + 1 :]))
     over = blocks * step - count
     if not over:
