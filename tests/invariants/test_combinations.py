@@ -93,12 +93,13 @@ def held(seed):
         assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(by))
 
 
-@pytest.mark.parametrize("seed", range(5))
+# of 46 an ovalizing column takes some fifty steps of Newton's at one of its states
+@pytest.mark.parametrize("seed", [*range(5), 46])
 def test_any_laws_go_together(seed):
     held(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5, 200))
+@pytest.mark.parametrize("seed", [seed for seed in range(5, 200) if seed != 46])
 def test_any_laws_go_together_often(seed):
     held(seed)

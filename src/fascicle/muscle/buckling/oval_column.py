@@ -33,7 +33,7 @@ from ...core.types import Batch
 _SINES, _COSINES, _POINTS = 24, 40, 112
 _FARTHEST, _NODES = 0.66, 45  # past all strains of the domain
 STEP = _FARTHEST / (_NODES - 1)  # of w, from node to node
-_STEPS = 30  # at most: where walls begin to touch one place after another, it takes a dozen
+_STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch place after place
 _DONE = 1e-9  # of the largest number of a state
 _HARD = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
 _LONGEST = 0.25  # of a slope, in a step
