@@ -27,6 +27,7 @@ from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
 
 
 _HIGHEST = 620e3  # Pa, P_m
+_LEAST = 1e-6  # of an arc: a muscle too short to hold anything still has a free strain
 _SOURCE = "Agile and Adaptive Robotics laboratory, public code"
 _DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)
 # symbol, dimension, the code's unit over SI's, bounds, what it is
@@ -71,7 +72,7 @@ class AbstractBolen(AbstractTension):
     def largest_force(self, length: BatchLike) -> Batch:
         """$F_m$ [N] of a muscle of `length` [m]."""
         over = (length - self.end_length) / self.length_scale
-        return self.force_scale * arctan(where(over > 0, over, 0.0))
+        return self.force_scale * arctan(where(over > _LEAST, over, _LEAST))
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """What grows with pressure, and the rest [N], equation (BF)."""
