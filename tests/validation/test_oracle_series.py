@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import oracle_muscle
 import oracle_series
 from from_oracle import library_muscle
 from numpy.testing import assert_allclose
@@ -31,6 +32,21 @@ def test_forces_deflections_and_moments_are_the_oracles():
             assert_allclose(muscle.moment(case.pressure, strain), moment, rtol=1e-6, atol=1e-9)
             bowed += arc < strain
     assert bowed > 40
+
+
+def test_a_stubby_one_bows_and_is_straight_again():
+    case = oracle_muscle.Muscle(0.0578, 0.01094, 0.00129, np.radians(24.61), oracle_muscle.LATEX)
+    muscle = library_muscle(case).replace(
+        buckling="kim2021_series", tuning=fs.Tuning(collapse_moment_factor=1e6)
+    )
+    strains = np.linspace(0.05, 0.6, 56)
+    every = [oracle_series.state(case, 0.0, strain) for strain in strains]
+    assert_allclose(muscle.force(0.0, strains), [one[0] for one in every], rtol=1e-9)
+    fine = np.linspace(0.08, 0.1, 401)
+    bent = muscle.deflection(0.0, fine) > 0
+    assert np.any(bent) and not (bent[0] or bent[-1])
+    # a bound on the slope, 1 kN for each of strain: it doesn't jump where it is straight again
+    assert np.max(np.abs(np.diff(muscle.force(0.0, fine)))) < 1e3 * (fine[1] - fine[0])
 
 
 def test_it_collapses_where_its_moment_arrives():

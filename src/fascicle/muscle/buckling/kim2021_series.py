@@ -7,15 +7,17 @@ arc $\ell = L_0 (1 - \varepsilon_a)$ and the chord $d = L_0 (1 - \varepsilon)$, 
 
 $$F_b = \frac{4 \pi^2 E I (2 \ell - d)}{d^3}, \qquad -T(P, \varepsilon_a) = F_b = -F, \tag{12s}$$
 
-and straight, $\varepsilon_a = \varepsilon$, until $-T \ell^2$ reaches $4\pi^2 EI$. Deflection and
-moment are (10)'s and (8)'s with the shortened arc. No axial stiffness $EA$ is left in it.
+and straight, $\varepsilon_a = \varepsilon$, wherever $-T \ell^2 < 4\pi^2 EI$: a stubby muscle may
+bow, and be straight again once it is so short that it holds what presses it. Deflection and moment
+are (10)'s and (8)'s with the shortened arc. No axial stiffness $EA$ is left in it.
 
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$, tension laws that fall
 with strain. **Assumes** the first mode's shape, small slopes: too stiff as (12) is.
 **Source:** derived here from Kim, Mazzoleni and Bryant (2021), 3.2.
 """
 
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -29,7 +31,7 @@ from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
 
 
 _CLOSEST = 0.95  # of strains that are looked at
-_LOOKS = 96  # cells in which a moment is first looked for
+_LOOKS = 96  # cells in which an onset, or a moment, is first looked for
 
 
 class _Bowed(NamedTuple):
@@ -53,10 +55,9 @@ class Kim2021Series(AbstractBuckling):
 
     def branch(self, column: Column) -> Batch:
         """The onset [-]: inf where it never bows."""
-        free = column.free_strain
-        low, high = free + 0.0 * column.bending_stiffness, _CLOSEST + 0.0 * free
-        found = root(_unbowed, column, low, high, low + 1e-3)
-        return where(found < LARGEST_STRAIN, found, np.inf)
+        ever, low, high = _first_cell(_unbowed, column, still(column))
+        found = root(_unbowed, column, low, high, 0.5 * (low + high))
+        return where(both(ever, found < LARGEST_STRAIN), found, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (12s)."""
@@ -98,15 +99,9 @@ class Kim2021Series(AbstractBuckling):
         """
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
         here = still(theta)
-        free = here[0].free_strain + 0.0 * here[1]
-        rank = nodes(np.arange(float(_LOOKS)), free)
-        step = (_CLOSEST - free) / _LOOKS
-        ahead, _ = _short_of(here, free + step * (rank + 1))
-        cell = least(where(ahead <= 0, rank, np.inf))
-        ever = both(isfinite(cell), isfinite(column.branch))
-        low = free + step * minimum(cell, _LOOKS - 1.0)
-        strain = root(_short_of, theta, low, low + step, low + 0.5 * step)
-        return where(ever, strain, np.inf)
+        ever, low, high = _first_cell(_short_of, here, here[0], 0.0 * here[1])
+        strain = root(_short_of, theta, low, high, 0.5 * (low + high))
+        return where(both(ever, isfinite(column.branch)), strain, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
@@ -118,6 +113,22 @@ class Kim2021Series(AbstractBuckling):
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Never: the law gives one state at each strain [-]."""
         return (strain + 0.0 * column.free_strain) < -np.inf
+
+
+def _first_cell(
+    function: Callable, theta: Any, column: Column, none: Batch = 0.0
+) -> tuple[BoolBatch, Batch, Batch]:
+    """Whether a `function` of `theta` and strain is ever below 0 past the free strain [-], and the
+    ends [-] of the first of `_LOOKS` cells at whose end it is; `none` has the shape of what else
+    it depends on [-].
+    """
+    free = column.free_strain + 0.0 * column.bending_stiffness + none
+    rank = nodes(np.arange(float(_LOOKS)), free)
+    step = (_CLOSEST - free) / _LOOKS
+    ahead, _ = function(theta, free + step * (rank + 1))
+    cell = least(where(ahead <= 0, rank, np.inf))
+    low = free + step * minimum(cell, _LOOKS - 1.0)
+    return isfinite(cell), low, low + step
 
 
 def _unbowed(column: Column, strain: Batch) -> tuple[Batch, Batch]:
@@ -138,7 +149,9 @@ def _pressed(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 def _bowed(column: Column, strain: BatchLike) -> _Bowed:
     """The state at `strain` [-]."""
     L0 = column.rest_length
-    bent = strain > column.branch + ROUNDING
+    # past the onset, and where it doesn't hold straight what presses it
+    presses = _unbowed(column, strain + 0.0 * column.free_strain)[0] < 0
+    bent = both(strain > column.branch + ROUNDING, presses)
     eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
     low = still(column.free_strain + 0.0 * eps)
     arc = root(_pressed, (column, L0 * (1 - eps)), low, still(eps), 0.5 * (low + still(eps)))
