@@ -113,7 +113,8 @@ def test_gradients_against_differences(muscle, task):
     """By length, radius, wall and angle of a unit, of every objective that is smooth."""
     demand = Demand.of(task)
     smooth = tuple(name for name in NAMES if name not in ("valves", "not_reached"))
-    sizes = jax.tree.map(lambda x: x[0], sizes_of(Designs.of(muscle, [(1, 2)]), np.array([0])))
+    first = sizes_of(Designs.of(muscle, [(1, 2)]), np.array([0]))
+    sizes = jax.tree.map(lambda x: jnp.asarray(x[0]), first)
     scale = jnp.array([0.127, 6.35e-3, 1.6e-3, 0.576])
 
     @jax.jit

@@ -8,7 +8,6 @@ bits at most; the same call gives the same bits.
 from collections.abc import Iterable
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -168,8 +167,7 @@ def groups(
 def sizes_of(designs: Designs, rows: np.ndarray) -> Sizes:
     """The sizes of some designs as the kernel takes them; `designs` and `rows` [-]."""
     own = designs.take(rows)
-    arrays = (own.counts, own.length, own.radius, own.wall, own.angle)
-    return Sizes(*(jnp.asarray(x) for x in arrays))
+    return Sizes(own.counts, own.length, own.radius, own.wall, own.angle)
 
 
 def size_of(designs: Designs, place: int, scheme: AbstractScheme) -> Sizes:
