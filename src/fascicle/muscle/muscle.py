@@ -61,6 +61,7 @@ from .quantities import (
     moment_of,
     radius_of,
     response_of,
+    rows_of,
     shape_of,
     stiffness_of,
     volume_of,
@@ -394,7 +395,4 @@ class Muscle(Module):
     @kept
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
-        t = self.tuning
-        tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
-        leaves = (leaf for leaf in jax.tree.leaves(self) if id(leaf) not in tables)
-        return t.pressures.ndim == 1 and all(np.ndim(leaf) == 0 for leaf in leaves)
+        return self.tuning.pressures.ndim == 1 and not rows_of(self)

@@ -22,14 +22,12 @@ Muscle = Any  # the class, which imports this
 
 def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """Pulling force [N] at `pressure` [Pa] and `strain` [-]; of many points block by block."""
-    t = muscle.tuning
-    if library(pressure, strain) is not jnp or t.pressures.ndim > 1:  # as a table for each has
+    whole = muscle.tuning.pressures.ndim > 1  # a table for each muscle isn't cut
+    if whole or library(pressure, strain) is not jnp:
         return _force(muscle, pressure, strain)
     leaves, tree = jax.tree.flatten(muscle)
-    tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
-    columns = [i for i, x in enumerate(leaves) if np.ndim(x) and id(x) not in tables]
-    ours = all(type(getattr(muscle, kind)) in known.values() for kind, known in LAWS.items())
-    if columns and not ours:  # somebody's own law may hold rows that aren't of muscles
+    columns = rows_of(muscle)
+    if columns and not _ours(muscle):  # somebody's own law may hold rows that aren't of muscles
         return _force(muscle, pressure, strain)
 
     def force(*arrays: Batch) -> Batch:
@@ -39,6 +37,18 @@ def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
         return _force(some, pressure, strain)
 
     return in_blocks(force, *(leaves[i] for i in columns), pressure, strain)
+
+
+def rows_of(muscle: Muscle) -> list[int]:
+    """Which of its leaves hold one number for each of several muscles [-]: a tuning's don't."""
+    t = muscle.tuning
+    tables = {id(table) for table in (t.pressures, t.c1, t.c2)}
+    leaves = enumerate(jax.tree.leaves(muscle))
+    return [i for i, leaf in leaves if np.ndim(leaf) and id(leaf) not in tables]
+
+
+def _ours(muscle: Muscle) -> bool:
+    return all(type(getattr(muscle, kind)) in known.values() for kind, known in LAWS.items())
 
 
 def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:

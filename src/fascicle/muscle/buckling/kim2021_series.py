@@ -55,7 +55,9 @@ class Kim2021Series(AbstractBuckling):
 
     def branch(self, column: Column) -> Batch:
         """The onset [-]: inf where it never bows."""
-        ever, low, high = _first_cell(_unbowed, column, still(column))
+        here = still(column)
+        free = here.free_strain + 0.0 * here.bending_stiffness
+        ever, low, high = _first_cell(_unbowed, here, free)
         found = root(_unbowed, column, low, high, 0.5 * (low + high))
         return where(both(ever, found < LARGEST_STRAIN), found, np.inf)
 
@@ -98,8 +100,9 @@ class Kim2021Series(AbstractBuckling):
         The moment says by how much the arc is longer than each chord, and so its strain.
         """
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
-        here = still(theta)
-        ever, low, high = _first_cell(_short_of, here, here[0], 0.0 * here[1])
+        here, more = still(theta)
+        free = here.free_strain + 0.0 * here.bending_stiffness + 0.0 * more
+        ever, low, high = _first_cell(_short_of, (here, more), free)
         strain = root(_short_of, theta, low, high, 0.5 * (low + high))
         return where(both(ever, isfinite(column.branch)), strain, np.inf)
 
@@ -115,14 +118,10 @@ class Kim2021Series(AbstractBuckling):
         return (strain + 0.0 * column.free_strain) < -np.inf
 
 
-def _first_cell(
-    function: Callable, theta: Any, column: Column, none: Batch = 0.0
-) -> tuple[BoolBatch, Batch, Batch]:
-    """Whether a `function` of `theta` and strain is ever below 0 past the free strain [-], and the
-    ends [-] of the first of `_LOOKS` cells at whose end it is; `none` has the shape of what else
-    it depends on [-].
+def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
+    """Whether a `function` of `theta` and strain is ever below 0 past the `free` one [-], and the
+    ends [-] of the first of `_LOOKS` cells at whose end it is; all in the shape of `free`.
     """
-    free = column.free_strain + 0.0 * column.bending_stiffness + none
     rank = nodes(np.arange(float(_LOOKS)), free)
     step = (_CLOSEST - free) / _LOOKS
     ahead, _ = function(theta, free + step * (rank + 1))
