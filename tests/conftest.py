@@ -15,7 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from kinds import checked_once
+import kinds
 from quick import compile_in_a_hurry
 
 
@@ -24,16 +24,25 @@ _MANY_MAPS = 20_000
 # tracing makes so many objects that to look for those which nobody needs took a tenth of the time
 gc.set_threshold(50_000, 10, 10)
 
-jaxtyping.jaxtyped = checked_once
+jaxtyping.jaxtyped = kinds.checked_once
 jaxtyping.install_import_hook("fascicle", "beartype.beartype")
+
+# compiling is most of the time: workers share it, and the next run finds it. Here, since JAX reads
+# it when a folder's own conftest imports it
+_folder = compile_in_a_hurry(Path(__file__).parents[1])
+# what commands remember of files that they wrote isn't the user's own
+os.environ["XDG_STATE_HOME"] = str(_folder.parent / "state")
 
 
 def pytest_configure(config):
-    """Compiling is most of the time: workers share it, and the next run finds it. What commands
-    remember of files that they wrote isn't the user's own.
-    """
-    folder = compile_in_a_hurry(config.rootpath)
-    os.environ["XDG_STATE_HOME"] = str(folder.parent / "state")
+    """The slow ones look at each call."""
+    if config.option.markexpr == "slow":
+        kinds.look_at_each()
+
+
+def pytest_runtest_setup():
+    """What one test calls often is looked at again in the next."""
+    kinds.begin()
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -1,4 +1,5 @@
-"""Annotations as checks that cost little: a call whose kind has passed isn't checked again.
+"""Annotations as checks that cost little: a call whose kind has passed isn't checked again, and of
+a function's many calls in one test the first are looked at, then one in sixteen.
 
 What jaxtyping and beartype look at is a value's class, its shape and element type, and a string's
 text; of a list they look at an item or so. A call with all of these as before, in its arguments
@@ -13,7 +14,20 @@ import jaxtyping
 
 _ITEMS = 16  # of a list, of which beartype looks at one
 _LETTERS = 64  # more than in any text that an annotation names
+_FIRST, _THEN = 64, 16  # to look at each call took a third of the time of NumPy's laws
 _checked = jaxtyping.jaxtyped
+_calls = {}
+
+
+def begin():
+    """A test begins: of each function the first calls are looked at again."""
+    _calls.clear()
+
+
+def look_at_each():
+    """However often a function is called."""
+    global _THEN  # noqa: PLW0603 of a process
+    _THEN = 1
 
 
 def kind(value):
@@ -45,7 +59,7 @@ def _teller(of):
 
 
 def checked_once(function=None, *, typechecker):
-    """`jaxtyping.jaxtyped` that checks each kind of call once."""
+    """`jaxtyping.jaxtyped` that checks each kind of call once, as far as calls are looked at."""
     if function is None:
         return functools.partial(checked_once, typechecker=typechecker)
     if not inspect.isfunction(function):
@@ -66,6 +80,9 @@ def checked_once(function=None, *, typechecker):
     @functools.wraps(function)
     def wrapped(*arguments, **named):
         __tracebackhide__ = True
+        count = _calls[function] = _calls.get(function, 0) + 1
+        if count > _FIRST and count % _THEN:
+            return function(*arguments, **named)
         asked = (*map(kind, arguments), kind(named))
         if asked not in passed:
             result = checked(function)(*arguments, **named)

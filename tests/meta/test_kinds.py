@@ -9,6 +9,7 @@ import pytest
 from jaxtyping import TypeCheckError
 
 import fascicle as fs
+import kinds
 from fascicle.core.types import Batch, BatchLike
 from kinds import checked_once, kind
 
@@ -60,6 +61,28 @@ def test_another_kind_of_result_is_checked():
     for _ in range(2):
         with pytest.raises(TypeCheckError):
             answer(0.0)
+
+
+def test_a_tests_first_calls_are_looked_at_then_some(total, monkeypatch):
+    monkeypatch.setattr(kinds, "_THEN", 16)
+    for _ in range(63):
+        total(ROW, ROW)
+    with pytest.raises(TypeCheckError):
+        total(ROW, SQUARE)
+    refused = 0
+    for _ in range(160):
+        try:
+            total(ROW, ROW > 0)
+        except TypeCheckError:
+            refused += 1
+    assert refused == 10
+    kinds.begin()
+    with pytest.raises(TypeCheckError):
+        total(ROW, ROW > 0)
+    kinds.look_at_each()
+    for _ in range(100):
+        with pytest.raises(TypeCheckError):
+            total(ROW, ROW > 0)
 
 
 def test_a_kind_is_all_that_an_annotation_tells_apart():
