@@ -15,7 +15,7 @@ from fascicle.bundle import recruitment
 from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.cli.startup import cache_folder
 from fascicle.energetics.efficiency import efficiency_map
-from fascicle.files import example, example_text, examples, load
+from fascicle.files import example, example_text, examples, load, save
 from fascicle.reproduce.claims import Claim, Criterion
 
 
@@ -43,6 +43,17 @@ def spec_muscle(tmp_path):
     text = example_text(SIX).replace('material = "silicone_kim2021"', LATEX_WITH_MODULUS)
     (tmp_path / "spec.toml").write_text(text)
     return "spec.toml"
+
+
+@pytest.mark.filterwarnings("default:.*has the numbers of")
+@pytest.mark.parametrize("command", ["force", "free-strain", "bundle"])
+def test_a_catalogs_constants_on_another_muscle_are_told(fascicle, tmp_path, command):
+    with pytest.warns(UserWarning, match="has the numbers of"):
+        save(example(SIX).replace(tension="martens2017_20"), tmp_path / "other.toml")
+    code, out, err = fascicle(command, "other.toml", "-p", "100kPa")
+    assert code == 0 and out
+    assert err.startswith("warning: `martens2017_20` has the numbers of a Festo DMSP-20-300, and")
+    assert "this muscle is 12.7 mm wide and 127 mm long" in err and err.count("\n") == 1
 
 
 def test_force_gives_the_table_of_the_specification(fascicle, spec_muscle):

@@ -20,6 +20,7 @@ from ..core.written import in_si, is_written
 from .bladder import Bladder
 from .braid import Braid
 from .ends.ends_law import AbstractEnds
+from .foreign import warn_foreign
 from .tuning import Tuning
 
 
@@ -138,7 +139,15 @@ def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
         )
 
 
-def held(muscle: Any) -> None:
+def told(muscle: Any) -> None:
+    """Warn of what the tension law of a `muscle` [-] can't know: the highest pressures, sizes that
+    it wasn't published for.
+    """
+    _held(muscle)
+    warn_foreign(muscle, stacklevel=4)
+
+
+def _held(muscle: Any) -> None:
     """Warn of a `muscle` [-] whose tension law has nothing to say of the highest pressures."""
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
     if not muscle.tension.stretches or not concrete(*sizes, muscle.material, muscle.tension):
@@ -149,7 +158,7 @@ def held(muscle: Any) -> None:
         warnings.warn(
             f"`{muscle.tension.name}` holds up to {highest / 1e3:.4g} kPa at rest length: above it"
             " the fibers would stretch further than the law says, and are held there.",
-            stacklevel=3,
+            stacklevel=4,
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.checks import concrete
 from ..core.modules import Module, renewed
-from ..units import pretty
+from ..units import exact, pretty
 
 
 Fitted = TypeVar("Fitted", bound=Module)
@@ -47,6 +47,16 @@ def replaced(old: Fitted, changes: dict[str, Any]) -> Fitted:
     if "length" in changes:
         warn_elsewhere(new, stacklevel=4)
     return new
+
+
+def memory(muscle: Any) -> dict[str, Any]:
+    """What a `muscle` [-] remembers, as the `[calibration]` of its file has it [-]; empty where it
+    wasn't fitted.
+    """
+    length, ends = muscle.store.get(_KEY, (None, False))
+    if length is None:
+        return {}
+    return {"fitted_length": exact(length, "length"), **({"fitted_ends": True} if ends else {})}
 
 
 def elsewhere(muscle: Any) -> str:

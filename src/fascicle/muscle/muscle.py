@@ -39,11 +39,11 @@ from .entry import (
     chosen,
     contracting,
     gauge,
-    held,
     lowest_of,
     point,
     strained,
     thinner,
+    told,
 )
 from .fitted import replaced
 from .laws import law as law_of
@@ -121,7 +121,7 @@ class Muscle(Module):
         self.tuning = Tuning() if tuning is None else tuning
         self.ends = law_of(ends, AbstractEnds, "ends")
         active(self.ends, self.length)
-        held(self)
+        told(self)
 
     @classmethod
     def from_dimensions(

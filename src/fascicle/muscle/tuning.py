@@ -114,18 +114,25 @@ class Tuning(Module):
         # not `maximum`, which would halve the slope at P = 0 where there is no dead band
         return where(P_d <= P, P - P_d, 0.0 * P)
 
-    def warn_beyond(self, pressure: Values) -> None:
-        """Warn of a `pressure` [Pa] above the table's last row, which holds from there on."""
+    def beyond(self, pressure: Values) -> str:
+        """That a `pressure` [Pa] is above the table's last row, which holds from there on [-];
+        empty where it isn't.
+        """
         if self.pressures.shape[-1] < 2 or not concrete(self.pressures, self.dead_band, pressure):
-            return
+            return ""
         last = np.max(np.asarray(self.pressures)) + np.max(np.asarray(self.dead_band))
         # a row's own pressure, written in other units, may come back a rounding higher
-        if np.size(pressure) and np.max(np.asarray(pressure)) > last * (1 + 1e-9):
-            warnings.warn(
-                f"the tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
-                f" it, got {np.max(np.asarray(pressure)) / 1e3:.4g} kPa.",
-                stacklevel=4,
-            )
+        if not np.size(pressure) or np.max(np.asarray(pressure)) <= last * (1 + 1e-9):
+            return ""
+        return (
+            f"the tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
+            f" it, got {np.max(np.asarray(pressure)) / 1e3:.4g} kPa."
+        )
+
+    def warn_beyond(self, pressure: Values) -> None:
+        """Warn of a `pressure` [Pa] that is `beyond`."""
+        if told := self.beyond(pressure):
+            warnings.warn(told, stacklevel=4)
 
     def c1_at(self, pressure: BatchLike) -> Batch:
         """$C_1$ [N] at effective `pressure` [Pa]."""

@@ -22,6 +22,7 @@ from jaxtyping import Float
 
 from ...core.types import AnyArray
 from ...muscle import Muscle
+from ...muscle.foreign import as_wide
 from ...muscle.laws import LAWS
 from ...records.record import Record
 from ...units import pretty
@@ -36,9 +37,6 @@ from ..problem.likelihood import deviance
 from ..problem.parameters import of_muscle
 from .candidates import BAND, with_laws
 from .fitting import fitted
-
-
-_NOMINAL = 0.1  # of a diameter: nearer than that published constants are of such a muscle
 
 
 # a law that collapses by itself takes seconds for each force, and would come once for each choice
@@ -218,8 +216,7 @@ def compare_published(made: Calibration) -> list[tuple[Row, np.ndarray]]:
 
 def _other(muscle: Muscle) -> str:
     """That published constants are of another diameter than a `muscle`'s, if they are."""
-    outer, wall = 2 * float(muscle.outer_radius), 2 * float(muscle.wall_thickness)
-    # makers name the inner diameter or the braid's
-    if (outer - wall) * (1 - _NOMINAL) <= DIAMETER <= outer * (1 + _NOMINAL):
+    if as_wide(muscle, DIAMETER):
         return ""
-    return f": {pretty(DIAMETER, 'length')} wide, this muscle {pretty(outer, 'length')}"
+    wide, own = (pretty(x, "length") for x in (DIAMETER, 2 * float(muscle.outer_radius)))
+    return f": {wide} wide, this muscle {own}"

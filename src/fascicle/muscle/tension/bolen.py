@@ -16,6 +16,7 @@ class Bolen(AbstractBolen):
     title: ClassVar[str] = "Bolen, 10 mm"
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
     made_for: ClassVar[str] = "Festo muscles of 10 mm"
+    made_diameter: ClassVar[float | None] = 10e-3
 
     bladder_share: Batch = bolen_constant("bladder_share", 0.5682).field()
     bladder_rate: Batch = bolen_constant("bladder_rate", 4.254).field()

@@ -16,6 +16,7 @@ class Bolen20(AbstractBolen):
     title: ClassVar[str] = "Bolen, 20 mm"
     source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
     made_for: ClassVar[str] = "Festo muscles of 20 mm"
+    made_diameter: ClassVar[float | None] = 20e-3
 
     bladder_share: Batch = bolen_constant("bladder_share", 0.2579).field()
     bladder_rate: Batch = bolen_constant("bladder_rate", 6.477).field()

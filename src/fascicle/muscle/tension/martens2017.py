@@ -16,6 +16,8 @@ class Martens2017(AbstractMartens):
     title: ClassVar[str] = "Martens-Boblan, DMSP-10-250"
     source: ClassVar[str] = "Martens and Boblan (2017), DMSP-10-250"
     made_for: ClassVar[str] = "a Festo DMSP-10-250"
+    made_diameter: ClassVar[float | None] = 10e-3
+    made_length: ClassVar[float | None] = 0.25
 
     modulus_0: Batch = modulus_constant(0, 7.4085e07, 0.25).field()
     modulus_1: Batch = modulus_constant(1, -6.892e08, 0.25).field()

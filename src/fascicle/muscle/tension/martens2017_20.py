@@ -16,6 +16,8 @@ class Martens201720(AbstractMartens):
     title: ClassVar[str] = "Martens-Boblan, DMSP-20-300"
     source: ClassVar[str] = "Martens and Boblan (2017), DMSP-20-300"
     made_for: ClassVar[str] = "a Festo DMSP-20-300"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.3
 
     modulus_0: Batch = modulus_constant(0, 9.3232e07, 0.3).field()
     modulus_1: Batch = modulus_constant(1, -7.1529e08, 0.3).field()

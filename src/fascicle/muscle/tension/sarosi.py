@@ -16,6 +16,8 @@ class Sarosi(AbstractSarosi):
     title: ClassVar[str] = "Sárosi, DMSP-20-200"
     source: ClassVar[str] = "Sárosi (2012), 20 mm, 200 mm long"
     made_for: ClassVar[str] = "a Festo DMSP-20-200N"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.2
 
     exponential_slope: Batch = sarosi_constant("exponential_slope", -4.00180705).field()
     exponential_force: Batch = sarosi_constant("exponential_force", 292.4620246).field()

@@ -16,6 +16,7 @@ class Sarosi10(AbstractSarosi):
     title: ClassVar[str] = "Sárosi, DMSP-10"
     source: ClassVar[str] = "Sárosi (2012), 10 mm"
     made_for: ClassVar[str] = "a Festo DMSP-10"
+    made_diameter: ClassVar[float | None] = 10e-3
 
     exponential_slope: Batch = sarosi_constant("exponential_slope", -9.2194029).field()
     exponential_force: Batch = sarosi_constant("exponential_force", 203.7012413).field()

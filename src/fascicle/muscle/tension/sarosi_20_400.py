@@ -16,6 +16,8 @@ class Sarosi20Long(AbstractSarosi):
     title: ClassVar[str] = "Sárosi, DMSP-20-400"
     source: ClassVar[str] = "Sárosi (2017), 20 mm, 400 mm long"
     made_for: ClassVar[str] = "a Festo muscle of 20 mm, 400 mm long"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.4
 
     exponential_slope: Batch = sarosi_constant("exponential_slope", -4.35573).field()
     exponential_force: Batch = sarosi_constant("exponential_force", 281.2237).field()

@@ -58,6 +58,7 @@ class AbstractTension(AbstractLaw):
     `stretches`: whether its braid does, so that it says what a braid at `rest` takes up.
     `free`: what a fit of it moves where nobody says what: its constants, the rubber's, or sizes.
     `made_for`: the one muscle that its constants are published for; empty for a law of any muscle.
+    `made_diameter` and `made_length`: that muscle's nominal ones [m], where the source says them.
     """
 
     conservative: eqx.AbstractVar[bool]
@@ -65,6 +66,8 @@ class AbstractTension(AbstractLaw):
     stretches: ClassVar[bool] = False
     free: ClassVar[tuple[str, ...]] = ()
     made_for: ClassVar[str] = ""
+    made_diameter: ClassVar[float | None] = None
+    made_length: ClassVar[float | None] = None
 
     @classmethod
     def usually_free(cls) -> tuple[str, ...]:
