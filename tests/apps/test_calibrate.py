@@ -61,7 +61,7 @@ def ran(folder):
 
 
 def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
-    (code, out, err), _ = ran
+    (code, out, err), program = ran
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert lines[0].startswith("synthetic")
@@ -70,6 +70,11 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
     assert all(name in out for name in FACTORS)
     assert "1/bar" in out and "rmse" in out
     assert "wrote calibrated-d/muscle.toml, calibrated-d/report.html" in lines[-1]
+    # each warning once, below what it is about
+    warnings = json.loads(program[1])["warnings"]
+    heads = [i for i, line in enumerate(lines) if line.startswith("warning: ")]
+    assert len(heads) > 1 and all(lines[i].endswith(":") for i in heads)
+    assert [line[2:] for line in lines[heads[0] :] if line.startswith("- ")] == warnings
     names = [path.name for path in (folder / "calibrated-d").iterdir()]
     pictures = {
         f"{name}.{kind}"

@@ -49,6 +49,15 @@ def show(
         console.print(Text(caption))
 
 
+def listed(text: str) -> str:
+    """A `text` [-] as an entry of a list, on a terminal as wide as it and drawn in."""
+    import shutil
+    from textwrap import wrap
+
+    width = shutil.get_terminal_size().columns - 3 if sys.stdout.isatty() else 10**6
+    return "- " + "\n  ".join(wrap(visible(text, 2000), max(width, 20), break_long_words=False))
+
+
 def _folded(head: str) -> str:
     """A head's words below one another; spaces at its end, which keep a place, stay at each."""
     end = " " * (len(head) - len(head.rstrip()))

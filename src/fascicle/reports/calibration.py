@@ -85,9 +85,8 @@ def report(
     page = Page(f"Calibration: {names}")
     _opening(page, made)
     page.heading("Read this first", "warnings")
-    if made.warnings:
-        page.points(made.warnings)
-    else:
+    page.several(made.warned)
+    if not made.warned:
         page.paragraph("Nothing to warn of.")
     _untold(page, made)
     if choice is not None:

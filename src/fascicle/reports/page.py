@@ -80,6 +80,12 @@ class Page:
         items = "".join(f"<li>{prose(text)}</li>" for text in texts)
         self.html(f"<ul>{items}</ul>")
 
+    def several(self, lists: Mapping[str, Iterable[str]]) -> None:
+        """A list for each of what they are about."""
+        for about, texts in lists.items():
+            self.paragraph(f"{about[0].upper()}{about[1:]}:")
+            self.points(texts)
+
     def links(self, titled: dict[str, str]) -> None:
         """A row of links: addresses on this page or beside it, by text."""
         inside = "".join(

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.testing import assert_array_equal
 
-from fascicle.calibrate.data.taking import pulling_of, taken
+from fascicle.calibrate.data.taking import TELLING, pulling_of, taken
+from fascicle.calibrate.fits.resisting import FACTOR_NAMES
 from fascicle.records.record import Record
 
 
@@ -26,6 +27,10 @@ def seen(*rows, pressures=(1e5, 2e5, 3e5)):
 
 def places(row):
     return np.flatnonzero(row).tolist()
+
+
+def test_as_many_readings_must_push_as_what_resists_has_factors():
+    assert len(FACTOR_NAMES) == TELLING
 
 
 def test_beyond_the_end_of_the_pull_they_are_noise_and_before_it_as_small_ones_too():

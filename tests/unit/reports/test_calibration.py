@@ -60,7 +60,7 @@ def calibration(**changes):
         "problem": problem, "coordinates": center, "covariance": covariance,
         "from_curves": np.zeros((2, 2)), "from_trends": np.zeros((2, 2)), "readings": None,
         "conclusion": conclusion, "force": force, "free_strain": np.array([0.1, 0.2, 0.3]),
-        "solutions": solutions, "inflation": 1.0, "warnings": ("Mind < the step.",),
+        "solutions": solutions, "inflation": 1.0, "warned": {"the search": ("Mind < the step.",)},
     }  # fmt: skip
     return Calibration(**{**made, **changes})
 
@@ -140,7 +140,7 @@ def test_only_the_date_changes_the_page(made, profiles, drawn):
 
 
 def test_without_warnings_the_page_says_so(drawn):
-    assert "Nothing to warn of" in report(calibration(warnings=()), DATE, drawn)
+    assert "Nothing to warn of" in report(calibration(warned={}), DATE, drawn)
 
 
 def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):

@@ -1,5 +1,6 @@
 """What a calibration found, with how sure it is and what the data could not tell."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -90,7 +91,7 @@ class Calibration:
     - `discrepancy`: the model's own error that these tell of: columns [N] at the places of the
       problem's tables, each to be taken a standard normal deviate times [-].
     - `weights`: how levels count [-].
-    - `warnings`: what to know before using it, a line each [-].
+    - `warned`: what to know before using it: lines, by what they are about [-].
     - `bootstrapped`: fits of simulated records, whose intervals `parameters` then tell; `None`:
       these are the quick ones of (C3) [-].
     """
@@ -115,13 +116,18 @@ class Calibration:
     untold: tuple[str, ...] = field(default=())
     discrepancy: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     weights: str = "uniform"
-    warnings: tuple[str, ...] = field(default=())
+    warned: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     bootstrapped: Bootstrap | None = None
 
     @property
     def record(self) -> Record:
         """The readings that were fitted [-]."""
         return self.taken.record
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before using it, a line each [-]."""
+        return tuple(line for lines in self.warned.values() for line in lines)
 
     @cached_property
     def data(self) -> Grid:

@@ -22,12 +22,15 @@ _TINY = 1e-12  # a chance below that is none: nobody's noise is so normal
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 
-def remarks(made: "Calibration") -> list[str]:
-    """Lines [-] to read before the fitted muscle of `made` [-] is used."""
-    return [
-        *_search(made), *_noise(made), *_reach(made), *_parameters(made), *_dense(made),
-        *_curves(made), *_use(made),
-    ]  # fmt: skip
+def warned(made: "Calibration") -> dict[str, tuple[str, ...]]:
+    """Lines to read before the fitted muscle of `made` [-] is used, by what they are about [-]."""
+    found = {
+        "what is left of the readings": [*_search(made), *_noise(made)],
+        "what was not measured": _reach(made),
+        "what these readings can't tell": [*_parameters(made), *_dense(made), *_curves(made)],
+        "where it is used": _use(made),
+    }
+    return {about: tuple(lines) for about, lines in found.items() if lines}
 
 
 def _search(made: "Calibration") -> list[str]:

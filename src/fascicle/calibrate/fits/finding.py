@@ -6,9 +6,8 @@ sets of its constants, and the paper's tuning. Where the record shows what resis
 and the paper's tuning are then fitted with the factors on all that resists, to all readings.
 
 A candidate is judged by its error at pressures that it did not see, or at strains where there are
-too few pressures. Of those that are no worse
-than the best the one with the fewest constants is taken: what the data don't ask for isn't
-fitted.
+too few pressures. Of those that are no worse than the best the one with the fewest constants is
+taken: what the data don't ask for isn't fitted.
 """
 
 from collections.abc import Callable, Collection, Mapping

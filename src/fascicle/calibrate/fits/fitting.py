@@ -23,7 +23,7 @@ from ..after.causes import causes, untold
 from ..after.discrepancy import from_trends, table, widening
 from ..after.remainder import remainder
 from ..after.trends import looked
-from ..after.warned import remarks
+from ..after.warned import warned
 from ..data.grid import Grid, trimmed, weighed
 from ..data.pulling import strain_of, untuned
 from ..data.readings import Readings, smooth_free_strain, tables_of
@@ -160,7 +160,7 @@ def concluded(
         discrepancy=table(problem, left, seen),
         weights=search.weights,
     )
-    return replace(made, warnings=tuple(remarks(made)))
+    return replace(made, warned=warned(made))
 
 
 _UNREAD = (

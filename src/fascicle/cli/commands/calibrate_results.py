@@ -123,11 +123,14 @@ class Found:
             f" {made.status}"
         )
         from ...calibrate.after.warned import hysteresis
+        from ..printed import listed
 
         if made.loop is not None:
             print(hysteresis(made))
-        for warning in made.warnings:
-            say(f"warning: {warning}")
+        for about, lines in made.warned.items():
+            say(f"warning: {about}:")
+            for line in lines:
+                print(listed(line))
 
     def _show_choice(self) -> None:
         """What was tried, and why one of it was taken."""
