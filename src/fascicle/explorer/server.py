@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import logging
 import socket
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -48,7 +49,9 @@ def serve(
     for name in ("bokeh", "tornado.access", "tornado.general"):
         logging.getLogger(name).setLevel(logging.ERROR)
     chosen = free_port(host, port)
-    with Stop(say) as stop, _loop() as loop:
+    with Stop(say) as stop, _loop() as loop, warnings.catch_warnings():
+        # who reads the page is told there: the terminal is somebody else's
+        warnings.simplefilter("ignore", UserWarning)
         pn.extension()
         server: Any = pn.serve(
             {"/": lambda: page(view)},

@@ -18,6 +18,7 @@ from ..bundle import Bundle, MotorUnit
 from ..core.refused import Refused
 from ..files import dumps
 from ..muscle import Muscle
+from ..muscle.fitted import carried
 
 
 TABS = ("muscle", "bundle", "reversal", "efficiency", "data")
@@ -87,7 +88,8 @@ def scaled(muscle: Muscle, size: float) -> Muscle:
     if size == 1:
         return muscle
     sizes = (muscle.outer_radius * size, muscle.wall_thickness * size)
-    return eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
+    grown = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
+    return carried(muscle, grown)
 
 
 def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> View:

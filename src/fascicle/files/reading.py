@@ -119,6 +119,9 @@ def described(data: dict[str, Any], source: str) -> Muscle | Bundle:
         name: _muscle(section, Place(source, data, ("muscle", name), "muscle"))
         for name, section in file.muscle.items()
     }
+    if len(muscles) == 1:
+        (name,) = muscles
+        muscles[name] = _fitted(muscles[name], data.get("calibration"), source)
     if file.bundle is not None:
         return _bundle(file.bundle, muscles, Place(source, data, ("bundle",), "bundle"))
     if len(muscles) > 1:
@@ -126,7 +129,7 @@ def described(data: dict[str, Any], source: str) -> Muscle | Bundle:
         raise ValueError(
             f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
         )
-    return _fitted(next(iter(muscles.values())), data.get("calibration"), source)
+    return next(iter(muscles.values()))
 
 
 def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
@@ -140,7 +143,8 @@ def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
     except ValueError:
         rule = 'must be a length with its unit, such as "127 mm".'
         raise ValueError(line(source, ["calibration", "fitted_length"], rule, told)) from None
-    remembering(muscle, length, ends=not OF_ENDS.isdisjoint(names))
+    ends = calibration.get("fitted_ends") is True or not OF_ENDS.isdisjoint(names)
+    remembering(muscle, length, ends)
     warn_elsewhere(muscle, stacklevel=4)
     return muscle
 

@@ -17,6 +17,7 @@ from ..core.atomic import write_text
 from ..core.constant import Constant
 from ..core.refused import Refused
 from ..muscle import Muscle
+from ..muscle.fitted import memory
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, said
 from ..muscle.materials import MATERIALS, MooneyRivlin
@@ -49,14 +50,24 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     - `obj`: a `Muscle` or a `Bundle` [-].
     - `calibration`: where it comes from [-]: text, numbers, booleans and lists of them by
-      key, and one level of tables or lists of tables; `provenance` reads it back.
+      key, and one level of tables or lists of tables; `provenance` reads it back. Left out, the
+      length at which a muscle that remembers one was fitted.
 
     **Returns:** the TOML [-]; `loads` gives back every parameter bitwise.
 
     **Raises:** `ValueError` for anything that a file can't describe.
     """
     text = "\n".join(["format = 1", "", *_lines(obj)]) + "\n"
-    return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
+    told = _remembered(obj) or None if calibration is None else calibration
+    return text if told is None else f"{text}\n{calibration_text(told)}"
+
+
+def _remembered(obj: Any) -> dict[str, Any]:
+    """Of a muscle that was fitted, or a bundle of such ones alone: at which length."""
+    muscles = [obj] if isinstance(obj, Muscle) else [unit.muscle for unit in obj.motor_units]
+    told = [memory(one) for one in muscles]
+    same = all(one == muscles[0] for one in muscles) and all(one == told[0] for one in told)
+    return told[0] if same else {}
 
 
 def _lines(obj: Any) -> list[str]:

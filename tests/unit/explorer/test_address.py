@@ -18,7 +18,8 @@ from fascicle.explorer.parts.address import (
     unpack,
 )
 from fascicle.explorer.state import Session, Unit, view_of
-from fascicle.files import dumps
+from fascicle.files import dumps, loads
+from fascicle.muscle.fitted import remembering
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -53,6 +54,18 @@ def test_a_changed_muscle_goes_into_the_address_itself():
     found, refused = from_query(query, SIX)
     assert not refused
     assert dumps(found.muscle) == dumps(view.muscle)
+
+
+def test_the_length_of_a_fit_comes_back_too():
+    fitted = remembering(SIX.muscle.replace(), 0.127, ends=True)
+    view = replace(SIX, muscle=fitted.replace(outer_radius=7e-3), name="tuned")
+    query = to_query(view)
+    found, _ = from_query(query, SIX)
+    with pytest.warns(UserWarning, match="fitted at a length of 127 mm .*, its ends too"):
+        found.muscle.replace(length=0.2)
+    # as a bundle, which a file is where there are several units
+    with pytest.warns(UserWarning, match="fitted at a length of 127 mm"):
+        loads(found.text).motor_units[1].muscle.replace(length=0.2)
 
 
 def test_unlike_muscles_go_into_the_address_too():

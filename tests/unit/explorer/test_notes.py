@@ -11,8 +11,9 @@ from fascicle.bundle.reversal import Reversal
 from fascicle.explorer.curves.muscle_curves import picture, strips, widest
 from fascicle.explorer.curves.reversal_curves import POINTS, Split, through
 from fascicle.explorer.parts.address import from_query
-from fascicle.explorer.parts.notes import branches, equilibria, notes
+from fascicle.explorer.parts.notes import branches, doubts, equilibria, notes
 from fascicle.explorer.state import TABS, Unit, view_of
+from fascicle.muscle.fitted import remembering
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -23,6 +24,40 @@ OTHER = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28))
 @pytest.mark.parametrize("tab", TABS)
 def test_where_the_picture_is_all_there_is_nothing_is_said(tab):
     assert notes(SIX, tab) == []
+    assert doubts(SIX, tab) == doubts(TUNED, tab) == []
+
+
+def test_a_fit_at_another_length_is_doubted():
+    fitted = remembering(fs.example("kim2021_slenderness_10"), 0.127, ends=False)
+    assert doubts(replace(TUNED, muscle=fitted), "muscle") == []
+    with pytest.warns(UserWarning, match="fitted at"):
+        longer = fitted.replace(length=0.2)
+    for tab in ("muscle", "bundle", "reversal", "efficiency"):
+        # thinner muscles of a bundle are of the same fit: it is said once
+        view = replace(TUNED, muscle=longer, units=(Unit(1), Unit(2, 0.5)))
+        (told,) = doubts(view, tab)
+        assert told.startswith("The muscle was fitted at a length of 127 mm and has 200 mm now")
+    # a unit of its own is looked at where it is drawn
+    view = replace(SIX, units=(Unit(1), Unit(2, own=longer)))
+    assert doubts(view, "muscle") == [] and len(doubts(view, "bundle")) == 1
+
+
+def test_constants_of_another_muscle_are_doubted_also_where_they_are_only_compared():
+    festo = replace(SIX, muscle=SIX.muscle.replace(tension="sarosi"))
+    for tab in ("muscle", "bundle", "reversal", "efficiency"):
+        (told,) = doubts(festo, tab)
+        assert told.startswith("`sarosi` has the numbers of a Festo DMSP-20-200N, and this muscle")
+    compared = replace(SIX, compared=("tension:sarosi", "tension:ideal", "buckling:elastica"))
+    assert doubts(compared, "muscle") == [told]
+    assert doubts(compared, "bundle") == []
+
+
+def test_pressures_above_those_measured_are_doubted():
+    tuning = fs.Tuning(pressures=[1e5, 3e5], c1=[0.0, 1.0], c2=[1.0, 1.1])
+    view = replace(SIX, muscle=SIX.muscle.replace(tuning=tuning), supply=3e5)
+    assert doubts(view, "bundle") == []
+    (told,) = doubts(replace(view, supply=4e5), "bundle")
+    assert told.startswith("The tuning was measured up to 300 kPa and is held constant above it")
 
 
 def test_another_muscle_than_the_bundles_is_named():

@@ -8,7 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.core.toml import tables
-from fascicle.files import loads, provenance
+from fascicle.files import dumps, loads, provenance
 from fascicle.files.calibrated import calibrated_text
 from fascicle.files.rounding import as_known, told
 from fascicle.records import Record
@@ -87,6 +87,10 @@ def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
     # whoever writes another length into the file is told as it is read
     with pytest.warns(UserWarning, match="fitted at a length of 200 mm and has 100 mm now"):
         loads(text.replace('length = "200 mm"', 'length = "100 mm"', 1))
+    # and who saves it again keeps it, also as a bundle of such muscles
+    for again in (loads(text), fs.Bundle([fs.MotorUnit(loads(text))])):
+        with pytest.warns(UserWarning, match="fitted at a length of 200 mm and has 100 mm now"):
+            loads(dumps(again).replace('length = "200 mm"', 'length = "100 mm"', 1))
     with pytest.raises(ValueError, match=r"m.toml: calibration.fitted_length") as refused:
         loads(text.replace('fitted_length = "200 mm"', 'fitted_length = "long"'), "m.toml")
     assert "\n" not in str(refused.value)

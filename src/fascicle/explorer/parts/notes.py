@@ -2,6 +2,9 @@
 
 import numpy as np
 
+from ...muscle.fitted import elsewhere
+from ...muscle.foreign import foreign
+from ...muscle.laws import LAWS
 from ..curves.other_laws import is_tuned
 from ..state import View
 
@@ -41,6 +44,28 @@ def notes(view: View, tab: str) -> list[str]:
             " holds for this one nobody has measured."
         )
     return said
+
+
+def doubts(view: View, tab: str) -> list[str]:
+    """Why what a tab shows may be wrong: constants of a muscle of another size, a fit at another
+    length, pressures above those that were measured.
+
+    **Arguments:** those of `notes` [-].
+
+    **Returns:** sentences [-], each once.
+    """
+    alone = tab in ("muscle", "reversal")
+    muscles = [view.muscle] if alone else [view.muscle_of(unit) for unit in view.units]
+    said = [
+        told
+        for one in muscles
+        for told in (foreign(one), elsewhere(one), one.tuning.beyond(view.supply))
+    ]
+    if tab == "muscle":
+        compared = (key.partition(":") for key in view.compared)
+        laws = (LAWS["tension"].get(name) for kind, _, name in compared if kind == "tension")
+        said += [foreign(view.muscle, law) for law in laws if law]
+    return [told[0].upper() + told[1:] for told in dict.fromkeys(said) if told]
 
 
 def equilibria(strain: np.ndarray, stable: np.ndarray) -> str:

@@ -28,7 +28,7 @@ from ..parts.look import (
     told,
     widget_css,
 )
-from ..parts.notes import equilibria, notes
+from ..parts.notes import equilibria
 from ..parts.shared import shared
 from ..parts.solid import Scene
 from ..parts.sweep import STEPS, Sweep
@@ -36,7 +36,7 @@ from ..parts.widgets import Dial, Field, button, choice, factor, heading
 from ..state import Session, View, changed
 from .bundle_units import UnitRows
 from .muscle import table
-from .tab import Tab, status
+from .tab import Tab, remarks, status
 
 
 _STAGE = "clamp(240px, 100vh - 480px, 900px)"  # how high the bundle is shown
@@ -108,7 +108,7 @@ class BundleView(Tab):
         self._supply.show(view.supply, view.shown["pressure"])
         self._rows.show(view)
         self._play.name(f"P{len(view.units)}")
-        self._notes.object = status(" ".join(notes(view, "bundle")))
+        self._notes.object = remarks(view, "bundle")
         self._status.object = status("computing the space")
         self._space.ask(lambda: shared(shown_space, view.bundle, view.resistance))
 

@@ -23,12 +23,11 @@ from ..parts.look import (
     set_range,
     source_of,
 )
-from ..parts.notes import notes
 from ..parts.shared import shared
 from ..parts.widgets import choice, factor
 from ..state import Session, View
 from .reversal import grid
-from .tab import Tab, card, moving, status
+from .tab import Tab, card, moving, remarks, status
 
 
 _SHOWN = {"with resistance": "resisted", "without resistance": "free",
@@ -90,7 +89,7 @@ class EfficiencyView(Tab):
         self._silent = True
         self._path.value = view.path
         self._silent = False
-        self._notes.object = status(" ".join(notes(view, "efficiency")))
+        self._notes.object = remarks(view, "efficiency")
         self._status.object = status("computing the map")
         self._maps.ask(lambda: shared(maps, view.bundle, view.path))
 

@@ -31,13 +31,13 @@ from ..parts.look import (
     told,
     widget_css,
 )
-from ..parts.notes import branches, notes
+from ..parts.notes import branches
 from ..parts.solid import Scene
 from ..parts.sweep import STEPS, Sweep
 from ..parts.widgets import Dial, factor, heading
 from ..state import Session, View, changed
 from .muscle_inputs import MuscleInputs
-from .tab import status
+from .tab import remarks
 
 
 _STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown
@@ -116,6 +116,7 @@ class MuscleView:
         elif changed(before, after, "pressure", "strain"):
             self._picture(after, pressed=changed(before, after, "pressure"))
         if changed(before, after, "compared"):
+            self._notes.object = remarks(after, "muscle")
             self._ask_others(after)
 
     def _all(self, view: View) -> None:
@@ -133,7 +134,7 @@ class MuscleView:
             self._strain.field.message.say(
                 f"`strain` is drawn up to {self._top:g} for this muscle, asked was {asked:g}."
             )
-        self._notes.object = status(" ".join(notes(view, "muscle")))
+        self._notes.object = remarks(view, "muscle")
         self._ask_others(view)
 
     def _picture(self, view: View, pressed: bool, family: bool = False) -> None:

@@ -18,11 +18,10 @@ from ..parts.look import (
     source_of,
     widget_css,
 )
-from ..parts.notes import notes
 from ..parts.shared import shared
 from ..parts.widgets import factor
 from ..state import Session, View
-from .tab import Tab, status
+from .tab import Tab, remarks, status
 
 
 class ReversalView(Tab):
@@ -82,7 +81,7 @@ class ReversalView(Tab):
         self._silent = True
         self._splits.value = ", ".join("+".join(map(str, split)) for split in view.splits)
         self._silent = False
-        self._notes.object = status(" ".join(notes(view, "reversal")))
+        self._notes.object = remarks(view, "reversal")
         self._status.object = status("computing")
         self._found.ask(lambda: shared(split_curves, view.muscle, view.splits, view.supply))
 

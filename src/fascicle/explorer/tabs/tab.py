@@ -1,11 +1,13 @@
 """What tabs other than the muscle's share: drawn when looked at, and only if something changed."""
 
+import html
 from typing import Any, ClassVar
 
 import panel as pn
 
 from ...core.tokens import APART, FAR, LARGE, TEXT
 from ..parts.look import NARROW, Look
+from ..parts.notes import doubts, notes
 from ..parts.widgets import Message
 from ..state import Session, View, changed
 
@@ -77,6 +79,13 @@ def card(title: str, text: str, *more: Any) -> Any:
         styles=framed, sizing_mode="stretch_width", align="center", margin=(FAR, APART),
         stylesheets=[NARROW],
     )  # fmt: skip
+
+
+def remarks(view: View, tab: str) -> str:
+    """What a reader must know of what a `tab` [-] shows of a `view` [-], doubts marked [-]."""
+    marked = "border-left:3px solid var(--bad);padding-left:var(--apart);margin:var(--near) 0"
+    told = (f'<p style="{marked}">{html.escape(one)}</p>' for one in doubts(view, tab))
+    return "".join(told) + status(" ".join(notes(view, tab)))
 
 
 def status(text: str) -> str:
