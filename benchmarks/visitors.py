@@ -24,7 +24,7 @@ READY = {
 _LARGEST = 2**27  # bytes of a message
 # of each tab, the source that holds its first picture
 SHOWN = {"muscle": "chosen", "bundle": "regions", "reversal": "reversal_resisted",
-         "efficiency": "efficiency", "data": "readings"}  # fmt: skip
+         "efficiency": "efficiency", "data": "untuned"}  # fmt: skip
 
 
 class Visitor:
@@ -38,7 +38,7 @@ class Visitor:
 
     @classmethod
     async def opened(cls, url: str, tab: str = "muscle") -> "Visitor":
-        """A visitor whose `tab` shows its first picture; the data's has none without a record."""
+        """A visitor whose `tab` shows its first picture."""
         page = await AsyncHTTPClient().fetch(
             HTTPRequest(f"{url}?{urlencode({'tab': tab})}", request_timeout=120)
         )
@@ -54,11 +54,11 @@ class Visitor:
         await visitor._send("PULL-DOC-REQ", {})
         await visitor._message()
         await visitor._send("PATCH-DOC", {"events": [READY]})
-        await visitor.until(SHOWN[tab], filled=tab != "data")
+        await visitor.until(SHOWN[tab])
         return visitor
 
-    async def until(self, name: str, filled: bool = True) -> None:
-        """Wait until the source called `name` is there, and `filled`."""
+    async def until(self, name: str) -> None:
+        """Wait until the source called `name` is there, and filled."""
         known: set[str] = set()
         while True:
             kind, content = await self._message()
@@ -67,7 +67,7 @@ class Visitor:
                     self._note(model)
                     if _called(model, name):
                         known.add(model["id"])
-                        if not filled or _filled(model["attributes"].get("data", {})):
+                        if _filled(model["attributes"].get("data", {})):
                             return
                 for event in content["events"]:
                     changes = event.get("model", {}).get("id") in known and "data" in event

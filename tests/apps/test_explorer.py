@@ -588,6 +588,40 @@ def test_the_header_says_what_the_page_is_for_and_the_data_tab_invites(visit):
     invitation.wait_for(state="hidden")
 
 
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080)])
+def test_without_a_record_the_data_tab_shows_where_readings_will_lie(visit, width, height):
+    page = visit("?tab=data", width=width, height=height)
+    shown = source(page, "untuned")
+    assert len(shown["ys"]) == 5
+    for pressure, strain, force in zip(np.arange(5) * 1e5, shown["xs"], shown["ys"], strict=True):
+        given = MUSCLE.force(pressure, np.array(strain))
+        np.testing.assert_allclose(force, given, rtol=1e-9, atol=1e-9)
+    box = page.locator(".bk-Figure").first.bounding_box()
+    # nothing of the page is left empty but its margin: the invitation, and the curves below it
+    assert 0 < height - box["y"] - box["height"] < 130
+    assert box["width"] > 0.6 * width
+
+
+def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(visit, tmp_path):
+    fs.save(MUSCLE, tmp_path / "tuned.toml", {"fitted_length": "127 mm"})
+    page = visit()
+    page.locator("input[type=file]").first.set_input_files(tmp_path / "tuned.toml")
+    page.get_by_text("tuned.toml").first.wait_for()
+    length = field(page, "Length at rest")
+    length.fill("200 mm")
+    length.press("Enter")
+    told = "The muscle was fitted at a length of 127 mm and has 200 mm now"
+    page.get_by_text(told).wait_for()
+    page.wait_for_function("() => location.search.includes('file=')")
+    # and by who opens its link
+    again = visit(page.evaluate("() => location.search"))
+    again.get_by_text(told).wait_for()
+    again.get_by_text("Bundle", exact=True).first.click()
+    again.get_by_text(told).last.wait_for()
+    field(page, "Tension").select_option("sarosi")
+    page.get_by_text("has the numbers of a Festo DMSP-20-200N, and this muscle is").wait_for()
+
+
 def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):
     rows = "".join(f"{x},{10 - x},100\n" for x in range(8))
     (tmp_path / "w.csv").write_text("A,B,C\n" + rows)

@@ -25,6 +25,7 @@ MOST_LEVELS, MOST_POINTS = 8, 4_000  # curves and readings that are drawn
 STARTS = 2  # places the fit begins from: few, so that it doesn't take long
 FOUND, TUNING = "found", "tuning"  # what is fitted, where it isn't constants by name
 _POINTS = 121
+_PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of a record to try
 _HEAD = 200_000  # bytes in which the header stands
 
 
@@ -122,8 +123,7 @@ def synthetic(muscle: Muscle) -> bytes:
     from ...records import VirtualDynamometer
     from ...records.writing import dumps
 
-    pressures = [0.0, 1e5, 2e5, 3e5, 4e5]
-    machine = VirtualDynamometer(pressures, samples=60, both_ways=False)
+    machine = VirtualDynamometer(list(_PRESSURES), samples=60, both_ways=False)
     built = muscle.replace(
         outer_radius=1.02 * muscle.outer_radius, braid_angle=0.97 * muscle.braid_angle
     )
@@ -171,6 +171,15 @@ def beside(muscle: Muscle, record: Record) -> Beside:
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
     force = np.asarray(muscle.force(np.clip(pressures, 0.0, HIGHEST_PRESSURE)[:, None], strain))
     return Beside(pressures, strain, force, level)
+
+
+def awaited(muscle: Muscle) -> Beside:
+    """A muscle's curves [N] where readings of it would lie, as those of `synthetic` [-] do."""
+    pressures = np.array(_PRESSURES)
+    free = float(muscle.free_strain(pressures[-1]))
+    strain = np.linspace(0.0, max(free, 0.01), _POINTS)
+    force = np.asarray(muscle.force(pressures[:, None], strain))
+    return Beside(pressures, strain, force, np.zeros(0, int))
 
 
 def drawn(record: Record) -> np.ndarray:

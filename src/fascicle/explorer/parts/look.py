@@ -91,7 +91,7 @@ def plain_figure(look: Look, x: str, y: str, *, room: int = 322, **more: Any) ->
         "y_range": Range1d(start=0, end=1),
         "output_backend": "canvas",
     } | more
-    high = high_css(f"clamp(340px, 100vh - {room}px, 1200px)")
+    high = high_css(height_of(room))
     fig = figure(height=500, sizing_mode="stretch_width", stylesheets=[high], **given)
     fig.toolbar.logo = None
     fig.toolbar.autohide = True
@@ -109,6 +109,11 @@ def plain_figure(look: Look, x: str, y: str, *, room: int = 322, **more: Any) ->
         axis.minor_tick_line_color = None
     fig.grid.grid_line_color = look.line
     return fig
+
+
+def height_of(room: int) -> str:
+    """How high a figure is in CSS [-] that leaves `room` pixels [-] of the screen."""
+    return f"clamp(340px, 100vh - {room}px, 1200px)"
 
 
 def high_css(height: str) -> str:

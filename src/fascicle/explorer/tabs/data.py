@@ -12,9 +12,9 @@ import panel as pn
 from ...units import pretty
 from ..curves.measured import (
     FOUND,
-    MOST_ROWS,
     Beside,
     Reading,
+    awaited,
     beside,
     drawn,
     fitted,
@@ -29,13 +29,14 @@ from ..parts.background import Latest
 from ..parts.exports import Export, data, downloads
 from ..parts.look import (
     AFTER,
-    NARROW,
     ROLLED,
     STACKED,
     TALL,
     WRAPPED,
     Look,
     half,
+    height_of,
+    high_css,
     legend_style,
     plain_figure,
     pressure_colors,
@@ -46,19 +47,14 @@ from ..parts.look import (
 )
 from ..parts.widgets import button, factor
 from ..state import Session, View, view_of
+from .invitation import invitation
 from .record_inputs import FitInputs, RecordInputs
 from .reversal import grid
-from .tab import Tab, card, moving, status
+from .tab import Tab, moving, status
 
 
-_INVITED = "Your own muscle, as it was measured"
-_INVITATION = (
-    "Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in"
-    " its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to"
-    f" them, with how sure each constant is. At most {MOST_ROWS} rows; they stay in this session's"
-    " memory. No record at hand? There is a synthetic one of this muscle, a little thicker and"
-    " steeper than drawn."
-)
+_ROOM, _BELOW = 220, 440  # pixels of the screen that are not the figure's; below an invitation
+_NEAR_REST = 0.04  # of the strains drawn: where a curve's name stands
 
 
 class DataView(Tab):
@@ -131,13 +127,12 @@ class DataView(Tab):
             pn.Row(*self._saves, margin=0), self._notes,
             width=420, margin=(0, 8, 0, 0), stylesheets=[ROLLED, AFTER],
         )  # fmt: skip
-        self._invitation = card(_INVITED, _INVITATION, self._try)
-        self._drawn = pn.Column(
-            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(*self._given, margin=(0, 8), stylesheets=[WRAPPED]),
-            visible=False, sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
+        self._invitation = invitation(self._try)
+        self._gives = pn.Row(*self._given, visible=False, margin=(0, 8), stylesheets=[WRAPPED])
+        right = pn.Column(
+            self._invitation, pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]),
+            self._gives, margin=0, **half(),
         )  # fmt: skip
-        right = pn.Column(self._invitation, self._drawn, margin=0, **half())
         self.panel = pn.Row(
             left, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
         )
@@ -146,18 +141,20 @@ class DataView(Tab):
         """Show a `view` [-]."""
         unit = view.shown["force"]
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        if self.record is not None:
-            record, made = self.record, self.made
-            self._beside.ask(
-                lambda: (
-                    beside(view.muscle, record),
-                    None if made is None else beside(made.muscle, record),
-                )
+        record, made = self.record, self.made
+        if record is None:
+            self._beside.ask(lambda: (awaited(view.muscle), None))
+            return
+        self._beside.ask(
+            lambda: (
+                beside(view.muscle, record),
+                None if made is None else beside(made.muscle, record),
             )
+        )
 
     def _draw_figure(self) -> None:
         look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=220)
+        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=_BELOW)
         self.figure = fig
         self._points = source_of({"x": [], "y": [], "color": []}, name="readings")
         self._before = source_of({"xs": [], "ys": [], "color": []}, name="untuned")
@@ -172,6 +169,7 @@ class DataView(Tab):
         tags(fig, look, self._names)
         fig.line([-1, 1], [0, 0], color=look.soft, line_width=1)
         legend_style(fig, look)
+        self._legend = dict(zip(("measured", "this", "tuned"), fig.legend.items, strict=True))
 
     def _tried(self) -> None:
         self._example = synthetic(self.session.view.muscle)
@@ -201,7 +199,7 @@ class DataView(Tab):
             return
         self._reading = reading
         self._what.offer(view.muscle)
-        self._invitation.visible, self._drawn.visible, self._again.visible = False, True, True
+        self._invitation.visible, self._gives.visible, self._again.visible = False, True, True
         self.message.say(suited(view.muscle, self.record))
         self.made = None
         self._table.object = ""
@@ -219,15 +217,17 @@ class DataView(Tab):
 
     def _show_beside(self, found: tuple[Beside, Beside | None]) -> None:
         before, after = found
-        view, record = self.session.view, self.record
+        view = self.session.view
         scale = factor(view.shown["force"], "force")
         colors = pressure_colors(self.look, len(before.pressure))
-        places = drawn(record)
-        nearest = np.abs(record.pressure[places, None] - before.pressure).argmin(axis=1)
+        strain, force, nearest = _readings(self.record, before)
         self._points.data = {
-            "x": record.strain[places], "y": record.force[places] / scale,
-            "color": [colors[i] for i in nearest],
+            "x": strain, "y": force / scale, "color": [colors[i] for i in nearest]
         }  # fmt: skip
+        if self.record is not None:
+            self.figure.stylesheets = [high_css(height_of(_ROOM))]
+        self._legend["measured"].visible = self.record is not None
+        self._legend["tuned"].visible = after is not None
         for source, curves in ((self._before, before), (self._after, after)):
             rows = [] if curves is None else list(curves.force / scale)
             source.data = {
@@ -236,15 +236,20 @@ class DataView(Tab):
                 "color": colors[: len(rows)],
             }
         unit = view.shown["pressure"]
+        # above the readings, too, which lie at rest
+        at_rest = strain < before.strain[0] + _NEAR_REST * np.ptp(before.strain)
+        tops = [
+            max([before.force[i, 0], *force[at_rest & (nearest == i)]]) for i in range(len(colors))
+        ]
         self._names.data = {
             "x": [float(before.strain[0])] * len(colors),
-            "y": before.force[:, 0] / scale,
+            "y": np.array(tops) / scale,
             "label": [f"{P / factor(unit, 'pressure'):.3g} {unit}" for P in before.pressure],
         }
-        force = np.r_[record.force, before.force.ravel()] / scale
-        room = 0.06 * float(np.ptp(force))
+        every = np.r_[force, before.force.ravel()] / scale
+        room = 0.06 * float(np.ptp(every))
         set_range(self.figure.x_range, float(before.strain[0]), float(before.strain[-1]))
-        set_range(self.figure.y_range, float(force.min()) - room, float(force.max()) + room)
+        set_range(self.figure.y_range, float(every.min()) - room, float(every.max()) + room)
 
     # the fit
 
@@ -316,9 +321,14 @@ class DataView(Tab):
             *made.taken.words(),
             hysteresis(made),
             *self._choice.reasons,
-            *made.warnings,
         ]
-        self._status.object = "".join(status(html.escape(line)) for line in told if line)
+        self._status.object = "".join(
+            [status(html.escape(line)) for line in told if line]
+            + [
+                f"<b>{about.capitalize()}</b>{status('<br>'.join(map(html.escape, lines)))}"
+                for about, lines in made.warned.items()
+            ]
+        )
         for widget in (self._take, *self._saves):
             widget.disabled = False
         self.draw(self.session.view)
@@ -343,3 +353,14 @@ class DataView(Tab):
     def _taken(self) -> None:
         view = self.session.view
         self.session.become(view_of(self.made.muscle, "tuned muscle", view))
+
+
+def _readings(record: Any, curves: Beside) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Strain [-] and force [N] of the readings of a `record` [-] that are drawn, and which of the
+    `curves` [-] is nearest in pressure; none without a record.
+    """
+    if record is None:
+        return np.zeros(0), np.zeros(0), np.zeros(0, int)
+    places = drawn(record)
+    nearest = np.abs(record.pressure[places, None] - curves.pressure).argmin(axis=1)
+    return record.strain[places], record.force[places], nearest
