@@ -4,7 +4,7 @@ import numpy as np
 
 from ...muscle.fitted import elsewhere
 from ...muscle.foreign import foreign
-from ...muscle.laws import LAWS
+from ...muscle.tension import TENSION_LAWS
 from ..curves.other_laws import is_tuned
 from ..state import View
 
@@ -63,7 +63,7 @@ def doubts(view: View, tab: str) -> list[str]:
     ]
     if tab == "muscle":
         compared = (key.partition(":") for key in view.compared)
-        laws = (LAWS["tension"].get(name) for kind, _, name in compared if kind == "tension")
+        laws = (TENSION_LAWS.get(name) for kind, _, name in compared if kind == "tension")
         said += [foreign(view.muscle, law) for law in laws if law]
     return [told[0].upper() + told[1:] for told in dict.fromkeys(said) if told]
 
