@@ -93,7 +93,7 @@ class Crossings(NamedTuple):
     total: Any
 
 
-def sides(curves: Curves, ends: Ends, inset: float) -> Sides:
+def sides(curves: Curves, ends: Ends, inset: Numbers) -> Sides:
     """Stretches and what is seen of them.
 
     **Arguments:**

@@ -26,7 +26,7 @@ from .lists import repeated
 LANES = 2**12  # times units, at once: their arrays stay in the cache
 APART = 1e-13  # free strains closer than this are one
 _MARGIN = 0.25  # of what a unit spans between two places, below both
-_INSET = 1e-7  # of a stretch: its side is seen from inside
+INSET = 1e-7  # of a stretch: its side is seen from inside
 _BESIDE = 1e-9  # of strain: a kink is seen from behind
 _STEPS = 60  # toward a zero, at most: halving alone would need 53
 _NEAR = 1e-8  # a Newton step this short leaves nothing but rounding
@@ -51,7 +51,7 @@ def first(here: Pressurized) -> First:
     low, top = free.min(axis=1), free.max(axis=1)
     ends = np.minimum(np.concatenate([free, *turns], axis=1), top[:, None])
     before, behind = _halved(here, np.sort(ends, axis=1))
-    sides = np.stack([before + _INSET * (behind - before), behind], axis=1)
+    sides = np.stack([before + INSET * (behind - before), behind], axis=1)
     force, slope = here.unit_forces(sides)
     found = _met(here, sides, force.sum(axis=-1), slope.sum(axis=-1))
 

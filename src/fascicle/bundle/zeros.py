@@ -18,13 +18,12 @@ from ..core.roots import finished, searched, still
 from ..core.types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
-from .first import APART, LANES, first
+from .first import APART, INSET, LANES, first
 from .lists import put, ranked
 
 
 _MOST_LANES = 2**12  # searches at once
 _PAIRS = 2**16  # of units in all of them, which take a search's memory and time: 0.2 GB
-_INSET = 1e-7  # of a stretch: its sides are seen from inside
 
 At = Callable[[Any], Pressurized]
 Lanes = Float[AnyArray, "lane unit"]
@@ -119,7 +118,7 @@ def _zeros(at: At, pressures: Lanes) -> Zeros:
     here = still(live)
     low, largest, ends = _ends(here)
     units = _Units(here)
-    stretches = sides(units, ends, _INSET)
+    stretches = sides(units, ends, INSET)
     looked = cut(units, stretches, stretches.may_cross)
     # at the first free strain all pull, by definition; rounding may say otherwise there
     first = looked.nodes <= low[looked.lane][:, None]
@@ -137,7 +136,7 @@ def _loaded(at: At, pressures: Lanes, load: Any) -> Zeros:
     live = at(pressures[:, None, :])
     here, held = still((live, load))
     curves = _Loaded(_Units(here), held)
-    stretches = sides(curves, _all_ends(here), _INSET)
+    stretches = sides(curves, _all_ends(here), INSET)
     looked = cut(curves, stretches, stretches.may_cross)
     return _solved(live, load, looked, pressures.shape)
 

@@ -97,25 +97,27 @@ class Piecewise(Module):
         moment = self.collapse.moment(self.tension.bladder, self.youngs_modulus, pressure)
         return self.tension.tuning.collapse_moment_factor * moment
 
-    def at(self, pressure: Batch) -> "Pressurized":
-        """The muscle at `pressure` [Pa], its free and collapse strain solved for."""
+    def at(
+        self, pressure: Batch, free: Batch | None = None, collapse: Batch | None = None
+    ) -> "Pressurized":
+        """The muscle at `pressure` [Pa], its `free` and `collapse` strain [-] solved for, where
+        they aren't known.
+        """
         E, bladder = self.youngs_modulus, self.tension.bladder
         column = self.buckling.solved(
             Column(
                 tension=self.tension,
                 pressure=pressure,
-                free_strain=self.tension.free_strain(pressure),
+                free_strain=self.tension.free_strain(pressure) if free is None else free,
                 bending_stiffness=E * bladder.second_moment,
                 axial_stiffness=E * bladder.area,
             )
         )
-        stiffness = self.tension.tuning.hinge_stiffness_at(pressure)
-        return Pressurized(
-            law=self,
-            column=column,
-            hinge=stiffness * hinge_moment(bladder, E),
-            collapse=self.buckling.strain_at_moment(column, self.collapse_moment(pressure)),
-        )
+        if collapse is None:
+            moment = self.collapse_moment(pressure)
+            collapse = self.buckling.strain_at_moment(column, moment)
+        hinge = self.tension.tuning.hinge_stiffness_at(pressure) * hinge_moment(bladder, E)
+        return Pressurized(law=self, column=column, hinge=hinge, collapse=collapse)
 
 
 class Pressurized(NamedTuple):

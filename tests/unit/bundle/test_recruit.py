@@ -12,30 +12,17 @@ import fascicle as fs
 from fascicle.bundle import recruitment
 from fascicle.bundle.recruit import curves
 from fascicle.bundle.recruitment import pressures_of, recruit
+from unlike import SUPPLY, random_bundle
 
 
-SUPPLY = 413.7e3
 FINE = 4001
 thin = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 bundle = fs.Bundle([fs.MotorUnit(thin), fs.MotorUnit(thin, 4)], SUPPLY)
 
 
-def random_bundle(seed: int, scheme: str) -> fs.Bundle:
-    """Three unlike motor units."""
-    random = np.random.default_rng(seed)
-    units = []
-    for _ in range(3):
-        radius = random.uniform(4e-3, 10e-3)
-        muscle = fs.Muscle.from_dimensions(
-            0.127,
-            radius,
-            radius * random.uniform(0.15, 0.35),
-            math.radians(random.uniform(25, 40)),
-            "silicone_kim2021",
-            transition_rate=random.choice([25.0, 100.0]),
-        )
-        units.append(fs.MotorUnit(muscle, int(random.integers(1, 5))))
-    return fs.Bundle(units, SUPPLY, scheme)
+def three(seed: int, scheme: str) -> fs.Bundle:
+    """Unlike motor units."""
+    return random_bundle(np.random.default_rng(seed), rates=(25.0, 100.0), scheme=scheme)
 
 
 def demands(seed: int, one: fs.Bundle, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -66,7 +53,7 @@ def by_brute_force(one: fs.Bundle, force: np.ndarray, strain: np.ndarray):
 
 def check(seed: int, scheme: str, count: int, part: int = 0) -> int:
     """Demands that brute force can reach [-], all of which the inverse must have found."""
-    one = random_bundle(seed, scheme)
+    one = three(seed, scheme)
     force, strain = demands(100 * seed + part, one, count)
     found = recruit(one, force, strain)
     assert_allclose(one.force(found.pressures, strain), found.force, atol=1e-9, rtol=0)
@@ -115,7 +102,7 @@ def test_none_is_missed_by_twenty_random_bundles(seed, scheme):
 
 @pytest.mark.parametrize("scheme", ["orderly", "batch"])
 def test_many_are_answered_as_few_are(monkeypatch, scheme):
-    one = random_bundle(3, scheme)
+    one = three(3, scheme)
     force, strain = demands(4, one, 60)
     few = recruit(one, force, strain)
     compiled = []

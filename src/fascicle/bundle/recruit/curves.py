@@ -25,20 +25,21 @@ from ..alike import stacked, taken
 from ..plates import muscle_strain, plate_strain
 from ..states import States
 from .guide import Guide
+from .single import LEVELS, Single
 
 
 Forces = tuple[Numbers, ...]  # and their slopes in strain
 
+_SINGLE = 4  # points up to which one by one is sooner than an array
 _FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
 _STEP = 1e-7  # of the level: for slopes that only guide a search
-_TABLE = (np.arange(513) / 512) ** 2  # levels, dense where free strain and collapse change fastest
 _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
 
 
 class Kinds(NamedTuple):
     """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
     the plates are apart; `which` of them [-] are meant, all of them where left out. Beyond
-    `at_once` points [-] their law is compiled. `each`: them one by one, where NumPy works.
+    `at_once` points [-] their law is compiled. `each`: at single points, where NumPy works.
     """
 
     muscles: Muscle
@@ -46,7 +47,7 @@ class Kinds(NamedTuple):
     size: int
     which: Any = None
     at_once: int = COMPILE_ABOVE
-    each: tuple[Muscle, ...] = ()
+    each: tuple[Single, ...] = ()
 
     def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
@@ -58,6 +59,15 @@ class Kinds(NamedTuple):
         own = strain if ratios is None else muscle_strain(ratios, strain)
         value, slope = self._evaluated(pressure, own)
         return value, slope if ratios is None else slope * ratios
+
+    def along(self, place: int, node: np.ndarray, strain: np.ndarray) -> Forces:
+        """The same of the one at `place` [-], at numbered levels and the bundle's `strain` [-]."""
+        one, ratios = self.each[place], self.ratios
+        if ratios is None:
+            return one.along(node, strain)
+        ratio = np.broadcast_to(ratios, self.size)[place]
+        value, slope = one.along(node, muscle_strain(ratio, strain))
+        return value, slope * ratio
 
     def kinks(self, pressure: Numbers) -> Numbers:
         """Strains of the bundle [-] at which they have kinks, on a new first axis."""
@@ -73,14 +83,17 @@ class Kinds(NamedTuple):
         if muscles.is_numpy and given(pressure, strain):
             kinds = np.arange(self.size) if which is None else which
             shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
-            if math.prod(shape) == 1:  # of numbers a law takes a quarter of an array's time
-                one = self.each[np.ravel(kinds)[0]]
-                at = one.law.at(np.ravel(pressure)[0])
-                return tuple(np.reshape(x, shape) for x in at.force(np.ravel(strain)[0]))
-            if math.prod(shape) > self.at_once:
-                laid = (np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain))
+            points, laid = math.prod(shape), ()
+            if 0 < points <= _SINGLE or points > self.at_once:
+                laid = [np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain)]
+            if laid and points <= _SINGLE:
+                each = (self.each[kind].force(P, eps) for kind, P, eps in zip(*laid, strict=True))
+                return tuple(np.array(x).reshape(shape) for x in zip(*each, strict=True))
+            if laid:
                 found = scattered(compiled(_force), muscles, *laid)
                 return tuple(x.reshape(shape) for x in found)
+            if which is not None and points and np.all(which == which.flat[0]):
+                return self.each[which.flat[0]].law.at(pressure).force(strain)
         if which is not None:
             muscles = taken(muscles, which)
         return muscles.law.at(pressure).force(strain)
@@ -207,6 +220,21 @@ class Bank(NamedTuple):
         found, _ = self._alone(state[:, None], level, strain[:, None])
         return found[..., None]
 
+    def along(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
+        """Force [N] of the units that each `state` throttles at numbered levels, these along a
+        second axis [-], and `strain` [-].
+        """
+        total, kind = np.zeros(node.shape), 0
+        for row in self.rows:
+            for place in range(row.size):
+                share = self.throttled[state, kind]
+                some = np.flatnonzero(share)
+                if len(some):
+                    found = self.kept(row.along(place, node[some], strain[some, None]))
+                    total[some] += share[some, None] * found[0]
+                kind += 1
+        return total
+
     def terms(self, state: Any, level: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
         """The same forces [N] and their slopes by level [N]."""
         step = where(level < 0.5, _STEP, -_STEP)
@@ -276,7 +304,7 @@ def bank(
             one,
             None if length is None else length / one.length,
             len(row),
-            each=tuple(muscles[i] for i in row) if at_once else (),
+            each=tuple(Single(muscles[i], supply) for i in row) if at_once else (),
         )
         for row, one in groups
     )
@@ -309,14 +337,14 @@ def _kinks(row: Kinds, supply: Numbers) -> Kinks:
     between which that happens.
     """
     at_work = library(supply, *jax.tree.leaves(row.muscles))
-    levels = at_work.asarray(_TABLE)[:, None] * at_work.ones(row.size)
+    levels = at_work.asarray(LEVELS)[:, None] * at_work.ones(row.size)
     strain = row.kinks(levels * supply)
     there = at_work.isfinite(strain)
     last = at_work.argmin(there, axis=1) - 1  # of those before the first that is not
     jumps = ~at_work.all(there, axis=1) & (last >= 0)
-    place = np.arange(len(_TABLE))[:, None]
+    place = np.arange(len(LEVELS))[:, None]
     beyond = (place > last[:, None]) & jumps[:, None]
-    ends = [at_work.asarray(_TABLE)[maximum(last + i, 0)][:, None] for i in (0, 1)]
+    ends = [at_work.asarray(LEVELS)[maximum(last + i, 0)][:, None] for i in (0, 1)]
     found = [where(beyond, end, levels) for end in ends]
     # rounding apart from the last that was seen, so that all larger strains lie beyond it
     known = where(there & ~beyond, strain, -np.inf)

@@ -4,8 +4,8 @@ The curves (B8) are evaluated on a grid of levels and strains, strains as they a
 cell of it a curve lies between the least and the largest of its corners, with a margin of what
 its units span there; a demand beyond isn't met in the cell. Cells in a row where it may be, of
 which all rise or all fall, at both strains and together with their neighbors, hold it once or not
-at all, and from the corners its level is nearly known. Lanes with any other row are left to the
-search that looks at every stretch.
+at all, and from the corners its level is nearly known. Any other row is left to the search that
+looks at every stretch in it.
 
 It is a guide only, the forces that are met are the law's own. NumPy's alone.
 """
@@ -23,7 +23,8 @@ from ..plates import muscle_strain
 
 
 _CELL = 2.0**-8  # of strain
-_LEVELS = (np.arange(65) / 64) ** 2  # dense where free strain changes fastest
+NODES = 65  # levels
+_LEVELS = (np.arange(NODES) / (NODES - 1)) ** 2  # dense where free strain changes fastest
 _MARGIN = 0.5  # of what the units span in a cell, beyond its corners
 
 Forces = tuple[np.ndarray, ...]  # and their slopes in strain [N], kinds last
@@ -40,6 +41,16 @@ class Runs(NamedTuple):
     rises: np.ndarray
     near: np.ndarray
     slope: np.ndarray
+
+
+class Parts(NamedTuple):
+    """Where lanes may be met any number of times, an entry each: its `lane`, and the levels [-]
+    between which that is.
+    """
+
+    lane: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
 
 
 class _Cells(NamedTuple):
@@ -96,8 +107,9 @@ class Guide:
         self._ratios = tuple(row.ratios for row in rows)
         P = (_LEVELS * supply)[:, None]
         self._at = tuple(row.muscles.law.at(P * np.ones(row.size)) for row in rows)
-        ends = (row.muscles.law.at(x * supply * np.ones(row.size)) for x in (0, 1) for row in rows)
-        self._ends = _Ends(tuple(ends), 2 * self._ratios)
+        both = np.array([[0.0], [supply]])
+        ends = (row.muscles.law.at(both * np.ones(row.size)) for row in rows)
+        self._ends = _Ends(tuple(ends), self._ratios)
         self._cells: _Cells | None = None
 
     def ends(self, strain: np.ndarray, many: bool) -> tuple[Forces, Forces]:
@@ -105,12 +117,9 @@ class Guide:
         by a compiled law if they are `many`.
         """
         law = partial(scattered, compiled(_forces)) if many else _forces
-        found = law(self._ends, strain)
-        none, full = (
-            tuple(np.concatenate(parts, axis=-1) for parts in zip(*rows, strict=True))
-            for rows in (found[: len(self._at)], found[len(self._at) :])
-        )
-        return self._kept(none), self._kept(full)
+        found = zip(*law(self._ends, strain), strict=True)
+        force, slope = self._kept(tuple(np.concatenate(rows, axis=-1) for rows in found))
+        return (force[:, 0], slope[:, 0]), (force[:, 1], slope[:, 1])
 
     def runs(
         self,
@@ -119,7 +128,7 @@ class Guide:
         wanted: np.ndarray,
         ends: tuple[np.ndarray, np.ndarray],
         close: np.ndarray,
-    ) -> tuple[Runs, np.ndarray]:
+    ) -> tuple[Runs, Parts]:
         """Where lanes are met within a state's curve.
 
         **Arguments:**
@@ -130,7 +139,7 @@ class Guide:
         - `ends`: how far they are above it at both ends of the curve [N].
         - `close`: what counts as met there [N].
 
-        **Returns:** the runs of cells, and the lanes for which they don't tell all [-].
+        **Returns:** the runs of cells, and the parts of curves of which they don't tell all [-].
         """
         rows = self._rows(state, strain, wanted, wanted)
         lane, first, last, sense, above = rows.lane, rows.first, rows.last, rows.sense, rows.above
@@ -154,7 +163,9 @@ class Guide:
             lane, _LEVELS[first], _LEVELS[last], sense > 0,
             np.minimum(np.maximum(near, low), high), sense * slope,
         )  # fmt: skip
-        return Runs(*(x[met] for x in runs)), np.unique(lane[~met & ~beyond])
+        left = ~met & ~beyond
+        parts = Parts(lane[left], runs.low[left], runs.high[left])
+        return Runs(*(x[met] for x in runs)), parts
 
     def nearer(
         self, state: np.ndarray, strain: np.ndarray, wanted: np.ndarray, within: np.ndarray
@@ -241,12 +252,12 @@ class Guide:
 
 
 def _forces(ends: _Ends, strain: Any) -> Any:
-    """Forces of muscles at their pressures [N], rows of which may have another length than the
-    plates are apart, and their slopes [N]; kinds last.
+    """Forces of muscles at both pressures [N], rows of which may have another length than the
+    plates are apart, and their slopes [N]; pressures along a second axis, kinds last.
     """
     found = []
     for at, ratio in zip(ends.at, ends.ratios, strict=True):
-        eps = strain[:, None]
+        eps = strain[:, None, None]
         force, slope = at.force(eps if ratio is None else muscle_strain(ratio, eps))
         found.append((force, slope if ratio is None else slope * ratio))
     return tuple(found)
