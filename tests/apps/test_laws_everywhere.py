@@ -72,11 +72,16 @@ WHOLE = list(itertools.product(ASKED, COMMANDS))
 # each law by one command, each command by some: those next to one another in both lists
 SLOW_ONES = {("buckling ovalising", command) for command in ("space", "recruit", "recruit free",
              "efficiency", "export table", "simulate", "design")}  # fmt: skip
+SLOW_ONES |= {("all at once", "simulate")}
 SAMPLE = [
     (asked, list(COMMANDS)[i % len(COMMANDS)])
     for i, asked in enumerate(ASKED)
     if (asked, list(COMMANDS)[i % len(COMMANDS)]) not in SLOW_ONES
-] + [("ends that give", "efficiency"), ("buckling ovalising", "export c")]
+] + [
+    ("ends that give", "efficiency"),
+    ("buckling ovalising", "export c"),
+    ("all at once", "bundle"),
+]
 
 
 def held(fascicle, folder, asked, command):

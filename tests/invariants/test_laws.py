@@ -104,16 +104,20 @@ def every(test):
     return of_laws(pytest.mark.parametrize("n", [N // 4, pytest.param(N, marks=SLOW)])(test))
 
 
-# compiled for each combination: those that cost half a minute run with the slow ones
-LONG = [
-    SLOW if getattr(laws["buckling"], "name", laws["buckling"]) == "elastica" else ()
-    for laws in COMBINATIONS
-]
+def takes_long(laws):
+    """Whether to compile its slopes costs half a minute."""
+    return not {"elastica", "elastic_braid"}.isdisjoint(named(laws).split("-"))
+
+
+# compiled for each combination: these here, every one with its whole sample by the slow ones
 compiled = pytest.mark.parametrize(
-    "laws",
-    [pytest.param(laws, marks=mark) for laws, mark in zip(COMBINATIONS, LONG, strict=True)],
-    ids=named,
-)
+    ("laws", "n"),
+    [
+        *(pytest.param(laws, N // 4, id=named(laws)) for laws in COMBINATIONS
+          if not takes_long(laws)),
+        *(pytest.param(laws, N, id=f"{named(laws)}-{N}", marks=SLOW) for laws in COMBINATIONS),
+    ],
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -343,8 +347,8 @@ def test_finite_slopes_at_special_points(laws, n, drawn):
 
 
 @compiled
-def test_finite_compiled_slopes_at_special_points(laws, drawn):
-    for muscles, P, place in special_points(laws, N, drawn):
+def test_finite_compiled_slopes_at_special_points(laws, n, drawn):
+    for muscles, P, place in special_points(laws, n, drawn):
         force, row = slopes(muscles, P, place)
         assert np.all(np.isfinite(force))
         assert np.all(np.isfinite(np.asarray(row)[~exempt(laws, P)]))
@@ -408,9 +412,9 @@ def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
 
 
 @compiled
-def test_numpy_and_jax_give_the_same(laws, drawn):
+def test_numpy_and_jax_give_the_same(laws, n, drawn):
     """One source, at random points and on both sides of every kink."""
-    muscles, P, eps = drawn(31, laws)
+    muscles, P, eps = drawn(31, laws, n)
     response, kinks, _, _ = at(muscles, P, eps)
     places = [eps]
     for kink in kinks.T:

@@ -51,14 +51,20 @@ def rows_of(muscle, count, seed=3):
     )
 
 
-@pytest.mark.parametrize("laws", LAWS, ids=str)
-def test_the_largest_force_is_that_of_the_whole_law(laws):
+# what takes ten times as long as any other law shows here with fewer designs
+@pytest.mark.parametrize(
+    ("laws", "count"),
+    [(laws, 12 if laws != {"buckling": "ovalising"} else 3) for laws in LAWS]
+    + [pytest.param({"buckling": "ovalising"}, 12, marks=pytest.mark.slow)],
+    ids=str,
+)
+def test_the_largest_force_is_that_of_the_whole_law(laws, count):
     """At strains from rest to far beyond what any level pulls with."""
-    rows = rows_of(drawing(laws), 12)
+    rows = rows_of(drawing(laws), count)
     strain = np.concatenate([np.linspace(0.0, 0.42, 60), [1e-9, 0.6]])
     task = Task.of(np.ones(strain.size), strain, SUPPLY)
     table = tabulated(rows, Demand.of(task), (), COARSE.level)
-    for i in range(12):
+    for i in range(count):
         one = sized(*(x if isinstance(x, fs.Muscle) else x[i] for x in rows))
         force = one.law.at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
         # rounding of the forces that are added up
