@@ -3,12 +3,14 @@
 import contextlib
 import io
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle import records
+from fascicle import records, units
 from fascicle.cli import main
 from fascicle.cli.commands.calibrate_work import Begin, _muscle
 from fascicle.files import provenance
@@ -212,6 +214,23 @@ def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
     begin = Begin(str(tmp_path / "tuned.toml"), sizes | {"length": "300mm"}, laws)
     with pytest.warns(UserWarning, match="fitted at a length of 127 mm and has 300 mm now"):
         assert float(_muscle(begin).length) == 0.3
+
+
+@pytest.mark.slow
+def test_the_readmes_calibration_finds_the_angle_that_was_built(fascicle, tmp_path):
+    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^\$ \.venv/bin/fascicle ((?:record|calibrate) .*)$", readme, re.MULTILINE)
+    for line in lines:
+        code, out, _ = fascicle(*line.split())
+        assert code == 0
+    assert "synthetic" in out
+    built = re.search(r"braid angle ([\d.]+) deg", (tmp_path / "data.csv").read_text())[1]
+    assert f"came out with {float(built):.1f}°" in readme
+    (one,) = [x for x in provenance(tmp_path / "calibrated-data" / "muscle.toml")["parameter"]
+              if x["name"] == "braid_angle"]  # fmt: skip
+    found = [units.parse(one[key], "angle") for key in ("low", "value", "high")]
+    assert found[0] < np.radians(float(built)) < found[2]
+    assert f"{np.degrees(found[1]):.1f}" == f"{float(built):.1f}"
 
 
 @pytest.fixture
