@@ -12,6 +12,8 @@ from ..muscle.printing import material, tuned, words
 from ..units import exact, pretty
 
 
+_ROUNDING = 1e-9  # of a force
+_MOST = 8  # demands that a line names
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
 
 
@@ -110,15 +112,18 @@ def recruited_sheet(found: Any) -> Sheet:
     ]  # fmt: skip
     heads = ("force N", "state", *(f"P{unit + 1} kPa" for unit in range(units)), "solutions",
              "demand", "stable")  # fmt: skip
-    missed = np.any(np.asarray(found.status) != 0)
-    notes = ["where a demand isn't reached: the nearest force that is"] if missed else []
+    notes = []
+    if np.any(np.asarray(found.status) != 0):
+        notes.append("where a demand isn't reached: the nearest force that is")
+    if np.any(np.asarray(found.count) > 1):
+        notes.append("of several solutions the first; `.solutions` holds all of them")
     return Sheet(sized("Recruited", found.force), (), heads, rows, notes)
 
 
 def solutions_sheet(found: Any) -> Sheet:
     """All pressures and states that were `found`, a row for each [-]."""
     width = np.shape(found.pressure)[-1]
-    columns = (np.reshape(x, (-1, width)) for x in found)
+    columns = [np.reshape(x, (-1, width)) for x in found]
     rows = [
         [str(number), str(state), short(pressure / 1e3), "yes" if stable else "no"]
         for number, each in enumerate(zip(*columns, strict=True), start=1)
@@ -126,8 +131,29 @@ def solutions_sheet(found: Any) -> Sheet:
         if state
     ]
     heads = ("demand", "state", "throttled kPa", "stable")
-    notes = [] if rows else ["none: the demand can't be reached"]
+    none = [str(number) for number, row in enumerate(columns[1], start=1) if not np.any(row)]
+    notes = []
+    if none:
+        every = len(none) == len(columns[1])
+        which = "any" if every and len(none) > 1 else ", ".join(none[:_MOST])
+        more = "" if every or len(none) <= _MOST else f" and {len(none) - _MOST} more"
+        notes = [f"none for demand {which}{more}: it can't be reached"]
     return Sheet(f"Solutions, {len(rows)}", (), heads, rows, notes)
+
+
+def space_sheet(found: Any) -> Sheet:
+    """What each recruitment state of the space that was `found` reaches [-]."""
+    facts = [
+        ("scheme", found.scheme),
+        ("supply pressure", _in("pressure")(found.supply_pressure)),
+        ("throttled to", spread_over(found.level, _in("pressure"))),
+        ("strains", spread_over(found.strain, _of)),
+    ]
+    rows = []
+    for state, high in enumerate(found.high, start=1):
+        pulls = found.strain[high > -_ROUNDING * np.max(high)]
+        rows.append([str(state), short(np.max(high)), _of(np.max(pulls, initial=0.0))])
+    return Sheet("Force-strain space", facts, ("state", "largest force N", "pulls to strain"), rows)
 
 
 def reversal_sheet(found: Any) -> Sheet:

@@ -17,10 +17,12 @@ import numpy as np
 from jaxtyping import Float
 
 from ..core.checks import within
+from ..core.sheet import printed
 from ..core.types import Values
 from ..core.written import in_si, is_written
 from .bundle import Bundle
 from .own import scheme_used, supply_of
+from .printing import space_sheet
 from .schemes import AbstractScheme
 from .states import common, states_of
 from .unit_tables import unit_tables
@@ -30,6 +32,7 @@ _LEVELS = 241  # pressures over which a region's edges are taken
 Forces = Float[np.ndarray, "state strain"]
 
 
+@printed(space_sheet)
 @dataclass(frozen=True)
 class Space:
     """Force-strain space of a bundle: curves at constant pressure, and regions.

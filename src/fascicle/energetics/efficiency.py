@@ -25,6 +25,7 @@ from ..bundle.unit_tables import distinct
 from ..bundle.volumes import unit_volume_change
 from ..core.checks import finite, one_of
 from ..core.refused import Refused
+from ..core.sheet import Sheet, printed, short, spread_over
 from ..core.types import Values
 from .paths import unit_work_along
 
@@ -37,6 +38,23 @@ _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 Grid = Float[np.ndarray, "force strain"]
 
 
+def _sheet(found: "EfficiencyMap") -> Sheet:
+    """How well a bundle did on the map that was `found` [-]."""
+    eta, reached = found.efficiency, np.isfinite(found.efficiency)
+    facts = [
+        ("path", found.path),
+        ("reached", f"{np.sum(reached)} of {eta.size} points"),
+        ("forces", spread_over(found.force, lambda F: f"{short(F)} N")),
+        ("strains", spread_over(found.strain, lambda strain: f"{strain:.4f}")),
+    ]
+    if np.any(reached):
+        row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
+        where = f"at {short(found.force[row])} N, strain {found.strain[column]:.4f}"
+        facts += [("average", f"{found.average:.4f}"), ("best", f"{np.nanmax(eta):.4f} {where}")]
+    return Sheet("Efficiency", facts)
+
+
+@printed(_sheet)
 @dataclass(frozen=True)
 class EfficiencyMap:
     """`efficiency` [-] over `force` [N] (rows) and `strain` [-] (columns), NaN where the

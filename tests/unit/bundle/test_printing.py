@@ -36,7 +36,33 @@ def test_recruited_pressures_are_told_with_what_was_not_reached():
     assert "above what is reachable" in lines[4] and "the nearest force" in lines[-1]
     assert str(found.solutions).startswith("Solutions, 1")
     none = fs.recruitment.recruit(BUNDLE, 5000.0, 0.1).solutions
-    assert "can't be reached" in str(none)
+    assert "none for demand 1: it can't be reached" in str(none)
+    # what has none is named among others, and what has several says so
+    both = fs.recruitment.recruit(BUNDLE, [100.0, 5000.0], 0.1)
+    assert str(both.solutions).splitlines()[0] == "Solutions, 3"
+    assert "none for demand 2: it can't be reached" in str(both.solutions)
+    assert "of several solutions the first" in str(both)
+    many = fs.recruitment.recruit(BUNDLE, [100.0, *[5000.0] * 12], 0.1).solutions
+    assert "none for demand 2, 3, 4, 5, 6, 7, 8, 9 and 4 more" in str(many)
+
+
+def test_a_space_tells_what_each_state_reaches():
+    space = fs.recruitment.space(BUNDLE, 413.7e3, 5, [0.0, 0.1, 0.2])
+    lines = str(space).splitlines()
+    assert lines[0] == "Force-strain space" and "  supply pressure  413.7 kPa" in lines
+    largest = float(BUNDLE.force([413.7e3, 413.7e3], 0.0))
+    assert lines[-1].split() == ["2", f"{largest:.4g}", "0.2000"]
+    assert "<table" in space._repr_html_()
+
+
+def test_a_map_of_efficiency_tells_its_average_and_its_best():
+    found = fs.energetics.efficiency_map(BUNDLE, 413.7e3, "isobaric", [50.0, 5000.0], [0.05, 0.1])
+    lines = str(found).splitlines()
+    assert "  reached  2 of 4 points" in lines
+    assert f"  average  {found.average:.4f}" in lines
+    assert lines[-1].startswith(f"  best     {found.efficiency[0].max():.4f} at 50 N, strain 0.")
+    none = fs.energetics.efficiency_map(BUNDLE, 413.7e3, "isobaric", [5000.0], [0.05, 0.1])
+    assert "reached  0 of 2 points" in str(none) and "average" not in str(none)
 
 
 def test_a_reversal_is_told_in_words():
