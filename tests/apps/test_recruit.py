@@ -37,6 +37,16 @@ def test_a_table_and_a_line_for_what_is_out_of_reach(fascicle):
     assert "nan" not in out
 
 
+def test_a_narrow_terminal_keeps_one_table_with_all_solutions(fascicle, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    code, out, _ = fascicle("recruit", BUNDLE, "-f", "100N", "-s", "0.1")
+    assert code == 0 and out.count("Recruitment") == 1
+    assert max(map(len, out.splitlines())) <= 60
+    found = fs.recruitment.recruit(fs.example(BUNDLE), 100.0, 0.1).solutions
+    others = [f"2: {pressure / 1e3:.6g} kPa" for pressure in found.pressure[1:3]]
+    assert all(any(line.rstrip().endswith(one) for line in out.splitlines()) for one in others)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -116,5 +116,5 @@ def _row(values: Any, i: int, j: int, places: int) -> list[str]:
         f"{values['state'][i][j]}",
         *(f"{pressure / 1e3:.6g}" for pressure in values["pressures"][i][j]),
         number(values["force"][i][j], places) + ("" if values["stable"][i][j] else " u"),
-        ", ".join(others) or "-",
+        "\n".join(others) or "-",
     ]
