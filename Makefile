@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
+# some hundred processes begin in the tests: what one of them compiles, the next finds
+export PYTHONDONTWRITEBYTECODE =
 
 .PHONY: setup reproduce picture test lint types layers unit browser docs bench slow lock clean
 

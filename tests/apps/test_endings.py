@@ -38,8 +38,13 @@ def interrupted(process):
     return process.returncode, err
 
 
+def waits(some, more):
+    """Moments [s] of a process, each most of a second of work: more of them by `make slow`."""
+    return [*some, *(pytest.param(one, marks=pytest.mark.slow) for one in more)]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("wait", [0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6])
+@pytest.mark.parametrize("wait", waits([0.05, 0.2, 0.8], [0.02, 0.1, 0.4, 1.6]))
 def test_control_c_is_quiet_from_the_first_moment(tmp_path, wait):
     process = started(tmp_path, "force", SIX, "-o", "x.json")
     time.sleep(wait)
@@ -49,7 +54,7 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, wait):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("wait", [0.0, 0.005, 0.01, 0.02, 0.05, 0.1])
+@pytest.mark.parametrize("wait", waits([0.0, 0.01, 0.05], [0.005, 0.02, 0.1]))
 def test_control_c_after_the_last_word_changes_nothing(tmp_path, wait):
     process = started(tmp_path, "free-strain", SIX, "-p", "34.5kPa")
     while "34.5" not in process.stdout.readline():
