@@ -83,7 +83,7 @@ def test_numpy_and_jax_agree_and_slopes_are_the_laws(branches):
     plain = branches.pressure(np.asarray(force), np.asarray(eps))
     assert_allclose(found.pressure, plain.pressure, rtol=1e-9)
     assert isinstance(plain.pressure, np.ndarray)
-    slope = jax.grad(lambda f: jnp.sum(branches.pressure(f, eps).pressure))(force)
+    slope = jax.jit(jax.grad(lambda f: jnp.sum(branches.pressure(f, eps).pressure)))(force)
     at = branches.muscles.at(plain.pressure, np.asarray(eps))
     assert_allclose(slope, 1 / at.force_by_pressure, rtol=1e-6)
     # finite also where nothing can be reached
