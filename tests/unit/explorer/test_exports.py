@@ -1,5 +1,6 @@
 """Downloads: the Python runs as it is and makes the same data; pictures and netCDF parse."""
 
+import runpy
 import subprocess
 import sys
 import xml.etree.ElementTree as ET  # of our own pictures
@@ -32,12 +33,16 @@ CSV = b"pressure [kPa],strain [-],force [N]\n" + b"".join(
 
 
 @pytest.mark.parametrize("name", list(EXPORTS))
-def test_the_python_makes_the_same_data(name, tmp_path):
+def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
     export = EXPORTS[name](VIEW)
     script = tmp_path / "made.py"
     script.write_bytes(export.content("py"))
-    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    if name == "muscle":  # one as a process, whose beginning takes longer than the rest
+        done = subprocess.run([sys.executable, script], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    else:
+        runpy.run_path(str(script), run_name="__main__")
     assert (tmp_path / f"{name}.csv").read_bytes() == export.content("csv")
     assert ET.parse(tmp_path / f"{name}.svg").getroot().tag.endswith("svg")  # noqa: S314 ours
 
