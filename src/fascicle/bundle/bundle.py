@@ -29,7 +29,7 @@ from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import library, spread, where
 from ..core.checks import as_given, concrete, finite, within
-from ..core.domain import HIGHEST_PRESSURE
+from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.evaluate import at_rest, evaluate
 from ..core.lazy import from_above
 from ..core.limits import pressed, whole
@@ -41,6 +41,7 @@ from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Wh
 from ..core.written import is_written
 from ..muscle import Muscle
 from ..muscle.entry import checked as checked_point
+from ..muscle.entry import lowest_of, lowest_strain
 from .alike import stacked
 from .at import Pressurized
 from .plates import plate_distance, within_reach
@@ -256,7 +257,15 @@ class Bundle(Module):
         """
         return renewed(self, changes, length=self.plate_distance)
 
+    @kept
+    def _lowest(self) -> float:
+        """Strain [-] at which the fibers of a first muscle are straight."""
+        return max(lowest_strain(*lowest_of(unit.muscle)) for unit in self.motor_units)
+
     def _strain(self, strain: Values) -> Batch:
+        single = isinstance(strain, float) and self.plate_distance is None
+        if single and self._lowest < strain <= LARGEST_STRAIN:
+            return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
             return within_reach(strain, self.plate_distance, muscles)
