@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import both, either, expm1, no, spread, stack, where
+from ..core.arrays import both, either, exp, no, spread, stack, where
 from ..core.modules import Module
 from ..core.roots import guarded
 from ..core.sheet import Sheet, printed, short, sized
@@ -192,8 +192,8 @@ class Pressurized(NamedTuple):
         pull = self.column.pull(where(pulled, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, held)
         past = where(collapsed, strain - guarded(collapsed, self.collapse), 0.0)
-        gone = -expm1(-rate * past)  # nothing has decayed before collapse
-        left = 1 - gone
+        left = exp(-rate * past)  # nothing has decayed before collapse
+        gone = 1 - left
         x = (self._safe(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
 

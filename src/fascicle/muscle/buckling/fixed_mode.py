@@ -13,12 +13,17 @@ its largest moment is
 $$\hat m = \frac{M_b L_{fs}}{4 \pi EI} = \sqrt{\xi u}\, (1 - \xi)^{-3/2}. \tag{16b}$$
 
 It rises with $\xi$ to one peak, at a $\xi$ that depends on $c$ alone, and falls to zero where
-the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for $r = \hat m/\xi$,
-which stays finite as the moment vanishes: no root is nested in another.
+the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for
+$\tau = \xi/\kappa$ with $\kappa = \hat m/\sqrt c$, the compression of a small moment,
 
-**Speed:** Newton's steps are few and fixed, from a start whose error is known, so that one
-pass over the points does them all. The peak's place is a Chebyshev series in
-$1/(1 + \sqrt[4]{c})$, fitted when first asked for.
+$$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g) = (1 + \xi)\, h, \qquad
+  \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
+
+in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another.
+
+**Speed:** the steps of (16a) are few and fixed, from a start whose error is known, so that one
+pass over the points does them all; divisions and roots cost as much as ten products. The peak's
+place is a Chebyshev series in $1/(1 + \sqrt[4]{c})$, fitted when first asked for.
 **Source:** Kim, Mazzoleni and Bryant (2021), (10)-(16), rearranged here.
 """
 
@@ -42,19 +47,33 @@ _EARLY = 0.25  # a compression well before any peak
 def unshortened(c: BatchLike, xi: BatchLike) -> Batch:
     """$u/\\xi$ [-] at slenderness `c` [-] and compression `xi` [-]; finite as it vanishes.
 
-    To rounding for $\\xi \\le 0.8$, farther than any strain of the domain; beyond, to 1e-7.
+    To rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
     """
-    per_xi = c * (1 - xi) ** 4 / (1 + xi)
-    # (16a) with h = (1 - w q)/(1 - 0.87 w xi) at w = 1/(1 + b); q and 0.87 are fitted so that
-    # one step of Newton's leaves 3e-5 of v, two 4e-10, three rounding
-    f, x = still(per_xi), still(xi)
-    b, q = x * f, x * (0.0612 + 0.0037 * x)
-    opened = 1 + b - 0.87 * x
-    v = f * opened / (1 + b - q + b * opened)
-    v = _nearer(f, x, v)
-    for _ in range(2):  # from here on derivatives go along, right up to the third
-        v = _nearer(per_xi, xi, v)
-    return v
+    per = 1 / ((1 + xi) * (2 - xi))
+    per_xi, share = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
+    # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
+    # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
+    b, x = still(xi * per_xi), still(xi)
+    rho = sqrt(0.5 * (1 - x) * (2 - x))
+    under = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
+    y = under / (b * under + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
+    for _ in range(2):  # here derivatives go along, right up to the third
+        y = _nearer(xi * per_xi, xi, share, y)
+    return per_xi * y
+
+
+def _nearer(b: BatchLike, xi: BatchLike, share: BatchLike, y: BatchLike) -> Batch:
+    """One step of Halley's from $y = u/b$ [-] for the squares of both sides of (16a), over $b^2$:
+    without $h$ there is no root to draw, and one division. `share` is $1/(2 - \\xi)$ [-].
+    """
+    w = 1 - b * y
+    g, bend = xi * w, b * xi
+    opens, squared = (1 - g) * w, 1 - g * share
+    rise, turn = b * (2 * g - 1), share * bend  # slopes in y of `opens` and `squared`
+    value = opens**2 - y**2 * squared
+    slope = opens * rise - y * (squared + 0.5 * y * turn)  # half of it, and of its own slope
+    curve = rise**2 - 2 * b * bend * opens - squared - 2 * y * turn
+    return y - 2 * value * slope / (4 * slope**2 - value * curve)
 
 
 def left_over(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch]:
@@ -83,15 +102,6 @@ def left_over_slope(per_xi: BatchLike, fall: BatchLike, xi: BatchLike, v: BatchL
     )
 
 
-def _nearer(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
-    """One Newton step from $v$ [-]; `left_over` over its slope, both times $h$: divisions count."""
-    w, g, share, squared = _opened(xi, v)
-    h = sqrt(squared)
-    value = per_xi * (1 - g) * w * h - v * squared
-    slope = per_xi * xi * (g - (1 - g)) * h - squared - 0.5 * share * v * xi**2
-    return v - value / slope
-
-
 def _opened(xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch, Batch, Batch]:
     """$w$, $w \\xi$, $1/(2 - \\xi)$, and the square of $h$ times $1 - w \\xi$ [-]."""
     w = 1 - xi * v
@@ -109,31 +119,34 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     there is one; where there is none, that of half the peak.
     """
     peak = _peak(c)
-    # at the peak's place (16a) says whether the moment there is larger than what is asked for
-    asked = maximum(still(target), _NOTHING)
-    reached = _surplus((still(c), asked), asked / peak)[0] >= 0
+    # at the peak's place (16c) says whether the moment there is larger than what is asked for
+    asked = maximum(still(target), _NOTHING) / sqrt(still(c))
+    reached = _short_of((still(c), asked), peak / asked)[0] <= 0
     m = where(reached, target, _early_moment(still(c)))
-    start = _start(still(c), still(m), peak)
-    r = root(_surplus, (c, m), still(m) / peak, sqrt(still(c)), start, soon=3)
-    return m / r, reached
+    kappa = m / sqrt(c)
+    some = maximum(still(m), _NOTHING) / sqrt(still(c))
+    start = _compressed(still(c), still(m), peak) / some
+    return kappa * root(_short_of, (c, kappa), 1.0, peak / some, start, soon=3), reached
 
 
-def _surplus(theta: tuple, r: Batch) -> tuple[Batch, Batch]:
-    """(16a) at $r = \\hat m/\\xi$, where (16b) says $v = r^2 (1 - \\xi)^3$, and its slope."""
-    c, m = theta
-    per_r = 1 / r
-    xi = m * per_r
-    free, per = 1 - xi, 1 / (1 + xi)
-    cubed = free**3
-    per_xi, v = c * cubed * free * per, r**2 * cubed
-    value, by_v = left_over(per_xi, xi, v)
-    by_xi = left_over_slope(per_xi, -c * cubed * per * (4 + free * per), xi, v)
-    return value, by_v * r * free**2 * (2 + xi) - by_xi * xi * per_r
+def _short_of(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
+    """What (16c) is short of at $\\tau$, and its slope, both times $h$: divisions count."""
+    c, kappa = theta
+    xi = kappa * tau
+    free, share = 1 - xi, 1 / (2 - xi)
+    bowed = c * kappa * free**2
+    g_hat, g_slope = tau - bowed * free, 1 + 3 * kappa * bowed
+    g = kappa * g_hat
+    squared = 1 - g * share
+    h, held = sqrt(squared), tau * g_hat
+    rise = (1 - g) * (free * (g_hat + tau * g_slope) - kappa * held) - g_slope * kappa * free * held
+    turn = squared - 0.5 * (1 + xi) * share * (g_slope + g * share)
+    return (1 + xi) * squared - free * (1 - g) * held * h, kappa * turn - rise * h
 
 
-def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """$r$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators, with
-    $h$ as it is for $b$ at the place before; near the peak they are kept short.
+def _compressed(c: Batch, m: Batch, peak: Batch) -> Batch:
+    """About $\\xi$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators,
+    with $h$ as it is for $b$ at the place before; near the peak they are kept short.
     """
     g = maximum(m, _NOTHING) ** 2
     small = 0.5 * (g + sqrt(g * (g + 4 / c)))
@@ -149,7 +162,7 @@ def _start(c: Batch, m: Batch, peak: Batch) -> Batch:
         step = value / where(slope > 0, slope, 1.0)
         new = minimum(maximum(xi - step, 0.3 * xi), minimum(1.5 * xi, peak))
         xi = where(slope > 0, new, peak)
-    return sqrt(g) / xi
+    return xi
 
 
 def _early_moment(c: Batch) -> Batch:

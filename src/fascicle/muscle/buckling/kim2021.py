@@ -52,7 +52,8 @@ class Kim2021(AbstractBuckling):
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (16) and (27)."""
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
-        xi = (strain - eps_f) / (1 - eps_f)
+        # a quotient by what all strains share would be a division for each of them
+        xi = (strain - eps_f) * (1 / (1 - eps_f))
         v = unshortened(c, xi)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
