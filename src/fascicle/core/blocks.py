@@ -1,8 +1,8 @@
 """Many points in blocks, inside a compiled function: what a law passes over stays in the cache.
 
-A compiler makes some sixty passes of a law, each over all points. A million of them go to memory
-and back each time; in blocks they don't, and a search ends where a block's points have it. A GPU
-has other caches, and wants all points at once.
+A compiler makes many passes of a law, each over all points. A million of them go to memory and
+back each time; in blocks they don't, and a search ends where a block's points have it. A GPU has
+other caches, and wants all points at once.
 """
 
 import math
@@ -14,11 +14,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from .apart import apart
 from .arrays import library
 from .types import Batch
 
 
-_POINTS = 2**14  # 128 kB an array, and enough for two threads
+_POINTS = 2**16  # half a megabyte an array: fewer are over before a second thread is at work
 
 
 def in_blocks(function: Callable[..., Batch], *arrays: Any) -> Batch:
@@ -46,10 +47,11 @@ def in_blocks(function: Callable[..., Batch], *arrays: Any) -> Batch:
 
     def block(n: jax.Array) -> jax.Array:
         begin = jnp.minimum(n * step, count - step)  # the last one reaches back
-        return jnp.asarray(function(*(
+        # merged with the writing of its result it would be one thread's
+        return apart(lambda *some: jnp.asarray(function(*some)), *(
             x if x.shape[axis] == 1 else lax.dynamic_slice_in_dim(x, begin, step, axis)
             for x in wide
-        )))  # fmt: skip
+        ))  # fmt: skip
 
     # backwards a block is gone through once more: what it would keep for that doesn't fit a cache
     found = lax.map(jax.checkpoint(block), jnp.arange(blocks))

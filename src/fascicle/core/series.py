@@ -15,7 +15,7 @@ def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batc
 
 def series(coefficients: Sequence[float], x: BatchLike) -> Batch:
     """The sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
-    last, before = 0.0 * x, 0.0 * x
+    last, before, twice = 0.0 * x, 0.0 * x, 2 * x
     for term in coefficients[:0:-1]:
-        last, before = 2 * x * last - before + term, last
+        last, before = twice * last - (before - term), last
     return x * last - before + coefficients[0]

@@ -1,0 +1,73 @@
+"""Forces at many pressures, in blocks and guided: NumPy's, which does neither."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fascicle as fs
+from fascicle.core import blocks
+from fascicle.muscle import quantities
+from fascicle.muscle.quantities import force_of
+
+
+MUSCLE = fs.example("kim2021_figure_6")
+TUNED = MUSCLE.replace(tuning=fs.Tuning([1e5, 1e6], [2.0, 3.0], [0.9, 1.1], dead_band=2e4))
+# its collapse is reached at some pressures alone, so that no series says where
+SOMETIMES = MUSCLE.replace(collapse=fs.collapse.Kim2021Collapse(factor=4.0))
+MUSCLES = {
+    "plain": MUSCLE,
+    "tuned": TUNED,
+    "sometimes collapsing": SOMETIMES,
+    "thin": fs.Muscle.from_dimensions(0.2, 10e-3, 0.2e-3, math.radians(20)),
+}
+
+
+@pytest.fixture(autouse=True)
+def few(monkeypatch):
+    """Few are many."""
+    monkeypatch.setattr(blocks, "_POINTS", 512)
+    monkeypatch.setattr(quantities, "_MANY", 100)
+
+
+def test_one_of_them_collapses_at_some_pressures_alone():
+    never = np.isinf(SOMETIMES.collapse_strain(np.linspace(0, 4e5, 50)))
+    assert never.any() and not never.all()
+
+
+@pytest.mark.parametrize("muscle", MUSCLES.values(), ids=MUSCLES)
+def test_many_pressures_and_a_field_are_numpys(muscle):
+    random = np.random.default_rng(0)
+    P, eps = random.uniform([[0.0], [-0.05]], [[1e6], [0.5]], (2, 3000))
+    down, across = np.linspace(0, 1e6, 60)[:, None], np.linspace(-0.05, 0.5, 300)
+    force = muscle.compile()
+    for pressure, strain in ((P, eps), (down, across), (2e5, eps)):
+        wanted = muscle.force(pressure, strain)
+        found = force(jnp.asarray(pressure), jnp.asarray(strain))
+        assert_allclose(found, wanted, rtol=1e-11, atol=1e-11 * np.abs(wanted).max())
+
+
+def test_slopes_of_many_are_those_of_few():
+    random = np.random.default_rng(1)
+    P, eps = random.uniform([[1e3], [-0.05]], [[5e5], [0.4]], (2, 2000))
+
+    def total(P, eps):
+        return force_of(MUSCLE, P, eps).sum()
+
+    many = jax.jit(jax.grad(total, (0, 1)))(P, eps)
+    with np.errstate(all="ignore"):
+        few = MUSCLE.stiffness(P, eps)
+    assert_allclose(many[1], -few * MUSCLE.length, rtol=1e-9, atol=1e-6)
+    one = jax.jit(jax.vmap(jax.grad(lambda P, eps: force_of(MUSCLE, P, eps))))(P, eps)
+    assert_allclose(many[0], one, rtol=1e-9, atol=1e-12)
+
+
+def test_rows_of_muscles_go_with_a_field():
+    length = np.linspace(0.1, 0.2, 40)[:, None]
+    rows = MUSCLE.replace(length=length)
+    P, eps = np.full((40, 1), 2e5), np.linspace(0, 0.3, 100)
+    found = jax.jit(force_of)(rows, jnp.asarray(P), jnp.asarray(eps))
+    assert_allclose(found, rows.force(P, eps), rtol=1e-11, atol=1e-10)
