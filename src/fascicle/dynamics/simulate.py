@@ -98,9 +98,8 @@ def simulate(
     fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
     given = [x if eqx.is_array_like(x) else None for x in leaves]
     known = concrete((plant, given, memory, inputs, begin))
-    ran = (_alone if known else _run)(
-        plant, given, memory, inputs, begin, np.float64(dt), (fixed, kind), int(substeps)
-    )
+    numbered = plant, given, memory, inputs, begin, np.float64(dt)
+    ran = whole(_run, numbered, ((fixed, kind), int(substeps)))
     steps = len(inputs)
     every, commands, end = numbers(ran) if known else ran
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
@@ -136,7 +135,6 @@ def _driven(
     return _Held(), (), plant.checked(rows)
 
 
-@partial(jax.jit, static_argnums=(6, 7))
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     fixed: tuple[tuple[Any, ...], Any], substeps: int,
@@ -159,6 +157,8 @@ def _run(
         else:
             memory, command = act(memory, _measured(plant, time, course), reference)
 
+        # a derivative goes through a substep again, instead of keeping all that is in it
+        @partial(jax.checkpoint, prevent_cse=False)
         def sub(i: Any, now: Course) -> Course:
             return substep(plant, time + i * h, now, command, h)
 
@@ -171,11 +171,6 @@ def _run(
     commands = jnp.concatenate([commands, commands[-1:]])
 
     return every, commands, last.state
-
-
-def _alone(*every: Any) -> tuple[Course, Numbers, State]:
-    """The same, of numbers: not a part of a larger program."""
-    return whole(_run, every[:6], every[6:])
 
 
 def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
