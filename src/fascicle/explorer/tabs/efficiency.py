@@ -4,10 +4,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
-from bokeh.models import ColorBar, HoverTool, LinearColorMapper
+from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Title
 from bokeh.palettes import Cividis256
 
-from ...core.tokens import CLEAR
+from ...core.tokens import CLEAR, FIGURES
 from ...energetics import PATHS
 from ..curves.efficiency_maps import STATES, Maps, averages, maps, semu
 from ..parts.background import Latest
@@ -119,11 +119,15 @@ class EfficiencyView(Tab):
             "image", "x", "y", "dw", "dh", source=self.image, color_mapper=self._colors
         )
         bar = ColorBar(
-            color_mapper=self._colors, title="Efficiency η [–]", title_text_color=look.ink,
-            major_label_text_color=look.ink, background_fill_color=look.paper, width=12,
-            title_text_font_style="normal",
+            color_mapper=self._colors, major_label_text_color=look.ink,
+            background_fill_color=look.paper, width=12,
         )  # fmt: skip
         fig.add_layout(bar, "right")
+        name = Title(
+            text="Efficiency η [–]", align="center", text_color=look.ink, text_font=FIGURES,
+            text_font_style="normal", text_font_size="14px",
+        )  # fmt: skip
+        fig.add_layout(name, "right")  # the bar's own would stand at its foot
         self._hover = HoverTool(renderers=[drawn])
         fig.add_tools(self._hover)
         self._bars = plain_figure(
