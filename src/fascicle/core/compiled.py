@@ -8,7 +8,6 @@ known to go: elsewhere XLA would end the process. Any other program is compiled 
 the same numbers, slower.
 """
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
@@ -41,7 +40,6 @@ stop_gradient sub tan tanh transpose unstack while xor
 _GOES = frozenset(_NAMES.split())
 _TOGETHER = 32  # runs in a row: some registers of a processor, and all of a program in its cache
 _FEW = 4  # runs, that aren't worth a row
-_PARTS = 2  # that processors share many runs in: each is compiled anew
 _MOST = 5_000  # operations on rows: more take minutes to compile, as one function
 
 
@@ -94,17 +92,14 @@ def _in_turn(
     given: Sequence[Any], program: ClosedJaxpr, size: int, mapped: Sequence[bool], together: int
 ) -> list[Any] | None:
     """So many runs at a time, at most."""
-    parts = min(os.cpu_count() or 1, _PARTS) if size >= _PARTS * _TOGETHER else 1
-    turns = -(-size // (parts * together))
-    row = -(-size // (parts * turns))
-    total, alone = parts * turns * row, together == 1
+    turns = -(-size // together)
+    row = -(-size // turns)
+    alone = together == 1
 
     def cut(x: Any) -> Any:
-        # the last run again and again, where rows aren't full
-        x = jnp.concatenate([x, jnp.broadcast_to(x[-1:], (total - size, *x.shape[1:]))])
-        return jnp.moveaxis(x.reshape(parts, turns, row, *x.shape[1:]), 2, -1)
-
-    every = [cut(x) if many else x for x, many in zip(given, mapped, strict=True)]
+        # the last run again and again, where the last row isn't full
+        x = jnp.concatenate([x, jnp.broadcast_to(x[-1:], (turns * row - size, *x.shape[1:]))])
+        return jnp.moveaxis(x.reshape(turns, row, *x.shape[1:]), 1, -1)
 
     def function(*given: Any) -> list[Any]:
         def turn(some: list[Any]) -> list[Any]:
@@ -117,17 +112,11 @@ def _in_turn(
 
         return lax.map(turn, [x for x, many in zip(given, mapped, strict=True) if many])
 
-    found = []
-    for part in range(parts):
-        here = [x[part] if many else x for x, many in zip(every, mapped, strict=True)]
-        done = _marked(function, here, None if alone else _MOST)
-        if done is None:
-            return None
-        found.append(done)
-    return [
-        jnp.moveaxis(jnp.stack(x), -1, 2).reshape(total, *x[0].shape[1:-1])[:size]
-        for x in zip(*found, strict=True)
-    ]
+    every = [cut(x) if many else x for x, many in zip(given, mapped, strict=True)]
+    found = _marked(function, every, None if alone else _MOST)
+    if found is None:
+        return None
+    return [jnp.moveaxis(x, -1, 1).reshape(turns * row, *x.shape[1:-1])[:size] for x in found]
 
 
 def _marked(function: Callable, given: Sequence[Any], most: int | None = None) -> list[Any] | None:

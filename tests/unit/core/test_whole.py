@@ -55,7 +55,7 @@ GOES_NOT = {
 GIVEN = np.float64(0.4), np.array([0.7, -0.2, 0.3])
 # their slopes are those of all that a run asks for
 SLOPES = ("arithmetic", "powers", "exponentials", "choices", "shapes", "parts", "again")
-RUNS = {"turns": 3, "parts": 70}
+RUNS = {"turns": 3, "rows": 70}
 
 
 def test_all_that_is_marked_is_compiled_and_gives_the_same() -> None:
