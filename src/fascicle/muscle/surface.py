@@ -182,7 +182,7 @@ def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = N
     P = minimum(maximum(pressure, 0.0), table.highest_pressure)
     # a root has no slope at zero, where the first cell doesn't ask for it
     s = sqrt(where(h**2 < P, P, h**2))
-    i = minimum(at_work.floor(sqrt(where(P > 0, P, 1.0)) / h), lines - 1.0)
+    i = minimum(at_work.floor(s / h), lines - 1.0)
     i = at_work.where(h**2 < P, i, 0.0).astype(int)
     first = i == 0
     u = where(first, P / h**2, s / h - i)
