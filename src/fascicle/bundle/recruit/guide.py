@@ -23,8 +23,7 @@ from ..plates import muscle_strain
 
 
 _CELL = 2.0**-8  # of strain
-NODES = 65  # levels
-_LEVELS = (np.arange(NODES) / (NODES - 1)) ** 2  # dense where free strain changes fastest
+_LEVELS = (np.arange(65) / 64) ** 2  # dense where free strain changes fastest
 _MARGIN = 0.5  # of what the units span in a cell, beyond its corners
 
 Forces = tuple[np.ndarray, ...]  # and their slopes in strain [N], kinds last
@@ -169,21 +168,20 @@ class Guide:
 
     def nearer(
         self, state: np.ndarray, strain: np.ndarray, wanted: np.ndarray, within: np.ndarray
-    ) -> np.ndarray:
-        """Which lanes, met nowhere, may come nearer than their ends, and nearer than `within` [N].
+    ) -> Parts:
+        """Where lanes, met nowhere, may come nearer than their ends, and nearer than `within` [N].
 
         **Arguments:** those of `runs`.
 
-        **Returns:** marks of lanes [-].
+        **Returns:** parts of their curves [-].
         """
         rows = self._rows(state, strain, wanted - within, wanted + within)
         first, last = rows.first, rows.last
         ends = (first == 0) | (last == len(_LEVELS) - 1)
         # what rises all along is nearest at an end, unless it jumps past what is wanted
         aside = (rows.above(first) > 0) == (rows.above(last) > 0)
-        marks = np.zeros(len(wanted), bool)
-        marks[rows.lane[~(rows.simple & ends & aside)]] = True
-        return marks
+        some = ~(rows.simple & ends & aside)
+        return Parts(rows.lane[some], _LEVELS[first[some]], _LEVELS[last[some]])
 
     def _rows(
         self, state: np.ndarray, strain: np.ndarray, least: np.ndarray, most: np.ndarray

@@ -1,7 +1,9 @@
 """The nearest force to one that no state gives, and the level that gives it.
 
 It lies at a stretch's side, at a kink, or at an extremum inside: stretches that could come nearer
-than all sides do are cut, and the turn in question is closed in on.
+than all sides do are cut, and the turn in question is closed in on. With a guide it is an end's,
+but where a part of a curve may come nearer; there all turns between a `line`'s levels are closed in
+on, and only what jumps past a demand has its stretches cut.
 """
 
 from typing import Any
@@ -13,11 +15,14 @@ from ...core.types import Numbers
 from ..crossings import cut, following, sides
 from ..lists import put, ranked, repeated, worked
 from .lanes import Lanes
+from .line import turns
 
 
 _INSET = 1e-4  # of a stretch: kinks are known to 1e-6 of a level
 _TURNS = 30  # at most, toward a turn
-_NARROW = 1e-13  # of the level: a turn's place
+_NARROW = 1e-7  # of the level: a turn's place by slopes
+_ASIDE = (1e-5, 4e-7, 4e-7, 2e-8, 4e-9)  # of the level: from what an inset hides to rounding
+_ALIKE = 1e-10  # N, apart: forces that are one
 
 
 def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any, Any, Any]:
@@ -28,19 +33,33 @@ def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any,
     if guide is None:
         return _nearest_of(lanes, count)
     some = np.flatnonzero(count == 0)
-    at_ends = np.concatenate([x.reshape(len(count), -1) for x in (low, high)], axis=1)
-    best = np.argmin(np.abs(at_ends), axis=1)
-    side, state = np.divmod(best, lanes.each)
+    at_ends = np.stack([low, high], axis=-1).reshape(len(count), -1)
+    far = np.abs(at_ends)
+    # one state's end may be another's: of those alike the lowest state is told
+    best = np.argmax(far <= far.min(axis=1, keepdims=True) + _ALIKE, axis=1)
+    state, side = np.divmod(best, 2)
     miss = at_ends[np.arange(len(count)), best]
     level = side + 0.0 * miss
-    if len(some):
-        part = lanes.of(_lanes_of(some, lanes.each))
-        within = np.repeat(np.abs(miss[some]), lanes.each)
-        nearer = guide.nearer(part.state, part.strain, part.wanted, within)
-        some = some[nearer.reshape(-1, lanes.each).any(axis=1)]
-    if len(some):
-        found = _nearest_of(lanes.of(_lanes_of(some, lanes.each)), count[some])
-        level[some], state[some], miss[some] = found
+    if not len(some):
+        return level, state, miss
+    part = lanes.of(_lanes_of(some, lanes.each))
+    within = np.repeat(np.abs(miss[some]), lanes.each)
+    parts = guide.nearer(part.state, part.strain, part.wanted, within)
+    if not len(parts.lane):
+        return level, state, miss
+    (lane, low, high, level_near, by), jumps = turns(part.along, parts, within[parts.lane])
+    turned, by = _turned(part, lane, (low, high), level_near, by)
+    # the nearest of each demand comes first
+    order = np.lexsort((np.abs(by), lane // lanes.each))
+    owner, first = np.unique(lane[order] // lanes.each, return_index=True)
+    best = order[first]
+    nearer = np.abs(by[best]) < np.abs(miss[some[owner]]) - _ALIKE
+    best, owner = best[nearer], some[owner[nearer]]
+    level[owner], state[owner], miss[owner] = turned[best], lane[best] % lanes.each, by[best]
+    past = some[np.unique(parts.lane[jumps] // lanes.each)]
+    if len(past):
+        found = _nearest_of(lanes.of(_lanes_of(past, lanes.each)), count[past])
+        level[past], state[past], miss[past] = found
     return level, state, miss
 
 
@@ -68,7 +87,7 @@ def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
     worth = within < at_work.repeat(where(count > 0, -1.0, best), states)[:, None]
     looked = cut(lanes, stretches, worth | _before(worth, stretches.real))
     total = at_work.sum(looked.real)
-    turns = worked(lambda *x: _turned(lanes, *x), total, *looked[:3])
+    turns = worked(lambda *x: _looked_at(lanes, *x), total, *looked[:3])
     owner = looked.lane // states
     rank, _ = ranked(owner, total, demands)
     width = max(1, stretches.low.size // max(demands, 1))
@@ -84,7 +103,9 @@ def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
         at_work.concatenate(pair, axis=1)
         for pair in ((levels, level), (misses, miss), (states_of, state))
     )
-    taken = at_work.argmin(absolute(misses), axis=1)[:, None]
+    far = absolute(misses)
+    alike = far <= at_work.min(far, axis=1, keepdims=True) + _ALIKE
+    taken = at_work.argmin(where(alike, of_state, states), axis=1)[:, None]
     return tuple(
         at_work.take_along_axis(x, taken, axis=1)[:, 0] for x in (levels, of_state, misses)
     )
@@ -97,7 +118,7 @@ def _before(marks: Any, real: Any) -> Any:
     return at_work.take_along_axis(beyond, following(real), axis=1) & real
 
 
-def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, Numbers]:
+def _looked_at(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, Numbers]:
     """The level [-] nearest to what is wanted in each cut stretch, and its miss [N]."""
     at_work = library(value)
     best = at_work.argmin(absolute(value), axis=1)
@@ -106,9 +127,18 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, N
     def at(x: Any, place: Any) -> Numbers:
         return at_work.take_along_axis(x, place[:, None], axis=1)[:, 0]
 
-    level, miss = at(nodes, best), at(value, best)
+    sides = at(nodes, maximum(best - 1, 0)), at(nodes, minimum(best + 1, last))
+    return _turned(lanes, lane, sides, at(nodes, best), at(value, best))
+
+
+def _turned(
+    lanes: Lanes, lane: Any, sides: tuple[Numbers, Numbers], level: Numbers, miss: Numbers
+) -> tuple[Numbers, Numbers]:
+    """The level [-] between `sides` [-] at which lanes are nearest to what is wanted, and its miss
+    [N], from a `level` between them [-] and its `miss` [N].
+    """
+    at_work, (low, high) = library(miss), sides
     sense = where(miss > 0, 1.0, -1.0)
-    low, high = at(nodes, maximum(best - 1, 0)), at(nodes, minimum(best + 1, last))
     value, slope = lanes.sums(lane, at_work.stack([low, high], axis=1))
     (g_a, g_b), (s_a, s_b) = ((sense * x[:, 0], sense * x[:, 1]) for x in (value, slope))
     state = (low, high, g_a, s_a, g_b, s_b, level, sense * miss)
@@ -122,7 +152,7 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, N
         x = where((a < guess) & (guess < b), guess, 0.5 * (a + b))
         g, s = (sense * y[:, 0] for y in lanes.sums(lane, x[:, None]))
         falls = s < 0
-        nearer = (g < miss) & (g >= 0)
+        nearer = absolute(g) < absolute(miss)  # past by rounding, where it just reaches, too
         return (
             where(falls, x, a), where(falls, b, x),
             where(falls, g, g_a), where(falls, s, s_a),
@@ -135,4 +165,24 @@ def _turned(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers, N
         return (b - a <= _NARROW) | (s_a >= 0) | (s_b <= 0)  # where it doesn't turn, a node is best
 
     state = repeated(step, (lane, sense), state, ended, _TURNS)
-    return state[6], sense * state[7]
+    level, miss = state[6:]
+    for aside in _ASIDE:
+        level, miss = _lined(lanes, lane, sense, aside, level, miss)
+    return level, sense * miss
+
+
+def _lined(
+    lanes: Lanes, lane: Any, sense: Numbers, aside: float, level: Numbers, miss: Numbers
+) -> tuple[Numbers, Numbers]:
+    """A `level` [-] near a kink and its `miss`, made positive [N], or those where lines from
+    `aside` on both sides [-] meet: slopes don't tell on which side of a kink they are.
+    """
+    places = level[:, None] + aside * library(level).asarray([-2.0, -1.0, 1.0, 2.0])
+    g = sense[:, None] * lanes.above(lane, minimum(maximum(places, 0.0), 1.0))
+    falls, rises = g[:, 1] - g[:, 0], g[:, 3] - g[:, 2]
+    share = (g[:, 1] - g[:, 2] + falls + rises) / where(rises > falls, rises - falls, np.inf)
+    x = level + aside * minimum(maximum(share, -1.0), 1.0)
+    x = minimum(maximum(x, 0.0), 1.0)
+    g = sense * lanes.above(lane, x[:, None])[:, 0]
+    nearer = absolute(g) < absolute(miss)
+    return where(nearer, x, level), where(nearer, g, miss)
