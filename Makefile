@@ -30,9 +30,9 @@ picture: reproduce browser
 	cp out/kim2021/claims.json docs/_static/claims.json
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 
-# types are looked at by one process: beside the docs, which keep one core waiting now and then
-test: lint layers unit
-	$(MAKE) --jobs=2 types docs
+# beside one another: browsers and the docs' pages keep a core waiting now and then
+test: lint layers
+	$(MAKE) --jobs=3 types unit docs QUIET=-q
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -58,9 +58,9 @@ unit: $(STAMP) browser
 slow: $(STAMP)
 	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
-# page by page where somebody watches
+# page by page where somebody watches, and nothing else runs
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going $$(test -t 2 || echo -q) -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
 # takes some twenty minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)

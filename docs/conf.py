@@ -19,7 +19,7 @@ from quick import compile_in_a_hurry  # noqa: E402 stands beside the tests
 # pages share what they and the tests compile, and a rebuild compiles nothing
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 compile_in_a_hurry(HERE.parent)
-logging.getLogger("traitlets").setLevel(logging.WARNING)
+logging.getLogger("traitlets").setLevel(logging.ERROR)
 
 
 def _furo(colors: Colors) -> dict[str, str]:
