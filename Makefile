@@ -58,9 +58,9 @@ unit: $(STAMP) browser
 slow: $(STAMP)
 	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
-# page by page where somebody watches, and nothing else runs
+# page by page where somebody watches, and nothing else runs; two at once for a core, as one waits
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -j $(WORKERS) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $$((2 * $(WORKERS))) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
 # takes some twenty minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)
