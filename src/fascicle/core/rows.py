@@ -102,9 +102,9 @@ class _Work:
         return [value(atom) for atom in inner.outvars]
 
     def operation(self, one: Any, given: list[Any]) -> list[Any]:
-        name, params = one.primitive.name, one.params
+        name = one.primitive.name
         if name in _INSIDE:
-            return self.program(params["jaxpr" if "jaxpr" in params else "call_jaxpr"], given)
+            return self.program(_inner(one), given)
         if not any(map(_differs, given)):
             return _called(one)(*given)
         if name == "scan":
@@ -305,6 +305,11 @@ def _called(one: Any) -> Callable[..., list[Any]]:
     return function
 
 
+def _inner(one: Any) -> Any:
+    """The program within an operation."""
+    return one.params["jaxpr" if "jaxpr" in one.params else "call_jaxpr"]
+
+
 def _differing(program: Any, given: list[bool]) -> list[bool]:
     """Which results of a program differ from run to run, where of what it is given these do."""
     inner = getattr(program, "jaxpr", program)
@@ -318,8 +323,7 @@ def _differing(program: Any, given: list[bool]) -> list[bool]:
         if one.primitive.name == "scan":
             found = _looped(one, some)
         elif one.primitive.name in _INSIDE:
-            params = one.params
-            found = _differing(params["jaxpr" if "jaxpr" in params else "call_jaxpr"], some)
+            found = _differing(_inner(one), some)
         else:
             found = [any(some)] * len(one.outvars)
         known |= dict(zip(one.outvars, found, strict=True))

@@ -53,7 +53,7 @@ def memory(muscle: Any) -> dict[str, Any]:
     """What a `muscle` [-] remembers, as the `[calibration]` of its file has it [-]; empty where it
     wasn't fitted.
     """
-    length, ends = muscle.store.get(_KEY, (None, False))
+    length, ends = _fit(muscle)
     if length is None:
         return {}
     return {"fitted_length": exact(length, "length"), **({"fitted_ends": True} if ends else {})}
@@ -63,7 +63,7 @@ def elsewhere(muscle: Any) -> str:
     """What to know of a `muscle` [-] that was fitted at another length [-]; empty where it wasn't
     fitted, or at this one.
     """
-    length, ends = muscle.store.get(_KEY, (None, False))
+    length, ends = _fit(muscle)
     if length is None or not concrete(muscle.length):
         return ""
     own = np.asarray(muscle.length)
@@ -80,10 +80,15 @@ def holds_at(muscle: Any) -> str:
     """At which length a fitted `muscle` [-] was fitted, and why that matters [-]; empty where it
     wasn't.
     """
-    length, ends = muscle.store.get(_KEY, (None, False))
+    length, ends = _fit(muscle)
     if length is None:
         return ""
     return f"All of it was fitted at a length of {pretty(length, 'length')}, {_why(ends)}"
+
+
+def _fit(muscle: Any) -> tuple[float | None, bool]:
+    """At which length [m] a muscle was fitted, none where it wasn't, and whether its ends were."""
+    return muscle.store.get(_KEY, (None, False))
 
 
 def _why(ends: bool) -> str:

@@ -83,15 +83,15 @@ class Kinds(NamedTuple):
         if muscles.is_numpy and given(pressure, strain):
             kinds = np.arange(self.size) if which is None else which
             shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
-            points, laid = math.prod(shape), ()
+            points = math.prod(shape)
             if 0 < points <= _SINGLE or points > self.at_once:
                 laid = [np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain)]
-            if laid and points <= _SINGLE:
-                each = (self.each[kind].force(P, eps) for kind, P, eps in zip(*laid, strict=True))
-                return tuple(np.array(x).reshape(shape) for x in zip(*each, strict=True))
-            if laid:
-                found = scattered(compiled(_force), muscles, *laid)
-                return tuple(x.reshape(shape) for x in found)
+                if points <= _SINGLE:
+                    rows = zip(*laid, strict=True)
+                    found = zip(*(self.each[i].force(P, eps) for i, P, eps in rows), strict=True)
+                else:
+                    found = scattered(compiled(_force), muscles, *laid)
+                return tuple(np.reshape(x, shape) for x in found)
             if which is not None and points and np.all(which == which.flat[0]):
                 return self.each[which.flat[0]].law.at(pressure).force(strain)
         if which is not None:

@@ -20,10 +20,11 @@ from ...core.evaluate import compiled
 from ...core.modules import Module
 from ...core.tiles import scattered
 from ..plates import muscle_strain
+from .single import LEVELS
 
 
 _CELL = 2.0**-8  # of strain
-_LEVELS = (np.arange(65) / 64) ** 2  # dense where free strain changes fastest
+_LEVELS = LEVELS[::8]  # with cells eight times as wide
 _MARGIN = 0.5  # of what the units span in a cell, beyond its corners
 
 Forces = tuple[np.ndarray, ...]  # and their slopes in strain [N], kinds last

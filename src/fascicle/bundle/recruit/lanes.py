@@ -9,6 +9,9 @@ from ...core.types import Numbers
 from .curves import Bank
 
 
+INSET = 1e-4  # of a stretch, whose sides are seen from inside: kinks are known to 1e-6 of a level
+
+
 class Lanes(NamedTuple):
     """A curve for every demand and state: what it is to give [N], at which strain [-], in which
     `state` [-]; `each` demand has so many [-].

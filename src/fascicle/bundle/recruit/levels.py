@@ -19,14 +19,14 @@ from ..crossings import Cut, changes, cut, sides
 from ..lists import put, ranked, repeated, worked
 from .curves import Bank
 from .guide import Runs
-from .lanes import Lanes
+from .lanes import INSET, Lanes
 from .line import closer
 from .nearest import nearest
 
 
 EXACT = 2e-10  # N, the force that counts as met
 ROOM = 2  # solutions of a state for which there is room, and as many more for all
-_INSET, _BESIDE = 1e-4, 2e-6  # of a stretch, and at least of the level: kinks are known to 1e-6
+_BESIDE = 2e-6  # of the level: at least so far inside a stretch
 _STEPS = 80  # at most, toward a crossing
 _SECANTS = 8  # of so many steps toward a crossing one halves its bracket, come what may
 _ROUNDED = 1e-15  # of the level: as near as a crossing comes
@@ -129,7 +129,7 @@ def _searched(
     first, last = (np.reshape(x, (-1, 1)) for x in between)
     ends = minimum(maximum(part.ends(), first), last)
     width = ends[:, 1:] - ends[:, :-1]
-    inset = minimum(maximum(_INSET, _BESIDE / where(width > 0, width, 1.0)), 0.25)
+    inset = minimum(maximum(INSET, _BESIDE / where(width > 0, width, 1.0)), 0.25)
     stretches = sides(part, ends, inset)
     looked = cut(part, stretches, stretches.may_cross)
     met = (absolute(x[some]) <= close for x in (low, high))

@@ -14,11 +14,10 @@ from ...core.arrays import absolute, library, maximum, minimum, where
 from ...core.types import Numbers
 from ..crossings import cut, following, sides
 from ..lists import put, ranked, repeated, worked
-from .lanes import Lanes
+from .lanes import INSET, Lanes
 from .line import turns
 
 
-_INSET = 1e-4  # of a stretch: kinks are known to 1e-6 of a level
 _TURNS = 30  # at most, toward a turn
 _NARROW = 1e-7  # of the level: a turn's place by slopes
 _ASIDE = (1e-5, 4e-7, 4e-7, 2e-8, 4e-9)  # of the level: from what an inset hides to rounding
@@ -71,7 +70,7 @@ def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
     """The same, looked for in all stretches."""
     states, at_work = lanes.each, library(lanes.wanted)
     demands = len(count)
-    stretches = sides(lanes, lanes.ends(), _INSET)
+    stretches = sides(lanes, lanes.ends(), INSET)
 
     def of_demand(x: Any) -> Any:
         return x.reshape(demands, -1)
@@ -87,13 +86,13 @@ def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
     worth = within < at_work.repeat(where(count > 0, -1.0, best), states)[:, None]
     looked = cut(lanes, stretches, worth | _before(worth, stretches.real))
     total = at_work.sum(looked.real)
-    turns = worked(lambda *x: _looked_at(lanes, *x), total, *looked[:3])
+    turned = worked(lambda *x: _looked_at(lanes, *x), total, *looked[:3])
     owner = looked.lane // states
     rank, _ = ranked(owner, total, demands)
     width = max(1, stretches.low.size // max(demands, 1))
     shape, where_to = (demands, width), (owner, rank)
     level, miss = (
-        put(fill, shape, where_to, x, total) for fill, x in zip((0.0, np.inf), turns, strict=True)
+        put(fill, shape, where_to, x, total) for fill, x in zip((0.0, np.inf), turned, strict=True)
     )
     state = put(0, shape, where_to, looked.lane % states, total)
     per_state = stretches.low.shape[1]
@@ -127,17 +126,17 @@ def _looked_at(lanes: Lanes, lane: Any, nodes: Any, value: Any) -> tuple[Numbers
     def at(x: Any, place: Any) -> Numbers:
         return at_work.take_along_axis(x, place[:, None], axis=1)[:, 0]
 
-    sides = at(nodes, maximum(best - 1, 0)), at(nodes, minimum(best + 1, last))
-    return _turned(lanes, lane, sides, at(nodes, best), at(value, best))
+    between = at(nodes, maximum(best - 1, 0)), at(nodes, minimum(best + 1, last))
+    return _turned(lanes, lane, between, at(nodes, best), at(value, best))
 
 
 def _turned(
-    lanes: Lanes, lane: Any, sides: tuple[Numbers, Numbers], level: Numbers, miss: Numbers
+    lanes: Lanes, lane: Any, between: tuple[Numbers, Numbers], level: Numbers, miss: Numbers
 ) -> tuple[Numbers, Numbers]:
-    """The level [-] between `sides` [-] at which lanes are nearest to what is wanted, and its miss
+    """The level [-] `between` two [-] at which lanes are nearest to what is wanted, and its miss
     [N], from a `level` between them [-] and its `miss` [N].
     """
-    at_work, (low, high) = library(miss), sides
+    at_work, (low, high) = library(miss), between
     sense = where(miss > 0, 1.0, -1.0)
     value, slope = lanes.sums(lane, at_work.stack([low, high], axis=1))
     (g_a, g_b), (s_a, s_b) = ((sense * x[:, 0], sense * x[:, 1]) for x in (value, slope))
