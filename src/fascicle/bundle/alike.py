@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.arrays import library
 from ..muscle import Muscle
+from ..muscle.quantities import batch_of, tables_of
 
 
 def stacked(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
@@ -50,7 +51,7 @@ def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
 
 def _row(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
-    if all(muscle is first for muscle in muscles):
+    if all(muscle is first for muscle in muscles) and not batch_of(first):
         return first
     leaves, structure = jax.tree.flatten(first)
     rows = zip(*map(jax.tree.leaves, muscles), strict=True)
@@ -63,5 +64,5 @@ def _row(muscles: list[Muscle]) -> Muscle:
 
 def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:
     """Which of a muscle's leaves [-] are tables, whose last axis is their own."""
-    tables = (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)
-    return [any(leaf is table for table in tables) for leaf in leaves]
+    tables = tables_of(muscle)
+    return [id(leaf) in tables for leaf in leaves]

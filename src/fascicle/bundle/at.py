@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.arrays import least, library, spread, stack
 from ..core.domain import LARGEST_STRAIN
-from ..core.types import Numbers, Whole
+from ..core.types import Numbers, PerUnit, Whole
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
 
@@ -106,7 +106,20 @@ class Pressurized(NamedTuple):
         if len(values) == 1:
             return values[0]
         order = np.argsort([i for places in self.places for i in places])
-        return library(*values).concatenate(values, axis=-1)[..., order]
+        at_work, shapes = library(*values), {np.shape(value)[:-1] for value in values}
+        if len(shapes) > 1:  # some units are rows of muscles, others aren't
+            shape = np.broadcast_shapes(*shapes)
+            values = [at_work.broadcast_to(x, (*shape, x.shape[-1])) for x in values]
+        return at_work.concatenate(values, axis=-1)[..., order]
+
+
+def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
+    """`bundle` [-] at `pressures` [Pa], one for each unit on the last axis."""
+    groups = tuple(
+        muscles.law.at(pressures[..., np.array(places)]) for places, muscles in bundle.rows
+    )
+    places = tuple(places for places, _ in bundle.rows)
+    return Pressurized(groups, places, bundle.counts, bundle.ratios)
 
 
 def _straight(muscle: MusclesAtPressures) -> Numbers:

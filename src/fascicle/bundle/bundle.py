@@ -19,7 +19,6 @@ each one's is, and the bundle is told the distance at rest.
 
 import math
 from collections.abc import Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -27,7 +26,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..core.arrays import library, spread, where
+from ..core.arrays import library, where
 from ..core.checks import as_given, concrete, finite, within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.evaluate import at_rest, evaluate
@@ -43,7 +42,8 @@ from ..muscle import Muscle
 from ..muscle.entry import checked as checked_point
 from ..muscle.entry import lowest_of, lowest_strain
 from .alike import stacked
-from .at import Pressurized
+from .at import pressurized
+from .lanes import batch, laned
 from .plates import plate_distance, within_reach
 from .printing import equilibria_sheet, line, sheet, unit_line, unit_sheet
 from .schemes import AbstractScheme, scheme_of
@@ -78,7 +78,11 @@ class Equilibria(NamedTuple):
 
 @printed(sheet, line)
 class Bundle(Module):
-    """Motor units between rigid plates, in the order in which they are recruited."""
+    """Motor units between rigid plates, in the order in which they are recruited.
+
+    With rows of muscles, or of counts, it is a row of bundles, which broadcasts against pressures
+    and strains in forces, free strains and equilibria.
+    """
 
     motor_units: tuple[MotorUnit, ...]
     supply_pressure: Batch | None
@@ -313,7 +317,6 @@ class Bundle(Module):
     ) -> Any:
         P = arrays[0]
         shape = np.shape(P)[:-1] if shape is None else shape
-        one = all(np.ndim(unit.muscle.length) == 0 for unit in self.motor_units)
 
         def cut(function: Any, part: Module, pressures: PerUnit, *strain: Numbers) -> Any:
             flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
@@ -321,16 +324,9 @@ class Bundle(Module):
             found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
             return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
 
-        return evaluate(law, self, *arrays, points=points, cut=cut if one else None, static=static)
-
-
-def pressurized(bundle: Bundle, pressures: PerUnit) -> Pressurized:
-    """`bundle` [-] at `pressures` [Pa], one for each unit on the last axis."""
-    groups = tuple(
-        muscles.law.at(pressures[..., np.array(places)]) for places, muscles in bundle.rows
-    )
-    places = tuple(places for places, _ in bundle.rows)
-    return Pressurized(groups, places, bundle.counts, bundle.ratios)
+        return evaluate(
+            law, self, *arrays, points=points, cut=None if batch(self) else cut, static=static
+        )
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
@@ -341,41 +337,38 @@ def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Number
     if not resistance:
         free = pressurized(bundle, pressures).free_strains
         return library(free).max(free, axis=-1)
-    found = first_zero(partial(pressurized, bundle), _lanes(pressures))
-    return found.reshape(pressures.shape[:-1])
+    lanes, shape = laned(bundle, pressures)
+    return first_zero(lanes).reshape(shape)
 
 
 def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilibria:
-    shape = pressures.shape[:-1]
     if not resistance:
         strain = _free_strain(bundle, pressures, False)[..., None]
         there = strain > -np.inf
         return Equilibria(strain, there, library(there).sum(there, axis=-1))
-    found = zeros(partial(pressurized, bundle), _lanes(pressures))
+    lanes, shape = laned(bundle, pressures)
+    found = zeros(lanes)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
 
 def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria:
-    at_work = library(pressures, force)
-    shape = np.broadcast_shapes(pressures.shape[:-1], np.shape(force))
-    P = at_work.broadcast_to(pressures, (*shape, pressures.shape[-1]))
-    load = at_work.broadcast_to(force, shape).reshape(-1)
-    found = loaded(partial(pressurized, bundle), _lanes(P), load)
+    lanes, shape = laned(bundle, pressures, force)
+    load = library(force).broadcast_to(force, shape).reshape(-1)
+    found = loaded(lanes, load)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
 
 def _carried(bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0) -> Numbers:
     """Strains that were found without derivatives [-], zeros last, with them."""
-    return carried(pressurized(bundle, pressures[..., None, :]), spread(force), strain)
-
-
-def _lanes(pressures: PerUnit) -> PerUnit:
-    return pressures.reshape(-1, pressures.shape[-1])
+    lanes, shape = laned(bundle, pressures, force)
+    load = library(force).broadcast_to(force, shape).reshape(-1, 1)
+    return carried(lanes.live, load, strain.reshape(*load.shape[:1], -1)).reshape(strain.shape)
 
 
 def _joined(values: list[Any]) -> Any:
     """One for each unit, on the last axis."""
-    return library(*values).stack(values, axis=-1)
+    at_work = library(*values)
+    return at_work.stack(at_work.broadcast_arrays(*values), axis=-1)
 
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:

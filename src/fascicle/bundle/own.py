@@ -6,6 +6,7 @@ from ..core.limits import plausible
 from ..core.refused import Refused
 from ..core.types import Values
 from .bundle import Bundle
+from .lanes import batch
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -16,8 +17,9 @@ def scheme_used(bundle: Bundle, scheme: AbstractScheme | str | None) -> Abstract
 
     **Returns:** the scheme [-].
 
-    **Raises:** `ValueError` for an unknown name.
+    **Raises:** `ValueError` for an unknown name, and for a row of bundles.
     """
+    _single(bundle)
     return bundle.scheme if scheme is None else scheme_of(scheme)
 
 
@@ -31,8 +33,9 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
 
     **Returns:** supply pressure [Pa].
 
-    **Raises:** `ValueError` where there is neither.
+    **Raises:** `ValueError` where there is neither, and for a row of bundles.
     """
+    _single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
         raise Refused(
@@ -40,3 +43,14 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
         )
     P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
     return float(plausible(P, "supply_pressure"))
+
+
+def _single(bundle: Bundle) -> None:
+    if shape := batch(bundle):
+        raise Refused(
+            "bundle",
+            "must be a single one here",
+            None,
+            "make a bundle of each row of its muscles",
+            shown=f"rows of the shape {shape}",
+        )

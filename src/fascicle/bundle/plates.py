@@ -11,6 +11,7 @@ straight as long as another one isn't pulled.
 """
 
 from collections.abc import Sequence
+from functools import reduce
 
 import jax.numpy as jnp
 import numpy as np
@@ -89,7 +90,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
 
 def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:
     """Refuse muscles of which one is overstretched before another one is even taut."""
-    longest = np.maximum.reduce([np.asarray(length), *(np.asarray(m.length) for m in muscles)])
+    longest = reduce(np.maximum, [np.asarray(m.length) for m in muscles], np.asarray(length))
     for i, muscle in enumerate(muscles, start=1):
         straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
         if np.any(longest >= straight):

@@ -19,14 +19,12 @@ from ..core.types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
 from .first import APART, INSET, LANES, first
+from .lanes import Lanes
 from .lists import put, ranked
 
 
 _MOST_LANES = 2**12  # searches at once
 _PAIRS = 2**16  # of units in all of them, which take a search's memory and time: 0.2 GB
-
-At = Callable[[Any], Pressurized]
-Lanes = Float[AnyArray, "lane unit"]
 
 
 class Zeros(NamedTuple):
@@ -77,44 +75,41 @@ class _Loaded(NamedTuple):
         return self.terms(lane, strain)[0]
 
 
-def zeros(at: At, pressures: Lanes) -> Zeros:
+def zeros(lanes: Lanes) -> Zeros:
     """All zeros of a bundle's force between its plates.
 
-    **Arguments:**
-
-    - `at`: the bundle at pressures [Pa], units on the last axis [-].
-    - `pressures`: gauge pressures [Pa].
+    **Arguments:** `lanes`: the bundle at pressures [-].
 
     **Returns:** strains [-], whether stable, and how many [-].
     """
-    return _in_blocks(_zeros, at, pressures)
+    return _in_blocks(_zeros, lanes)
 
 
-def loaded(at: At, pressures: Lanes, load: Float[AnyArray, " lane"]) -> Zeros:
+def loaded(lanes: Lanes, load: Float[AnyArray, " lane"]) -> Zeros:
     """All strains at which a bundle holds a load.
 
     **Arguments:**
 
-    - `at`: the bundle at pressures [Pa], units on the last axis [-].
-    - `pressures`: gauge pressures [Pa].
+    - `lanes`: the bundle at pressures [-].
     - `load`: what it pulls with [N].
 
     **Returns:** strains [-], whether stable, and how many [-].
     """
-    return _in_blocks(_loaded, at, pressures, load)
+    return _in_blocks(_loaded, lanes, load)
 
 
-def _in_blocks(search: Callable[..., Zeros], at: At, *lanes: Any) -> Zeros:
-    step, count = together(lanes[0].shape[1]), len(lanes[0])
-    if library(*lanes) is not np or count <= step:
-        return search(at, *lanes)
-    starts = range(0, count, step)
-    parts = [search(at, *(x[start : start + step] for x in lanes)) for start in starts]
+def _in_blocks(search: Callable[..., Zeros], lanes: Lanes, *load: Numbers) -> Zeros:
+    count, units = lanes.pressures.shape
+    step = together(units)
+    if not lanes.at_once or library(*load) is not np or count <= step:
+        return search(lanes, *load)
+    blocks = (slice(start, start + step) for start in range(0, count, step))
+    parts = [search(lanes.of(block), *(x[block] for x in load)) for block in blocks]
     return Zeros(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _zeros(at: At, pressures: Lanes) -> Zeros:
-    live = at(pressures[:, None, :])
+def _zeros(lanes: Lanes) -> Zeros:
+    live = lanes.live
     here = still(live)
     low, largest, ends = _ends(here)
     units = _Units(here)
@@ -129,16 +124,16 @@ def _zeros(at: At, pressures: Lanes) -> Zeros:
         alike = (before <= low[lane]) & ((largest - low)[lane] <= APART)
         return where(alike, low[lane], strain)
 
-    return _solved(live, 0.0 * largest, looked, pressures.shape, settled)
+    return _solved(live, 0.0 * largest, looked, lanes.pressures.shape, settled)
 
 
-def _loaded(at: At, pressures: Lanes, load: Any) -> Zeros:
-    live = at(pressures[:, None, :])
+def _loaded(lanes: Lanes, load: Any) -> Zeros:
+    live = lanes.live
     here, held = still((live, load))
     curves = _Loaded(_Units(here), held)
     stretches = sides(curves, _all_ends(here), INSET)
     looked = cut(curves, stretches, stretches.may_cross)
-    return _solved(live, load, looked, pressures.shape)
+    return _solved(live, load, looked, lanes.pressures.shape)
 
 
 def _solved(
@@ -184,17 +179,17 @@ def carried(live: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
     return where(there, finished(_falling, theta, x), strain)
 
 
-def first_zero(at: At, pressures: Lanes) -> Float[AnyArray, " lane"]:
+def first_zero(lanes: Lanes) -> Float[AnyArray, " lane"]:
     """The smallest of them [-], inf where there is none; arguments as of `zeros`."""
-    if library(pressures) is not np:
-        return _smallest(zeros(at, pressures))
-    count, units = pressures.shape
+    if not lanes.at_once:
+        return _smallest(zeros(lanes))
+    count, units = lanes.pressures.shape
     step = max(1, LANES // units)
-    parts = [pressures[start : start + step, None] for start in range(0, max(1, count), step)]
-    found = [first(at(part)) for part in parts]
+    blocks = (slice(start, start + step) for start in range(0, max(1, count), step))
+    found = [first(lanes.of(block).live) for block in blocks]
     strain, sure = (np.concatenate(x) for x in zip(*found, strict=True))
     if not np.all(sure):
-        strain[~sure] = _smallest(zeros(at, pressures[~sure]))
+        strain[~sure] = _smallest(zeros(lanes.of(~sure)))
     return strain
 
 

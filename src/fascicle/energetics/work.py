@@ -15,7 +15,8 @@ smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 
 import numpy as np
 
-from ..bundle.bundle import Bundle, pressurized
+from ..bundle.at import pressurized
+from ..bundle.bundle import Bundle
 from ..bundle.volumes import unit_volume_change
 from ..core.arrays import library
 from ..core.evaluate import evaluate

@@ -52,6 +52,7 @@ from .piecewise import Piecewise, Response
 from .post_collapse import AbstractPostCollapse
 from .printing import line, sheet
 from .quantities import (
+    batch_of,
     blocked_force_of,
     collapse_moment_of,
     collapse_strain_of,
@@ -61,7 +62,6 @@ from .quantities import (
     moment_of,
     radius_of,
     response_of,
-    rows_of,
     shape_of,
     stiffness_of,
     volume_of,
@@ -395,4 +395,4 @@ class Muscle(Module):
     @kept
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
-        return self.tuning.pressures.ndim == 1 and not rows_of(self)
+        return not batch_of(self)

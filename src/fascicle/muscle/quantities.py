@@ -31,7 +31,7 @@ def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     whole = muscle.tuning.pressures.ndim > 1  # a table for each muscle isn't cut
     if whole or library(pressure, strain) is not jnp:
         return _force(muscle, pressure, strain)
-    ours, tables = _ours(muscle), _tables(muscle)
+    ours, tables = _ours(muscle), tables_of(muscle)
 
     def cut(part: Any, force: Callable, *arrays: Batch) -> Batch:
         """`force` of a `part` and `arrays`, the part's rows cut as these are."""
@@ -76,10 +76,18 @@ def _force_at(at: Pressurized, strain: Batch) -> Batch:
 
 def rows_of(muscle: Muscle) -> list[int]:
     """Which of its leaves hold one number for each of several muscles [-]: a tuning's don't."""
-    return _rows(muscle, _tables(muscle))
+    return _rows(muscle, tables_of(muscle))
 
 
-def _tables(muscle: Muscle) -> set[int]:
+def batch_of(muscle: Muscle) -> tuple[int, ...]:
+    """The shape of a row of muscles [-], `()` of a single one."""
+    tables = tables_of(muscle)
+    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in jax.tree.leaves(muscle))
+    return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
+
+
+def tables_of(muscle: Muscle) -> set[int]:
+    """Identities [-] of its tuning's columns, whose last axis is their own."""
     return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
 
 

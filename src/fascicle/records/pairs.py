@@ -16,19 +16,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import Float
 
 from ..bundle import Bundle, MotorUnit
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.types import AnyArray, Values
+from ..core.types import Values
 from ..muscle import Muscle
 from .fabrication import Scatter
-
-
-_TOGETHER = 128  # pairs that are solved at once, filled up: one shape, one compilation
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +93,7 @@ def fabricated_pairs(
     angles = np.concatenate([np.full((1, 2), muscle.braid_angle), made.braid_angle])
     P = np.stack(np.broadcast_arrays(first, second), axis=-1)
     P = np.concatenate([np.zeros((1, 2)), P])
-    strains = []
-    for start in range(0, draws + 1, _TOGETHER):
-        rows = np.minimum(np.arange(start, start + _TOGETHER), draws)
-        strains.append(np.asarray(_free_strains(muscle, lengths[rows], angles[rows], P)))
-    table = np.concatenate(strains)[: draws + 1]
+    table = _free_strains(muscle, lengths, angles, P)
     measured = 1 - (1 - table[:, 1:]) / (1 - table[:, :1])
     return Pairs(second, measured[0], measured[1:])
 
@@ -135,22 +127,17 @@ def agreements(
     )
 
 
-@eqx.filter_jit
 def _free_strains(
     muscle: Muscle,
-    lengths: Float[AnyArray, "pair 2"],
-    angles: Float[AnyArray, "pair 2"],
-    pressures: Float[AnyArray, "pressure 2"],
-) -> Float[AnyArray, "pair pressure"]:
-    def one(
-        length: Float[AnyArray, "2"], angle: Float[AnyArray, "2"]
-    ) -> Float[AnyArray, " pressure"]:
-        units = [
-            MotorUnit(
-                eqx.tree_at(lambda m: (m.length, m.braid_angle), muscle, (length[i], angle[i]))
-            )
-            for i in range(2)
-        ]
-        return Bundle(units, length=muscle.length).free_strain(pressures)
-
-    return jax.vmap(one)(lengths, angles)
+    lengths: Float[np.ndarray, "pair 2"],
+    angles: Float[np.ndarray, "pair 2"],
+    pressures: Float[np.ndarray, "pressure 2"],
+) -> Float[np.ndarray, "pair pressure"]:
+    made = [
+        eqx.tree_at(
+            lambda m: (m.length, m.braid_angle), muscle, (lengths[:, i, None], angles[:, i, None])
+        )
+        for i in range(2)
+    ]
+    pairs = Bundle([MotorUnit(one) for one in made], length=muscle.length)
+    return np.asarray(pairs.free_strain(pressures))

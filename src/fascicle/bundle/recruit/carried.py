@@ -15,7 +15,8 @@ from ...core.arrays import library, where
 from ...core.derived import along
 from ...core.roots import guarded, still
 from ...core.types import Marks, Numbers
-from ..bundle import Bundle, pressurized
+from ..at import pressurized
+from ..bundle import Bundle
 from .inverse import REACHED, Recruited
 
 

@@ -1,0 +1,113 @@
+"""A bundle of rows of muscles is a row of bundles: each answers as it does alone."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import fascicle as fs
+
+
+MUSCLE = fs.example("kim2021_slenderness_10")
+ANGLES = np.radians([[33.5], [35.0], [36.2]])
+LENGTHS = np.array([[0.125], [0.127], [0.1285]])
+P = np.array([[0.0, 200e3], [150e3, 80e3], [300e3, 300e3], [344e3, 0.0]])
+MANY = np.random.default_rng(3).uniform(0.0, 400e3, (7000, 2))  # more than are computed at once
+
+
+def angled(i):
+    return MUSCLE.replace(braid_angle=ANGLES[i])
+
+
+def sized(i):
+    return MUSCLE.replace(braid_angle=ANGLES[i], length=LENGTHS[i])
+
+
+def plain(_):
+    return MUSCLE
+
+
+BUNDLES = {
+    "angles": lambda i: [fs.MotorUnit(angled(i)), fs.MotorUnit(angled(i), 2)],
+    "one of two": lambda i: [fs.MotorUnit(angled(i), 2), fs.MotorUnit(plain(i))],
+    "lengths": lambda i: [fs.MotorUnit(sized(i)), fs.MotorUnit(plain(i), 3)],
+    "one for both": lambda i: [fs.MotorUnit(angled(i))] * 2,
+}
+QUESTIONS = {
+    "force": lambda bundle: bundle.force(P, 0.12),
+    "many forces": lambda bundle: bundle.force(MANY, 0.12),
+    "unit forces": lambda bundle: bundle.unit_forces(P, 0.2),
+    "free strain": lambda bundle: bundle.free_strain(P),
+    "many free strains": lambda bundle: bundle.free_strain(MANY),
+    "free strain of the straight": lambda bundle: bundle.free_strain(P, resistance=False),
+    "equilibria": lambda bundle: tuple(bundle.equilibria(P)),
+    "load": lambda bundle: tuple(bundle.strain_at([5.0, 60.0, 100.0, 20.0], P)),
+}
+
+
+def row_of(name):
+    """A row of three bundles, and the three."""
+    make = BUNDLES[name]
+    units = [make(slice(None)), *(make((i, 0)) for i in range(3))]
+    row, *alone = [fs.Bundle(some, length=MUSCLE.length) for some in units]
+    return row, alone
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+@pytest.mark.parametrize("name", BUNDLES)
+def test_each_answers_as_it_does_alone(name, question):
+    row, alone = row_of(name)
+    ask = QUESTIONS[question]
+    found, expected = ask(row), [ask(one) for one in alone]
+    for ours, *theirs in zip(*map(jax.tree.leaves, (found, *expected)), strict=True):
+        # many forces of one bundle are compiled, of a row of them not: rounding of some 100 N
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10)
+
+
+def test_muscles_in_a_row_are_not_taken_for_units():
+    """Two angles and two units: the second row is not the second unit."""
+    pair = MUSCLE.replace(braid_angle=ANGLES[:2, 0])
+    row = fs.Bundle([fs.MotorUnit(pair)] * 2)
+    for i in range(2):
+        one = fs.Bundle([fs.MotorUnit(angled((i, 0)))] * 2)
+        assert row.force(P[:2], 0.1)[i] == one.force(P[i], 0.1)
+
+
+def test_counts_may_be_rows():
+    counts = np.array([1, 2, 5])
+    row = fs.Bundle([fs.MotorUnit(MUSCLE, counts), fs.MotorUnit(MUSCLE, 2)])
+    alone = [fs.Bundle([fs.MotorUnit(MUSCLE, n), fs.MotorUnit(MUSCLE, 2)]) for n in counts]
+    pressures = P[1]
+    expected = [one.free_strain(pressures) for one in alone]
+    np.testing.assert_array_equal(row.free_strain(pressures), expected)
+
+
+@pytest.mark.parametrize("name", BUNDLES)
+def test_derivatives_are_those_of_each(name):
+    row, alone = row_of(name)
+    at = jnp.asarray(P[1])
+    found = jax.jacfwd(row.free_strain)(at)
+    expected = [jax.jacfwd(one.free_strain)(at) for one in alone]
+    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-12, atol=0)
+
+
+def test_compiled_rows_are_the_same():
+    row, _ = row_of("lengths")
+    found = jax.jit(lambda bundle, pressures: bundle.free_strain(pressures))(row, P)
+    # both searches end where two Newton steps leave nothing but rounding
+    np.testing.assert_allclose(found, row.free_strain(P), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda bundle: fs.recruitment.recruit(bundle, 50.0, 0.1),
+        fs.reversal.reversal,
+        fs.energetics.average_efficiency,
+        fs.Bundle.plot,
+    ],
+)
+def test_what_takes_one_bundle_says_so(ask):
+    units = BUNDLES["angles"](slice(None))
+    with pytest.raises(fs.Refused, match=r"^`bundle` must be a single one here, got rows of"):
+        ask(fs.Bundle(units, supply_pressure=300e3))
