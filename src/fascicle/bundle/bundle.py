@@ -34,6 +34,7 @@ from ..core.lazy import from_above
 from ..core.limits import pressed, whole
 from ..core.modules import Module, kept, renewed
 from ..core.refused import Refused
+from ..core.shapes import common
 from ..core.sheet import printed
 from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
@@ -175,7 +176,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P, eps = self._pressures(pressures), self._strain(strain)
-        shape = np.broadcast_shapes(np.shape(P)[:-1], np.shape(eps))
+        shape = self._shape(pressures=P, strain=eps)
         points = math.prod(shape) * len(self.motor_units)
         forces = self._evaluated(_unit_forces, points, P, eps, shape=shape)
         # outside what is compiled, so that one compilation serves both
@@ -231,6 +232,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
+        self._shape(pressures=P, force=F)
         return self._sought(_strain_at, P, F)
 
     def plot(
@@ -292,10 +294,24 @@ class Bundle(Module):
             unit.muscle.tuning.warn_beyond(P[..., i])
         return P
 
+    def _shape(self, pressures: PerUnit, **others: Numbers) -> tuple[int, ...]:
+        """The shape that these have together [-], less the units' axis and rows of bundles."""
+        shapes = {name: np.shape(x) for name, x in others.items()}
+        shape = common(pressures=np.shape(pressures)[:-1], **shapes)
+        if self._batch:
+            common(muscles=self._batch, pressures=shape)
+        return shape
+
+    @kept
+    def _batch(self) -> tuple[int, ...]:
+        """The shape of a row of bundles [-]."""
+        return batch(self)
+
     def _sought(self, law: Any, *arrays: Numbers, static: tuple = ()) -> Any:
         """What a `law` finds by a search: at once, as compiled it is no faster, and so also where
         derivatives are asked for, which the strains found then carry.
         """
+        self._shape(pressures=arrays[0])
         rest = at_rest(self, *arrays)
         if rest is None:
             return self._evaluated(law, 0, *arrays, static=static)

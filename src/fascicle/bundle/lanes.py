@@ -10,6 +10,7 @@ import jax
 import numpy as np
 
 from ..core.arrays import library
+from ..core.shapes import common
 from ..core.types import Numbers, PerUnit
 from ..muscle.quantities import batch_of, tables_of
 from .at import Pressurized, pressurized
@@ -43,8 +44,10 @@ class Lanes(NamedTuple):
 
 def batch(bundle: Any) -> tuple[int, ...]:
     """The shape of a row of bundles [-], `()` of a single one."""
-    own = (np.shape(bundle.plate_distance), *(np.shape(unit.count) for unit in bundle.motor_units))
-    return np.broadcast_shapes(*own, *(batch_of(unit.muscle) for unit in bundle.motor_units))
+    shapes = {"length": np.shape(bundle.plate_distance)}
+    for i, unit in enumerate(bundle.motor_units, start=1):
+        shapes |= {f"motor unit {i}": batch_of(unit.muscle), f"count {i}": np.shape(unit.count)}
+    return common(**shapes)
 
 
 def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tuple[int, ...]]:

@@ -6,7 +6,6 @@ from ..core.limits import plausible
 from ..core.refused import Refused
 from ..core.types import Values
 from .bundle import Bundle
-from .lanes import batch
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -46,7 +45,7 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
 
 
 def _single(bundle: Bundle) -> None:
-    if shape := batch(bundle):
+    if shape := bundle._batch:
         raise Refused(
             "bundle",
             "must be a single one here",

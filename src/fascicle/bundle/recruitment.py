@@ -22,6 +22,7 @@ from ..core.arrays import given, library
 from ..core.checks import as_given, concrete, finite, one_of
 from ..core.evaluate import COMPILE_ABOVE, at_rest, evaluate, traced
 from ..core.refused import Refused
+from ..core.shapes import common
 from ..core.types import Numbers, Values
 from ..core.written import in_si
 from .alike import unlike
@@ -138,6 +139,8 @@ def recruit(
                 f"a pressure for each of the {len(bundle.motor_units)} motor units",
             )
         now = bundle._pressures(present)
+    before = {} if now is None else {"present": np.shape(now)[:-1]}
+    common(force=np.shape(F), strain=np.shape(eps), **before)
     points = int(np.size(F) * np.size(eps)) * LOOKS * len(bundle.motor_units)
     arrays = (F, eps, P) if now is None else (F, eps, P, now)
     static = (scheme, bool(resistance))

@@ -7,7 +7,6 @@ finds them; forces and shapes at any strain are closed forms from there.
 **Source:** Kim, Mazzoleni and Bryant (2021), (27).
 """
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -21,7 +20,7 @@ from ..core.evaluate import COMPILE_ABOVE, compiled, evaluate
 from ..core.modules import Module, numbers
 from ..core.types import Batch, Values
 from .column import Centerline
-from .entry import centerline_points, strained
+from .entry import centerline_points, points_of, strained
 from .piecewise import Pressurized, Response
 
 
@@ -129,7 +128,7 @@ class AtPressure(Module):
         eps = strained(strain, tension.bladder.braid.angle, tension.stretch)
         if self._of_jax:
             eps = jnp.asarray(eps)
-        points = math.prod(np.broadcast_shapes(np.shape(self.pressure), np.shape(eps)))
+        points = points_of(self.pressure, eps)
         return evaluate(law, self, eps, points=points, static=static)
 
     def _given(self, found: Batch) -> Batch:

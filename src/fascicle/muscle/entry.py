@@ -15,6 +15,7 @@ from ..core.checks import as_given, concrete, one_of, within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
 from ..core.limits import FAINT_PRESSURE, pressed, tilted
 from ..core.refused import Refused
+from ..core.shapes import common
 from ..core.types import Batch, Values
 from ..core.written import in_si, is_written
 from .bladder import Bladder
@@ -75,6 +76,17 @@ def point(muscle: Any, pressure: Values, strain: Values) -> tuple[Any, Any]:
 def checked(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
     """`pressure` [Pa] and `strain` [-] of a `muscle` [-], if they are in its domain."""
     return gauge(pressure, muscle.tuning), strained(strain, *lowest_of(muscle))
+
+
+def points_of(*arrays: Batch, muscles: tuple[int, ...] = ()) -> int:
+    """How many points [-] pressures and strains, or one of them, make together; they fit rows of
+    `muscles` of that shape [-].
+    """
+    names = ("pressure", "strain") if len(arrays) == 2 else ("values",)
+    shapes = dict(zip(names, map(np.shape, arrays), strict=True))
+    if muscles:
+        common(muscles=muscles, **shapes)
+    return math.prod(common(**shapes))
 
 
 def gauge(value: Values, tuning: Tuning) -> Batch:

@@ -8,12 +8,10 @@ are checked once, and the law is evaluated, at once or compiled.
 **Source:** Kim, Mazzoleni and Bryant (2021).
 """
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import jax
-import numpy as np
 
 from ..core.checks import concrete
 from ..core.evaluate import evaluate
@@ -41,6 +39,7 @@ from .entry import (
     gauge,
     lowest_of,
     point,
+    points_of,
     strained,
     thinner,
     told,
@@ -388,7 +387,7 @@ class Muscle(Module):
     ) -> Any:
         # rows of muscles, and whatever has one argument, are too few to be cut
         cut = fields if len(arrays) == 2 and self._is_single and not static else None
-        points = math.prod(np.broadcast_shapes(*(np.shape(x) for x in arrays)))
+        points = points_of(*arrays, muscles=() if self._is_single else batch_of(self))
         points *= 1 if at_once else EVALUATIONS
         return evaluate(law, self, *arrays, points=points, cut=cut, static=static, at_once=at_once)
 

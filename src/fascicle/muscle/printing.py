@@ -47,7 +47,8 @@ def sheet(muscle: Muscle) -> Sheet:
         for kind in LAWS
         if said(kind, getattr(muscle, kind))
     ]
-    facts += [("transition rate", spread_over(muscle.transition_rate, figures))]
+    if muscle.tuning.transition_rate is None:  # a tuning's own stands with the tuning
+        facts += [("transition rate", spread_over(muscle.transition_rate, figures))]
     facts += [("tuning", tuned(muscle.tuning))]
     title = "Muscle" if muscle._is_single else "Muscles, rows of them"
     if not muscle._is_single:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core.refused import Refused
+from ..core.shapes import common
 
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
@@ -78,16 +79,13 @@ class Record:
 
         **Raises:** `ValueError` for shapes that don't fit and readings that aren't finite.
         """
-        shape = np.broadcast_shapes(*map(np.shape, (pressure, strain, force)))
+        readings = {"pressure": pressure, "strain": strain, "force": force}
+        shape = common(**{name: np.shape(values) for name, values in readings.items()})
 
         def flat(values: Any, kind: Any) -> np.ndarray:
             return np.broadcast_to(np.asarray(values, dtype=kind), shape).reshape(-1).copy()
 
-        columns = {
-            "pressure": flat(pressure, float),
-            "strain": flat(strain, float),
-            "force": flat(force, float),
-        }
+        columns = {name: flat(values, float) for name, values in readings.items()}
         for name, values in columns.items():
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
