@@ -139,5 +139,11 @@ def _free_strains(
         )
         for i in range(2)
     ]
-    pairs = Bundle([MotorUnit(one) for one in made], length=muscle.length)
+    # plates as far apart as on the drawing are asked of none: a pair takes its own distance
+    pairs = eqx.tree_at(
+        lambda pair: (pair.plate_distance, pair.motor_units),
+        Bundle([MotorUnit(muscle)] * 2),
+        (muscle.length, tuple(MotorUnit(one) for one in made)),
+        is_leaf=lambda x: x is None,
+    )
     return np.asarray(pairs.free_strain(pressures))

@@ -69,3 +69,14 @@ def test_more_scatter_agrees_less():
     shares = agreements(muscle, [Scatter(), Scatter(0.05, 0.05)], FIRST, SECOND, draws=60)
     assert_array_equal(shares[0], [1.0, 0.0])
     assert shares[1, 0] < 0.9 and shares[1, 1] <= shares[1, 0]
+
+
+def test_a_long_muscle_beside_a_short_one_is_solved_for():
+    """At rest the long one's plates would pull the short one's fibers past straight; the pair's
+    own distance is between.
+    """
+    pressures = np.array([0.0, FIRST])
+    pairs = fabricated_pairs(muscle, Scatter(length=0.08), FIRST, pressures, draws=60)
+    made = Scatter(length=0.08).draw(muscle, np.random.default_rng(0), (60, 2)).length
+    assert np.any(made.max(axis=1) >= made.min(axis=1) / np.cos(muscle.braid_angle))
+    assert np.all(np.isfinite(pairs.free_strain))
