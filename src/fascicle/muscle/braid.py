@@ -84,9 +84,11 @@ class Braid(Module):
 
     def mesh(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
         """The same force [N], and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
-        lam, cot2 = 1 - strain, self.cot2
-        pull = np.pi * self.radius**2 * pressure  # L0 dV/dε P = pull (3 λ²/tan²α0 − 1/sin²α0)
-        return pull * (3 * cot2 * lam**2 - (1 + cot2)), -6 * pull * cot2 * lam
+        free, cot2 = self.ideal_free_strain, self.cot2
+        pull = 3 * np.pi * self.radius**2 * pressure * cot2
+        # L0 dV/dε P = π r0² P (3 λ²/tan²α0 − 1/sin²α0), whose two parts would round apart where
+        # they cancel
+        return pull * (free - strain) * (2 - free - strain), -2 * pull * (1 - strain)
 
     def bending_stiffness(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Moment over curvature of the pressurized braid without slip, equation (B1).
