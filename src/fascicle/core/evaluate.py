@@ -19,6 +19,7 @@ from .arrays import given
 from .checks import concrete
 from .derived import derived, followed
 from .modules import Module, numbers
+from .outermost import Outermost
 from .roots import still
 
 
@@ -107,7 +108,7 @@ def at_rest(*things: Any) -> tuple | None:
 @cache
 def compiled(law: Function, static: tuple = ()) -> Callable:
     """`law` [-] compiled, with its `static` arguments [-] bound."""
-    return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
+    return Outermost(lambda part, *arrays: law(part, *arrays, *static))
 
 
 def _at_hand(x: Any) -> bool:

@@ -11,13 +11,13 @@ are checked once, and the law is evaluated, at once or compiled.
 from collections.abc import Callable
 from typing import Any
 
-import jax
 
 from ..core.checks import concrete
 from ..core.evaluate import evaluate
 from ..core.lazy import from_above
 from ..core.limits import size, slender
 from ..core.modules import Module, kept
+from ..core.outermost import Outermost
 from ..core.refused import Refused
 from ..core.sheet import printed
 from ..core.tiles import fields
@@ -380,7 +380,7 @@ class Muscle(Module):
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
         """
-        return jax.jit(lambda pressure, strain: force_of(self, pressure, strain))
+        return Outermost(force_of, self)
 
     def _evaluated(
         self, law: Callable, *arrays: Batch, static: tuple = (), at_once: bool = True
