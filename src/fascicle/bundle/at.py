@@ -60,6 +60,14 @@ class Pressurized(NamedTuple):
         return self._seen(self.each(lambda muscle: muscle.kinks))
 
     @property
+    def turns(self) -> list[Numbers]:
+        """Those of them that aren't the free strains, one array for onsets and one for collapse."""
+        found = [self._seen(self.each(lambda muscle: muscle.collapse))]
+        if all(group.onset is group.column.free_strain for group in self.groups):
+            return found
+        return [self._seen(self.each(lambda muscle: muscle.onset)), *found]
+
+    @property
     def fold(self) -> Numbers:
         """The least strain of the bundle [-] past which a force may jump; inf where none does."""
         folds = self._seen(self.each(_fold))

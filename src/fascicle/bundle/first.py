@@ -11,18 +11,24 @@ Both are seen at $a$, at $b$ and on both sides of the unit's own kinks between t
 where a unit comes to pull more again. Between the two neighbors $F$ vanishes once if it falls.
 What can't be proved so isn't called sure, and every stretch is to be looked at, as `zeros` does.
 
-NumPy's alone: compiled, each lane would wait for the slowest, and for what few need.
+Compiled, only what costs no lane much is tried: the rest is left to NumPy.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..core.apart import apart
+from ..core.arrays import absolute, library, maximum, minimum, where
 from ..core.roots import guarded
+from ..core.types import Marks, Numbers, Whole
 from .at import Pressurized
 from .lists import repeated
 
 
+# lanes times units that a search is compiled for. NumPy takes 5 µs for each, a compiled search a
+# fourth of it after 5 s of compiling, which a million are worth: fewer, where they come again
+MANY = 2**17
 LANES = 2**12  # times units, at once: their arrays stay in the cache
 APART = 1e-13  # free strains closer than this are one
 _MARGIN = 0.25  # of what a unit spans between two places, below both
@@ -35,8 +41,8 @@ _NEAR = 1e-8  # a Newton step this short leaves nothing but rounding
 class First(NamedTuple):
     """The first zero of each lane [-], and whether it is `sure` that none lies before it."""
 
-    strain: np.ndarray
-    sure: np.ndarray
+    strain: Numbers
+    sure: Marks
 
 
 def first(here: Pressurized) -> First:
@@ -46,120 +52,137 @@ def first(here: Pressurized) -> First:
 
     **Returns:** a strain for each lane [-], and whether it is sure.
     """
-    free, *more = here.kinks[:, :, 0]
-    turns = [kink for kink in more if not np.array_equal(kink, free)]
-    low, top = free.min(axis=1), free.max(axis=1)
-    ends = np.minimum(np.concatenate([free, *turns], axis=1), top[:, None])
-    before, behind = _halved(here, np.sort(ends, axis=1))
-    sides = np.stack([before + INSET * (behind - before), behind], axis=1)
-    force, slope = here.unit_forces(sides)
-    found = _met(here, sides, force.sum(axis=-1), slope.sum(axis=-1))
+    at_work = library(here.free_strains)
+    free, *turns = (kink[:, 0] for kink in (here.free_strains, *here.turns))
+    low, top = at_work.min(free, axis=1), at_work.max(free, axis=1)
+    ends = minimum(at_work.concatenate([free, *turns], axis=1), top[:, None])
+    before, behind = _halved(here, at_work.sort(ends, axis=1))
+    sides = at_work.stack([before + INSET * (behind - before), behind], axis=1)
 
-    over, under = force.sum(axis=-1).T
+    # the sides, the beginning, and each unit at its own kinks: all at once
+    kinks = [minimum(kink + step, sides[:, :1]) for kink in turns for step in (0.0, _BESIDE)]
+    places = at_work.concatenate([sides, low[:, None]], axis=1)[..., None] + 0.0 * free[:, None]
+    every = at_work.concatenate([places, *(x[:, None] for x in kinks)], axis=1)
+    seen = apart(here.forces_apart, every)
+    force, slope = (x[:, :2] for x in seen)
+    totals = force.sum(axis=-1), slope.sum(axis=-1)
+    found = _met(here, sides, *totals)
+
+    over, under = totals[0].T
     once = _steepest(slope[:, 0], slope[:, 1]).sum(axis=-1) < 0
     smooth = behind < here.fold[:, 0]  # slopes don't tell of a jump
     alike = top - low <= APART  # equal units vanish together
-    sure = (over > 0) & (under <= 0) & once & smooth
-    sure = sure & _pulls(here, low, sides[:, :1], (force[:, :1], slope[:, :1]), turns)
-    return First(np.where(alike, low, found), alike | sure)
+    sure = (over > 0) & (under <= 0) & once & smooth & _pulls(here, low, sides[:, :1], kinks, seen)
+    return First(where(alike, low, found), alike | sure)
 
 
-def _halved(here: Pressurized, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _halved(here: Pressurized, ends: Numbers) -> tuple[Numbers, Numbers]:
     """Of each lane's `ends` [-], two neighbors: it pulls at one, and doesn't at the next. It does
     so at the first of all, and at the last it doesn't.
     """
 
-    def step(_: int, entry: tuple, state: tuple) -> tuple:
+    def step(_: Any, entry: tuple, state: tuple) -> tuple:
         (lane, ends), (pulls, pushes) = entry, state
         middle = (pulls + pushes) // 2
-        still = _force(here, lane, ends[np.arange(len(ends)), middle])[0] > 0
-        return np.where(still, middle, pulls), np.where(still, pushes, middle)
+        still = _force(here, lane, _picked(ends, middle))[0] > 0
+        return where(still, middle, pulls), where(still, pushes, middle)
 
-    def ended(_: tuple, state: tuple) -> np.ndarray:
+    def ended(_: tuple, state: tuple) -> Any:
         return state[1] - state[0] <= 1
 
-    lanes, count = np.arange(len(ends)), ends.shape[1]
-    state = (0 * lanes, 0 * lanes + count - 1)
-    pulls, pushes = repeated(step, (lanes, ends), state, ended, count)
-    return ends[lanes, pulls], ends[lanes, pushes]
+    count = ends.shape[1]
+    none = library(ends).zeros(len(ends), int)
+    entries = (_lanes(ends), ends)
+    pulls, pushes = repeated(step, entries, (none, none + count - 1), ended, count)
+    return _picked(ends, pulls), _picked(ends, pushes)
 
 
 def _pulls(
     here: Pressurized,
-    low: np.ndarray,
-    high: np.ndarray,
-    at_high: tuple[np.ndarray, np.ndarray],
-    turns: list[np.ndarray],
-) -> np.ndarray:
+    low: Numbers,
+    high: Numbers,
+    kinks: list[Numbers],
+    seen: tuple[Numbers, Numbers],
+) -> Marks:
     """Whether (B13) proves that each lane pulls from `low` up to `high` [-]: in one, or from one
-    unit's last kink to the next one's. `at_high`: its units' forces there, and their slopes [N].
+    unit's last kink to the next one's. `seen`: forces of its units and their slopes [N] at `high`,
+    behind it, at `low` and at their `kinks`.
     """
-    beside = (0.0, _BESIDE)
-    kinks = [np.minimum(kink + step, high) for kink in turns for step in beside]
-    seen = [here.forces_apart(kink[:, None]) for kink in kinks]
+    at_work = library(low)
 
-    def proved(lane: np.ndarray, stops: np.ndarray) -> np.ndarray:
-        begun = here.of(lane).unit_forces(stops)
+    def proved(lane: Any, stops: Numbers, begun: tuple[Numbers, Numbers]) -> Marks:
         force, slope = (
-            np.concatenate([x, last[lane]], axis=1) for x, last in zip(begun, at_high, strict=True)
+            at_work.concatenate([x, all_of[lane, :1]], axis=1)
+            for x, all_of in zip(begun, seen, strict=True)
         )
-        stops = np.concatenate([stops, high[lane]], axis=1)
+        stops = at_work.concatenate([stops, high[lane]], axis=1)
         left, right = force[:, :-1], force[:, 1:]
-        least, most = np.minimum(left, right), np.maximum(left, right)
+        least, most = minimum(left, right), maximum(left, right)
         steepest = _steepest(slope[:, :-1], slope[:, 1:])
-        for kink, (value, by) in zip(kinks, seen, strict=True):
-            at = kink[lane, None]
+        for n, kink in enumerate(kinks):
+            at, (value, by) = kink[lane, None], (x[lane, n + 3 : n + 4] for x in seen)
             inside = (stops[:, :-1, None] < at) & (at < stops[:, 1:, None])
-            least = np.where(inside, np.minimum(least, value[lane]), least)
-            steepest = np.where(inside, _steepest(steepest, by[lane]), steepest)
+            least = where(inside, minimum(least, value), least)
+            steepest = where(inside, _steepest(steepest, by), steepest)
         # what falls all along is least at its end
-        least = np.where(steepest < 0, right, least - _MARGIN * (most - least))
+        least = where(steepest < 0, right, least - _MARGIN * (most - least))
         falls, above = (x.sum(axis=-1) for x in (steepest, least))
-        return np.all((right.sum(axis=-1) > 0) & ((falls < 0) | (above > 0)), axis=-1)
+        return at_work.all((right.sum(axis=-1) > 0) & ((falls < 0) | (above > 0)), axis=-1)
 
-    lanes = np.arange(len(high))
-    sure = proved(lanes, low[:, None])
-    left = lanes[~sure]
-    last = np.minimum(turns[-1] if turns else high, high)[left]
-    sure[left] = proved(left, np.sort(np.concatenate([low[left, None], last], axis=1), axis=1))
+    lanes = _lanes(low)
+    sure = proved(lanes, low[:, None], tuple(x[:, 2:3] for x in seen))
+    if at_work is np and not np.all(sure):
+        left = lanes[~sure]
+        last = minimum(kinks[-2] if kinks else high, high)[left]
+        stops = np.sort(np.concatenate([low[left, None], last], axis=1), axis=1)
+        sure[left] = proved(left, stops, here.of(left).unit_forces(stops))
     return sure
 
 
-def _steepest(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _steepest(one: Numbers, other: Numbers) -> Numbers:
     """The largest slope [N] of units between two places: what falls at both falls between."""
-    most = np.maximum(one, other)
-    return np.where(most < 0, most, most + _MARGIN * np.abs(one - other))
+    most = maximum(one, other)
+    return where(most < 0, most, most + _MARGIN * absolute(one - other))
 
 
-def _met(here: Pressurized, sides: np.ndarray, force: np.ndarray, slope: np.ndarray) -> np.ndarray:
+def _met(here: Pressurized, sides: Numbers, force: Numbers, slope: Numbers) -> Numbers:
     """The strain [-] between two `sides` at which each lane's force vanishes, from its values there
     and its slopes [N].
     """
 
-    def step(_: int, entry: tuple, state: tuple) -> tuple:
+    def step(_: Any, entry: tuple, state: tuple) -> tuple:
         a, b, x, before = state[:4]
         force, slope = _force(here, entry[0], x)
-        a, b = np.where(force > 0, x, a), np.where(force > 0, b, x)
+        a, b = where(force > 0, x, a), where(force > 0, b, x)
         newton = -force / guarded(slope < 0, slope)
-        length, new = np.abs(newton), np.minimum(np.maximum(x + newton, a), b)
+        length, new = absolute(newton), minimum(maximum(x + newton, a), b)
         # Newton's step while it halves and stays between
         good = (slope < 0) & ((length <= _NEAR) | ((length < 0.5 * before) & (new == x + newton)))
-        new, length = np.where(good, new, 0.5 * (a + b)), np.where(good, length, b - a)
+        new, length = where(good, new, 0.5 * (a + b)), where(good, length, b - a)
         return a, b, new, length, length <= _NEAR
 
-    def ended(_: tuple, state: tuple) -> np.ndarray:
+    def ended(_: tuple, state: tuple) -> Any:
         return state[4]
 
     low, high = sides.T
     # from the side whose tangent meets zero sooner
-    steps = np.where(slope < 0, -force / guarded(slope < 0, slope), np.inf)
-    near = np.argmin(np.abs(steps), axis=1)
-    lanes = np.arange(len(sides))
-    start = np.minimum(np.maximum(sides[lanes, near] + steps[lanes, near], low), high)
+    steps = where(slope < 0, -force / guarded(slope < 0, slope), np.inf)
+    near = library(steps).argmin(absolute(steps), axis=1)
+    start = minimum(maximum(_picked(sides + steps, near), low), high)
     state = (low, high, start, 2 * (high - low), low > high)
-    return repeated(step, (lanes,), state, ended, _STEPS)[2]
+    return repeated(step, (_lanes(low),), state, ended, _STEPS)[2]
 
 
-def _force(here: Pressurized, lane: np.ndarray, strain: np.ndarray) -> tuple[np.ndarray, ...]:
+def _force(here: Pressurized, lane: Any, strain: Numbers) -> tuple[Numbers, ...]:
     """Force of some lanes [N] at a `strain` [-] of each, and its slope [N]."""
-    return tuple(x[:, 0] for x in here.of(lane).force(strain[:, None]))
+    return tuple(x[:, 0] for x in apart(here.of(lane).force, strain[:, None]))
+
+
+def _lanes(x: Numbers) -> Any:
+    """All lanes of `x`: listed by NumPy, which leaves some out as they end."""
+    return np.arange(len(x)) if library(x) is np else slice(None)
+
+
+def _picked(x: Numbers, column: Whole) -> Numbers:
+    """What each row of `x` has in one `column` [-]."""
+    return library(x).take_along_axis(x, column[:, None], axis=1)[:, 0]

@@ -30,6 +30,11 @@ class Lanes(NamedTuple):
         return library(self.pressures, *jax.tree.leaves(self.bundle)) is np
 
     @property
+    def single(self) -> bool:
+        """Whether they are of one bundle [-]."""
+        return not any(map(_is_row, jax.tree.leaves(self.bundle)))
+
+    @property
     def live(self) -> Pressurized:
         """They, at their pressures, with an axis of one ahead of units [-]."""
         return pressurized(self.bundle, self.pressures[:, None, :])
@@ -37,7 +42,7 @@ class Lanes(NamedTuple):
     def of(self, which: Any) -> "Lanes":
         """Those lanes [-] that are asked for."""
         bundle = self.bundle
-        if any(map(_is_row, jax.tree.leaves(bundle))):
+        if not self.single:
             bundle = jax.tree.map(lambda x: x[which] if _is_row(x) else x, bundle)
         return Lanes(bundle, self.pressures[which])
 

@@ -14,11 +14,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import isfinite, library, maximum, minimum, where
+from ..core.evaluate import compiled
 from ..core.roots import finished, searched, still
-from ..core.types import AnyArray, Numbers
+from ..core.tiles import rows
+from ..core.types import AnyArray, Numbers, PerUnit
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
-from .first import APART, INSET, LANES, first
+from .first import APART, INSET, LANES, MANY, First, first
 from .lanes import Lanes
 from .lists import put, ranked
 
@@ -184,13 +186,21 @@ def first_zero(lanes: Lanes) -> Float[AnyArray, " lane"]:
     if not lanes.at_once:
         return _smallest(zeros(lanes))
     count, units = lanes.pressures.shape
-    step = max(1, LANES // units)
-    blocks = (slice(start, start + step) for start in range(0, max(1, count), step))
-    found = [first(lanes.of(block).live) for block in blocks]
-    strain, sure = (np.concatenate(x) for x in zip(*found, strict=True))
+    strain, sure = np.zeros(count), np.zeros(count, bool)
+    # laws with an onset of their own take a compiler twice as long, and NumPy as long as it
+    if count * units > MANY and lanes.single and len(lanes.of(slice(1)).live.turns) == 1:
+        found = rows(compiled(_first), lanes.bundle, lanes.pressures)
+        strain, sure = map(np.array, found)
+    step, left = max(1, LANES // units), np.flatnonzero(~sure)
+    for some in (left[start : start + step] for start in range(0, len(left), step)):
+        strain[some], sure[some] = first(lanes.of(some).live)
     if not np.all(sure):
         strain[~sure] = _smallest(zeros(lanes.of(~sure)))
     return strain
+
+
+def _first(bundle: Any, pressures: PerUnit) -> First:
+    return first(Lanes(bundle, pressures).live)
 
 
 def _smallest(found: Zeros) -> Any:

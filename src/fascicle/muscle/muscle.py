@@ -11,7 +11,6 @@ are checked once, and the law is evaluated, at once or compiled.
 from collections.abc import Callable
 from typing import Any
 
-
 from ..core.checks import concrete
 from ..core.evaluate import evaluate
 from ..core.lazy import from_above
