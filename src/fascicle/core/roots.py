@@ -239,6 +239,8 @@ def still(values: Any) -> Any:
     """The same `values`, a tree of arrays, without derivatives."""
     if type(values) in _NEVER_MOVES:
         return values
+    if type(values) is tuple:
+        return tuple(map(still, values))
     return jax.tree.map(_stopped, values)
 
 

@@ -60,6 +60,12 @@ class Kinds(NamedTuple):
         value, slope = self._evaluated(pressure, own)
         return value, slope if ratios is None else slope * ratios
 
+    def single(self, place: int, pressure: float, strain: Any) -> Any:
+        """Force [N] of the one at `place` [-], at `pressure` [Pa] and the bundle's `strain` [-]."""
+        if self.ratios is not None:
+            strain = muscle_strain(np.broadcast_to(self.ratios, self.size)[place], strain)
+        return self.each[place].force(pressure, strain)[0]
+
     def along(self, place: int, node: np.ndarray, strain: np.ndarray) -> Forces:
         """The same of the one at `place` [-], at numbered levels and the bundle's `strain` [-]."""
         one, ratios = self.each[place], self.ratios
@@ -219,6 +225,14 @@ class Bank(NamedTuple):
             return self.throttled[state][:, None, :] * found
         found, _ = self._alone(state[:, None], level, strain[:, None])
         return found[..., None]
+
+    def single(self, state: Any, level: float, strain: float) -> Any:
+        """The same of a single `state`, `level` and `strain` [-] where each throttles one kind."""
+        every: Any = self.alone
+        kind = every[state]
+        row, place = [(row, place) for row in self.rows for place in range(row.size)][kind]
+        found = row.single(place, level * self.supply, strain)
+        return self.throttled[state, kind] * (found if self.resistance or found > 0 else 0.0)
 
     def along(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
         """Force [N] of the units that each `state` throttles at numbered levels, these along a

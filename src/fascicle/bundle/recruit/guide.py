@@ -193,8 +193,9 @@ class Guide:
         some = np.flatnonzero(some & (least <= cells.high.max(axis=2)[slot, state]))
         low, high = (x[slot[some], state[some]] for x in (cells.low, cells.high))
         may = (low <= most[some, None]) & (least[some, None] <= high)
-        edges = np.diff(np.pad(may, ((0, 0), (1, 1))), axis=1)
-        lane, place = np.nonzero(edges)
+        edges = np.zeros((len(may), may.shape[1] + 2), bool)
+        edges[:, 1:-1] = may
+        lane, place = np.nonzero(edges[:, 1:] != edges[:, :-1])
         lane, first, last = some[lane[::2]], place[::2], place[1::2]
         curve = (slot[lane], state[lane])
         risen = cells.risen[(*curve, last + 2)] - cells.risen[(*curve, first)]
@@ -210,16 +211,18 @@ class Guide:
         """Cells, in which of them each `strain` [-] is, and how far in it [-]."""
         place = strain / _CELL
         number = np.floor(place).astype(int)
-        asked, cells = np.unique(number), self._cells
+        cells = self._cells
         if cells is None:
-            cells = self._made(asked)
-        elif len(new := np.setdiff1d(asked, cells.number)):
-            more = self._made(new)
+            cells = self._cells = self._made(np.unique(number))
+        slot = np.searchsorted(cells.number, number)
+        new = number[cells.number.take(slot, mode="clip") != number]
+        if len(new):
+            more = self._made(np.unique(new))
             both = [np.concatenate(pair) for pair in zip(cells, more, strict=True)]
             order = np.argsort(both[0])
-            cells = _Cells(*(x[order] for x in both))
-        self._cells = cells
-        return cells, np.searchsorted(cells.number, number), place - number
+            cells = self._cells = _Cells(*(x[order] for x in both))
+            slot = np.searchsorted(cells.number, number)
+        return cells, slot, place - number
 
     def _made(self, number: np.ndarray) -> _Cells:
         """Those cells of strain."""

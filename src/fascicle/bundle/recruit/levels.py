@@ -29,6 +29,7 @@ ROOM = 2  # solutions of a state for which there is room, and as many more for a
 _BESIDE = 2e-6  # of the level: at least so far inside a stretch
 _STEPS = 80  # at most, toward a crossing
 _SECANTS = 8  # of so many steps toward a crossing one halves its bracket, come what may
+_ALONE = 4  # runs that are sooner followed one by one
 _ROUNDED = 1e-15  # of the level: as near as a crossing comes
 _ROUNDING = 1e-13  # of a force
 
@@ -167,6 +168,10 @@ def _followed(lanes: Lanes, close: Numbers, runs: Runs) -> tuple[Numbers, Number
     """The level [-] at which each run is met and its miss [N]: by secants from near it, within
     its sides, and some bisection.
     """
+    if len(runs.lane) <= _ALONE and lanes.bank.alone is not None:
+        found = [_followed_alone(lanes, *one) for one in zip(1e-2 * close, *runs, strict=True)]
+        level, miss = np.reshape(found, (-1, 2)).T
+        return level, miss
 
     def step(n: int, entry: tuple, state: tuple) -> tuple:
         lane, sense, _ = entry
@@ -193,6 +198,37 @@ def _followed(lanes: Lanes, close: Numbers, runs: Runs) -> tuple[Numbers, Number
         step, (runs.lane, sense, 1e-2 * close), (*begun, runs.near, np.inf + nothing), ended, _STEPS
     )
     return state[6], sense * state[7]
+
+
+def _followed_alone(
+    lanes: Lanes,
+    close: float,
+    lane: Any,
+    low: float,
+    high: float,
+    rises: Any,
+    near: float,
+    slope: float,
+) -> tuple[Any, Any]:
+    """The same of one run, without arrays."""
+    bank, state, strain = lanes.bank, lanes.state[lane], lanes.strain[lane]
+    wanted, sense = lanes.wanted[lane], 1.0 if rises else -1.0
+    x, slope, level, miss = near, sense * slope, near, np.inf
+    before = g_before = 0.0
+    for n in range(_STEPS):
+        g = sense * (bank.single(state, x, strain) - wanted)
+        low, high = (x, high) if g < 0 else (low, x)
+        if abs(g) < abs(miss):
+            level, miss = x, g
+        if abs(miss) <= close or high - low <= _ROUNDED:
+            break
+        if n:
+            slope = (g - g_before) / (x - before) if x != before else 0.0
+        secant = x - g / slope if slope > 0 else low
+        before, g_before = x, g
+        inside = low < secant < high and n % _SECANTS != _SECANTS - 1
+        x = secant if inside else 0.5 * (low + high)
+    return level, sense * miss
 
 
 def _met(
