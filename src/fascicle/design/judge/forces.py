@@ -15,6 +15,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ...core.apart import apart
 from ...core.arrays import maximum, minimum, most, nodes, stack, where
 from ...core.evaluate import COMPILE_ABOVE, compiled
 from ...core.types import Numbers
@@ -159,7 +160,8 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
     """The table as far as the tension law goes at full pressure: beyond, there is no force."""
     none, muscle = 0.0 * rows.length, rows.muscle
     strain, law = demand.strain(rows.length) + none, muscle.law
-    unfed, supply = law.at(none), demand.supply + none
+    # what depends on pressure alone isn't merged with what is asked of it at each point
+    unfed, supply = apart(law.at, none), demand.supply + none
     forces = (unfed.force(strain)[0], _pull(law, supply, strain))
     radius = bulge = None
     if sizes:
@@ -177,7 +179,7 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
     """Force [N] up to the free strain; beyond there is none, minus infinity."""
-    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
+    pulled = strain <= apart(law.tension.free_strain, pressure) + ROUNDING
     return where(pulled, law.tension.force(pressure, strain), -np.inf)
 
 

@@ -76,6 +76,8 @@ def unlike_objectives(
     wanted = 1 << (designs - 1).bit_length() if compiling else designs
     # twice as many: most of a table is the tension law's, which takes little
     step = max(1, min(2 * _AT_ONCE // forces, wanted))
+    if compiling:  # as are these, so that none are judged twice
+        step = 1 << (step.bit_length() - 1)
     values = np.empty((len(names), designs))
     for places in filled_up(designs, step):
         counts, length, radius, wall, angle = (x[places].T for x in own)
