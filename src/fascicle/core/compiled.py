@@ -35,7 +35,8 @@ custom_vjp_call div dot_general dynamic_slice dynamic_update_slice eq exp exp2 e
 floor gather ge gt integer_pow iota is_finite jit le log log1p logistic lt max min mul ne neg
 not or pad pjit pow reduce_and reduce_max reduce_min reduce_or reduce_prod reduce_sum rem remat2
 reshape rev round rsqrt scan select_n sign sin sinh slice split sqrt square squeeze stack
-stop_gradient sub tan tanh transpose unstack while xor
+stop_gradient sub tan tanh transpose unstack while
+xla_metadata_value xor
 """
 _GOES = frozenset(_NAMES.split())
 _TOGETHER = 32  # runs in a row: some registers of a processor, and all of a program in its cache

@@ -6,8 +6,13 @@ Here a program for one run is gone through operation by operation, and written a
 at once. Of a small array each number is a row of its own, so that arranging them costs nothing, and
 what computes goes along whole rows. A large array is kept, runs on its last axis; what doesn't
 differ from run to run is kept as it is.
+
+XLA joins operations on rows to loops, and works out in each loop anew what several of them need. A
+row that takes more than some operations and is asked for again is therefore put down, by a call
+that XLA doesn't look into.
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
@@ -16,12 +21,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
+from jax.experimental.xla_metadata import set_xla_metadata
 from jax.extend.core import ClosedJaxpr, Literal
 
 from .types import Numbers
 
 
 _MOST = 256  # numbers in an array that is taken apart
+_AGAIN = 15  # operations that are worth putting down; of 4 to 50 the fastest by a tenth or more
 # what each number goes through by itself
 _ALONE = """
 abs acos add add_any and asin atan atan2 ceil clamp convert_element_type copy copy_p cos cosh div
@@ -87,14 +94,24 @@ class _Work:
 
     def __init__(self, size: int):
         self.size = size
+        # of this turn of a loop, by identity: rows with the operations that each takes, and copies
+        self.takes: dict[int, tuple[int, Any]] = {}
+        self.copies: dict[int, Any] = {}
 
     def program(self, program: Any, given: Sequence[Any]) -> list[Any]:
         inner = getattr(program, "jaxpr", program)
         known = dict(zip(inner.constvars, getattr(program, "consts", ()), strict=True))
         known |= dict(zip(inner.invars, given, strict=True))
 
+        asked = Counter(atom for one in inner.eqns for atom in _atoms(one.invars))
+        asked.update(_atoms(inner.outvars))
+
         def value(atom: Any) -> Any:
-            return atom.val if isinstance(atom, Literal) else known[atom]
+            if isinstance(atom, Literal):
+                return atom.val
+            if asked[atom] > 1 and isinstance(known[atom], _Apart):
+                known[atom] = self.put_down(known[atom])
+            return known[atom]
 
         for one in inner.eqns:
             found = self.operation(one, [value(atom) for atom in one.invars])
@@ -126,8 +143,24 @@ class _Work:
         apart = [np.broadcast_to(_apart(x), shape) for x in given]
         for place in np.ndindex(shape):
             rows = [self.row(x[place], v.aval) for x, v in zip(apart, one.invars, strict=True)]
-            found[place] = one.primitive.bind(*rows, **one.params)
+            found[place] = row = one.primitive.bind(*rows, **one.params)
+            before = {id(x): self.takes.get(id(x), (0, x))[0] for x in rows}
+            self.takes[id(row)] = 1 + sum(before.values()), row
         return [found]
+
+    def put_down(self, value: _Apart) -> _Apart:
+        """The same, with rows that take long worked out here, once."""
+        every = {id(x): x for x in value.numbers.flat}
+        long = [i for i in every if self.takes.get(i, (0,))[0] >= _AGAIN and i not in self.copies]
+        if long:
+            call: Any = jax.jit(list)([every[i] for i in long])
+            copies = set_xla_metadata(call, inlineable="false")
+            self.copies |= dict(zip(long, copies, strict=True))
+        numbers = np.empty(value.numbers.shape, object)
+        for place in np.ndindex(numbers.shape):
+            row = value.numbers[place]
+            numbers[place] = self.copies.get(id(row), row)
+        return _Apart(numbers)
 
     def arranged(self, one: Any, given: list[Any]) -> list[np.ndarray] | None:
         """An operation that arranges numbers, or adds up; none where it is neither."""
@@ -160,19 +193,26 @@ class _Work:
         aval, part = one.invars[1].aval, tuple(shape[axis] for axis in how.offset_dims)
         if how.operand_batching_dims or max(aval.size, one.outvars[0].aval.size) > _MOST:
             return None
-        of_rows = lax.GatherDimensionNumbers(
-            tuple(range(1, 1 + len(part))), how.collapsed_slice_dims, how.start_index_map
+        of_one = lax.GatherDimensionNumbers(
+            tuple(range(len(part))), how.collapsed_slice_dims, how.start_index_map
         )
         kept = {k: one.params[k] for k in ("slice_sizes", "mode", "fill_value")}
         others = [axis for axis in range(len(shape)) if axis not in how.offset_dims]
         found, places = np.empty(shape, object), _apart(places)
         for place in np.ndindex(places.shape[:-1]):
             rows = jnp.stack([self.row(x, aval) for x in places[place]], axis=-1)
-            taken = lax.gather(table, rows, of_rows, **kept)
+
+            # one after the other into columns: as one gather rows would lie across, and be picked
+            # up number by number wherever they are used
+            def put(i: Any, columns: Any, rows: Any = rows) -> Any:
+                found = lax.gather(table, rows[i], of_one, **kept)
+                return lax.dynamic_update_index_in_dim(columns, found, i, len(part))
+
+            none = jnp.zeros((*part, self.size), table.dtype)
+            taken = lax.fori_loop(0, self.size, put, none)
             for inside in np.ndindex(part):
                 where = dict(zip((*others, *how.offset_dims), (*place, *inside), strict=True))
-                row = taken[(slice(None), *inside)]
-                found[tuple(where[axis] for axis in range(len(shape)))] = row
+                found[tuple(where[axis] for axis in range(len(shape)))] = taken[inside]
         return [found]
 
     def as_usual(self, one: Any, given: list[Any]) -> list[Any]:
@@ -200,7 +240,10 @@ class _Work:
                 for x, every, aval in zip(row, rows, inside[fixed + carried :], strict=True)
             ]
             state = self.unpacked(carry, differ, inside[fixed : fixed + carried])
+            outside = self.takes, self.copies
+            self.takes, self.copies = {}, {}  # what a loop is given is put down
             found = self.program(p["jaxpr"], [*same, *state, *here])
+            self.takes, self.copies = outside
             every = [
                 self.wide(x, aval) if many else x
                 for x, many, aval in zip(
@@ -273,6 +316,11 @@ class _Work:
         for place in np.ndindex(aval.shape):
             numbers[place] = value.array[place]
         return _Apart(numbers)
+
+
+def _atoms(atoms: Sequence[Any]) -> list[Any]:
+    """Those that aren't literal, each once."""
+    return list(dict.fromkeys(x for x in atoms if not isinstance(x, Literal)))
 
 
 def _differs(value: Any) -> bool:

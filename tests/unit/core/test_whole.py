@@ -29,6 +29,14 @@ def looped(inside: Callable) -> Callable:
     return function
 
 
+def long(y: jax.Array, row: jax.Array) -> jax.Array:
+    """What takes many operations."""
+    z = y
+    for k in range(8):
+        z = 0.7 * z - row[k % 3] * (z + 0.1 * k) * y / 8
+    return z
+
+
 # of each kind of operation that is said to go, one at least
 GOES = {
     "arithmetic": lambda y, row: jnp.sum(row) / (2 + y**2) - y * row[1] + abs(y) ** 0.3,
@@ -44,6 +52,7 @@ GOES = {
     "again": jax.checkpoint(lambda y, row: jnp.sin(y) * row[0], prevent_cse=False),
     "slices": lambda y, row: lax.dynamic_update_slice(row, y[None], (1,)).sum() / 5,
     "branches": lambda y, row: lax.cond(y > 0.2, lambda a, _: a / 2, lambda _, b: b[0], y, row),
+    "long": lambda y, row: (z := long(y, row)) * row[0] + z**2 - long(z / 3, row),
     "loops": lambda y, row: lax.while_loop(lambda z: z > 0.5, lambda z: z / 2, y + row[0]),
 }
 GOES_NOT = {
@@ -54,7 +63,16 @@ GOES_NOT = {
 }
 GIVEN = np.float64(0.4), np.array([0.7, -0.2, 0.3])
 # their slopes are those of all that a run asks for
-SLOPES = ("arithmetic", "powers", "exponentials", "choices", "shapes", "parts", "again")
+SLOPES = (
+    "arithmetic",
+    "powers",
+    "exponentials",
+    "choices",
+    "shapes",
+    "parts",
+    "again",
+    "long",
+)
 RUNS = {"turns": 3, "rows": 70}
 
 
@@ -83,10 +101,38 @@ def test_a_version_that_was_not_tried_is_not_marked(monkeypatch: pytest.MonkeyPa
     assert MARK not in text()
 
 
+def test_of_a_version_that_was_not_tried_runs_and_slopes_are_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Under `vmap`, `grad` and `jit` of a caller's."""
+    function, given = looped(GOES["arithmetic"]), runs(5)
+    monkeypatch.setattr(jax, "__version_info__", (99, 0, 0))
+    jax.clear_caches()
+    for change in (jax.vmap, lambda f: jax.vmap(slopes(f))):
+        ours = jax.jit(change(wholly(function)))
+        assert MARK not in ours.lower(*given).as_text()
+        for x, y in zip(
+            jax.tree.leaves(ours(*given)), jax.tree.leaves(change(function)(*given)), strict=True
+        ):
+            np.testing.assert_allclose(x, y, rtol=1e-10, atol=1e-11)
+    jax.clear_caches()
+
+
 def ignoring(x: Numbers, row: Numbers, other: Numbers, none: Numbers) -> Numbers:
     """Of what it is given, some isn't used, and some is empty."""
     del other
     return looped(GOES["arithmetic"])(x, row) + none.sum()
+
+
+def looked_up(x: Numbers, row: Numbers) -> Numbers:
+    """A loop that looks cells up in a table, of which all runs have the same."""
+    table = jnp.arange(24.0).reshape(4, 3, 2) / 24
+
+    def inside(y: jax.Array, row: jax.Array) -> jax.Array:
+        cells = jnp.floor(jnp.stack([y, row[0]]) * 7).astype(int)
+        return jnp.tanh((table[cells, cells % 3] * row[:2, None]).sum() + y / 3)
+
+    return looped(inside)(x, row)
 
 
 def assert_same(this: Callable, other: Callable, *given: Numbers, name: str) -> None:
@@ -135,9 +181,9 @@ def main() -> None:
         function = looped(GOES[name])
         assert_same(slopes(wholly(function)), slopes(function), *GIVEN, name=name)
         sys.stdout.write(f"{name}\n")
-    function = looped(GOES["arithmetic"])
     for name, count in RUNS.items():
-        assert_same(jax.vmap(wholly(function)), jax.vmap(function), *runs(count), name=name)
+        for function in (looped(GOES["long"]), looked_up, looped(GOES["arithmetic"])):
+            assert_same(jax.vmap(wholly(function)), jax.vmap(function), *runs(count), name=name)
         sys.stdout.write(f"{name}\n")
     many, same = (
         jax.vmap(jax.vmap(slopes(one), (0, None)), (None, 0))
