@@ -100,21 +100,24 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
         return flows.drawn * h(P_s), valve, none, none, none
     gas, room, T_a = chamber.gas, chamber.room_pressure, chamber.room_temperature
     T, T_s, p = flows.temperatures, flows.supply_temperature, P + room
-    unit = gas.specific_gas_constant * T_a
-    p = guarded(p > 0, p, room)
-    valve = unit * (flows.drawn * log((P_s + room) / p) + flows.vented * log(p / room))
+    unit, c_p = gas.specific_gas_constant * T_a, gas.c_p
+    # each logarithm once, over the room's: they take longer than all the rest
+    ln_p, ln_T = log(guarded(p > 0, p, room) / room), log(T / T_a)
+    ln_P, ln_T_s = log((P_s + room) / room), log(T_s / T_a)
+    valve = unit * (flows.drawn * (ln_P - ln_p) + flows.vented * ln_p)
 
-    def mixed(inflow: Numbers, T_in: Numbers) -> Numbers:
-        warm = gas.c_p * T_a * (log(T / T_in) + T_in / T - 1)
-        return maximum(inflow, 0.0) * warm
+    def warmth(T: Numbers, ln_T: Numbers) -> Numbers:
+        return c_p * (T - T_a - T_a * ln_T)
 
-    leaving = gas.c_p * (T - T_a - T_a * log(T / T_a))
-    drawn_T = where(flows.drawn > 0, T_s, T)
+    def mixed(inflow: Numbers, T_in: Numbers, ln_T_in: Numbers) -> Numbers:
+        return maximum(inflow, 0.0) * c_p * T_a * (ln_T - ln_T_in + T_in / T - 1)
+
+    drawn_warmth = where(flows.drawn > 0, warmth(T_s, ln_T_s), warmth(T, ln_T))
     return (
-        flows.drawn * gas.flow_exergy(P_s + room, drawn_T, room, T_a),
+        flows.drawn * (unit * ln_P + drawn_warmth),  # (F1)
         valve,
-        maximum(flows.vented, 0.0) * leaving,
-        mixed(flows.drawn, T_s) + mixed(-flows.vented, T_a),
+        maximum(flows.vented, 0.0) * warmth(T, ln_T),
+        mixed(flows.drawn, T_s, ln_T_s) + mixed(-flows.vented, T_a, 0.0),
         (1 - T_a / T) * heat,
     )
 
