@@ -1,7 +1,8 @@
 r"""How many fixed steps a plant needs.
 
 Between two actions of a controller there are as many equal substeps as the stiffest part needs: the
-method is stable while $h |\lambda| \le 2.78$, and is used up to 2.
+method is stable while $h |\lambda| \le 2.78$, and is used up to 2. That its energies balance, a gas
+has two at least, a liquid more.
 """
 
 import math
@@ -18,8 +19,8 @@ MOST_SUBSTEPS = 64
 # a volume of oil changes most about P = 0, where a table has a line every few pascals and a bend at
 # zero: passed within a substep, it leaves work over, as the substep squared. Two left up to 3e-3 of
 # it in 80 random cycles, sixteen 5e-5, and in two of them more than 1e-5
-OF_LIQUID = 16
-_FEWEST = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
+_OF_LIQUID = 16
+_OF_GAS = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; with two 1e-6
 _STABLE = 2.0  # of h|λ|; the method's own limit is 2.78
 
 
@@ -38,7 +39,7 @@ def pace(plant: Plant, dt: float) -> Pace:
     """How many substeps a step of `dt` [s] of a `plant` [-] needs."""
     fastest = {**_chamber_rates(plant), **_load_rates(plant)}
     part = max(fastest, key=lambda name: fastest[name])
-    need = max(_FEWEST, math.ceil(dt * fastest[part] / _STABLE))
+    need = max(_OF_LIQUID if plant.liquid else _OF_GAS, math.ceil(dt * fastest[part] / _STABLE))
     return Pace(fastest[part], part, min(need, MOST_SUBSTEPS), need > MOST_SUBSTEPS)
 
 

@@ -22,7 +22,7 @@ from ..fluid import checked_commands
 from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
 from .muscles import Tables
-from .pace import OF_LIQUID, Pace, pace
+from .pace import Pace, pace
 from .plant import Plant
 from .rest import rest
 from .schedule import Controller, Measurement, Schedule
@@ -73,8 +73,8 @@ def simulate(
     - `dt`: a step [s].
     - `duration`: of the run [s], with a `Schedule`; left out, as many steps as there are rows.
     - `start`: the state it begins with [SI]; left out, at `rest` without pressure.
-    - `substeps`: in each step [-]; left out, as many as its stiffest part needs, at most 64, and
-      of a liquid at least 16, so that its energies balance.
+    - `substeps`: in each step [-]; left out, as many as `pace` tells: what its stiffest part
+      needs, at most 64, and of a liquid at least 16, so that its energies balance.
 
     **Returns:** a `Trajectory` [SI]: one moment more than there are steps.
 
@@ -86,7 +86,7 @@ def simulate(
     looked = None
     if substeps is None:
         looked = pace(plant, dt)
-        substeps = max(looked.substeps, OF_LIQUID) if plant.liquid else looked.substeps
+        substeps = looked.substeps
     elif substeps != int(substeps) or not substeps >= 1:
         raise Refused("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _driven(plant, controller, reference, dt, duration)
