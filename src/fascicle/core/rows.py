@@ -24,8 +24,6 @@ from jax import lax
 from jax.experimental.xla_metadata import set_xla_metadata
 from jax.extend.core import ClosedJaxpr, Literal
 
-from .types import Numbers
-
 
 _MOST = 256  # numbers in an array that is taken apart
 _AGAIN = 15  # operations that are worth putting down; of 4 to 50 the fastest by a tenth or more
@@ -296,7 +294,7 @@ class _Work:
             return number
         return lax.broadcast_in_dim(jnp.asarray(number, aval.dtype), (self.size,), ())
 
-    def wide(self, value: Any, aval: Any) -> Numbers:
+    def wide(self, value: Any, aval: Any) -> Any:
         """A value with runs on its last axis."""
         if isinstance(value, _Wide):
             return value.array
