@@ -132,15 +132,57 @@ def test_valves_that_fill_in_milliseconds_keep_energy(kind, request):
     assert ran >= 8
 
 
-def test_oil_that_passes_no_pressure_keeps_energy(bundle):
-    # of 16 such cycles 7e-6 was left over at most; 3e-4 with two substeps, which were stable
-    plant = dynamics.Plant(
-        bundle, dynamics.PrescribedMotion(0.012, 0.01, 4.0), fluid.ConstantSupply(SUPPLY),
-        fluid.LiquidChamber(
-            compliance=np.array([2e-11, 8e-11]), dead_volume=np.array([2e-6, 8e-6])
-        ),
+HOSES = {"compliance": np.array([2e-11, 8e-11]), "dead_volume": np.array([2e-6, 8e-6])}
+
+
+def _on_oil(bundle, load):
+    return dynamics.Plant(
+        bundle, load, fluid.ConstantSupply(SUPPLY), fluid.LiquidChamber(**HOSES),
         fluid.Orifice(4e-6),
     )  # fmt: skip
+
+
+@pytest.mark.slow  # 240 runs
+@pytest.mark.parametrize("kind", ["lift", "held"])
+def test_oil_keeps_energy_or_says_where_it_folded(bundle, kind):
+    # hoses that give 1.3e-11 to 1e-10 m³/Pa a muscle: 9e-6 was left over at most, but for one cycle
+    # of 240 that passed the fold beside a kink of the table, and says so
+    free = kind == "lift"
+    load = dynamics.HangingMass(12.0, damping=100.0)
+    plant = _on_oil(bundle, load if free else dynamics.PrescribedMotion(0.012, 0.01, 4.0))
+    parts = lambda p: (  # noqa: E731
+        p.valve.area, p.exhaust_valve.area, p.chamber.dead_volume, p.chamber.compliance
+    )  # fmt: skip
+    motion = lambda p: (p.load.frequency, p.load.mean, p.load.amplitude)  # noqa: E731
+    folded, counts = 0, np.array([1.0, 4.0])
+    for seed in range(5000, 5120):
+        rng = np.random.default_rng(seed)
+        area, frequency = 10 ** rng.uniform(-6, -4), rng.uniform(1, 6)
+        numbers = (
+            area, area * rng.uniform(0.3, 1.5), counts * 2e-6 * rng.uniform(0.2, 4),
+            counts * 10 ** rng.uniform(-10.9, -10),
+        )  # fmt: skip
+        some = eqx.tree_at(parts, plant, numbers)
+        if free:
+            some = eqx.tree_at(lambda p: p.load.mass, some, np.float64(rng.uniform(3, 20)))
+        else:
+            way = frequency, rng.uniform(0, 0.015), rng.uniform(0.002, 0.012)
+            some = eqx.tree_at(motion, some, tuple(map(np.float64, way)))
+        start = dynamics.rest(some, 1.5e5 if free else 0.0)
+        substeps = 16 if dynamics.pace(some, 1e-3).substeps == 16 else 64
+        run = dynamics.simulate(
+            some, _commands(rng.integers(10**6)), start=start, substeps=substeps
+        )
+        audit = dynamics.audit(some, run)
+        if not all(one.closes for one in audit.balances):
+            assert "folded" in [event.name for event in audit.events], f"{seed}: {audit}"
+            folded += 1
+    assert folded <= 2
+
+
+def test_oil_that_passes_no_pressure_keeps_energy(bundle):
+    # of 16 such cycles 7e-6 was left over at most; 3e-4 with two substeps, which were stable
+    plant = _on_oil(bundle, dynamics.PrescribedMotion(0.012, 0.01, 4.0))
     at = lambda p: (p.valve.area, p.exhaust_valve.area, p.load.frequency)  # noqa: E731
     for seed in range(10):
         rng = np.random.default_rng(seed)

@@ -162,10 +162,11 @@ def _run(
         def sub(i: Any, now: Course) -> Course:
             return substep(plant, time + i * h, now, command, h)
 
-        return (lax.fori_loop(0, substeps, sub, course), memory), (course, command)
+        begun = course._replace(folded=jnp.zeros_like(course.folded))
+        return (lax.fori_loop(0, substeps, sub, begun), memory), (course, command)
 
     times = dt * jnp.arange(len(inputs) + 1)
-    begun = Course(state, anchor, jnp.zeros(len(ACCOUNT))), memory
+    begun = Course(state, anchor, jnp.zeros(len(ACCOUNT)), jnp.zeros((), bool)), memory
     (last, _), (every, commands) = lax.scan(step, begun, (times[:-1], inputs))
     every = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), every, last)
     commands = jnp.concatenate([commands, commands[-1:]])
@@ -176,7 +177,9 @@ def _run(
 def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
     """What a plant shows, and what is pressed into its muscles [J]."""
     now = moment(plant, time, course.state, command, course.anchor)
-    return looked_at(plant, course.state, course.anchor, now), pressed(plant, now)
+    seen = looked_at(plant, course.state, course.anchor, now)
+    folded = course.folded * (1 << STATUS.index("folded"))
+    return seen._replace(status=seen.status | folded), pressed(plant, now)
 
 
 @jax.jit

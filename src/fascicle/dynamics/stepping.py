@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from ..core.types import Batch, Numbers
+from ..core.types import Batch, BoolBatch, Numbers
 from .account import ACCOUNT, powers
 from .filling import settled
 from .holding import held, let_go
@@ -32,22 +32,23 @@ _BY_PARTS = np.array([[name == one for name in ACCOUNT] for one in
 
 
 class Course(NamedTuple):
-    """How far a run has come: a `state` [SI], friction's `anchor` [SI], and each number of the
-    `account` up to then [J or kg].
+    """How far a run has come: a `state` [SI], friction's `anchor` [SI], each number of the
+    `account` up to then [J or kg], and whether a chamber `folded` on the way [-].
     """
 
     state: State
     anchor: Anchor
     account: Numbers
+    folded: BoolBatch
 
 
 def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batch) -> Course:
     """One substep of `h` [s] of a `plant` [-] from `time` [s] of its `course` [SI], under a
     `command` [-].
     """
-    state, anchor, account = course
+    state, anchor, account, folded = course
 
-    def stage(carry: tuple, given: Numbers) -> tuple[tuple, Numbers]:
+    def stage(carry: tuple, given: Numbers) -> tuple[tuple, tuple]:
         slope, total, grown = carry
         along, weight = given
         at = moved(state, slope, along * h)
@@ -55,12 +56,12 @@ def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batc
         slope = change(plant, at, now, command)
         grown = grown + weight * h * powers(plant, at, now)
         added = slope._replace(chambers=now.held_rates)
-        return (slope, moved(total, added, weight), grown), now.fluid.volume
+        return (slope, moved(total, added, weight), grown), (now.fluid.volume, now.fluid.folded)
 
     # a loop, as four copies of the stage would take four times as long to compile
     still = jax.tree.map(lambda x: 0.0 * x, state)
     stages = np.stack([_ALONG, _WEIGHTS], axis=1)
-    (_, total, grown), volumes = lax.scan(stage, (still, still, 0.0 * account), stages)
+    (_, total, grown), (volumes, folds) = lax.scan(stage, (still, still, 0.0 * account), stages)
     begun = held(plant.chamber, state.chambers, state.pressures, volumes[0])
     after = moved(state._replace(chambers=begun), total, h)
     q, _ = plant.load.placed(time + h, after.position, after.velocity)
@@ -69,10 +70,11 @@ def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batc
         chambers=end.chambers, pressures=end.pressures, supply=plant.supply.switched(after.supply)
     )
     account = account + grown + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
+    folded |= jnp.any(folds)
     if plant.hysteresis is None:
-        return Course(after, anchor, account)
+        return Course(after, anchor, account, folded)
     anchor, lost = rubbed(plant, anchor, q, after.pressures)
-    return Course(after, anchor, account + lost * _FRICTION)
+    return Course(after, anchor, account + lost * _FRICTION, folded)
 
 
 def moved(state: State, rate: State, h: Batch) -> State:
