@@ -26,9 +26,9 @@ from .at import Pressurized
 from .lists import repeated
 
 
-# lanes times units that a search is compiled for. NumPy takes 5 µs for each, a compiled search a
-# fourth of it after 5 s of compiling, which a million are worth: fewer, where they come again
-MANY = 2**17
+# lanes times units after which a search is compiled: NumPy takes 5 µs for each, a compiled search
+# a fourth of it after 5 s of compiling, which these are worth, at once or one after the other
+MANY = 2**20
 LANES = 2**12  # times units, at once: their arrays stay in the cache
 APART = 1e-13  # free strains closer than this are one
 _MARGIN = 0.25  # of what a unit spans between two places, below both

@@ -98,7 +98,8 @@ class _Work:
 
     def program(self, program: Any, given: Sequence[Any]) -> list[Any]:
         inner = getattr(program, "jaxpr", program)
-        known = dict(zip(inner.constvars, getattr(program, "consts", ()), strict=True))
+        fixed = getattr(program, "consts", ())
+        known: dict[Any, Any] = dict(zip(inner.constvars, fixed, strict=True))
         known |= dict(zip(inner.invars, given, strict=True))
 
         asked = Counter(atom for one in inner.eqns for atom in _atoms(one.invars))
@@ -152,7 +153,7 @@ class _Work:
         long = [i for i in every if self.takes.get(i, (0,))[0] >= _AGAIN and i not in self.copies]
         if long:
             call: Any = jax.jit(list)([every[i] for i in long])
-            copies = set_xla_metadata(call, inlineable="false")
+            copies: Any = set_xla_metadata(call, inlineable="false")
             self.copies |= dict(zip(long, copies, strict=True))
         numbers = np.empty(value.numbers.shape, object)
         for place in np.ndindex(numbers.shape):
