@@ -1,9 +1,9 @@
 """A bundle's free strain, each root counted in forces.
 
 8 unlike units at 20 000 pressure vectors, as `bundle.free_strain` answers them once it has
-searched a million times: compiled, and by NumPy where that isn't sure. One root's time is given twice: in scattered forces of the whole
-bundle, (B1), each of which is 8 muscles' forces, and in scattered forces of one muscle by
-`muscle.compile()`. The reach is held against the bundle's.
+searched a million times: compiled, and by NumPy where that isn't sure. One root's time is given
+twice: in scattered forces of the whole bundle, (B1), each of which is 8 muscles' forces, and in
+scattered forces of one muscle by `muscle.compile()`. The reach is held against the bundle's.
 
     python benchmarks/bundle_free_strain.py
 """
