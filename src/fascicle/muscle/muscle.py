@@ -60,6 +60,7 @@ from .quantities import (
     moment_of,
     radius_of,
     response_of,
+    rows_of,
     shape_of,
     stiffness_of,
     volume_of,
@@ -393,4 +394,4 @@ class Muscle(Module):
     @kept
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
-        return not batch_of(self)
+        return self.tuning.pressures.ndim == 1 and not rows_of(self)

@@ -80,10 +80,15 @@ def rows_of(muscle: Muscle) -> list[int]:
 
 
 def batch_of(muscle: Muscle) -> tuple[int, ...]:
-    """The shape of a row of muscles [-], `()` of a single one."""
+    """The shape of a row of muscles [-]; `()` of a single one, and where a law holds arrays of its
+    own that are none.
+    """
     tables = tables_of(muscle)
     shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in jax.tree.leaves(muscle))
-    return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
+    try:
+        return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
+    except ValueError:
+        return ()
 
 
 def tables_of(muscle: Muscle) -> set[int]:
