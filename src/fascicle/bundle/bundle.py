@@ -232,7 +232,6 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
-        self._shape(pressures=P, force=F)
         return self._sought(_strain_at, P, F)
 
     def plot(
@@ -311,7 +310,7 @@ class Bundle(Module):
         """What a `law` finds by a search: at once, as compiled it is no faster, and so also where
         derivatives are asked for, which the strains found then carry.
         """
-        self._shape(pressures=arrays[0])
+        self._shape(**dict(zip(("pressures", "force"), arrays, strict=False)))
         rest = at_rest(self, *arrays)
         if rest is None:
             return self._evaluated(law, 0, *arrays, static=static)
@@ -340,9 +339,8 @@ class Bundle(Module):
             found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
             return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
 
-        return evaluate(
-            law, self, *arrays, points=points, cut=None if batch(self) else cut, static=static
-        )
+        whole = None if self._batch else cut
+        return evaluate(law, self, *arrays, points=points, cut=whole, static=static)
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:

@@ -66,8 +66,11 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
 
     **Returns:** the lanes, and the shape [-] that they had.
     """
-    rows, units = batch(bundle), np.shape(pressures)[-1]
+    rows, units = bundle._batch, np.shape(pressures)[-1]
     shape = np.broadcast_shapes(rows, np.shape(pressures)[:-1], *map(np.shape, others))
+    each = library(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
+    if not rows:
+        return Lanes(bundle, each), shape
     tables = set().union(*(tables_of(unit.muscle) for unit in bundle.motor_units))
 
     def row(leaf: Any) -> Any:
@@ -76,8 +79,7 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
             return leaf
         return library(leaf).broadcast_to(leaf, (*shape, *own)).reshape(-1, 1, *own)
 
-    each = library(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
-    return Lanes(jax.tree.map(row, bundle) if rows else bundle, each), shape
+    return Lanes(jax.tree.map(row, bundle), each), shape
 
 
 def _is_row(leaf: Any) -> bool:
