@@ -78,7 +78,7 @@ def cascade(
             positive(value, name, "s")
         else:
             within(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
-    step = float(positive(dt, "dt", "s"))
+    step = float(positive(dt, "dt", "s", "such as 0.001"))
     every = _steps(
         positive(step if sample_time is None else sample_time, "sample_time", "s"),
         step,

@@ -26,11 +26,12 @@ def within(
     unit: str,
     why: str = "",
     closed: tuple[bool, bool] = (False, False),
+    remedy: str = "",
 ) -> Batch:
     """Return `value` as floats, NumPy's, refusing anything outside the interval.
 
     The interval is open unless `closed` says otherwise for its low or high end. `why`
-    completes the rule in words: "to contract".
+    completes the rule in words: "to contract"; `remedy` says what to do.
     """
     value = in_si(value, name, unit)
     if not concrete(value):
@@ -45,12 +46,14 @@ def within(
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
         rule = " ".join(part for part in (interval, _shown(unit), why) if part)
         bad = float(x[~good].flat[0])
-        raise Refused(name, f"must lie in {rule}", bad, shown=_amount(bad, unit))
+        raise Refused(name, f"must lie in {rule}", bad, remedy, shown=_amount(bad, unit))
     return x[()]
 
 
-def positive(value: Values, name: str, unit: str) -> Batch:
-    """Return `value` as floats, NumPy's, refusing anything that is not > 0 and finite."""
+def positive(value: Values, name: str, unit: str, remedy: str = "") -> Batch:
+    """Return `value` as floats, NumPy's, refusing anything that is not > 0 and finite; `remedy`
+    says what to do.
+    """
     value = in_si(value, name, unit)
     if not concrete(value):
         return jnp.asarray(value, dtype=float)
@@ -58,7 +61,7 @@ def positive(value: Values, name: str, unit: str) -> Batch:
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
         bad = float(x[~good].flat[0])
-        raise Refused(name, "must be positive and finite", bad, shown=_amount(bad, unit))
+        raise Refused(name, "must be positive and finite", bad, remedy, shown=_amount(bad, unit))
     return x[()]
 
 

@@ -81,7 +81,7 @@ def simulate(
     **Raises:** `ValueError` for a `dt` or `duration` that can't be, rows that don't fit, and what
     `rest` refuses.
     """
-    dt = float(positive(dt, "dt", "s"))
+    dt = float(positive(dt, "dt", "s", "such as 0.001"))
     begin = rest(plant) if start is None else start
     looked = None
     if substeps is None:

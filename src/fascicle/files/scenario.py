@@ -293,9 +293,9 @@ def _parts(
 
 def _times(run: Any, place: Place) -> tuple[float, float]:
     dt, duration = _DT if run.dt is None else run.dt, run.duration
-    for key, value in (("dt", dt), ("duration", duration)):
+    for key, value, such in (("dt", dt, _DT), ("duration", duration, 10.0)):
         if value <= 0:
-            raise place.refuse((key,), "must be positive.")
+            raise place.refuse((key,), f"must be positive, such as {such:g} s.")
     steps = round(duration / dt)
     if abs(steps - duration / dt) > _GRID * max(1, steps):
         shown = f"{max(steps, 1) * dt:.12g} s"

@@ -46,7 +46,9 @@ class Accumulator(AbstractSupply):
     volume: Batch = above_zero("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
     precharge: Batch = above_zero("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
     pressure: Batch = supply_pressure()
-    exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True), default=1.4)
+    exponent: Batch = between(
+        "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic nitrogen", default=1.4
+    )
     liquid: Liquid = part("liquid", (Liquid,), default=OIL)
     room_pressure: Batch = room_pressure()
     room_temperature: Batch = temperature()

@@ -166,7 +166,7 @@ class AbstractMassChamber(AbstractChamber):
 
 def dead_volume() -> Any:
     """The field [-] of a dead volume [m³], at least zero."""
-    return from_zero("dead_volume", DEAD, default=0.0)
+    return from_zero("dead_volume", DEAD, "leave it out where there is none", default=0.0)
 
 
 def row(*numbers: BatchLike) -> Numbers:

@@ -23,21 +23,25 @@ _ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)
 _WARM = Range("K", 100.0, 230.0, 400.0, 1500.0)
 
 
-def above_zero(name: str, known: Range, **default: Any) -> Any:
-    """A field [-] of a `name` [-] that is positive and as large as is `known` [-] of it."""
+def above_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
+    """A field [-] of a `name` [-] that is positive and as large as is `known` [-] of it, with
+    `remedy` [-] for what isn't.
+    """
 
     def checked(value: Values) -> Batch:
-        return plausible(positive(value, name, known.unit), name, known)
+        return plausible(positive(value, name, known.unit, remedy), name, known)
 
     return eqx.field(converter=checked, **default)
 
 
-def from_zero(name: str, known: Range, **default: Any) -> Any:
-    """A field [-] of a `name` [-] that isn't negative, and not larger than is `known` [-]."""
+def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
+    """A field [-] of a `name` [-] that isn't negative, and not larger than is `known` [-], with
+    `remedy` [-] for what is.
+    """
 
     def checked(value: Values) -> Batch:
         closed = (True, False)
-        x = within(value, 0.0, np.inf, name, known.unit, closed=closed)
+        x = within(value, 0.0, np.inf, name, known.unit, closed=closed, remedy=remedy)
         return plausible(x, name, known)
 
     return eqx.field(converter=checked, **default)
@@ -48,15 +52,15 @@ def between(
     low: float,
     high: float,
     closed: tuple[bool, bool] = (False, False),
-    why: str = "",
+    remedy: str = "",
     **default: Any,
 ) -> Any:
     """A field [-] of a `name` [-] without unit that lies in an interval from `low` [-] to `high`
-    [-], its ends `closed` [-] or not, `why` [-] in words.
+    [-], its ends `closed` [-] or not, with `remedy` [-] for what doesn't.
     """
 
     def checked(value: Values) -> Batch:
-        return within(value, low, high, name, "-", why, closed)
+        return within(value, low, high, name, "-", "", closed, remedy)
 
     return eqx.field(converter=checked, **default)
 

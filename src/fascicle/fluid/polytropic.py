@@ -28,7 +28,9 @@ class Polytropic(AbstractMassChamber):
     physical: ClassVar[bool] = False
     source: ClassVar[str] = "Andersen (1967)"
 
-    exponent: Batch = between("exponent", 1.0, 2.0, closed=(True, True))
+    exponent: Batch = between(
+        "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic air"
+    )
     gas: Gas = part("gas", (Gas,), default=AIR)
     dead_volume: Batch = dead_volume()
     room_pressure: Batch = room_pressure()

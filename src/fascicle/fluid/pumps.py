@@ -44,7 +44,7 @@ _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
 
 
 def _efficiency(name: str) -> Any:
-    return between(name, 0.0, 1.0, closed=(False, True), default=1.0)
+    return between(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
 
 
 class FixedPump(Module):

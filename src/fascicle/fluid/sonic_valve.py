@@ -45,6 +45,7 @@ from .line import Line
 
 REFERENCE_DENSITY = 1.185  # kg/m³, as printed
 LAMINAR_FROM = 0.999  # β
+_DATA_SHEET = "take it from the valve's data sheet"
 
 
 class SonicValve(Module):
@@ -57,8 +58,8 @@ class SonicValve(Module):
 
     source: ClassVar[str] = "ISO 6358 (1989, 2013)"
 
-    C: Batch = above_zero("C", Range("m³/(s·Pa)", 1e-15, 1e-12, 1e-6, 1e-3))
-    b: Batch = between("b", 0.0, 1.0)
+    C: Batch = above_zero("C", Range("m³/(s·Pa)", 1e-15, 1e-12, 1e-6, 1e-3), _DATA_SHEET)
+    b: Batch = between("b", 0.0, 1.0, remedy=_DATA_SHEET)
     m: Batch = between("m", 0.0, 1.0, closed=(False, True), default=0.5)
     line: Line | None = part("line", (Line,), default=None)
     reference_density: Batch = above_zero(

@@ -165,8 +165,9 @@ class UnitSurface(Module):
         low, high = (float(x) for x in self.strains)
         why, closed = "of the table", (True, True)
         top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its own root
-        P = within(pressure, -101325.0, top, "pressure", "Pa", why, closed)
-        return P, within(strain, low, high, "strain", "-", why, closed)
+        more = "tabulate the muscle up to there"
+        P = within(pressure, -101325.0, top, "pressure", "Pa", why, closed, more)
+        return P, within(strain, low, high, "strain", "-", why, closed, more)
 
 
 def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:

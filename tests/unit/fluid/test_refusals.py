@@ -10,12 +10,14 @@ from fascicle import fluid
 
 LINE = fluid.Line(1.0, 0.004)
 GAS = fluid.Isothermal()
+SHEET = "take it from the valve's data sheet"
 CASES = [
-    (lambda: fluid.SonicValve(1e-8, 1.0), "`b` must lie in (0, 1), got 1."),
-    (lambda: fluid.SonicValve(1e-8, 0.0), "`b` must lie in (0, 1), got 0."),
-    (lambda: fluid.SonicValve(0.0, 0.3), "`C` must be positive and finite, got 0 m³/(s·Pa)."),
+    (lambda: fluid.SonicValve(1e-8, 1.0), f"`b` must lie in (0, 1), got 1: {SHEET}."),
+    (lambda: fluid.SonicValve(1e-8, 0.0), f"`b` must lie in (0, 1), got 0: {SHEET}."),
+    (lambda: fluid.SonicValve(0.0, 0.3), "`C` must be positive and finite, got 0 "
+     f"m³/(s·Pa): {SHEET}."),
     (lambda: fluid.SonicValve(-1e-8, 0.3), "`C` must be positive and finite, got -1e-08 "
-     "m³/(s·Pa)."),
+     f"m³/(s·Pa): {SHEET}."),
     (lambda: fluid.SonicValve(1.2, 0.3), "`C` must lie in [1e-15, 0.001] m³/(s·Pa), got 1.2 "
      "m³/(s·Pa): check its unit."),
     (lambda: fluid.SonicValve(1e-8, 0.3, 0.0), "`m` must lie in (0, 1], got 0."),
@@ -51,7 +53,7 @@ CASES = [
      "to open supply, got nan."),
     (lambda: fluid.AdiabaticWall(-1.0), "`conductance` must lie in [0, inf) W/K, got -1 W/K."),
     (lambda: fluid.Isothermal(dead_volume=-1e-6), "`dead_volume` must lie in [0, inf) m³, got "
-     "-1e-06 m³."),
+     "-1e-06 m³: leave it out where there is none."),
     (lambda: fluid.LiquidChamber(compliance=-1e-12), "`compliance` must lie in [0, inf) m³/Pa, got "
      "-1e-12 m³/Pa."),
     (lambda: fluid.Isothermal(room_pressure=0.0), "`room_pressure` is absolute and must be at "
@@ -60,8 +62,10 @@ CASES = [
     (lambda: fluid.Isothermal(room_temperature=20.0), "`room_temperature` must lie in [100, "
      "1500] K, "
      "got 20 K: check its unit."),
-    (lambda: fluid.Polytropic(0.9), "`exponent` must lie in [1, 2], got 0.9."),
-    (lambda: fluid.Polytropic(2.5), "`exponent` must lie in [1, 2], got 2.5."),
+    (lambda: fluid.Polytropic(0.9), "`exponent` must lie in [1, 2], got 0.9: 1 is isothermal, 1.4 "
+     "adiabatic air."),
+    (lambda: fluid.Polytropic(2.5), "`exponent` must lie in [1, 2], got 2.5: 1 is isothermal, 1.4 "
+     "adiabatic air."),
     (lambda: fluid.Gas(287.0, 1.0), "`heat_capacity_ratio` must lie in [1.001, 2], got 1: check "
      "its "
      "unit."),
@@ -80,15 +84,16 @@ CASES = [
     (lambda: fluid.Tank(GAS, 0.0, 6e5), "`volume` must be positive and finite, got 0 m³."),
     (lambda: fluid.Tank(GAS, 0.01, 0.0), "`pressure` must lie above the room's, which is 0 Pa "
      "gauge, got 0 Pa: raise it."),
-    (lambda: fluid.Accumulator(1e-3, 2e5, 6e5, 0.9), "`exponent` must lie in [1, 2], got 0.9."),
+    (lambda: fluid.Accumulator(1e-3, 2e5, 6e5, 0.9), "`exponent` must lie in [1, 2], got 0.9: 1 is "
+     "isothermal, 1.4 adiabatic nitrogen."),
     (lambda: fluid.Accumulator(1e-3, 6e5, 2e5), "`pressure` must lie above the `precharge` of "
      "600000 Pa, got 200000 Pa: below it there is no liquid."),
     (lambda: fluid.Accumulator(1e-3, 1e3, 9e7, 1.0), "`pressure` must leave the gas 0.01 of "
      "`volume`, got a share of 0.00114: raise the `precharge`."),
     (lambda: fluid.FixedPump(1e-6, 25.0, 0.0), "`volumetric_efficiency` must lie in (0, 1], got "
-     "0."),
+     "0: 1 is without loss."),
     (lambda: fluid.FixedPump(1e-6, 25.0, 0.9, 1.1), "`mechanical_efficiency` must lie in (0, 1], "
-     "got 1.1."),
+     "got 1.1: 1 is without loss."),
     (lambda: fluid.VariablePump(1e-6, 25.0, 1e6, 0.0), "`band` must be positive and finite, got 0 "
      "Pa."),
     (lambda: fluid.PressureBand(6e5, 4e5), "`high` must lie above `low`, 600000 Pa, got 400000 Pa: "
