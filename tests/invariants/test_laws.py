@@ -104,17 +104,18 @@ def every(test):
     return of_laws(pytest.mark.parametrize("n", [N // 4, pytest.param(N, marks=SLOW)])(test))
 
 
-def takes_long(laws):
-    """Whether to compile its slopes costs half a minute."""
-    return not {"elastica", "elastic_braid"}.isdisjoint(named(laws).split("-"))
-
-
-# compiled for each combination: these here, every one with its whole sample by the slow ones
+# compiled for each combination: some unlike ones here, each with its whole sample by the slow ones
+SOON = (
+    "kim2021-kim2021-derived",
+    "kim2021-wood1958-consistent-True",
+    "kim2021-wood1958-kothera2009",
+    "kim2021_series-kim2021",
+)
 compiled = pytest.mark.parametrize(
     ("laws", "n"),
     [
         *(pytest.param(laws, N // 4, id=named(laws)) for laws in COMBINATIONS
-          if not takes_long(laws)),
+          if named(laws) in SOON),
         *(pytest.param(laws, N, id=f"{named(laws)}-{N}", marks=SLOW) for laws in COMBINATIONS),
     ],
 )  # fmt: skip

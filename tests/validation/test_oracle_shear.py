@@ -48,7 +48,13 @@ def test_it_gives_way_at_the_oracle_s_load(pressure, length):
 
 
 @pytest.mark.oracle
-@pytest.mark.parametrize(("over", "within"), [(0.2, 0.003), (0.5, 0.006), (1.0, 0.011)])
+@pytest.mark.parametrize(
+    ("over", "within"),
+    [
+        *(pytest.param(*more, marks=pytest.mark.slow) for more in ((0.2, 0.003), (0.5, 0.006))),
+        (1.0, 0.011),
+    ],
+)
 def test_bowed_it_pushes_as_a_column_that_shears(over, within):
     # the softer elastica is exact as the bow vanishes; at a third of the length it is not, quite
     EI, L = 1.56e-3, 0.12
