@@ -100,7 +100,7 @@ def sines(
         how = {"dt": dt, "start": start, "substeps": looked.substeps}
         return simulate(plant, controller, reference, **how).seen
 
-    seen = jax.tree.map(np.asarray, jax.jit(jax.vmap(run))(jnp.asarray(lanes)))
+    seen = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(lanes)))
     late = slice(round(_GROWS / dt), steps)
 
     def shaped(values: Numbers) -> Numbers:
