@@ -1,5 +1,6 @@
 """Sines in one batch are the runs that they'd be one by one, with oil; power units by hand."""
 
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -17,7 +18,7 @@ def scenario():
     return fs.example("sine_1_4")
 
 
-def test_a_batch_is_the_runs_one_by_one(scenario):
+def test_a_batch_is_the_runs_one_by_one(scenario, caplog):
     plant, controller = scenario.plant, scenario.controlled.controller
     A, f, mean, time = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
     found = control.sines(plant, controller, mean, A, f, scenario.start, time)
@@ -41,6 +42,12 @@ def test_a_batch_is_the_runs_one_by_one(scenario):
     assert_allclose(found.work[1, 1], power.sum() * 1e-3 / 2, rtol=1e-6)
     # oil of one muscle suffices for the small one, five are filled for the large one
     assert found.drawn[1, 0].sum() > 3 * found.drawn[0, 0].sum()
+
+    # others of as many wait for no compiler
+    with jax.log_compiles(), caplog.at_level("WARNING"):
+        other = control.sines(plant, controller, mean, [1e-3, 5e-3], f, scenario.start, time)
+    assert not [record for record in caplog.records if "ompil" in record.getMessage()]
+    assert np.all(other.drawn.sum(-1) < found.drawn.sum(-1))
 
 
 def test_power_units_by_hand():
