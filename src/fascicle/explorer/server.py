@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import errno
 import logging
 import socket
 import warnings
@@ -48,28 +49,11 @@ def serve(
     """
     for name in ("bokeh", "tornado.access", "tornado.general"):
         logging.getLogger(name).setLevel(logging.ERROR)
-    chosen = free_port(host, port)
     with Stop(say) as stop, _loop() as loop, warnings.catch_warnings():
         # who reads the page is told there: the terminal is somebody else's
         warnings.simplefilter("ignore", UserWarning)
         pn.extension()
-        server: Any = pn.serve(
-            {"/": lambda: page(view)},
-            port=chosen,
-            address=host,
-            # whose page may open a websocket is the guard's to say
-            websocket_origin=["*"],
-            show=False,
-            start=False,
-            title="fascicle",
-            verbose=False,
-            threaded=False,
-            loop=loop,
-            unused_session_lifetime_milliseconds=_UNUSED,
-            check_unused_sessions_milliseconds=2_000,
-            websocket_max_message_size=_MESSAGE,
-            http_server_kwargs={"max_buffer_size": _MESSAGE},
-        )
+        server, chosen = listening(view, host, port, loop)
         guard(server._tornado, names_of(host, allowed))
         server.start()
         if host not in LOOPBACK:
@@ -85,6 +69,39 @@ def serve(
         loop.start()
         server.stop()
     say("stopped.")
+
+
+def listening(view: View, host: str, port: int | None, loop: Any) -> tuple[Any, int]:
+    """A server on a `loop` [-] and the port that it has [-]: where that is left open and somebody
+    else was faster, the next free one. Other arguments as those of `serve`.
+    """
+    left = _TRIES
+    while True:
+        chosen = free_port(host, port)
+        try:
+            server = pn.serve(
+                {"/": lambda: page(view)},
+                port=chosen,
+                address=host,
+                # whose page may open a websocket is the guard's to say
+                websocket_origin=["*"],
+                show=False,
+                start=False,
+                title="fascicle",
+                verbose=False,
+                threaded=False,
+                loop=loop,
+                unused_session_lifetime_milliseconds=_UNUSED,
+                check_unused_sessions_milliseconds=2_000,
+                websocket_max_message_size=_MESSAGE,
+                http_server_kwargs={"max_buffer_size": _MESSAGE},
+            )
+        except OSError as error:
+            left -= 1
+            if error.errno != errno.EADDRINUSE or not left:
+                raise
+        else:
+            return server, chosen
 
 
 def page(start: View) -> Any:
