@@ -170,7 +170,8 @@ def test_a_file_that_cant_be_is_one_line_with_its_key(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(SHORT.replace("b = 0.3", "b = 1.2"))
     code, out, err = fascicle("simulate", "a.toml")
     assert (code, out) == (2, "")
-    assert err == "error: a.toml: valve.b = 1.2: `b` must lie in (0, 1), got 1.2.\n"
+    rule = "`b` must lie in (0, 1), got 1.2: take it from the valve's data sheet."
+    assert err == f"error: a.toml: valve.b = 1.2: {rule}\n"
 
 
 def test_init_writes_one_that_runs(fascicle, tmp_path):

@@ -229,9 +229,9 @@ def test_substeps_are_told(lift):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"dt": 0.0}, "`dt` must be positive and finite, got 0 s."),
-        ({"dt": -1e-3}, "`dt` must be positive and finite, got -0.001 s."),
-        ({"dt": np.nan}, "`dt` must be positive and finite, got nan s."),
+        ({"dt": 0.0}, "`dt` must be positive and finite, got 0 s: such as 0.001."),
+        ({"dt": -1e-3}, "`dt` must be positive and finite, got -0.001 s: such as 0.001."),
+        ({"dt": np.nan}, "`dt` must be positive and finite, got nan s: such as 0.001."),
         ({"substeps": 0}, "`substeps` must be a whole number of at least 1, got 0."),
         ({"controller": np.zeros((3, 3))}, "`commands` must have 2 columns, one for each command,"
          " got 3."),
