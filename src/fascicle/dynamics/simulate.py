@@ -4,6 +4,7 @@ The whole run is one compiled loop of fixed steps, so that it can be batched and
 whatever the plant and the controller hold; `integrate` is the reference that it is held against.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -32,6 +33,7 @@ from .stepping import Course, set_right, substep
 
 
 _NEWTON = 8  # a state that is given may be off
+_LEAST, _MUCH = 10, 16  # powers of two of steps
 _AT_ONCE = 20_000  # moments, of which tables' cells fill some megabytes
 
 
@@ -97,11 +99,15 @@ def simulate(
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
     given = [x if eqx.is_array_like(x) else None for x in leaves]
-    known = concrete((plant, given, memory, inputs, begin))
-    numbered = plant, given, memory, inputs, begin, np.float64(dt)
-    ran = whole(_run, numbered, ((fixed, kind), int(substeps)))
-    steps = len(inputs)
-    every, commands, end = numbers(ran) if known else ran
+    known, steps, count = concrete((plant, given, memory, inputs, begin)), len(inputs), None
+    if known:  # so that another length mostly compiles nothing
+        count = np.int64(steps)
+        inputs = np.concatenate([inputs, np.repeat(inputs[-1:], _room(steps) - steps, axis=0)])
+    numbered = plant, given, memory, inputs, begin, np.float64(dt), count
+    every, commands, end = whole(_run, numbered, ((fixed, kind), int(substeps)))
+    if known:
+        every, commands, end = numbers((every, commands, end))
+        every, commands = jax.tree.map(lambda x: x[: steps + 1], (every, commands))
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
     seen, more = (_looked if known and tables else _traced)(plant, dt, every, commands)
@@ -137,8 +143,9 @@ def _driven(
 
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
-    fixed: tuple[tuple[Any, ...], Any], substeps: int,
+    count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[Course, Numbers, State]:  # fmt: skip
+    """A row of `inputs` for each step, of which `count` are made; all of them, where it is none."""
     leaves, kind = fixed
     act = jax.tree.unflatten(
         kind, [x if y is None else y for x, y in zip(given, leaves, strict=True)]
@@ -165,13 +172,49 @@ def _run(
         begun = course._replace(folded=jnp.zeros_like(course.folded))
         return (lax.fori_loop(0, substeps, sub, begun), memory), (course, command)
 
-    times = dt * jnp.arange(len(inputs) + 1)
     begun = Course(state, anchor, jnp.zeros(len(ACCOUNT)), jnp.zeros((), bool)), memory
-    (last, _), (every, commands) = lax.scan(step, begun, (times[:-1], inputs))
-    every = jax.tree.map(lambda many, one: jnp.concatenate([many, one[None]]), every, last)
-    commands = jnp.concatenate([commands, commands[-1:]])
-
+    (last, _), (every, commands) = _scanned(
+        step, begun, (dt * jnp.arange(len(inputs)), inputs), count
+    )
+    end = len(inputs) if count is None else count
+    every = jax.tree.map(partial(_with_end, end), every, last)
+    commands = _with_end(end, commands, lax.dynamic_index_in_dim(commands, end - 1, keepdims=False))
     return every, commands, last.state
+
+
+def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
+    """What `lax.scan` gives, of the first `count` steps, unless that is none."""
+    if count is None:
+        return lax.scan(step, begun, inputs)
+    row = jax.tree.map(lambda x: x[0], inputs)
+    shapes = jax.eval_shape(step, begun, row)[1]
+    room = len(jax.tree.leaves(inputs)[0])
+
+    def stepped(i: Any, now: tuple) -> tuple:
+        carry, every = now
+        carry, found = step(
+            carry, jax.tree.map(lambda x: lax.dynamic_index_in_dim(x, i, keepdims=False), inputs)
+        )
+        return carry, jax.tree.map(
+            lambda x, one: lax.dynamic_update_index_in_dim(x, one, i, 0), every, found
+        )
+
+    empty = jax.tree.map(lambda x: jnp.zeros((room, *x.shape), x.dtype), shapes)
+    return lax.fori_loop(0, count, stepped, (begun, empty))
+
+
+def _with_end(end: Any, every: Any, last: Any) -> Any:
+    """Values at moments, with the `last` one after so many."""
+    longer = jnp.concatenate([every, every[-1:]])
+    return lax.dynamic_update_index_in_dim(longer, last, end, 0)
+
+
+def _room(steps: int) -> int:
+    """For how many steps there is room in a program that makes so many: a power of four, where
+    that takes little memory, or of two.
+    """
+    bits = max(_LEAST, (steps - 1).bit_length())
+    return 1 << (bits + bits % 2 if bits < _MUCH else bits)
 
 
 def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:

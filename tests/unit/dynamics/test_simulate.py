@@ -12,7 +12,7 @@ from fascicle.core.refused import Refused
 
 
 BEGIN = 1.5e5  # gauge [Pa], at which the load hangs in the air
-SHORT, LONG = 100, 4000  # steps of runs: each number of them is compiled anew
+SHORT, LONG = 100, 4000  # steps of runs
 
 
 def up(time):
@@ -215,6 +215,23 @@ def test_a_batch_is_its_runs(lift):
         assert_allclose(many.position[k], one.position, rtol=0, atol=1e-13)
         assert_allclose(many.pressures[k], one.pressures, rtol=1e-10)
         assert_array_equal(many.status[k], one.status)
+
+
+def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
+    start = dynamics.rest(lift, BEGIN)
+    rows = np.stack([up(1e-3 * np.arange(SHORT)), np.zeros(SHORT)], axis=1)
+    whole = dynamics.simulate(lift, rows, start=start, substeps=2)
+    with jax.log_compiles(), caplog.at_level("WARNING"):
+        for steps in (1, 37):
+            part = dynamics.simulate(lift, rows[:steps], start=start, substeps=2)
+            for all_of_it, one in zip(whole.seen, part.seen, strict=True):
+                assert_array_equal(all_of_it[:steps], one[:steps])
+            assert_array_equal(part.account, whole.account[: steps + 1])
+            assert_array_equal(part.commands[:-1], rows[:steps])
+            # the last are held at the end, too
+            assert_array_equal(part.commands[-1], rows[steps - 1])
+            assert_array_equal(part.end.position, whole.seen.position[steps])
+    assert not [record for record in caplog.records if "ompil" in record.getMessage()]
 
 
 def test_substeps_are_told(lift):
