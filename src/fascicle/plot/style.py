@@ -78,6 +78,10 @@ class StyledFigure(Figure):
         with rc_context(_STYLE):
             super().draw(renderer)
 
+    def _repr_png_(self) -> bytes:
+        """As notebooks show it: matplotlib shows none before pyplot has made one of its own."""
+        return to_bytes(self, "png")
+
 
 def styled(function: Callable) -> Callable:
     """Run a function that builds a figure with the style switched on."""

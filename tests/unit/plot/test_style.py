@@ -66,3 +66,9 @@ def test_components_add_up_to_the_force():
 def test_too_many_panels_are_refused():
     with pytest.raises(ValueError, match="at most 4"):
         plot.force_strain(MUSCLE, np.linspace(0, 1e5, 5), STRAINS, components=True)
+
+
+def test_a_notebook_shows_a_figure_before_pyplot_made_one():
+    formatters = pytest.importorskip("IPython.core.formatters", reason="no IPython: make setup")
+    found, _ = formatters.DisplayFormatter().format(MUSCLE.plot())
+    assert found["image/png"].startswith(b"\x89PNG")
