@@ -104,10 +104,14 @@ def simulate(
         count = np.int64(steps)
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], _room(steps) - steps, axis=0)])
     numbered = plant, given, memory, inputs, begin, np.float64(dt), count
-    every, commands, end = whole(_run, numbered, ((fixed, kind), int(substeps)))
+    every, commands, last = whole(_run, numbered, ((fixed, kind), int(substeps)))
+    at_work = jnp
     if known:
-        every, commands, end = numbers((every, commands, end))
-        every, commands = jax.tree.map(lambda x: x[: steps + 1], (every, commands))
+        every, commands, last = numbers((every, commands, last))
+        every, commands = jax.tree.map(lambda x: x[:steps], (every, commands))
+        at_work = np
+    every = jax.tree.map(lambda many, one: at_work.concatenate([many, one[None]]), every, last)
+    commands = at_work.concatenate([commands, commands[-1:]])
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
     seen, more = (_looked if known and tables else _traced)(plant, dt, every, commands)
@@ -116,7 +120,7 @@ def simulate(
     if looked is not None and looked.stiff:
         seen = seen._replace(status=seen.status | (1 << STATUS.index("stiff")))
     return Trajectory(
-        dt * np.arange(steps + 1), seen, commands, account, int(substeps), looked, end
+        dt * np.arange(steps + 1), seen, commands, account, int(substeps), looked, last.state
     )
 
 
@@ -144,8 +148,10 @@ def _driven(
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
-) -> tuple[Course, Numbers, State]:  # fmt: skip
-    """A row of `inputs` for each step, of which `count` are made; all of them, where it is none."""
+) -> tuple[Course, Numbers, Course]:  # fmt: skip
+    """Before each step, commanded in it, and after the last: a row of `inputs` for each, of which
+    `count` are made; all of them, where it is none.
+    """
     leaves, kind = fixed
     act = jax.tree.unflatten(
         kind, [x if y is None else y for x, y in zip(given, leaves, strict=True)]
@@ -176,10 +182,7 @@ def _run(
     (last, _), (every, commands) = _scanned(
         step, begun, (dt * jnp.arange(len(inputs)), inputs), count
     )
-    end = len(inputs) if count is None else count
-    every = jax.tree.map(partial(_with_end, end), every, last)
-    commands = _with_end(end, commands, lax.dynamic_index_in_dim(commands, end - 1, keepdims=False))
-    return every, commands, last.state
+    return every, commands, last
 
 
 def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
@@ -201,12 +204,6 @@ def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, 
 
     empty = jax.tree.map(lambda x: jnp.zeros((room, *x.shape), x.dtype), shapes)
     return lax.fori_loop(0, count, stepped, (begun, empty))
-
-
-def _with_end(end: Any, every: Any, last: Any) -> Any:
-    """Values at moments, with the `last` one after so many."""
-    longer = jnp.concatenate([every, every[-1:]])
-    return lax.dynamic_update_index_in_dim(longer, last, end, 0)
 
 
 def _room(steps: int) -> int:
