@@ -189,6 +189,7 @@ def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, 
     """What `lax.scan` gives, of the first `count` steps, unless that is none."""
     if count is None:
         return lax.scan(step, begun, inputs)
+    step = jax.jit(step, inline=True)  # traced once for both
     row = jax.tree.map(lambda x: x[0], inputs)
     shapes = jax.eval_shape(step, begun, row)[1]
     room = len(jax.tree.leaves(inputs)[0])

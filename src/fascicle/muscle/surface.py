@@ -30,6 +30,7 @@ from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.dual import Dual
 from ..core.modules import Module
+from ..core.once import traced_once
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from .coenergy import coenergy_at_rest
@@ -170,6 +171,7 @@ class UnitSurface(Module):
         return P, within(strain, low, high, "strain", "-", why, closed, more)
 
 
+@traced_once
 def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
     """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
