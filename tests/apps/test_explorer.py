@@ -132,8 +132,14 @@ def visit(browser, server, idle):
 
 
 def until(page, expression, arg=None):
-    """Wait for what a page computes to be true."""
-    page.wait_for_function(expression, arg=arg, polling=OFTEN, timeout=SLOW)
+    """Wait for what a page computes to be true; where it isn't, what is seen is told."""
+    from playwright.sync_api import TimeoutError as Late
+
+    try:
+        page.wait_for_function(expression, arg=arg, polling=OFTEN, timeout=SLOW)
+    except Late:
+        seen = "() => [document.body.innerText, window.Bokeh?.documents[0]?.is_idle]"
+        pytest.fail(f"{page.url}: still not {expression}\n{page.evaluate(seen)}")
 
 
 def source(page, name, ready="d => d.xs ? d.xs.length : Object.values(d)[0].length"):
