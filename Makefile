@@ -24,11 +24,13 @@ $(STAMP): requirements.lock pyproject.toml
 reproduce: $(STAMP)
 	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --force
 
-# the README and the docs show the reproduction's own Fig. 9 and claims, and the explorer at work
+# the README and the docs show the reproduction's own Fig. 9 and claims, the explorer at work, and
+# runs that pages only tell of
 picture: reproduce browser
 	cp out/kim2021/figure_09.png docs/_static/readme.png
 	cp out/kim2021/claims.json docs/_static/claims.json
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
+	$(BIN)/python docs/runs.py docs/_static/runs.json
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint layers
@@ -58,9 +60,9 @@ unit: $(STAMP) browser
 slow: $(STAMP)
 	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
-# page by page where somebody watches, and nothing else runs; two at once for a core, as one waits
+# page by page where somebody watches, and nothing else runs; one more at once, as one waits
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -j $$((2 * $(WORKERS))) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
 # takes some twenty minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)

@@ -59,6 +59,10 @@ nitpick_ignore_regex = [
     ("py:.*", r"(equinox|jax|jaxtyping|numpy|collections|typing|types|abc|builtins)\..*"),
 ]
 
+# beside a page stand its sections: the hundreds of names under them are found by the search, and
+# took a third of the time to write all pages
+toc_object_entries = False
+
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 math_number_all = False

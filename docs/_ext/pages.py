@@ -1,4 +1,4 @@
-"""Pages are executed in a warm kernel, each in an empty namespace; those with most code come first.
+"""Pages are executed in a warm kernel, each in an empty namespace; the longest come first.
 
 Starting a kernel, and importing what nearly every page imports, takes longer than most pages do:
 each of the processes that read pages has one. A page may count on nothing of the one before it: its
@@ -6,7 +6,6 @@ names are gone, its figures closed, its folder left.
 """
 
 import functools
-from collections import deque
 from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
@@ -15,10 +14,20 @@ from jupyter_cache.executors.utils import ExecutionResult, single_nb_execution
 from jupyter_client.manager import AsyncKernelManager
 from jupyter_core.utils import run_sync
 from myst_nb.core.execute import direct
-from nbformat.v4 import new_code_cell, new_notebook
+from nbformat.v4 import new_code_cell
+from sphinx import builders
 from sphinx.application import Sphinx
 from sphinx.util.parallel import make_chunks
 
+
+# seconds that pages take, as measured, where that is more than three: a page's code doesn't tell
+_LONG = {
+    "api": 11, "calibrate": 11, "control": 8, "sines": 8, "design": 6, "how-to/mujoco": 5,
+    "theory/energy": 4, "how-to/train": 4, "dynamometer": 3, "dynamics": 3, "theory/crossing": 3,
+}  # fmt: skip
+
+# one batch for each process: another one would begin with another kernel
+_chunks = functools.partial(make_chunks, maxbatch=1_000)
 
 # `%reset` comes last: it takes these names along
 BEGIN = """import gc, os
@@ -30,47 +39,53 @@ pyplot.close("all")
 
 
 @functools.cache
-def kernel() -> AsyncKernelManager:
-    """The kernel of a process, which ends with it."""
+def kernel() -> tuple[AsyncKernelManager, Any]:
+    """The kernel of a process, which ends with it, and who talks to it."""
     started = AsyncKernelManager(kernel_name="python3")
     run_sync(started.start_kernel)()
     Finalize(None, run_sync(started.shutdown_kernel), kwargs={"now": True}, exitpriority=1)
-    return started
+    client = started.client()
+    client.start_channels()
+    run_sync(client.wait_for_ready)()
+    client.allow_stdin = False
+    return started, client
 
 
 def execute(page: Any, cwd: str, **options: Any) -> ExecutionResult:
     """Execute a page in its folder."""
-    begin = new_notebook(cells=[new_code_cell(BEGIN.format(folder=cwd))])
-    begun = single_nb_execution(begin, cwd, timeout=60, allow_errors=False, km=kernel())
-    if begun.err is not None:
-        return begun
-    return single_nb_execution(page, cwd, km=kernel(), **options)
+    started, client = kernel()
+    page.cells.insert(0, new_code_cell(BEGIN.format(folder=cwd)))
+    done = single_nb_execution(page, cwd, km=started, kc=client, **options)
+    page.cells.pop(0)
+    return done
 
 
-def dealt(names: list[str], sizes: list[int]) -> list[list[str]]:
-    """Names, dealt in turn to batches of these sizes."""
+def dealt(times: dict[str, float], sizes: list[int]) -> list[list[str]]:
+    """Names, by how long they take, in batches of these sizes: the longest first, each to the batch
+    that has least to do so far.
+    """
     batches: list[list[str]] = [[] for _ in sizes]
-    left = deque(names)
-    while left:
-        for batch, size in zip(batches, sizes, strict=True):
-            if left and len(batch) < size:
-                batch.append(left.popleft())
+    for name in sorted(times, key=lambda name: -times[name]):
+        open_ones = [x for x, size in zip(batches, sizes, strict=True) if len(x) < size]
+        min(open_ones, key=lambda batch: sum(times[one] for one in batch)).append(name)
     return batches
 
 
 def put_in_order(app: Sphinx, _: Any, names: list[str]) -> None:
-    """Spread the pages with most code over the batches that processes take in turn."""
+    """Spread the pages that take long over the batches that processes take in turn."""
 
-    def cells(name: str) -> int:
-        return Path(app.env.doc2path(name)).read_text(encoding="utf-8").count("{code-cell}")
+    def time(name: str) -> float:
+        cells = Path(app.env.doc2path(name)).read_text(encoding="utf-8").count("{code-cell}")
+        return _LONG.get(name, 0.5 + 0.1 * cells)
 
-    sizes = [len(batch) for batch in make_chunks(names, app.parallel)]
-    batches = dealt(sorted(names, key=cells, reverse=True), sizes)
+    sizes = [len(batch) for batch in _chunks(names, app.parallel)]
+    batches = dealt({name: time(name) for name in names}, sizes)
     names[:] = [name for batch in batches for name in batch]
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Register with Sphinx, and with myst-nb, which has no option for it."""
+    """Register with Sphinx, and with it and myst-nb, which have no option for it."""
     direct.single_nb_execution = execute
+    builders.make_chunks = _chunks
     app.connect("env-before-read-docs", put_in_order)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,59 @@
+"""Runs that pages only tell of: maps of sines, by one muscle and four others and by five as one;
+and a stride with and without friction fed forward.
+
+python docs/runs.py docs/_static/runs.json
+"""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import fascicle as fs
+from fascicle import control, fluid
+
+
+FREQUENCIES, AMPLITUDES = [0.5, 1.0, 1.5, 2.0], [2e-3, 4e-3, 6e-3, 8e-3, 10e-3]  # Hz, m
+MEAN, SUPPLY = 12.7e-3, 413.7e3  # m, Pa
+SINES = {
+    "threshold": ("sine_1_4", "threshold"),
+    "hand_over": ("sine_1_4", "hand_over"),
+    "one unit of five": ("sine_1x5", "orderly"),
+}
+
+
+def told(name: str, policy: str) -> dict[str, Any]:
+    """A map of a scenario [-] with a policy [-]: errors [-], and the system's efficiency [-]."""
+    scenario = fs.example(name)
+    controller = scenario.taking(policy).controlled.controller
+    found = control.sines(scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start)
+    spent = control.shaft_work(found, SUPPLY, fluid.OIL.reference_density)
+    return {
+        "error": _short(found.error),
+        "efficiency": {unit: _short(found.work / work) for unit, work in spent.items()},
+        "trusted": bool(np.all(found.trusted)),
+        "held": bool(np.all(found.reached == 1)),
+    }
+
+
+def missed(compensate: bool) -> float:
+    """The root mean square of what a stride is missed by [deg]."""
+    one = fs.example("joint_gait").taking(compensate=compensate)
+    worth = control.worth(one.controlled.controller, one.run(), one.controlled.reference)
+    return float(f"{np.degrees(worth.rms):.5g}")
+
+
+def _short(values: np.ndarray) -> list[list[float]]:
+    return [[float(f"{x:.5g}") for x in row] for row in values]
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("path", type=Path)
+    path = parser.parse_args().path
+    sines = {"frequencies": FREQUENCIES, "amplitudes": AMPLITUDES}
+    sines |= {"runs": {run: told(*which) for run, which in SINES.items()}}
+    gait = {"compensated": missed(True), "not": missed(False)}
+    path.write_text(json.dumps({"sines": sines, "gait": gait}) + "\n", encoding="utf-8")
