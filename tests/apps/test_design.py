@@ -197,7 +197,14 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     assert front.drawing[front.recommended.values.argmax()].item() == "DMSP-20, 200 mm"
 
 
-@pytest.mark.parametrize("example", ["pick_and_place_arm", "sit_to_stand_knee", "walking_ankle"])
+@pytest.mark.parametrize(
+    "example",
+    [
+        "pick_and_place_arm",
+        "walking_ankle",
+        pytest.param("sit_to_stand_knee", marks=pytest.mark.slow),
+    ],
+)
 def test_the_template_does_its_task(fascicle, tmp_path, example):
     from fascicle.design.searches.exhaustive import search
     from fascicle.files.task import load_task

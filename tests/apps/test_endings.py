@@ -81,7 +81,7 @@ block = 16
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("workers", ["0", "2"])
+@pytest.mark.parametrize("workers", [pytest.param("0", marks=pytest.mark.slow), "2"])
 def test_control_c_in_a_sweep_is_a_line_and_the_sweep_goes_on(tmp_path, workers):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     (tmp_path / "task.toml").write_text(TASK)

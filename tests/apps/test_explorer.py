@@ -590,8 +590,10 @@ def test_a_page_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, 
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
     page = visit(f"?muscle=kim2021_bundle_1_4&theme={theme}", width=width, height=height)
     assert (max(background(page)) < 60) == (theme == "dark")
-    for tab in tabs_one_by_one(page):
+    for number, tab in enumerate(tabs_one_by_one(page)):
         assert (tab, untidy(page, width)) == (tab, [])
+        if theme == "default" and number > 1:  # colors are every tab's; of all it looks in the dark
+            continue
         found = axe.Axe().run(page).response["violations"]
         grave = [f"{one['id']}: {one['nodes'][0]['html']}" for one in found
                  if one["impact"] in ("serious", "critical")]  # fmt: skip

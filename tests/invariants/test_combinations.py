@@ -98,12 +98,12 @@ def held(seed):
 
 # of 46 an ovalizing column takes some fifty steps of Newton's at one of its states; 65 is too short
 # to hold anything by its law
-@pytest.mark.parametrize("seed", [*range(5), 46, 65])
+@pytest.mark.parametrize("seed", [*range(3), 46, 65])
 def test_any_laws_go_together(seed):
     held(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in range(5, 200) if seed not in (46, 65)])
+@pytest.mark.parametrize("seed", [seed for seed in range(3, 200) if seed not in (46, 65)])
 def test_any_laws_go_together_often(seed):
     held(seed)

@@ -104,13 +104,8 @@ def every(test):
     return of_laws(pytest.mark.parametrize("n", [N // 4, pytest.param(N, marks=SLOW)])(test))
 
 
-# compiled for each combination: some unlike ones here, each with its whole sample by the slow ones
-SOON = (
-    "kim2021-kim2021-derived",
-    "kim2021-wood1958-consistent-True",
-    "kim2021-wood1958-kothera2009",
-    "kim2021_series-kim2021",
-)
+# compiled for each combination: two unlike ones here, each with its whole sample by the slow ones
+SOON = ("kim2021-wood1958-consistent-True", "kim2021_series-kim2021")
 compiled = pytest.mark.parametrize(
     ("laws", "n"),
     [

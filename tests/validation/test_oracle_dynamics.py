@@ -165,7 +165,7 @@ def test_audits_close(ran):
     assert max(found.values()) < (1e-6 if ours.liquid else 1e-7)
 
 
-@pytest.mark.parametrize("name", ["wall, mass", "oil, mass"])
+@pytest.mark.parametrize("name", [pytest.param("wall, mass", marks=pytest.mark.slow), "oil, mass"])
 def test_adaptive_steps_follow_the_oracle(name):
     plant, schedule = CASES[name]
     expected = oracle.run(plant, schedule, TIMES, [BEGIN] * len(plant.units))

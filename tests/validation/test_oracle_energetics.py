@@ -28,13 +28,13 @@ def expected(n, path, resistance, scheme="orderly"):
 
 
 @pytest.mark.parametrize("path", SPEC)
-@pytest.mark.parametrize("n", [1, 2, 3])
+@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
 def test_oracle_gives_the_published_averages(n, path):
     assert expected(n, path, True) == pytest.approx(SPEC[path][n - 1], rel=0, abs=5.01e-4)
 
 
 @pytest.mark.parametrize("path", SPEC)
-@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("n", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_oracle_says_resistance_costs_under_2_percent(n, path):
     assert 0.98 < expected(n, path, True) / expected(n, path, False) < 1
 
@@ -50,8 +50,8 @@ def test_oracle_says_resistance_costs_under_2_percent(n, path):
         (2, "isotonic", True, "orderly"),
         (2, "isotonic", False, "orderly"),
         (2, "isotonic", True, "batch"),
-        (3, "isobaric", True, "orderly"),
-        (3, "isotonic", True, "orderly"),
+        pytest.param(3, "isobaric", True, "orderly", marks=pytest.mark.slow),
+        pytest.param(3, "isotonic", True, "orderly", marks=pytest.mark.slow),
     ],
 )
 def test_library_agrees(n, path, resistance, scheme):

@@ -122,6 +122,7 @@ def test_plates_at_another_distance_stretch_equal_muscles_alike():
     assert float(apart.force([0.0], 0.0)) > 0
 
 
+@pytest.mark.slow
 def test_free_strain_differentiates_by_a_length():
     def free(length):
         units = [fs.MotorUnit(short), fs.MotorUnit(built(length))]

@@ -100,7 +100,7 @@ def test_none_is_missed_by_twenty_random_bundles(seed, scheme):
     assert sum(check(seed, scheme, 100, part) for part in range(5)) > 200
 
 
-@pytest.mark.parametrize("scheme", ["orderly", "batch"])
+@pytest.mark.parametrize("scheme", ["orderly", pytest.param("batch", marks=pytest.mark.slow)])
 def test_many_are_answered_as_few_are(monkeypatch, scheme):
     one = three(3, scheme)
     force, strain = demands(4, one, 60)

@@ -220,6 +220,7 @@ def test_a_comparison_fits_as_separate_fits_do(spoiled, searches):
     assert {(one.starts, one.seed, one.whole) for one in searches} == {(2, 3, False)}
 
 
+@pytest.mark.slow
 def test_a_law_of_collapse_is_compared_with_its_factor(searches):
     muscle = fs.Muscle.from_dimensions(
         0.127, 6.35e-3, 1.6e-3, np.radians(33), "silicone_kim2021", collapse=Kim2021Collapse(0.4)

@@ -34,10 +34,11 @@ def ran(bench):
     return run
 
 
-def test_friction_that_is_fed_forward_halves_what_a_stride_misses():
-    # as the docs' page runs it, which then finds what is compiled here
+# without it is another program, that takes as long again to compile
+@pytest.mark.parametrize("ways", [(True,), pytest.param((True, False), marks=pytest.mark.slow)])
+def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
     gait, missed = fs.example("joint_gait"), {}
-    for compensate in (True, False):
+    for compensate in ways:
         one = gait.taking(compensate=compensate)
         run = one.run()
         worth = control.worth(one.controlled.controller, run, one.controlled.reference)
@@ -45,8 +46,8 @@ def test_friction_that_is_fed_forward_halves_what_a_stride_misses():
         # its gas warms and cools at a wall
         assert np.ptp(np.asarray(run.seen.temperatures)) > 1.0
         assert worth.unreachable == 0 and dynamics.audit(one.plant, run).closes
-    assert missed[True] < 0.7 * missed[False]
-    assert np.degrees(missed[True]) < 2.0
+    assert np.degrees(missed[True]) < 1.5
+    assert False not in ways or missed[True] < 0.7 * missed[False]
 
 
 def test_what_is_measured_late_is_followed_late_but_stays_bounded(ran):

@@ -32,6 +32,7 @@ def evolved(space, task):
     return evolve(space, task, SENSES, LIMITS, 32, 25, seed=1, continuous=False)
 
 
+@pytest.mark.slow
 def test_it_finds_the_exhaustive_front(muscle, task):
     """Of 38 448 designs it judges 10 000."""
     space = Space(

@@ -131,7 +131,7 @@ def test_outside_of_the_domain_it_says_so(tmp_path):
 
 @compiled
 @pytest.mark.filterwarnings("ignore:the tuning was measured up to")
-@pytest.mark.parametrize("plates", [None, 0.13])
+@pytest.mark.parametrize("plates", [pytest.param(None, marks=pytest.mark.slow), 0.13])
 def test_a_bundle_in_c_gives_the_librarys_numbers(plates, tmp_path):
     few, many = muscle(), muscle(tuning=TUNED)
     other = fs.Muscle.from_dimensions(0.135, 9e-3, 2.25e-3, math.radians(28))

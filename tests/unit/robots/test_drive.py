@@ -97,7 +97,7 @@ def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
     assert data.qpos[0] > 0.5  # the flexor is the shorter one
 
 
-@pytest.mark.parametrize("spatial", [False, True])
+@pytest.mark.parametrize("spatial", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_mjx_is_mujoco(spatial, elbow):
     parts = {
         "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
