@@ -3,7 +3,9 @@
 A machine that is shared is slower in some minutes than in others. So calls that are compared
 take turns, A B A B ..., and what is told is the ratio of their medians; its spread is the
 quartiles of the ratios within each round. Nothing is timed that hasn't been compiled and run
-once before. Each call must return only when its result is there.
+once before, and a short call runs once more right before it is timed: after a call that had one
+thread only, a virtual machine may keep the next call's threads on one of its processors for some
+15 ms. Each call must return only when its result is there.
 
 A benchmark is a module with a docstring that says what is counted, `rows(small)`, and
 `run(rows, __doc__)` at its end, so that it can be run alone:
@@ -24,6 +26,7 @@ import numpy as np
 
 
 FEWEST, PATIENCE = 3, 2.0  # rounds over budget, and by how much
+SHORT = 0.15  # s; to a longer call it makes no difference how its first 15 ms went
 
 Call = Callable[[], object]
 
@@ -105,14 +108,15 @@ def interleaved(
 
     A call shorter than `least` [s] is made several times in a row, and the mean is kept.
     """
-    loops = {}
+    loops, quick = {}, set()
     for name, call in calls.items():
         call()  # compiles
-        loops[name] = 1
-        if least > 0:
-            start = time.perf_counter()
-            call()
-            loops[name] = max(1, round(least / (time.perf_counter() - start)))
+        start = time.perf_counter()
+        call()
+        alone = time.perf_counter() - start
+        loops[name] = max(1, round(least / alone))
+        if alone < SHORT:
+            quick.add(name)
     taken: dict[str, list[float]] = {name: [] for name in calls}
     begun = time.perf_counter()
     gc.collect()
@@ -123,6 +127,8 @@ def interleaved(
             if spent > budget and (turn >= FEWEST or spent > PATIENCE * budget):
                 break
             for name, call in calls.items():
+                if name in quick:
+                    call()
                 start = time.perf_counter()
                 for _ in range(loops[name]):
                     call()

@@ -24,8 +24,10 @@ from .series import series
 from .types import Batch
 
 
-_TERMS = 48  # of a series
-_BEND = 0.05  # a, of the end: 50 kPa of 1 MPa, where free strains of most muscles bend
+_TERMS = 48  # of a series, at most
+# a, of the end: 100 kPa of 1 MPa. Free strains bend at some 50, collapse strains at 150, and
+# fewest terms tell of both between
+_BEND = 0.1
 # how far it may be off the root, and so many steps of Newton's come as near as a search ends
 _OFF = ((3e-8, 1), (1e-3, 2))
 
@@ -91,6 +93,9 @@ def _line(nodes: np.ndarray, between: np.ndarray, root: Any) -> Line:
         return _NONE
     at_nodes, others = np.split(np.asarray(root), 2)
     terms = chebyshev.chebfit(nodes, at_nodes, _TERMS - 1)
-    off = np.max(np.abs(chebyshev.chebval(between, terms) - others) / (1 + np.abs(others)))
-    steps = next((steps for most, steps in _OFF if off <= most), 0)
-    return Line(tuple(terms.tolist()), steps)
+    told = np.cumsum(terms[:, None] * chebyshev.chebvander(between, _TERMS - 1).T, axis=0)
+    off = np.max(np.abs(told - others) / (1 + np.abs(others)), axis=1)
+    for most, steps in _OFF:
+        if (near := off <= most).any():
+            return Line(tuple(terms[: np.argmax(near) + 1].tolist()), steps)
+    return _NONE

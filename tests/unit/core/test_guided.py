@@ -4,9 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numpy.polynomial import chebyshev
 from numpy.testing import assert_allclose
 
-from fascicle.core.guided import guided, lines
+from fascicle.core.guided import _BEND, _OFF, guided, lines
 from fascicle.core.roots import root, searched
 
 
@@ -39,6 +40,19 @@ def test_a_few_roots_say_where_others_are():
         near = searched(falling, x, 0.0, 4.0, 4.0 + 0 * x)
     assert len(asked) - own < own / 2
     assert_allclose(near, far, rtol=1e-12)
+
+
+def test_a_line_is_as_long_as_its_accuracy_asks():
+    """One term less, and it is further off than a step of Newton's makes good."""
+    x = np.linspace(0, END, 2001)
+    place = 2 * (1 + _BEND) * x / (x + _BEND * END) - 1
+    most, steps = _OFF[0]
+    for exact, line in zip(cubic(x), lines(cubic, END), strict=True):
+        assert line.steps == steps
+        whole, less = (chebyshev.chebval(place, line.series[:n]) for n in (None, -1))
+        # between the nodes that were looked at it may be a little further off
+        assert np.max(np.abs(whole - exact) / (1 + exact)) < 1.2 * most
+        assert np.max(np.abs(less - exact) / (1 + exact)) > 0.8 * most
 
 
 @pytest.mark.parametrize("jump", [0.0, 0.5])

@@ -95,7 +95,7 @@ def tabulated(
         for some in filled_up(len(pressure), min(step, len(pressure))):
             pull = run(_largest_pull, compiling)(rows, pressure[some], strain)
             largest = np.maximum(largest, pull)
-    pushed = (full < 0) | (largest < 0)
+    pushed = full < 0  # as is where even the largest is less
     if np.any(pushed):
         found = _whole_law(rows, pressure, strain, pushed, compiling)
         full = np.where(pushed, found[0], full)
