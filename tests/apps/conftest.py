@@ -17,3 +17,17 @@ def fascicle(capsys, monkeypatch, tmp_path):
         return end.value.code, printed.out, printed.err
 
     return run
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Of a test of pages that fails: what is seen on each."""
+    report = yield
+    if report.failed and call.when == "call":
+        for page in getattr(item.funcargs.get("visit"), "pages", ()):
+            try:
+                shown = page.locator("body").aria_snapshot(timeout=5_000)
+            except Exception as error:  # noqa: BLE001 the test has failed of something else
+                shown = error
+            report.sections.append((page.url, str(shown)))
+    return report

@@ -122,6 +122,7 @@ def visit(browser, server, idle):
         until(page, READY)
         return page
 
+    open_page.pages = pages
     yield open_page
     for page in pages:
         page.remove_listener("console", heard)
@@ -132,14 +133,8 @@ def visit(browser, server, idle):
 
 
 def until(page, expression, arg=None):
-    """Wait for what a page computes to be true; where it isn't, what is seen is told."""
-    from playwright.sync_api import TimeoutError as Late
-
-    try:
-        page.wait_for_function(expression, arg=arg, polling=OFTEN, timeout=SLOW)
-    except Late:
-        seen = "() => [document.body.innerText, window.Bokeh?.documents[0]?.is_idle]"
-        pytest.fail(f"{page.url}: still not {expression}\n{page.evaluate(seen)}")
+    """Wait for what a page computes to be true."""
+    page.wait_for_function(expression, arg=arg, polling=OFTEN, timeout=SLOW)
 
 
 def source(page, name, ready="d => d.xs ? d.xs.length : Object.values(d)[0].length"):
@@ -390,6 +385,9 @@ def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
     said = page.locator(".bk-tooltip-row-value").last
     number, unit = said.inner_text().split()
     assert unit == "lbf" and float(number) == pytest.approx(force, abs=0.02)
+    # so it is where the button is held down for a while
+    figure.click(position={"x": 0.7 * box["width"], "y": 0.3 * box["height"]}, delay=600)
+    until(page, f"() => ({SOURCE})('here').x[0] > 0.2")
 
 
 def test_a_bundles_last_pressure_can_be_swept(visit):
@@ -663,12 +661,14 @@ def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(vis
     page = visit()
     page.locator("input[type=file]").first.set_input_files(tmp_path / "tuned.toml")
     page.get_by_text("tuned.toml").first.wait_for()
+    until(page, "() => location.search.includes('file=')")
+    before = page.evaluate("() => location.search")
     length = field(page, "Length at rest")
     length.fill("200 mm")
     length.press("Enter")
     told = "The muscle was fitted at a length of 127 mm and has 200 mm now"
     page.get_by_text(told).wait_for()
-    until(page, "() => location.search.includes('file=')")
+    until(page, "before => location.search !== before", arg=before)
     # and by who opens its link
     again = visit(page.evaluate("() => location.search"))
     again.get_by_text(told).wait_for()

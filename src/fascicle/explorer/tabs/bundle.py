@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
-from bokeh.events import Tap
+from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
 
 from ...bundle.schemes import SCHEMES
@@ -186,6 +186,7 @@ class BundleView(Tab):
         fig.scatter("x", "y", source=self._asked, size=16, marker="cross", color=look.curves[1],
                     line_width=3)  # fmt: skip
         fig.on_event(Tap, self._tapped)
+        fig.on_event(Press, self._tapped)  # a click that lasts, too
         legend_style(fig, look)
 
     def _show_space(self, found: Shown) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.events import Tap
+from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
 
 from ...units import pretty
@@ -185,6 +185,7 @@ class MuscleView:
             renderers=[main], mode="vline", line_policy="interp", tooltips=told("F", "N")
         )
         fig.on_event(Tap, self._tapped)
+        fig.on_event(Press, self._tapped)  # a click that lasts, too
         fig.add_tools(
             self._hover,
             HoverTool(renderers=[several], tooltips=[("P", "@label")]),
