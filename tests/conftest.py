@@ -40,6 +40,12 @@ def pytest_configure(config):
         kinds.look_at_each()
 
 
+def pytest_collection_finish():
+    """What is imported by now stays: nobody needs to look through it each time."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_runtest_setup():
     """What one test calls often is looked at again in the next."""
     kinds.begin()

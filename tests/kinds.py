@@ -16,7 +16,8 @@ _ITEMS = 16  # of a list, of which beartype looks at one
 _LETTERS = 64  # more than in any text that an annotation names
 _FIRST, _THEN = 64, 16  # to look at each call took a third of the time of NumPy's laws
 _checked = jaxtyping.jaxtyped
-_calls = {}
+_calls = {}  # by code, which functions made within others share
+_passed = {}
 
 
 def begin():
@@ -75,12 +76,13 @@ def checked_once(function=None, *, typechecker):
     def checked(of):
         return _checked(of, typechecker=typechecker)
 
-    passed = {}
+    code = function.__code__
+    passed = _passed.setdefault(code, {})
 
     @functools.wraps(function)
     def wrapped(*arguments, **named):
         __tracebackhide__ = True
-        count = _calls[function] = _calls.get(function, 0) + 1
+        count = _calls[code] = _calls.get(code, 0) + 1
         if count > _FIRST and count % _THEN:
             return function(*arguments, **named)
         asked = (*map(kind, arguments), kind(named))
