@@ -1,5 +1,5 @@
 """Runs that pages only tell of: maps of sines, by one muscle and four others and by five as one;
-and a stride with and without friction fed forward.
+a stride with and without friction fed forward; and a fit of a record whose load cell can't push.
 
 python docs/runs.py docs/_static/runs.json
 """
@@ -13,6 +13,8 @@ import numpy as np
 
 import fascicle as fs
 from fascicle import control, fluid
+from fascicle.records import VirtualDynamometer
+from fascicle.units import pretty
 
 
 FREQUENCIES, AMPLITUDES = [0.5, 1.0, 1.5, 2.0], [2e-3, 4e-3, 6e-3, 8e-3, 10e-3]  # Hz, m
@@ -45,6 +47,26 @@ def missed(compensate: bool) -> float:
     return float(f"{np.degrees(worth.rms):.5g}")
 
 
+def clipped() -> list[str]:
+    """What a fit says of a synthetic record that is clipped at zero [-]."""
+    truth = fs.example("kim2021_slenderness_10")
+    muscle = fs.Muscle.from_dimensions(
+        length=truth.length,
+        outer_radius=truth.outer_radius,
+        wall_thickness=truth.wall_thickness,
+        braid_angle=truth.braid_angle,
+        material="silicone_kim2021",
+    )
+    record = VirtualDynamometer(samples=20, clip=True).record(truth, seed=4)
+    pulled = fs.calibrate.fit(record, muscle)
+    values = [
+        f"{one.name:24s} {pretty(one.value, one.dimension, 3):>12s}"
+        f"   identifiable: {one.identifiable}"
+        for one in pulled.parameters
+    ]
+    return [*values, *(f"- {line}" for line in pulled.warnings)]
+
+
 def _short(values: np.ndarray) -> list[list[float]]:
     return [[float(f"{x:.5g}") for x in row] for row in values]
 
@@ -56,4 +78,5 @@ if __name__ == "__main__":
     sines = {"frequencies": FREQUENCIES, "amplitudes": AMPLITUDES}
     sines |= {"runs": {run: told(*which) for run, which in SINES.items()}}
     gait = {"compensated": missed(True), "not": missed(False)}
-    path.write_text(json.dumps({"sines": sines, "gait": gait}) + "\n", encoding="utf-8")
+    every = {"sines": sines, "gait": gait, "clipped": clipped()}
+    path.write_text(json.dumps(every) + "\n", encoding="utf-8")
