@@ -176,6 +176,7 @@ def test_each_kind_of_law_has_an_option(fascicle):
         assert f"--{kind.replace('_', '-')} LAW" in told
 
 
+@pytest.mark.slow
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     muscle = fs.Muscle.from_dimensions(0.2, 11e-3, 2e-3, np.radians(27), "latex")

@@ -201,7 +201,7 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     "example",
     [
         "pick_and_place_arm",
-        "walking_ankle",
+        pytest.param("walking_ankle", marks=pytest.mark.slow),
         pytest.param("sit_to_stand_knee", marks=pytest.mark.slow),
     ],
 )

@@ -44,7 +44,7 @@ def waits(some, more):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("wait", waits([0.05, 0.2, 0.8], [0.02, 0.1, 0.4, 1.6]))
+@pytest.mark.parametrize("wait", waits([0.05, 0.8], [0.02, 0.1, 0.2, 0.4, 1.6]))
 def test_control_c_is_quiet_from_the_first_moment(tmp_path, wait):
     process = started(tmp_path, "force", SIX, "-o", "x.json")
     time.sleep(wait)
@@ -54,7 +54,7 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, wait):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("wait", waits([0.0, 0.01, 0.05], [0.005, 0.02, 0.1]))
+@pytest.mark.parametrize("wait", waits([0.01], [0.0, 0.005, 0.02, 0.05, 0.1]))
 def test_control_c_after_the_last_word_changes_nothing(tmp_path, wait):
     process = started(tmp_path, "free-strain", SIX, "-p", "34.5kPa")
     while "34.5" not in process.stdout.readline():
@@ -81,7 +81,7 @@ block = 16
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no process groups")
-@pytest.mark.parametrize("workers", [pytest.param("0", marks=pytest.mark.slow), "2"])
+@pytest.mark.parametrize("workers", ["0", pytest.param("2", marks=pytest.mark.slow)])
 def test_control_c_in_a_sweep_is_a_line_and_the_sweep_goes_on(tmp_path, workers):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     (tmp_path / "task.toml").write_text(TASK)

@@ -116,12 +116,12 @@ def test_a_supply_that_runs_dry_says_so(fascicle):
     assert re.search(r"supply_empty from 2\.\d+ s to 4 s: the supply has nothing left", out)
 
 
-OTHERS = ("lift_gas", "supply_is_pumped", "ramp_1_4", "ramp_1x5", "raise_1_1", "raise_1_4",
-          "raise_1x5", "joint_gait", "joint_there_and_back")  # fmt: skip
+OTHERS = ("lift_gas", "lift_oil", "supply_is_pumped", "ramp_1_4", "ramp_1x5", "raise_1_1",
+          "raise_1_4", "raise_1x5", "joint_gait", "joint_there_and_back")  # fmt: skip
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in OTHERS]
 
 
-@pytest.mark.parametrize("name", ["lift_oil", "joint_step", *SLOW])
+@pytest.mark.parametrize("name", ["joint_step", *SLOW])
 def test_named_scenarios_close(fascicle, name):
     code, out, err = fascicle("simulate", name, "--json")
     found = json.loads(out)

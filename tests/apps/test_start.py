@@ -31,7 +31,11 @@ print("kept for good:", gc.get_freeze_count() > 100_000, "collecting again:", gc
 """
 
 
-@pytest.mark.parametrize("arguments", COMMANDS, ids=lambda arguments: arguments[0])
+@pytest.mark.parametrize(
+    "arguments",
+    [COMMANDS[0], *(pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS[1:])],
+    ids=lambda arguments: arguments[0],
+)
 def test_imports_are_made_ready_and_kept_for_good(tmp_path, arguments):
     done = subprocess.run(
         [sys.executable, "-c", ENDED.format(arguments=list(arguments))],

@@ -117,7 +117,7 @@ def _fast(plant, seed, dead):
     return fast, dynamics.rest(fast, 0.5e5 if fast.load.moved else 1.5e5), rng.integers(10**6)
 
 
-@pytest.mark.parametrize("kind", ["lift", "held"])
+@pytest.mark.parametrize("kind", ["lift", pytest.param("held", marks=pytest.mark.slow)])
 def test_valves_that_fill_in_milliseconds_keep_energy(kind, request):
     # pressures pass collapses by several of the table's lines in a substep: of 100 such cycles at
     # their own pace 3e-6 was left over at most; 6e-5 while substeps added up what walls worked
@@ -205,7 +205,7 @@ FRICTIONS = {
 }
 
 
-@pytest.mark.parametrize("kind", FRICTIONS)
+@pytest.mark.parametrize("kind", ["slip", pytest.param("dahl", marks=pytest.mark.slow)])
 def test_friction_asks_for_the_way_and_not_for_its_time(held, kind):
     made, area = FRICTIONS[kind]
     k, f, X = 5e3, 3.0, 0.01

@@ -224,7 +224,13 @@ def copy(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize(
+    "reader",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name == "fit and comparison" else name
+        for name in READERS
+    ],
+)
 def test_a_new_law_is_found_everywhere(reader, copy, tmp_path):
     env = os.environ | {"PYTHONPATH": str(copy)}
     pages, laws = ROOT / "docs/_ext/laws.py", ROOT / "tests/invariants/test_laws.py"

@@ -25,7 +25,7 @@ def demands(random: np.random.Generator, one: fs.Bundle, count: int) -> tuple:
         ("plain", "orderly", 400),
         ("plain", "batch", 250),
         ("tuned", "orderly", 250),
-        ("elastica", "orderly", 40),
+        pytest.param("elastica", "orderly", 40, marks=pytest.mark.slow),
         pytest.param("plain", "free", 100, marks=pytest.mark.slow),
         pytest.param("tuned", "batch", 500, marks=pytest.mark.slow),
         pytest.param("elastica", "batch", 200, marks=pytest.mark.slow),

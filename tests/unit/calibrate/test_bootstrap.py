@@ -110,6 +110,7 @@ def test_a_constant_that_may_be_zero_lies_where_its_draws_do():
     assert not values[-4] <= band.value**2 / values[2] <= values[-2]
 
 
+@pytest.mark.slow
 def test_a_tuning_is_read_and_fitted_anew(tuned):
     assert tuned.readings.alone is not None  # curves and factors were one vector
     made = bootstrap(tuned, 19, seed=6)

@@ -52,6 +52,7 @@ def test_what_is_found_is_what_a_fit_of_it_finds(choice):
     assert_allclose(choice.made.rmse, alone.rmse, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_dead_band_is_found_where_there_is_one():
     found = find(record(slack()), NOMINAL)
     assert "dead_band" in found.made.names
@@ -83,6 +84,7 @@ def test_constants_without_a_dead_band_say_that_it_is_one():
     assert np.ptp(missed) > 4 and said in told
 
 
+@pytest.mark.slow
 def test_a_length_that_does_not_work_is_found():
     # synthetic: 30 mm of the 200 mm lie in the fittings
     working = TRUE.replace(length=0.17)
@@ -95,6 +97,7 @@ def test_a_length_that_does_not_work_is_found():
     assert any(line.startswith("Another active length takes it from") for line in found.reasons)
 
 
+@pytest.mark.slow
 def test_no_more_of_a_muscle_works_than_there_is():
     # synthetic: of a muscle of 200 mm, said to be 160 mm long: 200 mm would explain it
     made = record(strain=STRAIN, sigma=1.0)
@@ -137,6 +140,7 @@ def test_ends_that_hold_stay_rigid(choice):
     assert any("end_compliance" in one.names for one in choice.candidates)
 
 
+@pytest.mark.slow
 def test_friction_is_told_and_freed_by_no_constant():
     half = 0.04 * np.asarray(TRUE.force(P, 0.0))
     up, down = record(error=-half, sigma=0.5), record(error=half, sigma=0.5, seed=1)
@@ -231,6 +235,7 @@ def test_one_pressure_is_judged_by_strains_and_says_so():
     assert "could not be read" not in warned
 
 
+@pytest.mark.slow
 def test_few_readings_that_push_are_not_what_resists():
     strain = np.linspace(0.0, 0.08, 12)
     P = np.linspace(3e5, 6e5, 5)[:, None]

@@ -26,7 +26,9 @@ def ramp(bundle, strain, begin=0.1, end=3.0):
     return Path.of([0, 4], [begin * first, end * first], strain)
 
 
-@pytest.mark.parametrize(("unit_2", "strain"), [(1, 0.2), (4, 0.2)])
+@pytest.mark.parametrize(
+    ("unit_2", "strain"), [pytest.param(1, 0.2, marks=pytest.mark.slow), (4, 0.2)]
+)
 def test_there_is_one_where_valves_are_fast_and_none_where_they_arent(pair, five, unit_2, strain):
     bundle = pair if unit_2 == 1 else five
     found = control.crossing(bundle, ramp(bundle, strain), of_conductance(1e-9, 1, unit_2))

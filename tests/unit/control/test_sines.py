@@ -18,18 +18,25 @@ def scenario():
     return fs.example("sine_1_4")
 
 
-def test_a_batch_is_the_runs_one_by_one(scenario, caplog):
-    plant, controller = scenario.plant, scenario.controlled.controller
-    A, f, mean, time = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
-    found = control.sines(plant, controller, mean, A, f, scenario.start, time)
-    assert found.error.shape == (2, 2) and found.trusted.all()
-    assert np.all(found.reached[0] == 1)
+A, F, MEAN, TIME = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
+
+
+@pytest.fixture(scope="module")
+def found(scenario):
+    controlled = scenario.controlled.controller
+    return control.sines(scenario.plant, controlled, MEAN, A, F, scenario.start, TIME)
+
+
+# a sample: tests/unit/dynamics/test_batches.py holds a batch to its runs
+@pytest.mark.slow
+def test_a_batch_is_the_runs_one_by_one(scenario, found):
     # the last of them by itself, its reference made anew: one second in which it grows
     now = 1e-3 * np.arange(1500)
     grown = np.where(now < 1, 3 * now**2 - 2 * now**3, 1.0)
-    wanted = mean + A[1] * grown * np.sin(2 * np.pi * f[1] * (now - 1))
+    wanted = MEAN + A[1] * grown * np.sin(2 * np.pi * F[1] * (now - 1))
     # by itself a liquid takes more substeps: here as many as in the batch
-    few = pace(plant, 1e-3).substeps
+    plant, few = scenario.plant, pace(scenario.plant, 1e-3).substeps
+    controller = scenario.controlled.controller
     one = dynamics.simulate(plant, controller, wanted, start=scenario.start, substeps=few)
     late = np.asarray(one.seen.position)[1001:] - wanted[1000:]
     # sums in another order, run on for 1500 steps
@@ -40,12 +47,16 @@ def test_a_batch_is_the_runs_one_by_one(scenario, caplog):
     pull = np.asarray(one.seen.forces).sum(-1)  # plates move as the load does
     power = np.maximum(pull * one.seen.velocity, 0)[1000:1500]
     assert_allclose(found.work[1, 1], power.sum() * 1e-3 / 2, rtol=1e-6)
+
+
+def test_more_is_drawn_for_more_and_others_wait_for_no_compiler(scenario, found, caplog):
+    assert found.error.shape == (2, 2) and found.trusted.all()
+    assert np.all(found.reached[0] == 1)
     # oil of one muscle suffices for the small one, five are filled for the large one
     assert found.drawn[1, 0].sum() > 3 * found.drawn[0, 0].sum()
-
-    # others of as many wait for no compiler
+    plant, controller = scenario.plant, scenario.controlled.controller
     with jax.log_compiles(), caplog.at_level("WARNING"):
-        other = control.sines(plant, controller, mean, [1e-3, 5e-3], f, scenario.start, time)
+        other = control.sines(plant, controller, MEAN, [1e-3, 5e-3], F, scenario.start, TIME)
     assert not [record for record in caplog.records if "ompil" in record.getMessage()]
     assert np.all(other.drawn.sum(-1) < found.drawn.sum(-1))
 

@@ -28,6 +28,7 @@ def test_sizes_get_better_within_their_bounds(muscle):
     assert np.all(np.isclose(found.wall / found.radius, designs.wall[0, 0] / designs.radius[0, 0]))
 
 
+@pytest.mark.slow
 def test_a_peak_of_no_weight_is_reached_all_the_same(muscle):
     """By its mean energy alone it would give the peak up, which counts a millionth."""
     task = Task.of([60.0, 180.0, 330.0], [0.16, 0.1, 0.05], 413.7e3, [1.0, 1.0, 1e-6])

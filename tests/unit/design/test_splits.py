@@ -10,7 +10,7 @@ def plain(rows):
     return sorted(tuple(int(n) for n in row if n) for row in rows)
 
 
-@pytest.mark.parametrize("muscles", [1, 2, 3, 5, 8])
+@pytest.mark.parametrize("muscles", [1, 2, 3, 5, pytest.param(8, marks=pytest.mark.slow)])
 def test_compositions_are_all_there_are(muscles):
     every = [
         row

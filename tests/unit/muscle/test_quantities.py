@@ -38,7 +38,13 @@ def test_one_of_them_collapses_at_some_pressures_alone():
     assert never.any() and not never.all()
 
 
-@pytest.mark.parametrize("muscle", MUSCLES.values(), ids=MUSCLES)
+@pytest.mark.parametrize(
+    "muscle",
+    [
+        pytest.param(one, id=name, marks=[pytest.mark.slow] if name in ("tuned", "thin") else [])
+        for name, one in MUSCLES.items()
+    ],
+)
 def test_many_pressures_and_a_field_are_numpys(muscle):
     random = np.random.default_rng(0)
     P, eps = random.uniform([[0.0], [-0.05]], [[1e6], [0.5]], (2, 3000))

@@ -58,7 +58,7 @@ def test_runge_kutta_asks_at_each_stage(elbow, energy):
     assert np.abs(off).max() < 1e-6
 
 
-@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+@pytest.mark.parametrize("integrator", ["Euler", pytest.param("RK4", marks=pytest.mark.slow)])
 def test_a_pull_of_the_step_before_pumps(integrator, elbow, energy):
     # forbidden, and why: a drive that did so would fail the two tests above by a factor of hundreds
     off = drifts(elbow(integrator=integrator), energy, before)
