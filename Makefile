@@ -46,6 +46,9 @@ types: $(STAMP)
 layers: $(STAMP)
 	$(BIN)/lint-imports
 
+# of glibc: memory that is given back to the system is asked for again at once, a tenth of the time
+KEEPING := MALLOC_MMAP_THRESHOLD_=33554432 MALLOC_TRIM_THRESHOLD_=1000000000 MALLOC_TOP_PAD_=16777216
+
 # Debian's chromium for the browser tests; where it is missing and can't be had, they are skipped
 browser:
 	@command -v chromium > /dev/null \
@@ -53,9 +56,8 @@ browser:
 			&& apt-get install -y -qq --no-install-recommends chromium fonts-dejavu-core > /dev/null; } \
 		|| echo "no chromium, and it can't be installed: the browser tests are skipped"
 
-# memory that is given back to the system is asked for again at once: a twentieth of the time
 unit: $(STAMP) browser
-	OPENBLAS_NUM_THREADS=1 MALLOC_TRIM_THRESHOLD_=1000000000 MALLOC_TOP_PAD_=67108864 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+	OPENBLAS_NUM_THREADS=1 $(KEEPING) $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 # compiled as a user's programs are, where `unit` spares the compiler
 slow: $(STAMP)
@@ -63,7 +65,7 @@ slow: $(STAMP)
 
 # page by page where somebody watches, and nothing else runs; one more at once, as one waits
 docs: $(STAMP)
-	$(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
+	$(KEEPING) $(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
 # takes some twenty minutes; on a quiet machine. `recovery.py` and `real_record.py` run alone
 bench: $(STAMP)
