@@ -19,7 +19,7 @@ sucks; beyond the ends in strain, too.
 """
 
 import math
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -32,6 +32,7 @@ from ..core.dual import Dual
 from ..core.modules import Module
 from ..core.once import traced_once
 from ..core.refused import Refused
+from ..core.same import Same
 from ..core.types import Batch, Numbers, Values
 from .coenergy import coenergy_at_rest
 from .entry import checked, lowest_of, lowest_strain
@@ -105,16 +106,7 @@ class UnitSurface(Module):
         rows, columns = _shape(shape)
         strain = _strains(muscle, strains, columns)
         roots = np.linspace(0.0, math.sqrt(top), rows)
-        with np.errstate(all="ignore"):  # of branches that aren't taken
-            nodes = _tabulated(muscle, roots**2, strain)
-        made = partial(
-            cls,
-            _coefficients(nodes, roots, strain),
-            np.float64(roots[1]),
-            (np.float64(strain[0]), np.float64(strain[-1])),
-            muscle.length,
-        )
-        return made(_errors(made((0.0, 0.0, 0.0)), muscle, roots, strain))
+        return _table(Same((muscle, roots, strain)))
 
     @property
     def highest_pressure(self) -> Batch:
@@ -234,6 +226,22 @@ class _Nodes(NamedTuple):
     by_strain: np.ndarray
     by_pressure: np.ndarray
     by_both: np.ndarray
+
+
+@lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have the same muscles
+def _table(of: Same) -> UnitSurface:
+    """The table of a muscle at these roots of pressure [√Pa] and strains [-]."""
+    muscle, roots, strain = of.tree
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        nodes = _tabulated(muscle, roots**2, strain)
+    made = partial(
+        UnitSurface,
+        _coefficients(nodes, roots, strain),
+        np.float64(roots[1]),
+        (np.float64(strain[0]), np.float64(strain[-1])),
+        muscle.length,
+    )
+    return made(_errors(made((0.0, 0.0, 0.0)), muscle, roots, strain))
 
 
 def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
