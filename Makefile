@@ -33,8 +33,8 @@ picture: reproduce browser
 	$(BIN)/python docs/runs.py docs/_static/runs.json
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
-test: lint layers
-	$(MAKE) --jobs=3 types unit docs QUIET=-q
+test: lint
+	$(MAKE) --jobs=4 layers types unit docs QUIET=-q
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
