@@ -13,6 +13,7 @@ The pressure itself is the root of $g$, which Newton's method takes from where t
 
 from typing import NamedTuple
 
+import numpy as np
 from jax import lax
 
 from ..core.arrays import absolute, library, maximum
@@ -128,5 +129,9 @@ def settled(
         # half of the way to no fluid at all at most
         return maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2), None
 
+    if library(chambers, strains, near) is np:
+        for _ in range(steps):
+            near, _ = stepped(near, None)
+        return near
     # a loop, which is compiled once
     return lax.scan(stepped, near, length=steps)[0]

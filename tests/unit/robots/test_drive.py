@@ -97,6 +97,20 @@ def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
     assert data.qpos[0] > 0.5  # the flexor is the shorter one
 
 
+def test_numbers_in_numbers_out(elbow):
+    # where JAX has a hand in it, each step waits for its compiler again
+    parts = {
+        "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
+        "chamber": fluid.Isothermal(dead_volume=2e-6),
+    }  # fmt: skip
+    model, data, drive = elbow(**parts)
+    held = drive.start(model, data, HELD)
+    for _ in range(2):
+        held = drive.step(model, data, held, [1.0, -1.0])
+    assert {type(x).__module__ for x in jax.tree.leaves(held)} == {"numpy"}
+    assert held.pressures[0] > HELD[0]
+
+
 @pytest.mark.parametrize("spatial", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_mjx_is_mujoco(spatial, elbow):
     parts = {
