@@ -1,8 +1,9 @@
 """One point from Python: what a call costs, whatever it computes.
 
 `muscle.force(P, eps)` with its checks, and the function that `muscle.compile()` gives, each
-with two Python floats, until the result is there. Beside them the least that JAX takes: a
-compiled `x + y` of two floats.
+with two Python floats, until the result is there; it has been asked often, so that its law is spelled
+out. Beside them the law on NumPy's numbers, by which the first points are answered, without a check,
+and the least that JAX takes: a compiled `x + y` of two floats.
 
     python benchmarks/one_point.py
 """
@@ -10,21 +11,33 @@ compiled `x + y` of two floats.
 from typing import Any
 
 import jax
+import numpy as np
 from cases import done, muscle
 from timing import Row, interleaved, run
 
+import fascicle as fs
+
 
 POINT = (200e3, 0.1)
-IN_PYTHON = "checks and dispatch in Python: the compiled call is the next row"
+IN_PYTHON = "checks in Python, and two searches"
+
+
+def at_numbers(muscle: fs.Muscle, pressure: Any, strain: Any) -> Any:
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return muscle.law.at(pressure).force(strain)
 
 
 def rows(small: bool = False) -> list[Row]:
     one, least = muscle(), jax.jit(lambda x, y: x + y)
+    numbers = tuple(map(np.float64, POINT))
+    for _ in range(100):
+        one.force(*POINT)
     force: Any = one.compile()
     times = interleaved(
         {
             "least": lambda: done(least(*POINT)),
-            "eager": lambda: done(one.force(*POINT)),
+            "eager": lambda: one.force(*POINT),
+            "numpy": lambda: at_numbers(one, *numbers),
             "compiled": lambda: done(force(*POINT)),
         },
         repeats=5 if small else 200,
@@ -38,6 +51,7 @@ def rows(small: bool = False) -> list[Row]:
         Row(
             "one point, `muscle.force`", times.each("eager", 1e6), "µs", floor, 80.0, "≤", IN_PYTHON
         ),
+        Row("one point, the law on NumPy's numbers", times.each("numpy", 1e6), "µs"),
         Row(
             "one point, `muscle.compile()`",
             times.each("compiled", 1e6),

@@ -18,6 +18,9 @@ from .types import Batch, Values
 from .written import in_si
 
 
+_FLOATS = frozenset({float, np.float64})
+
+
 def within(
     value: Values,
     low: float,
@@ -33,6 +36,8 @@ def within(
     The interval is open unless `closed` says otherwise for its low or high end. `why`
     completes the rule in words: "to contract"; `remedy` says what to do.
     """
+    if type(value) in _FLOATS and low < value < high:
+        return np.float64(value + 0.0)  # a single good one, soon
     value = in_si(value, name, unit)
     if not concrete(value):
         return jnp.asarray(value, dtype=float)

@@ -121,9 +121,11 @@ def plausible(value: Any, name: str, known: Range | None = None) -> Any:
     """Return a `value` [SI], numbers already, if it can be what its `name` [-] says, or what is
     `known` [-] of it.
     """
-    if not concrete(value):
-        return value
-    _within(value, RANGES[name] if known is None else known, name)
+    known = RANGES[name] if known is None else known
+    if isinstance(value, float) and known.low <= value <= known.high:
+        return value  # a single usual one, soon
+    if concrete(value):
+        _within(value, known, name)
     return value
 
 

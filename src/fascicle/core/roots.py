@@ -22,7 +22,7 @@ from .dual import Dual
 from .types import Batch, BatchLike, BoolBatch
 
 
-_STEPS = 100  # bisection alone would need 53 to reach float64's last bit in (0, 1)
+STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
 _WRITTEN_OUT = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
@@ -114,9 +114,11 @@ def _found(
             return _searched(residual, theta, low, high, start, first)
     if at_work is jnp:
         return _searched_compiled(residual, theta, low, high, start, soon)
-    state = _begun(low, high, start)
+    if hasattr(at_work, "searched"):
+        return at_work.searched(partial(residual, theta), low, high, start)
+    state = begun(low, high, start)
     for _ in range(_WRITTEN_OUT):
-        state = _stepped(state, *residual(theta, state.x))
+        state = stepped(state, *residual(theta, state.x))
     return at_work.still(state.x)
 
 
@@ -134,7 +136,7 @@ def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
     return where(absolute(step) <= 1e-3 * (1 + absolute(x)), x - step, x)
 
 
-class _Search(NamedTuple):
+class Search(NamedTuple):
     """Where a search is, where it was, its bracket, and whether it has ended.
 
     Whether it has ended is asked of numbers that are stored: a compiler may evaluate an
@@ -148,11 +150,13 @@ class _Search(NamedTuple):
     ended: BoolBatch
 
 
-def _begun(low: BatchLike, high: BatchLike, start: BatchLike) -> _Search:
-    return _Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
+def begun(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
+    """A search that begins in a bracket, at `start`."""
+    return Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
-def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
+def stepped(search: Search, value: Batch, slope: Batch) -> Search:
+    """The `search` a step later; `value` and `slope` are the residual's where it is."""
     x, before, a, b, ended = search
     a, b = where(value > 0, x, a), where(value > 0, b, x)
     sloped = both(slope != 0, absolute(slope) < np.inf)  # bisect where it is flat or vertical
@@ -165,7 +169,7 @@ def _stepped(search: _Search, value: Batch, slope: Batch) -> _Search:
     newton = either(inside, length <= size * _TINY)
     new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
     near = either(both(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY)
-    return _Search(where(ended, x, new), x, a, b, either(ended, near))
+    return Search(where(ended, x, new), x, a, b, either(ended, near))
 
 
 def _searched(
@@ -178,11 +182,11 @@ def _searched(
 ) -> Batch:
     value, slope = first
     low, high, start = (x + 0.0 * value for x in (low, high, start))
-    search = _stepped(_begun(low, high, start), value, slope)
-    for _ in range(_STEPS):
+    search = stepped(begun(low, high, start), value, slope)
+    for _ in range(STEPS):
         if np.all(search.ended):
             break
-        search = _stepped(search, *residual(theta, search.x))
+        search = stepped(search, *residual(theta, search.x))
     return search.x
 
 
@@ -193,20 +197,20 @@ def _searched_compiled(
     low, high, start = (
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
-    begun = _begun(low, high, start)
+    state = begun(low, high, start)
     if soon:
         x, ended = _by_newton(residual, theta, low, high, start, soon)
-        begun = begun._replace(x=where(ended, x, start), ended=ended)
+        state = state._replace(x=where(ended, x, start), ended=ended)
 
     def step(state: tuple) -> tuple:
         n, search = state
-        return n + 1, _stepped(search, *residual(theta, search.x))
+        return n + 1, stepped(search, *residual(theta, search.x))
 
     def keep_going(state: tuple) -> BoolBatch:
         n, search = state
-        return (n < _STEPS) & ~jnp.all(search.ended)
+        return (n < STEPS) & ~jnp.all(search.ended)
 
-    return lax.while_loop(keep_going, step, (0, begun))[1].x
+    return lax.while_loop(keep_going, step, (0, state))[1].x
 
 
 def _by_newton(
@@ -231,7 +235,7 @@ def _by_newton(
         sloped = both(slope < 0, slope > -np.inf)
         return x, where(both(both(sloped, inside), halved), new, lost)
 
-    before, x = lax.fori_loop(0, steps, step, (_begun(low, high, start).before, start))
+    before, x = lax.fori_loop(0, steps, step, (begun(low, high, start).before, start))
     return x, both(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)
 
 

@@ -60,20 +60,21 @@ class Kinds(NamedTuple):
         value, slope = self._evaluated(pressure, own)
         return value, slope if ratios is None else slope * ratios
 
-    def single(self, place: int, pressure: float, strain: Any) -> Any:
-        """Force [N] of the one at `place` [-], at `pressure` [Pa] and the bundle's `strain` [-]."""
+    def single(self, place: int, pressure: float, strain: float) -> tuple[float, float]:
+        """Force [N] of the one at `place` [-], at `pressure` [Pa] and the bundle's `strain` [-],
+        and its slope in that [N].
+        """
+        if self.ratios is None:
+            return self.each[place].force(pressure, strain)
+        ratio = float(np.broadcast_to(self.ratios, self.size)[place])
+        force, slope = self.each[place].force(pressure, muscle_strain(ratio, strain))
+        return force, slope * ratio
+
+    def along(self, place: int, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
+        """The same at numbered levels, forces [N] alone."""
         if self.ratios is not None:
             strain = muscle_strain(np.broadcast_to(self.ratios, self.size)[place], strain)
-        return self.each[place].force(pressure, strain)[0]
-
-    def along(self, place: int, node: np.ndarray, strain: np.ndarray) -> Forces:
-        """The same of the one at `place` [-], at numbered levels and the bundle's `strain` [-]."""
-        one, ratios = self.each[place], self.ratios
-        if ratios is None:
-            return one.along(node, strain)
-        ratio = np.broadcast_to(ratios, self.size)[place]
-        value, slope = one.along(node, muscle_strain(ratio, strain))
-        return value, slope * ratio
+        return self.each[place].along(node, strain)
 
     def kinks(self, pressure: Numbers) -> Numbers:
         """Strains of the bundle [-] at which they have kinks, on a new first axis."""
@@ -160,6 +161,11 @@ class Bank(NamedTuple):
         return len(self.throttled)
 
     @property
+    def places(self) -> list[tuple[Kinds, int]]:
+        """Of each kind its row, and the place [-] in it."""
+        return [(row, place) for row in self.rows for place in range(row.size)]
+
+    @property
     def at_once(self) -> int:
         """Up to how many points [-] NumPy evaluates a law."""
         return self.rows[0].at_once
@@ -200,6 +206,10 @@ class Bank(NamedTuple):
         """Force [N] of the units that each `state` throttles, at its `level` [-] and `strain` [-],
         and its slope in strain [N].
         """
+        few = self.guide is not None and np.shape(state) == np.shape(level) == np.shape(strain)
+        if self.alone is not None and few and len(state) <= _SINGLE:
+            found = [self.single(*one) for one in zip(state, level, strain, strict=True)]
+            return tuple(np.reshape(found, (-1, 2)).T)
         if self.alone is not None:
             return self._alone(state, level, strain)
         share = library(level).asarray(self.throttled)[state]
@@ -226,13 +236,16 @@ class Bank(NamedTuple):
         found, _ = self._alone(state[:, None], level, strain[:, None])
         return found[..., None]
 
-    def single(self, state: Any, level: float, strain: float) -> Any:
-        """The same of a single `state`, `level` and `strain` [-] where each throttles one kind."""
+    def single(self, state: Any, level: float, strain: float) -> tuple[float, float]:
+        """The same of a single `state`, `level` and `strain` [-] where each throttles one kind, and
+        its slope in strain [N].
+        """
         every: Any = self.alone
         kind = every[state]
-        row, place = [(row, place) for row in self.rows for place in range(row.size)][kind]
-        found = row.single(place, level * self.supply, strain)
-        return self.throttled[state, kind] * (found if self.resistance or found > 0 else 0.0)
+        row, place = self.places[kind]
+        force, slope = row.single(place, level * self.supply, strain)
+        share = self.throttled[state, kind] if self.resistance or force > 0 else 0.0
+        return share * force, share * slope
 
     def along(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
         """Force [N] of the units that each `state` throttles at numbered levels, these along a
@@ -244,8 +257,8 @@ class Bank(NamedTuple):
                 share = self.throttled[state, kind]
                 some = np.flatnonzero(share)
                 if len(some):
-                    found = self.kept(row.along(place, node[some], strain[some, None]))
-                    total[some] += share[some, None] * found[0]
+                    (found,) = self.kept((row.along(place, node[some], strain[some, None]),))
+                    total[some] += share[some, None] * found
                 kind += 1
         return total
 

@@ -55,14 +55,16 @@ class Parts(NamedTuple):
 
 class _Cells(NamedTuple):
     """Cells of strain, in order of their `number`: the states' forces [N] at both strains, every
-    level; between which forces [N] they lie between levels; and how many cells rise less how many
-    fall up to each, one beside the levels at both ends.
+    level; between which forces [N] they lie between levels, and between all; and how many cells
+    rise less how many fall up to each, one beside the levels at both ends.
     """
 
     number: np.ndarray
     corners: np.ndarray
     low: np.ndarray
     high: np.ndarray
+    least: np.ndarray
+    most: np.ndarray
     risen: np.ndarray
 
 
@@ -103,6 +105,7 @@ class Guide:
         - `throttled`: how many muscles of each kind a state throttles [-].
         - `kept`: what counts of forces and slopes [N].
         """
+        self._rows_of, self._supply = rows, float(supply)
         self._throttled, self._kept = throttled, kept
         self._ratios = tuple(row.ratios for row in rows)
         P = (_LEVELS * supply)[:, None]
@@ -116,10 +119,26 @@ class Guide:
         """Forces of one muscle of each kind at no and at supply pressure [N] at each `strain` [-],
         by a compiled law if they are `many`.
         """
-        law = partial(scattered, compiled(_forces)) if many else _forces
-        found = zip(*law(self._ends, strain), strict=True)
-        force, slope = self._kept(tuple(np.concatenate(rows, axis=-1) for rows in found))
+        singles = (one for row in self._rows_of for one in row.each)
+        if len(strain) == 1 and all(one.ends_at_once() for one in singles):
+            found = self._single_ends(float(strain[0]))
+        else:
+            law = partial(scattered, compiled(_forces)) if many else _forces
+            rows = zip(*law(self._ends, strain), strict=True)
+            found = tuple(np.concatenate(parts, axis=-1) for parts in rows)
+        force, slope = self._kept(found)
         return (force[:, 0], slope[:, 0]), (force[:, 1], slope[:, 1])
+
+    def _single_ends(self, strain: float) -> Forces:
+        """The same at one strain, kind by kind."""
+        found = [
+            row.single(place, pressure, strain)
+            for pressure in (0.0, self._supply)
+            for row in self._rows_of
+            for place in range(row.size)
+        ]
+        force, slope = np.reshape(found, (1, 2, -1, 2)).transpose(3, 0, 1, 2)
+        return force, slope
 
     def runs(
         self,
@@ -189,8 +208,8 @@ class Guide:
     ) -> "_Rows":
         """Rows of cells in which lanes may give between `least` and `most` [N]."""
         cells, slot, share = self._at_strain(strain)
-        some = cells.low.min(axis=2)[slot, state] <= most
-        some = np.flatnonzero(some & (least <= cells.high.max(axis=2)[slot, state]))
+        some = cells.least[slot, state] <= most
+        some = np.flatnonzero(some & (least <= cells.most[slot, state]))
         low, high = (x[slot[some], state[some]] for x in (cells.low, cells.high))
         may = (low <= most[some, None]) & (least[some, None] <= high)
         edges = np.zeros((len(may), may.shape[1] + 2), bool)
@@ -250,7 +269,8 @@ class Guide:
         beside = np.pad(rises, ((0, 0), (1, 1), (0, 0)), mode="edge")
         risen = np.cumsum(np.pad(beside, ((0, 0), (1, 0), (0, 0))), axis=1).astype(int)
         low, high, risen = (np.swapaxes(x, 1, 2) for x in (low, high, risen))
-        return _Cells(number, curves, *map(np.ascontiguousarray, (low, high, risen)))
+        low, high, risen = map(np.ascontiguousarray, (low, high, risen))
+        return _Cells(number, curves, low, high, low.min(axis=2), high.max(axis=2), risen)
 
 
 def _forces(ends: _Ends, strain: Any) -> Any:

@@ -216,7 +216,7 @@ def _followed_alone(
     x, slope, level, miss = near, sense * slope, near, np.inf
     before = g_before = 0.0
     for n in range(_STEPS):
-        g = sense * (bank.single(state, x, strain) - wanted)
+        g = sense * (bank.single(state, x, strain)[0] - wanted)
         low, high = (x, high) if g < 0 else (low, x)
         if abs(g) < abs(miss):
             level, miss = x, g

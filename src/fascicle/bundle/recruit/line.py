@@ -9,7 +9,7 @@ nothing is met, the turns that may be nearest are found in the same way.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -48,10 +48,10 @@ def closer(above: Along, parts: Parts, close: np.ndarray) -> tuple[Runs, Parts]:
     left, right = value[:, :-1], value[:, 1:]
     may = (np.minimum(left, right) - margin <= 0) & (np.maximum(left, right) + margin >= 0)
     may = may & inside
-    row, place = np.nonzero(np.diff(np.pad(may, ((0, 0), (1, 1))), axis=1))
+    row, place = np.nonzero(np.diff(_between(False, may, False), axis=1))
     row, a, b = row[::2], place[::2], place[1::2]
 
-    risen = np.cumsum(np.pad(np.sign(beside), ((0, 0), (1, 0))), axis=1)
+    risen = _between(0.0, np.cumsum(np.sign(beside), axis=1))
     total = risen[row, b + 2] - risen[row, a]
     simple, sense = np.abs(total) == b + 2 - a, np.sign(total)
     upward = sense[:, None] * value[row]
@@ -87,9 +87,9 @@ def turns(above: Along, parts: Parts, within: np.ndarray) -> tuple[Turns, np.nda
     falls = inside & (size[:, 1:] <= size[:, :-1])
     rises = inside & (size[:, 1:] >= size[:, :-1])
     # at a curve's end it may turn within its first cell
-    falls = np.pad(falls, ((0, 0), (1, 0))) | (node == 0)
-    rises = np.pad(rises, ((0, 0), (0, 1))) | (node == CELLS)
-    wide = np.pad(margin, ((0, 0), (1, 1)), mode="edge")
+    falls = _between(False, falls) | (node == 0)
+    rises = _between(rises, False) | (node == CELLS)
+    wide = _between(margin[:, :1], margin, margin[:, -1:])
     least = size - np.maximum(wide[:, 1:], wide[:, :-1])
     row, place = np.nonzero(falls & rises & (least < within[:, None]) & ~jumps[:, None])
     before, after = np.maximum(place - 1, 0), np.minimum(place + 1, node.shape[1] - 1)
@@ -109,7 +109,14 @@ def _seen(above: Along, parts: Parts) -> tuple[np.ndarray, ...]:
     along = np.arange(node.shape[1] - 1)
     # beyond its last cell a row goes on as it did
     rise = np.take_along_axis(np.diff(value, axis=1), np.minimum(along, end - begin - 1), axis=1)
-    beside = np.pad(rise, ((0, 0), (1, 1)), mode="edge")
+    beside = _between(rise[:, :1], rise, rise[:, -1:])
     margin = np.abs(np.stack([beside[:, :-2], rise, beside[:, 2:]])).max(axis=0)
     inside = (first[:, None] <= node[:, :-1]) & (node[:, :-1] < last[:, None])
     return node, value, beside, margin, inside
+
+
+def _between(*columns: Any) -> np.ndarray:
+    """Columns beside one another, where one may be a number for all rows."""
+    rows = max(len(x) for x in columns if isinstance(x, np.ndarray))
+    whole = [x if isinstance(x, np.ndarray) else np.full((rows, 1), x) for x in columns]
+    return np.concatenate(whole, axis=1)

@@ -32,6 +32,8 @@ def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any,
     if guide is None:
         return _nearest_of(lanes, count)
     some = np.flatnonzero(count == 0)
+    if not len(some):
+        return np.zeros(len(count)), np.zeros(len(count), int), np.zeros(len(count))
     at_ends = np.stack([low, high], axis=-1).reshape(len(count), -1)
     far = np.abs(at_ends)
     # one state's end may be another's: of those alike the lowest state is told
@@ -39,8 +41,6 @@ def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any,
     state, side = np.divmod(best, 2)
     miss = at_ends[np.arange(len(count)), best]
     level = side + 0.0 * miss
-    if not len(some):
-        return level, state, miss
     part = lanes.of(_lanes_of(some, lanes.each))
     within = np.repeat(np.abs(miss[some]), lanes.each)
     parts = guide.nearer(part.state, part.strain, part.wanted, within)
