@@ -1,9 +1,9 @@
 """One point from Python: what a call costs, whatever it computes.
 
 `muscle.force(P, eps)` with its checks, and the function that `muscle.compile()` gives, each
-with two Python floats, until the result is there; it has been asked often, so that its law is spelled
-out. Beside them the law on NumPy's numbers, by which the first points are answered, without a check,
-and the least that JAX takes: a compiled `x + y` of two floats.
+with two Python floats, until the result is there; it has been asked often, so that its law is
+spelled out. Beside them the law on NumPy's numbers, by which the first points are answered, without
+a check, and the least that JAX takes: a compiled `x + y` of two floats.
 
     python benchmarks/one_point.py
 """

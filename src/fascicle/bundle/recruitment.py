@@ -161,7 +161,10 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     )
     at_work, units = library(*arrays), len(bundle.motor_units)
     flat = {"force": force, "strain": strain}
-    flat = {key: at_work.broadcast_to(x, shape).reshape(-1) for key, x in flat.items()}
+    flat = {
+        key: (x if np.shape(x) == shape else at_work.broadcast_to(x, shape)).reshape(-1)
+        for key, x in flat.items()
+    }
     for now in present:
         flat["present"] = at_work.broadcast_to(now, (*shape, units)).reshape(-1, units)
     curves = _bank(bundle, supply, scheme, resistance)
@@ -187,7 +190,8 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
         for start in range(0, max(1, count), step)
     ]
     whole = parts[0] if len(parts) == 1 else _joined(parts)
-    whole = jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
+    if shape != (count,):
+        whole = jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
     if at_work is np and bundle.is_numpy:
         return whole
     return _carried(bundle, force, strain, supply, whole, scheme, resistance)

@@ -82,9 +82,9 @@ def as_given(value: Values, checked: Batch) -> Batch:
 
 def one_of(name: str, choices: Iterable[str], what: str) -> str:
     """Return `name` if it is a choice; else refuse it and suggest the nearest."""
-    known = sorted(choices)
-    if name in known:
+    if name in (choices := list(choices)):
         return name
+    known = sorted(choices)
     near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
     remedy = f"{hint}choose one of {', '.join(known)}"

@@ -9,6 +9,8 @@ from .refused import Refused
 
 def common(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     """The shape [-] to which arguments of these `shapes` broadcast, each by its name [-]."""
+    if not any(shapes.values()):
+        return ()  # single numbers, soon
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:

@@ -1,8 +1,12 @@
 """Laws spelled out for Python's numbers, and those that are asked for often."""
 
+import ast
 import math
+import re
+import warnings
 from typing import NamedTuple
 
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -24,8 +28,11 @@ from fascicle.core.arrays import (
 )
 from fascicle.core.evaluate import evaluate
 from fascicle.core.often import Often
+from fascicle.core.operations import FUNCTIONS
 from fascicle.core.roots import root
-from fascicle.core.spelled import SpellingError, spelled
+from fascicle.core.spelled import SpellingError, _text, spelled
+from fascicle.muscle.quantities import force_of
+from fascicle.muscle.tension import TENSION_LAWS
 
 
 class Both(NamedTuple):
@@ -106,6 +113,35 @@ def test_nobody_asks_for_it_and_nothing_twice():
     assert one(4.0) == 6.0
     assert sum(name == "sqrt" for name in one.__code__.co_names) == 1
     assert one(0.0) == 0.0
+
+
+def test_a_root_of_what_is_negative_is_refused():
+    with pytest.raises(ValueError, match="domain"):
+        spelled(lambda part, x: (x - part) ** 0.5, 3.0, 1)(1.0)
+
+
+HELD = (
+    ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Return, ast.Assign, ast.Tuple,
+    ast.Name, ast.Load, ast.Store, ast.Call, ast.IfExp, ast.BinOp, ast.UnaryOp, ast.Compare,
+    ast.BoolOp, ast.operator, ast.unaryop, ast.cmpop, ast.boolop,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("tension", TENSION_LAWS)
+def test_what_is_run_holds_operations_alone(tension):
+    """No word of a file or a user gets into it: names that are made here, numbers, operators."""
+    with warnings.catch_warnings(action="ignore"):  # of other sizes than the law's
+        part = fs.example("kim2021_bundle_1_4").motor_units[0].muscle.replace(tension=tension)
+    leaves, structure = jax.tree.flatten(part)
+    text, _ = _text(force_of, structure, tuple(map(np.shape, leaves)), 2)
+    known = {*FUNCTIONS, "inf", "nan", "searched", "kind", "spelled", "point"}
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant):
+            assert type(node.value) in (float, bool, int)
+        else:
+            assert isinstance(node, HELD)
+        if isinstance(node, ast.Name):
+            assert node.id in known or re.fullmatch(r"(residual_v|[cvx])[0-9]+", node.id)
 
 
 def branching(part, x):

@@ -107,8 +107,9 @@ def recruited(
         fed = at_work.maximum(still(taken), 0.0) @ states.fed.T.astype(float)
         cost = where(met, at_work.take_along_axis(fed, found.state, axis=1), np.inf)
     slot = at_work.argmin(cost, axis=1)
+    taken_slots = (np.arange(len(slot)), slot)
     state, level = (
-        where(reached, at_work.take_along_axis(x, slot[:, None], axis=1)[:, 0], nearest)
+        where(reached, x[taken_slots], nearest)
         for x, nearest in ((found.state, found.nearest_state), (found.level, found.nearest))
     )
     there, slope, firm = _at_ends(fixed, found, slot, state, level, eps, beside)
