@@ -36,6 +36,7 @@ from .commands.space import run as space
 from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
 from .into_file import into, parted
+from .once import Once
 from .problems import UserError, as_typed, too_large, wrong_usage
 
 
@@ -50,22 +51,25 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("force")(force)
-app.command("free-strain")(free_strain)
-app.command("bundle")(bundle)
-app.command("space")(space)
-app.command("recruit")(recruit)
-app.command("efficiency")(efficiency)
-app.command("simulate")(simulate)
-app.command("record")(record)
-app.command("calibrate", cls=WithNames)(calibrate)
-app.command("explore")(explore)
-app.command("export")(export)
-app.command("design")(design)
-app.command("sweep")(sweep)
-app.command("reproduce")(reproduce)
-app.command("muscles")(muscles)
-app.command("init")(init)
+for _name, _run in {
+    "force": force,
+    "free-strain": free_strain,
+    "bundle": bundle,
+    "space": space,
+    "recruit": recruit,
+    "efficiency": efficiency,
+    "simulate": simulate,
+    "record": record,
+    "calibrate": calibrate,
+    "explore": explore,
+    "export": export,
+    "design": design,
+    "sweep": sweep,
+    "reproduce": reproduce,
+    "muscles": muscles,
+    "init": init,
+}.items():
+    app.command(_name, cls=WithNames if _name == "calibrate" else Once)(_run)
 
 
 def _version(wanted: bool) -> bool:

@@ -9,6 +9,7 @@ import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from .once import refuse_repeated
 from .problems import refusing
 
 
@@ -34,6 +35,7 @@ def parted(arguments: Sequence[str]) -> tuple[list[str], str, str]:
         if not equals and waiting and (waiting[0] == "-" or _is_file(waiting[0], name)):
             value = waiting.pop(0)
         if value not in ("", "-"):
+            refuse_repeated(name, [path, value] if option == name else [], listed=False)
             option, path = name, value
     return out, option, path
 

@@ -5,8 +5,8 @@ import json
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
+from ..once import Once
 from ..options import AsJson, Replace, complete_target
 from ..outputs import folder_for, say
 from ..problems import UserError, refusing
@@ -150,7 +150,7 @@ Out = Annotated[
 ]
 
 
-class WithNames(TyperCommand):
+class WithNames(Once):
     """The command whose help also lists what `--fit` and `--prior` take, as the laws declare it:
     these are loaded for the help alone.
     """
