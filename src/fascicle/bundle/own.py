@@ -45,6 +45,9 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
 
 
 def _single(bundle: Bundle) -> None:
+    if not isinstance(bundle, Bundle):
+        remedy = "make one of it: fs.Bundle([fs.MotorUnit(muscle)])"
+        raise Refused("bundle", "must be a Bundle", bundle, remedy, shown=type(bundle).__name__)
     if shape := bundle._batch:
         raise Refused(
             "bundle",

@@ -65,7 +65,7 @@ def free_strain_curve(
 
     **Raises:** `ValueError` for a unit that doesn't exist or a pressure off the domain.
     """
-    supply = supply_of(bundle, supply_pressure)
+    supply, unit = supply_of(bundle, supply_pressure), _counted(bundle, unit)
     all_pressures = pressures_of(unit, pressures, supply, len(bundle.motor_units))
     return np.asarray(bundle.free_strain(all_pressures, resistance))
 
@@ -123,9 +123,7 @@ def onset_pressure(
 
     **Raises:** `ValueError` for a unit that doesn't exist or a strain off the domain.
     """
-    supply = supply_of(bundle, supply_pressure)
-    if not 1 <= unit <= len(bundle.motor_units):
-        raise Refused("unit", f"must lie in [1, {len(bundle.motor_units)}]", unit)
+    supply, unit = supply_of(bundle, supply_pressure), _counted(bundle, unit)
     muscle = bundle.motor_units[unit - 1].muscle
     eps = float(within(strain, -np.inf, np.inf, "strain", "-"))
     if bundle.ratios is not None:
@@ -145,3 +143,13 @@ def onset_pressure(
         last = int(np.flatnonzero(~helps)[-1])
         low, high = float(grid[last]), float(grid[last + 1])
     return high if low > 0 else 0.0
+
+
+def _counted(bundle: Bundle, unit: int) -> int:
+    """Which unit of the bundle it is [-], counted from 1."""
+    units = len(bundle.motor_units)
+    if not isinstance(unit, int | np.integer):
+        raise Refused("unit", "must be a whole number, counted from 1", unit, shown=repr(unit))
+    if not 1 <= unit <= units:
+        raise Refused("unit", f"must lie in [1, {units}]", unit)
+    return int(unit)

@@ -77,8 +77,10 @@ class Module(eqx.Module):
         (ours, structure), (theirs, of_other) = jax.tree.flatten(self), jax.tree.flatten(other)
         return structure == of_other and all(map(_same, ours, theirs))
 
-    # a class that says when it is equal has else no hash
-    __hash__ = eqx.Module.__hash__
+    def __hash__(self) -> int:
+        """The same for what is equal."""
+        leaves, structure = jax.tree.flatten(self)
+        return hash((structure, *(_told(leaf) for leaf in leaves)))
 
     def __repr__(self) -> str:
         """Its fields with their numbers; traced ones have none."""
@@ -120,6 +122,11 @@ def _shown(value: Any) -> str:
 
 def _same(one: Any, other: Any) -> bool:
     return one is other or (concrete(one, other) and np.array_equal(one, other))
+
+
+def _told(leaf: Any) -> Any:
+    """What is equal, and can be looked up, where numbers are."""
+    return tuple(np.ravel(leaf).tolist()) if concrete(leaf) else id(leaf)
 
 
 Tree = TypeVar("Tree")

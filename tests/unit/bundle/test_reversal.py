@@ -74,5 +74,16 @@ def test_onset_in_a_bundle_of_two_lengths(unit):
 def test_refuses_a_unit_that_does_not_exist():
     with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
         onset_pressure(even, 0.1, unit=3)
-    with pytest.raises(ValueError, match="`state` must lie in"):
+    with pytest.raises(ValueError, match=r"`unit` must lie in \[1, 2\], got 3"):
         reversal(even, unit=3)
+
+
+def test_refuses_a_pressure_where_a_unit_is_due():
+    for ask in (lambda: reversal(even, "3 bar"), lambda: onset_pressure(even, 0.1, "3 bar")):
+        with pytest.raises(ValueError, match="`unit` must be a whole number.* got '3 bar'"):
+            ask()
+
+
+def test_refuses_a_muscle_where_a_bundle_is_due():
+    with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: make one of it"):
+        reversal(even.motor_units[0].muscle)

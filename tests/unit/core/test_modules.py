@@ -90,6 +90,13 @@ def test_what_has_single_numbers_alone_has_a_hash():
     assert {law: 1}[fs.tension.Meller2014(1.1, 0.9)] == 1
 
 
+def test_what_is_equal_has_one_hash_tables_and_all():
+    muscle = fs.example("kim2021_slenderness_8")  # tuned: it has tables
+    as_jax = jax.tree.map(jax.numpy.asarray, muscle)
+    found = {muscle: "this one", muscle.replace(length=0.1): "another"}
+    assert found[muscle.replace()] == found[as_jax] == "this one" and len(found) == 2
+
+
 def test_traced_numbers_are_equal_to_themselves_alone():
     seen = []
 
