@@ -197,6 +197,9 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     **Raises:** `ValueError` for a bad quantity or range, or more than `MAX_POINTS` values.
     """
     name, values = name or dimension, []
+    if not text.strip():
+        remedy = f"give a value, such as {_EXAMPLES[dimension]}"
+        raise Refused(name, "is an empty entry", text, remedy, shown="")
     for entry in text.split(","):
         if not entry.strip():
             rule = f"has an empty entry in {_quote(text)}"
@@ -314,11 +317,17 @@ def _factor(unit: str, dimension: str) -> Fraction | str:
     tidy = re.sub(r"^/", "1/", re.sub(r"^([^\W\d]+)\^-1$", r"1/\1", tidy))
     if tidy in kind.factors:
         return kind.factors[tidy]
-    near = difflib.get_close_matches(tidy, [u for u in kind.factors if u], n=1, cutoff=0.5)
+    units = [one for one in kind.factors if one]
+    # one that is equal but for case is meant, however near another one may be
+    same = [one for one in units if one.casefold() == tidy.casefold()]
+    near = same or difflib.get_close_matches(tidy, units, n=1, cutoff=0.5)
     unknown = f"unknown unit {_quote(unit)}" + (f", did you mean {near[0]!r}?" if near else ".")
     if not _UNIT.fullmatch(tidy):
         return unknown
-    return _by_pint(unit, tidy, dimension) or unknown
+    found = _by_pint(unit, tidy, dimension) or unknown
+    if same and isinstance(found, str) and found is not unknown:
+        return f"{found.removesuffix('.')}, did you mean {same[0]!r}?"
+    return found
 
 
 def _by_pint(unit: str, tidy: str, dimension: str) -> Fraction | str:

@@ -79,6 +79,12 @@ def test_rounds_once():
         ("12 kPa", "strain", "'kPa' is no unit of strain"),
         ("5 kpa", "pressure", "did you mean 'kPa'"),
         ("5 psig", "pressure", "did you mean 'psi'"),
+        ("200KPa", "pressure", "did you mean 'kPa'"),
+        ("200Kpa", "pressure", "did you mean 'kPa'"),
+        ("0.2mpa", "pressure", "did you mean 'MPa'"),
+        ("30PSI", "pressure", "did you mean 'psi'"),
+        ("1 KN", "force", "did you mean 'kN'"),
+        ("5 MM", "length", "'MM' is no unit of length, did you mean 'mm'?"),
         ("5 furlongish", "length", "unknown unit"),
         ("nan Pa", "pressure", "must be finite"),
         ("NaN", "strain", "must be finite"),
@@ -204,7 +210,7 @@ def test_a_range_in_rounded_units_has_no_point_too_many():
         ("0:1:1e-300", f"more than {MAX_POINTS}"),
         (",".join(["0:1:2e-5"] * 3), f"more than {MAX_POINTS}"),
         ("0.1,", "empty entry"),
-        ("", "empty entry"),
+        ("", "is an empty entry: give a value, such as 0.12"),
     ],
 )
 def test_refuses_a_bad_list(text, words):
