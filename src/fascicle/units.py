@@ -199,7 +199,7 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     name, values = name or dimension, []
     if not text.strip():
         remedy = f"give a value, such as {_EXAMPLES[dimension]}"
-        raise Refused(name, "is an empty entry", text, remedy, shown="")
+        raise Refused(name, "has nothing but an empty entry", text, remedy, shown="")
     for entry in text.split(","):
         if not entry.strip():
             rule = f"has an empty entry in {_quote(text)}"

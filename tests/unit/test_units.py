@@ -210,7 +210,7 @@ def test_a_range_in_rounded_units_has_no_point_too_many():
         ("0:1:1e-300", f"more than {MAX_POINTS}"),
         (",".join(["0:1:2e-5"] * 3), f"more than {MAX_POINTS}"),
         ("0.1,", "empty entry"),
-        ("", "is an empty entry: give a value, such as 0.12"),
+        ("", "has nothing but an empty entry: give a value, such as 0.12"),
     ],
 )
 def test_refuses_a_bad_list(text, words):
