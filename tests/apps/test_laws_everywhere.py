@@ -65,9 +65,14 @@ REFUSED = {
     **{(asked, command): "`end_compliance` must be 0 where strain alone says"
        for asked in ("ends that give", "all at once")
        for command in ("recruit free", "efficiency", "design")},
+    # without pressure they don't push: nothing holds the scenario's mass at rest
+    **{(f"tension {name}", "simulate"): "it is too weak by"
+       for name in ("ideal", "meller2014", "tondu_lopez")},
     **{(f"tension {name}", "design"): "a design has other sizes"
        for name, law in LAWS["tension"].items() if law.made_for},
 }  # fmt: skip
+# of another muscle's numbers, in a scenario that is too stiff for them
+UNTRUSTED = {("tension bolen_20", "simulate")}
 WHOLE = list(itertools.product(ASKED, COMMANDS))
 # each law by one command, each command by some: those next to one another in both lists
 SLOW_ONES = {("buckling ovalising", command) for command in ("space", "recruit", "recruit free",
@@ -98,8 +103,13 @@ def held(fascicle, folder, asked, command):
     text = text.replace('dt = "1 ms"', 'dt = "0.25 ms"')
     (folder / "scenario.toml").write_text(text[: text.index("[[schedule]]")] + (
         '[[schedule]]\ntime = "0 s"\ncommand = [1, 0]\n'))  # fmt: skip
-    code, out, err = fascicle(*COMMANDS[command])
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")  # what a law is warned of is said in a line
+        code, out, err = fascicle(*COMMANDS[command])
     lines = err.splitlines()
+    if (asked, command) in UNTRUSTED:
+        assert code == 1 and "can't be trusted" in lines[-1]
+        return
     assert all(line.startswith(("warning: ", "error: ")) for line in lines), err
     if (asked, command) in REFUSED:
         assert (code, out) == (2, "")
