@@ -1,5 +1,7 @@
 """The scheme and the supply pressure that hold: those asked for, else the bundle's own."""
 
+from typing import Any
+
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.limits import plausible
@@ -44,7 +46,7 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     return float(plausible(P, "supply_pressure"))
 
 
-def _single(bundle: Bundle) -> None:
+def _single(bundle: Any) -> None:
     if not isinstance(bundle, Bundle):
         remedy = "make one of it: fs.Bundle([fs.MotorUnit(muscle)])"
         raise Refused("bundle", "must be a Bundle", bundle, remedy, shown=type(bundle).__name__)

@@ -11,6 +11,7 @@ off again: then the jump is the reversal point, and its lower side counts.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -145,7 +146,7 @@ def onset_pressure(
     return high if low > 0 else 0.0
 
 
-def _counted(bundle: Bundle, unit: int) -> int:
+def _counted(bundle: Bundle, unit: Any) -> int:
     """Which unit of the bundle it is [-], counted from 1."""
     units = len(bundle.motor_units)
     if not isinstance(unit, int | np.integer):
