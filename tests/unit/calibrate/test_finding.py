@@ -224,6 +224,17 @@ def test_a_constant_must_be_worth_more_than_a_reading_s_share():
     assert chosen([few, more], 10.0, "linear") is few  # noise that takes all of the 2 %
 
 
+def test_what_has_no_answer_for_some_readings_is_not_compared():
+    # two pressures of three strains: without a stretch of strain no tuning can be read
+    pressure, strain = np.array([[1e5], [2e5]]), np.array([0.0, 0.1, 0.2])
+    record = Record.of(pressure, strain, [[200.0, 100.0, 0.0], [400.0, 220.0, 60.0]])
+    muscle = fs.Muscle.from_dimensions(0.3, 12e-3, 2e-3, np.radians(25))
+    found = find(record, muscle)
+    tuning = next(one for one in found.candidates if one.method == "tuning")
+    assert np.isfinite(tuning.rmse) and np.isnan(tuning.left_out_rmse)
+    assert any(one.chosen and one.method == "constants" for one in found.candidates)
+
+
 def test_one_pressure_is_judged_by_strains_and_says_so():
     strain = np.linspace(0.0, 0.12, 18)
     noise = 8.0 * np.random.default_rng(2).normal(size=strain.size)

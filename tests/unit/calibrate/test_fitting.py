@@ -1,6 +1,7 @@
 """Whole fits of synthetic records; each fixture is one compiled search, and many look at it."""
 
 import warnings
+from dataclasses import replace
 
 import equinox as eqx
 import numpy as np
@@ -9,12 +10,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, fit
+from fascicle.calibrate.after.calibration import largest_force
 from fascicle.calibrate.fits.fitting import _with_tables
 from fascicle.calibrate.problem.uncertainty import NORMAL
 from fascicle.files.calibrated import provenance_of
 from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
-from fascicle.records.record import Record
+from fascicle.records.record import Record, Source
 
 
 TRUE = fs.example("kim2021_slenderness_10")
@@ -338,6 +340,20 @@ def test_forces_that_are_all_zero_are_refused():
     nothing = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
     with pytest.raises(fs.Refused, match="`record` holds no force but 0 N: check the column"):
         fit(nothing, NOMINAL, NAMES)
+    told = "`record` of d.csv holds no force but 0 N"
+    with pytest.raises(fs.Refused, match=told):
+        fit(replace(nothing, sources=(Source("d.csv", ""),)), NOMINAL, NAMES)
+
+
+def test_forces_that_never_pull_under_pressure_are_refused():
+    record = clipped()
+    flipped = replace(record, force=-np.abs(record.force), sources=(Source("d.csv", ""),))
+    told = "`record` of d.csv holds no force that pulls, the largest is 0 N: is the sign flipped"
+    with pytest.raises(fs.Refused, match=told):
+        fit(flipped, NOMINAL, NAMES)
+    # without pressure it may be that only pushes were measured
+    still = Record.of(0.0, flipped.strain, flipped.force - 1.0, rest_length=0.127)
+    assert largest_force(still) == np.max(1.0 - flipped.force)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -301,8 +301,10 @@ def identifiable(parameter: Parameter, deviation: float, prior: float) -> bool:
 
 
 def largest_force(record: Record) -> float:
-    """The largest force that was measured [N]."""
-    return float(np.max(np.where(record.censored, -np.inf, record.force)))
+    """The largest force that was measured [N]; of a record that never pulls, the largest push."""
+    measured = record.force[~record.censored]
+    pull = float(np.max(measured, initial=-np.inf))
+    return pull if pull > 0 or not measured.size else float(np.max(np.abs(measured)))
 
 
 def root_mean_square(residual: np.ndarray, count: np.ndarray) -> float:

@@ -94,6 +94,8 @@ def trial(
     **Returns:** it [-].
     """
     rmse, left = judged(errors, loss), judged(unseen, loss)
+    # others are compared on every reading: one that has no answer for some can't be among them
+    left = left if np.all(np.isfinite(unseen) | ~np.isfinite(errors)) else float("nan")
     of = Candidate(label, names, method, constants, rmse, left, rmse / top, left / top, readings)
     return Trial(of, unseen, impossible)
 

@@ -22,6 +22,7 @@ from .tuned import problem_of
 
 
 STARTS = 4
+_PASSIVE = 1.0  # Pa, what a record of no pressure may read
 _FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
 
 
@@ -74,7 +75,7 @@ def begun(
     free = named(names, muscle)
     tuning = all(one in FACTORS for one in free) if search.tune is None else search.tune
     data, pulls = of.data, of.pulls and not search.whole
-    _enough(data, free)
+    _enough(of, free)
     start = _centered(muscle, free, given)
     # what is compiled knows more constants than are free, so that other choices share it
     among = free
@@ -117,18 +118,30 @@ def on_length(data: Grid, record: Record, muscle: Muscle) -> Grid:
     return replace(data, strain=np.asarray(data.strain) * longer)
 
 
-def _enough(data: Grid, free: Sequence[Parameter]) -> None:
+def _enough(of: Taken, free: Sequence[Parameter]) -> None:
+    data, files = of.data, ", ".join(source.name for source in of.record.sources)
+    where = f"of {files} " if files else ""
     there = np.asarray(data.count) > 0
     readings = int(np.sum(there))
     if readings < len(free):
         raise Refused(
             "record",
-            f"holds {readings} readings for {len(free)} parameters",
+            f"{where}holds {readings} readings for {len(free)} parameters",
             None,
             "measure more points, or free fewer parameters",
         )
-    if not np.any(np.asarray(data.force)[there]):
-        raise Refused("record", "holds no force but 0 N", None, "check the column of forces")
+    force = np.asarray(data.force)[there]
+    if not of.pushes and not np.any(force):
+        rule = f"{where}holds no force but 0 N"
+        raise Refused("record", rule, None, "check the column of forces")
+    # a passive muscle's may only push, but one under pressure was also measured where it pulls
+    if np.max(force) <= 0 and np.max(np.asarray(data.pressure)) > _PASSIVE:
+        rule = f"{where}holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
+        remedy = (
+            'is the sign flipped? Then write signs.force = "pushing positive" in the TOML beside'
+            " the file; else measure where it pulls, too"
+        )
+        raise Refused("record", rule, None, remedy)
 
 
 def _centered(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:
