@@ -5,6 +5,7 @@ pulling force; with it goes what the reading is worth. A *censored* reading is o
 clipped at zero: the gauge could not push, so it only says that the force was not above it.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -121,7 +122,7 @@ def join(records: Sequence[Record]) -> Record:
 
     **Arguments:** `records`: at least one [-].
 
-    **Returns:** all their readings [-].
+    **Returns:** all their readings [-]; a warning and a note tell of those that are there twice.
 
     **Raises:** `ValueError` where their strains refer to unlike lengths.
     """
@@ -137,6 +138,9 @@ def join(records: Sequence[Record]) -> Record:
         )
     # where only strains were given, they refer to the length that the others name
     rest_length = next(iter(lengths), None)
+    twice = _twice(records)
+    for told in twice:
+        warnings.warn(f"{told}.", stacklevel=2)
     timed = all(record.time is not None for record in records)
     return replace(
         first,
@@ -148,5 +152,23 @@ def join(records: Sequence[Record]) -> Record:
         rest_length=rest_length,
         synthetic=any(record.synthetic for record in records),
         sources=tuple(source for record in records for source in record.sources),
-        notes=tuple(dict.fromkeys(note for record in records for note in record.notes)),
+        notes=tuple(dict.fromkeys([*(note for one in records for note in one.notes), *twice])),
     )
+
+
+def _twice(records: Sequence[Record]) -> list[str]:
+    """Which of the records hold the same readings, a line for each that is there again [-]."""
+
+    def name(place: int) -> str:
+        return ", ".join(one.name for one in records[place].sources) or f"record {place + 1}"
+
+    def readings(record: Record) -> bytes:
+        return np.stack([record.pressure, record.strain, record.force]).tobytes()
+
+    first, lines = {}, []
+    for place, record in enumerate(records):
+        before = first.setdefault(readings(record), place)
+        if before != place:
+            pair = f"{name(before)} and {name(place)}"
+            lines.append(f"{pair} hold the same readings, which count twice: leave one out")
+    return list(dict.fromkeys(lines))

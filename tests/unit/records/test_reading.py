@@ -273,7 +273,8 @@ def test_several_files_are_one_record(tmp_path):
         (tmp_path / f"{name}.csv").write_text(GOOD)
     (tmp_path / "a.toml").write_text('rest_length = "300 mm"')
     (tmp_path / "b.toml").write_text('rest_length = "300 mm"')
-    record = load([tmp_path / "a.csv", tmp_path / "b.csv"])
+    with pytest.warns(UserWarning, match="a.csv and b.csv hold the same readings, which count"):
+        record = load([tmp_path / "a.csv", tmp_path / "b.csv"])
     assert len(record) == 6
     assert [source.name for source in record.sources] == ["a.csv", "b.csv"]
     assert record.sources[0].sha256 == hashlib.sha256(GOOD.encode()).hexdigest()

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -50,3 +52,15 @@ def test_joined():
     assert [source.name for source in both.sources] == ["b", "a"]
     with pytest.raises(ValueError, match=r"one rest length, got \['0.3', '0.4'\] m"):
         join([ONE, Record.of(1e5, 0.1, 5, rest_length=0.4)])
+
+
+def test_the_same_readings_twice_are_told():
+    copied = replace(ONE, sources=(Source("copy", "1"),), rest_length=None)
+    told = "a and copy hold the same readings, which count twice: leave one out"
+    with pytest.warns(UserWarning, match=told):
+        both = join([ONE, Record.of(2e5, 0.1, 5), copied])
+    assert len(both) == 5 and both.notes == ("n", told)
+    with pytest.warns(UserWarning, match="record 1 and record 2 hold the same"):
+        join([Record.of(1e5, 0.1, 5)] * 2)
+    with_noise = Record.of(1e5, [0.0, 0.1], [50, 20.1])
+    assert join([ONE, with_noise]).notes == ("n",)  # no warning: they are errors here
