@@ -51,14 +51,20 @@ if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.
 }
 """
 
-# the first key that moves goes to the tabs, and arrows from one to the next; the header's fields
-# lie before them
+# the address follows every change: as one entry of the history, so that Back leaves the page
+_REPLACED = "history.pushState = history.replaceState;"
+
+# the page's first key that moves goes to the tabs, and arrows from one to the next; from then on
+# the keys go as the page reads: header, tabs, content
 _TABS_FIRST = """
 const sought = (at) => at.querySelector(".bk-tab.bk-active")
   ?? [...at.querySelectorAll("*")].reduce(
     (found, one) => found ?? (one.shadowRoot ? sought(one.shadowRoot) : null), null);
 const deepest = (at) => at?.shadowRoot?.activeElement ? deepest(at.shadowRoot.activeElement) : at;
 const aside = {ArrowRight: "nextElementSibling", ArrowLeft: "previousElementSibling"};
+let first = true;
+for (const kind of ["pointerdown", "focusin"])
+  addEventListener(kind, () => { first = false; }, {capture: true, once: true});
 addEventListener("keydown", (event) => {
   const here = deepest(document.activeElement);
   const there = event.key === "Enter" || event.key === " " ? here : here?.[aside[event.key]];
@@ -67,11 +73,10 @@ addEventListener("keydown", (event) => {
     there.click();
     there.focus();
   }
-  if (event.key !== "Tab" || event.shiftKey || document.activeElement !== document.body) return;
+  if (!first || event.key !== "Tab" || event.shiftKey) return;
   const tab = sought(document);
   if (!tab) return;
   event.preventDefault();
-  if (tab.tabIndex < 0) tab.tabIndex = 0;
   tab.focus();
 });
 """
@@ -86,8 +91,21 @@ const look = (root) => {
   for (const spin of root.querySelectorAll(".bk-spin-btn"))
     name(spin, (spin.matches(".bk-spin-btn-up") ? "More: " : "Fewer: ") + told(spin)?.textContent);
   for (const tab of root.querySelectorAll(".bk-tab")) {
-    tab.role = "tab"; tab.ariaSelected = tab.matches(".bk-active"); tab.tabIndex = 0;
+    const active = tab.matches(".bk-active");
+    tab.role = "tab"; tab.ariaSelected = active; tab.tabIndex = active ? 0 : -1;
     tab.parentElement.role = "tablist";
+  }
+  // Bokeh has the tabs after what they show: keys and readers meet them before it
+  const strip = [...root.children].find((one) => one.matches(".bk-header"));
+  const shown = [...root.children].find((one) => one.shadowRoot);
+  if (strip && shown && shown.compareDocumentPosition(strip) & Node.DOCUMENT_POSITION_FOLLOWING)
+    shown.before(strip);
+  for (const handle of root.querySelectorAll(".noUi-handle")) {
+    // noUiSlider tells one decimal, whatever is shown
+    const at = handle.closest(".noUi-target")?.noUiSlider?.get(true);
+    const told = String(Number(Number(at).toPrecision(6)));
+    for (const name of ["aria-valuenow", "aria-valuetext"])
+      if (isFinite(at) && handle.getAttribute(name) !== told) handle.setAttribute(name, told);
   }
   for (const box of root.querySelectorAll("input[type=checkbox]"))
     name(box, box.nextElementSibling?.textContent);
@@ -96,7 +114,8 @@ const attach = Element.prototype.attachShadow;
 Element.prototype.attachShadow = function (...given) {
   const root = attach.apply(this, given);
   new MutationObserver(() => look(root)).observe(
-    root, {childList: true, subtree: true, attributes: true, attributeFilter: ["class"]});
+    root, {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["class", "aria-valuenow", "aria-valuetext"]});
   return root;
 };
 document.querySelector("[data-root-id]")?.setAttribute("role", "main");
@@ -106,9 +125,10 @@ document.querySelector("[data-root-id]")?.setAttribute("role", "main");
 def attach(doc: Any, prefers: bool = False) -> None:
     """Let the page of a Bokeh document [-] say what it can't; and take the system's own preference
     of light or dark, where it `prefers` [-] that to an address that says nothing of it. Sliders and
-    boxes get names that are read aloud.
+    boxes get names that are read aloud. What is shown is one entry of the browser's history.
     """
     doc.js_on_event("document_ready", CustomJS(code=_NAMED))
+    doc.js_on_event("document_ready", CustomJS(code=_REPLACED))
     doc.js_on_event("document_ready", CustomJS(code=_TABS_FIRST))
     if prefers:
         doc.js_on_event("document_ready", CustomJS(code=_PREFERS))
