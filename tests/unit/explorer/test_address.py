@@ -20,6 +20,7 @@ from fascicle.explorer.parts.address import (
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.files import dumps, loads
 from fascicle.muscle.fitted import remembering
+from fascicle.units import parse
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -154,6 +155,27 @@ def test_whatever_breaks_in_a_link_the_page_opens(monkeypatch):
 
 def test_splits_are_read_both_ways():
     assert parse_splits("1+4, 2+3") == ((1, 4), (2, 3)) == parse_splits("1-4,2-3")
+
+
+@pytest.mark.parametrize(
+    ("shown", "pressure", "supply"), [("psi", "20.2psi", "90psi"), ("bar", "1.37bar", "4.1bar")]
+)
+def test_a_link_has_the_digits_that_were_typed(shown, pressure, supply):
+    P, most = parse(pressure, "pressure"), parse(supply, "pressure")
+    units = dict(SIX.shown) | {"pressure": shown}
+    view = replace(SIX, pressure=P, supply=most, pressures=(P, 137.9e3), shown=units)
+    query = to_query(view)
+    assert (query["pressure"], query["supply"]) == (pressure, supply)
+    assert query["pressures"].startswith(f"{pressure},")
+    # and few of them where it is looked at in another unit
+    assert to_query(replace(view, shown=SIX.shown))["pressure"] in (pressure, "137kPa")
+    found, _ = from_query(query, SIX)
+    assert (found.pressure, found.supply, found.pressures) == (P, most, (P, 137.9e3))
+
+
+def test_a_link_has_every_digit_where_no_unit_has_few():
+    view = replace(SIX, pressure=123456.78901234567)
+    assert from_query(to_query(view), SIX)[0].pressure == view.pressure
 
 
 def test_all_watchers_are_told_of_a_change():

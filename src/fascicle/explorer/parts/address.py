@@ -22,6 +22,7 @@ from ...muscle import Muscle
 from ...units import exact, parse
 from ..curves.other_laws import check_compared
 from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
+from .widgets import factor
 
 
 LONGEST = 16_000  # characters of a packed file
@@ -32,6 +33,10 @@ _LEFT_OUT = "left-out"  # instead of a file that is larger than that
 def to_query(view: View) -> dict[str, str]:
     """The address of a `view` [-]: its query by key [-], all text."""
     own = any(unit.own is not None for unit in view.units)
+
+    def pressure(value: float) -> str:
+        return _tight(value, "pressure", view.shown["pressure"])
+
     if own:
         query = {"file": pack(dumps(view.bundle)), "name": view.name}
     elif view.name in examples() and _is_example(view):
@@ -43,11 +48,11 @@ def to_query(view: View) -> dict[str, str]:
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
         )
     query |= {
-        "supply": _tight(view.supply, "pressure"),
+        "supply": pressure(view.supply),
         "scheme": view.scheme,
-        "pressure": _tight(view.pressure, "pressure"),
+        "pressure": pressure(view.pressure),
         "strain": _tight(view.strain, "strain"),
-        "pressures": ",".join(_tight(P, "pressure") for P in view.pressures),
+        "pressures": ",".join(pressure(P) for P in view.pressures),
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
         "splits": ",".join("-".join(map(str, split)) for split in view.splits),
@@ -87,7 +92,8 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
         if "pressure" in query or "pressures" in query:
             refused.append(
-                f"link: `pressure` must be at most the supply's, {_tight(view.supply, 'pressure')}."
+                "link: `pressure` must be at most the supply's,"
+                f" {_tight(view.supply, 'pressure', view.shown['pressure'])}."
             )
     return view, refused
 
@@ -150,7 +156,14 @@ def _known_muscle(name: str) -> Muscle:
     return view_of(example(name), name).muscle
 
 
-def _tight(value: float, dimension: str) -> str:
+def _tight(value: float, dimension: str, shown: str = "") -> str:
+    """A `value` [SI] so that it comes back to the last bit: in the unit `shown` [-], or another of
+    the page's, where it has few digits there.
+    """
+    for unit in (shown, *SHOWN["pressure"]) if shown else ():
+        text = f"{value / factor(unit, dimension):.10g}{unit}"
+        if parse(text, dimension) == value:
+            return text
     return exact(value, dimension).replace(" ", "")
 
 

@@ -117,7 +117,7 @@ class Dial:
     ):
         """**Arguments:** those of `Field` [-]."""
         self._label, self._dimension, self._set = label, dimension, set_value
-        self._unit, self._top, self._silent = "", 1.0, False
+        self._unit, self._top, self._end, self._silent = "", 1.0, 1.0, False
         css = widget_css(look)
         self.slider = Slider(
             label=label, start=0, end=1, step=0.01, show_value=False, stylesheets=[css],
@@ -136,12 +136,13 @@ class Dial:
         """Show a `value` [SI] of at most `top` [SI] in a `unit` [-]."""
         scale = factor(unit, self._dimension)
         step = _STEPS.get(unit, 0.001)
-        end = float(np.ceil(top / scale / step - 1e-9) * step)
+        end = float(f"{top / scale:.9g}")  # no step further than can be
         title = f"{self._label} [{unit or '–'}]"
         self._silent = True
-        if (unit, end) != (self._unit, self._top):
-            self._unit, self._top = unit, end
+        if (unit, end) != (self._unit, self._end):
+            self._unit, self._end = unit, end
             self.slider.param.update(label=title, start=0, end=end, step=step)
+        self._top = top
         at = value / scale
         if abs(self.slider.value - at) > step / 2:
             self.slider.value = float(np.clip(at, 0, end))
@@ -150,17 +151,19 @@ class Dial:
 
     def _slid(self, event: Any) -> None:
         if not self._silent:
-            # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa
-            self._take(parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension))
+            # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa; the end is the top's, which no
+            # decimals of this unit may be
+            value = parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension)
+            self._take(self._top if event.new >= self._end else min(value, self._top))
 
     def _typed(self, value: float) -> None:
         scale = factor(self._unit, self._dimension)
-        if not 0 <= value <= self._top * scale * (1 + 1e-9):
+        if not 0 <= value <= self._top * (1 + 1e-6):
             raise ValueError(
-                f"`{self.field.name}` must lie in [0, {self._top:g}]"
-                f" {self._unit or '-'}, got {value / scale:g} {self._unit}.".replace(" .", ".")
+                f"`{self.field.name}` must lie in [0, {self._top / scale:.6g}]"
+                f" {self._unit or '-'}, got {value / scale:.6g} {self._unit}.".replace(" .", ".")
             )
-        self._take(value)
+        self._take(min(value, self._top))  # as it is shown, it may round up
 
     def _take(self, value: float) -> None:
         try:
