@@ -1,6 +1,7 @@
 """The header: which muscle, from where, in which units; and the address that tells it."""
 
 import time
+from dataclasses import fields
 from typing import Any
 from urllib.parse import urlencode
 
@@ -17,6 +18,7 @@ from .state import SHOWN, Session, View, changed, view_of
 
 LARGEST_FILE = 100_000  # bytes of a muscle file
 _QUIET = 400  # ms without a change until the address follows: browsers ration its changes
+_KEPT = ("shown", "tab")  # a look at the same muscle: what was said of it stands
 _OTHER = "(own)"
 _PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
 _OTHER_THEME = """
@@ -43,7 +45,8 @@ class Header:
         self._file = pn.widgets.FileInput(
             label="Open a file", accept=".toml", stylesheets=css, width=256, margin=(2, 8)
         )
-        self._file.param.watch(self._open, "value")
+        # an empty file changes nothing but the name
+        self._file.param.watch(self._open, ["value", "filename"])
         self._save = pn.widgets.FileDownload(
             label="Save the file", callback=self._text, filename="muscle.toml",
             stylesheets=css, width=130, margin=(22, 8, 4, 4),
@@ -79,6 +82,9 @@ class Header:
     def _changed(self, before: View, after: View) -> None:
         if changed(before, after, "name", "shown", "muscle", "units"):
             self._show(after)
+        # what a link or a file asked for in vain is past, once something else is shown
+        if changed(before, after, *(one.name for one in fields(View) if one.name not in _KEPT)):
+            self.message.say("")
         self._later()
 
     def _show(self, view: View) -> None:
@@ -100,16 +106,17 @@ class Header:
         self.message.say("")
         self._session.become(view_of(example(event.new), event.new, self._session.view))
 
-    def _open(self, event: Any) -> None:
-        if not event.new:
-            return
+    def _open(self, *_: Any) -> None:
+        raw = self._file.value or b""
         name = str(self._file.filename or "file")[-60:]
         try:
-            if len(event.new) > LARGEST_FILE:
+            if not raw:
+                raise ValueError(f"{name}: the file is empty, 0 bytes.")
+            if len(raw) > LARGEST_FILE:
                 raise ValueError(
-                    f"{name}: a muscle file may have {LARGEST_FILE} bytes, got {len(event.new)}."
+                    f"{name}: a muscle file may have {LARGEST_FILE} bytes, got {len(raw)}."
                 )
-            found = loads(_decoded(event.new, name), source=name)
+            found = loads(_decoded(raw, name), source=name)
             self._session.become(view_of(found, name, self._session.view))
             self.message.say("")
         except ValueError as error:

@@ -76,6 +76,8 @@ def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None)
 
     **Raises:** `ValueError`, in one line, for what is too large or can't be read.
     """
+    if not raw.strip():
+        raise ValueError(f"{name}: the file is empty, {len(raw)} bytes.")
     if len(raw) > LARGEST_FILE:
         raise ValueError(f"{name}: a record may have {LARGEST_FILE} bytes, got {len(raw)}.")
     rows = raw.count(b"\n")
@@ -95,8 +97,10 @@ def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None)
     except Asked as error:  # a length or displacement in a file that names no rest length
         if error.argument != "rest_length":
             # in the words of the fields that are there
-            fields = f"the fields below, {error.role} `{error.value}` say"
-            raise ValueError(f"{error.before}{fields}{error.after}") from None
+            what = "" if error.argument == "columns" else "its unit in "
+            fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
+            then = f",{error.after}" if error.after.startswith(" ") else error.after
+            raise ValueError(f"{error.before}{fields}{then}") from None
         record = replace(_over(text, name, given, length), rest_length=None)
     if record.rest_length is None:
         told = pretty(length, "length")
@@ -171,6 +175,14 @@ def beside(muscle: Muscle, record: Record) -> Beside:
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
     force = np.asarray(muscle.force(np.clip(pressures, 0.0, HIGHEST_PRESSURE)[:, None], strain))
     return Beside(pressures, strain, force, level)
+
+
+def check_drawn(muscle: Muscle, record: Record, name: str) -> None:
+    """Refuse a `record` [-] called `name` [-] beside which a `muscle` [-] has no curves."""
+    try:
+        beside(muscle, record)
+    except ValueError as error:
+        raise ValueError(f"{name}: no curve of this muscle can lie beside it: {error}") from None
 
 
 def awaited(muscle: Muscle) -> Beside:

@@ -16,6 +16,7 @@ from ..curves.measured import (
     Reading,
     awaited,
     beside,
+    check_drawn,
     drawn,
     fitted,
     headers,
@@ -54,6 +55,7 @@ from .tab import Tab, moving, status
 
 
 _ROOM, _BELOW = 220, 440  # pixels of the screen that are not the figure's; below an invitation
+_EXAMPLE = "example.csv"
 _NEAR_REST = 0.04  # of the strains drawn: where a curve's name stands
 
 
@@ -79,9 +81,9 @@ class DataView(Tab):
             margin=(2, 8),
             sizing_mode="stretch_width",
         )
-        self._file.param.watch(lambda _: self._opened(), "value")
-        self._example: bytes = b""  # instead of a file
-        self._raw: bytes = b""  # what was opened last
+        # an empty file changes nothing but the name
+        self._file.param.watch(lambda *_: self._sent(), ["value", "filename"])
+        self._raw, self._name = b"", ""  # what was opened last, and what it is called
         self._try, self._again = (
             button(look, "Try an example record (synthetic)", self._tried, color=color,
                    visible=visible, sizing_mode="stretch_width", margin=(2, 8))
@@ -98,6 +100,7 @@ class DataView(Tab):
             moving("fitting"), visible=False, margin=(0, 8), sizing_mode="stretch_width"
         )  # fmt: skip
         self._status = pn.pane.HTML("", margin=(0, 8), sizing_mode="stretch_width")
+        self._told = pn.pane.HTML("", margin=(0, 8), sizing_mode="stretch_width")
         self._notes = pn.pane.HTML("", margin=(4, 8), sizing_mode="stretch_width")
         self._table = pn.pane.HTML("", margin=(4, 8))
         self._take = button(
@@ -120,11 +123,11 @@ class DataView(Tab):
         self._draw_figure()
         self._beside = Latest(self._show_beside, self.message.say)
         self._fitted = Latest(self._show_fit, self._failed)
-        self._begun, self._timer = 0.0, None
+        self._begun, self._timer, self._fitting = 0.0, None, None
         left = pn.Column(
-            self._file, self._again, self._how.panel, self.message.pane, self._what.panel,
+            self._file, self._again, self.message.pane, self._how.panel, self._what.panel,
             self._calibrate, self._bar, self._status, self._table, self._take,
-            pn.Row(*self._saves, margin=0), self._notes,
+            pn.Row(*self._saves, margin=0), self._told, self._notes,
             width=420, margin=(0, 8, 0, 0), stylesheets=[ROLLED, AFTER],
         )  # fmt: skip
         self._invitation = invitation(self._try)
@@ -172,48 +175,61 @@ class DataView(Tab):
         self._legend = dict(zip(("measured", "this", "tuned"), fig.legend.items, strict=True))
 
     def _tried(self) -> None:
-        self._example = synthetic(self.session.view.muscle)
-        if self._file.value:
-            self._file.value = None  # the example takes its place, and is opened by that
-        else:
-            self._opened()
+        self._file.clear()  # the example takes its place
+        self._begin(synthetic(self.session.view.muscle), _EXAMPLE)
 
-    @property
-    def _kind(self) -> str:
-        return "" if self._file.value else " synthetic"
+    def _sent(self) -> None:
+        if self._file.value or self._file.filename:
+            self._begin(self._file.value or b"", str(self._file.filename or "data.csv")[-60:])
+
+    def _begin(self, raw: bytes, name: str) -> None:
+        """Open a file: nothing of an earlier record is left, whatever becomes of this one."""
+        self._raw, self._name = raw, name
+        self._how.offer(headers(raw, name))
+        self._settle(None)
+        self._notes.object = ""
+        self._opened()
+        if self.record is None:
+            self.draw(self.session.view)
 
     def _opened(self) -> None:
-        raw = self._file.value or self._example
-        if not raw:
-            return
+        """Read what was opened, as the fields say; what can't be leaves the last picture."""
         view, name = self.session.view, self._name
-        if raw is not self._raw:
-            self._raw = raw
-            self._how.offer(headers(raw, name))
+        if not name:
+            return
         try:
             reading = self._how.reading(view.shown)
-            self.record = read(raw, name, float(view.muscle.length), reading)
+            record = read(self._raw, name, float(view.muscle.length), reading)
+            check_drawn(view.muscle, record, name)
         except ValueError as error:
             self.message.say(str(error))
-            self._how.show(True)  # what can be said to it
+            self._how.show(bool(self._raw))  # what can be said to it
             return
         self._reading = reading
         self._what.offer(view.muscle)
-        self._invitation.visible, self._gives.visible, self._again.visible = False, True, True
-        self.message.say(suited(view.muscle, self.record))
-        self.made = None
-        self._table.object = ""
-        for widget in (self._take, *self._saves):
-            widget.disabled = True
-        for widget in (self._calibrate, *self._given):
-            widget.disabled = False
-        told = "".join(f"<li>{html.escape(note)}</li>" for note in self.record.notes[:12])
+        self.message.say(suited(view.muscle, record))
+        self._settle(record)
+        several = "s" * (len(record) != 1)
+        kind = " synthetic" if name == _EXAMPLE else ""
+        told = "".join(f"<li>{html.escape(note)}</li>" for note in record.notes[:12])
         self._notes.object = (
-            f'<div style="font-size:12.5px;opacity:.85">{len(self.record)}{self._kind} readings.'
+            f'<div style="font-size:12.5px;opacity:.85">{len(record)}{kind} reading{several}.'
             f"<ul style='padding-left:18px;margin:2px 0'>{told}</ul></div>"
         )
         with pn.io.unlocked():
             self.draw(view)
+
+    def _settle(self, record: Any) -> None:
+        """Take a `record` [-] or none, of which nothing is known yet: what can be done with it."""
+        self.record, self.made, self._fitting = record, None, None
+        self._done()
+        self._table.object = self._told.object = ""
+        there = record is not None
+        self._invitation.visible, self._gives.visible, self._again.visible = not there, there, there
+        for widget in (self._take, *self._saves):
+            widget.disabled = True
+        for widget in self._given:
+            widget.disabled = not there
 
     def _show_beside(self, found: tuple[Beside, Beside | None]) -> None:
         before, after = found
@@ -224,8 +240,8 @@ class DataView(Tab):
         self._points.data = {
             "x": strain, "y": force / scale, "color": [colors[i] for i in nearest]
         }  # fmt: skip
-        if self.record is not None:
-            self.figure.stylesheets = [high_css(height_of(_ROOM))]
+        room = _BELOW if self.record is None else _ROOM
+        self.figure.stylesheets = [high_css(height_of(room))]
         self._legend["measured"].visible = self.record is not None
         self._legend["tuned"].visible = after is not None
         for source, curves in ((self._before, before), (self._after, after)):
@@ -258,7 +274,7 @@ class DataView(Tab):
         if not names:
             self.message.say("`fit` must name at least one constant: choose some, or another way.")
             return
-        self._tunes, self._fits = muscle, names
+        self._tunes, self._fits, self._fitting = muscle, names, record
         self._calibrate.disabled = True
         self._begun = time.monotonic()
         date = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
@@ -288,10 +304,12 @@ class DataView(Tab):
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
-        self._calibrate.disabled, self._bar.visible = False, False
+        self._calibrate.disabled, self._bar.visible = self.record is None, False
         self._status.object = ""
 
     def _failed(self, text: str) -> None:
+        if self._fitting is None:  # another record came meanwhile
+            return
         self._done()
         self.message.say(text)
 
@@ -300,6 +318,8 @@ class DataView(Tab):
             hysteresis,  # loads what a page that fits nothing needn't
         )
 
+        if self._fitting is None:  # another record came meanwhile
+            return
         self._done()
         self._free = self._fits
         self._choice, self._report = found
@@ -322,7 +342,7 @@ class DataView(Tab):
             hysteresis(made),
             *self._choice.reasons,
         ]
-        self._status.object = "".join(
+        self._told.object = "".join(
             [status(html.escape(line)) for line in told if line]
             + [
                 f"<b>{about.capitalize()}</b>{status('<br>'.join(map(html.escape, lines)))}"
@@ -332,12 +352,6 @@ class DataView(Tab):
         for widget in (self._take, *self._saves):
             widget.disabled = False
         self.draw(self.session.view)
-
-    @property
-    def _name(self) -> str:
-        if not self._file.value:
-            return "example.csv"
-        return str(self._file.filename or "data.csv")[-60:]
 
     def _export(self) -> Export:
         muscle, tuned = self.session.view.muscle, None

@@ -31,14 +31,14 @@ class RecordInputs:
             label="Rest length, if the record doesn't say it", sizing_mode="stretch_width", **given
         )
         self.clipped = pn.widgets.Checkbox(
-            label="Forces of exactly zero only say: not above", stylesheets=css, margin=(6, 8)
+            label="A force of exactly 0 means 0 or less", stylesheets=css, margin=(6, 8)
         )
         self.columns = {
             role: choice(look, f"Column of {role}", [_ITSELF], sizing_mode="stretch_width")
             for role in ROLES
         }
         self.units = {
-            role: pn.widgets.TextInput(label=f"Its unit ({role})", width=130, **given)
+            role: pn.widgets.TextInput(label=f"Its unit ({role})", width=170, **given)
             for role in ROLES
         }
         for widget in (self.length, self.clipped, *self.columns.values(), *self.units.values()):

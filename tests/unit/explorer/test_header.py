@@ -1,0 +1,30 @@
+"""The header: what it says of a link or a file, and for how long."""
+
+import pytest
+
+import fascicle as fs
+from fascicle.explorer.header import Header
+from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.state import Session, view_of
+
+
+@pytest.fixture
+def header():
+    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
+    return Header(session, LIGHT)
+
+
+def test_what_a_link_asked_for_in_vain_is_past_once_a_field_has_changed(header):
+    header.message.say("link: `strain` can't be read.")
+    header._session.change(tab="bundle")
+    header._session.change(shown=dict(header._session.view.shown) | {"force": "lbf"})
+    assert header.message.text
+    header._session.change(strain=0.2)
+    assert not header.message.text
+
+
+def test_an_empty_file_is_refused(header):
+    before = header._session.view
+    header._file.param.update(value=None, filename="none.toml")  # as Panel tells of one
+    assert "none.toml: the file is empty, 0 bytes." in header.message.text
+    assert header._session.view is before
