@@ -105,7 +105,7 @@ class Guide:
         - `throttled`: how many muscles of each kind a state throttles [-].
         - `kept`: what counts of forces and slopes [N].
         """
-        self._rows_of, self._supply = rows, float(supply)
+        self._kinds, self._supply = rows, float(supply)
         self._throttled, self._kept = throttled, kept
         self._ratios = tuple(row.ratios for row in rows)
         P = (_LEVELS * supply)[:, None]
@@ -119,7 +119,7 @@ class Guide:
         """Forces of one muscle of each kind at no and at supply pressure [N] at each `strain` [-],
         by a compiled law if they are `many`.
         """
-        singles = (one for row in self._rows_of for one in row.each)
+        singles = (one for row in self._kinds for one in row.each)
         if len(strain) == 1 and all(one.ends_at_once() for one in singles):
             found = self._single_ends(float(strain[0]))
         else:
@@ -134,7 +134,7 @@ class Guide:
         found = [
             row.single(place, pressure, strain)
             for pressure in (0.0, self._supply)
-            for row in self._rows_of
+            for row in self._kinds
             for place in range(row.size)
         ]
         force, slope = np.reshape(found, (1, 2, -1, 2)).transpose(3, 0, 1, 2)
