@@ -91,6 +91,8 @@ def test_json(fascicle, written, tmp_path):
     found = json.loads(out)
     assert found["composition"][0] and len(found["valves"]) == len(found["design"])
     assert found["reached"] is True and found["case_reached"] == [True] * 3
+    assert found["limits_kept"] is True and sum(found["recommended"]) == 1
+    assert found["notes"] == []
     assert [path.name for path in tmp_path.iterdir()] == ["task.toml"]
 
 
@@ -102,6 +104,19 @@ def test_no_design_left_is_explained(fascicle, written):
     assert "14 of 14 designs reach every load case, but none of them keeps all other limits" in out
     assert "largest force: 0 of 14 designs keep its limit" in out
     assert "It breaks other limits: largest force" in out and "Take " not in out
+    (page,) = (written.parent / "designed-task").glob("*.html")
+    assert "none of them keeps all other limits" in page.read_text(encoding="utf-8")
+
+
+def test_json_says_that_no_design_keeps_the_limits(fascicle, written):
+    written.write_text(TASK.replace("3 }", '3 }\nlargest_force = { at_least = "10 kN" }'))
+    code, out, _ = fascicle("design", "task.toml", "--json")
+    found = json.loads(out)
+    assert code == 3 and found["reached"] is True
+    assert found["limits_kept"] is False and found["recommended"] is None
+    (note,) = found["notes"]
+    assert note.startswith("14 of 14 designs reach every load case, but none of them keeps all")
+    assert note.endswith("none is recommended.")
 
 
 # a peak that counts next to nothing, and that no design gives
@@ -136,6 +151,8 @@ def test_json_of_what_nothing_reaches(fascicle, written, tmp_path):
     code, out, err = fascicle("design", "task.toml", "--json")
     found = json.loads(out)
     assert (code, err) == (3, "") and found["reached"] is False
+    assert found["limits_kept"] is True and found["recommended"] is None  # it has no others
+    assert found["notes"][0].startswith("No design is recommended: none of the 14")
     assert found["nearest"]["composition"] == ["4"]
     assert found["nearest"]["case_reached"] == [True, True, False]
     changes = {one["change"]: one["value"] for one in found["would_reach"]}

@@ -34,6 +34,11 @@ class Unreached:
                 self.design, 0, found.task, share, found.limits, self.summary.product
             )
 
+    @property
+    def keeps(self) -> bool:
+        """Whether the nearest keeps all other limits [-]."""
+        return not self._broken_limits()
+
     def lines(self) -> list[str]:
         """All of it in sentences [-]."""
         told = [self.verdict(), *self.left(), self.nearest()]
@@ -62,13 +67,8 @@ class Unreached:
 
     def nearest(self) -> str:
         """Which design comes nearest, and by how much it misses what, in a sentence."""
-        cases, values = self.summary.cases, self.found.values
+        cases, broken = self.summary.cases, self._broken_limits()
         which = f"{called(self.summary)}, {sizes(self.found, self.design, 0)}"
-        broken = [
-            f"{words(name)} {shown(name, float(values[name][self.place]))}"
-            for name, limit in others(self.found.limits).items()
-            if not limit.holds(values[name][self.place])
-        ]
         rest = f" It breaks other limits: {', '.join(broken)}." if broken else ""
         if self.reaches:
             return f"One that reaches all: {which}.{rest}"
@@ -92,6 +92,14 @@ class Unreached:
                 " strain, asks less of longer muscles."
             )
         return told
+
+    def _broken_limits(self) -> list[str]:
+        values, place = self.found.values, self.place
+        return [
+            f"{words(name)} {shown(name, float(values[name][place]))}"
+            for name, limit in others(self.found.limits).items()
+            if not limit.holds(values[name][place])
+        ]
 
     def _barred(self) -> list[tuple[str, str]]:
         return [(f"{name} may not be used", why) for name, why in self.found.barred.items()]

@@ -168,7 +168,9 @@ def as_json(
     - `sure`: how the front's designs come out [-], if that was asked.
     - `notes`: on what the search left out [-].
 
-    **Returns:** the text [-]: the front and the recommended design, or what is told of the nearest.
+    **Returns:** the text [-]: the front and which of it is recommended, or what is told of the
+    nearest, and that none is; `reached` and `limits_kept` are of
+    that design.
     """
     import json
 
@@ -178,7 +180,12 @@ def as_json(
 
     none = answered if isinstance(answered, Unreached) else None
     summary = answered.summary if isinstance(answered, Unreached) else answered
-    about = {"reached": bool(summary.cases.reached.all()), "notes": list(notes)}
+    said = [] if none is None else [none.verdict()]
+    about = {
+        "reached": bool(summary.cases.reached.all()),
+        "limits_kept": none is None or none.keeps,
+        "notes": [*notes, *said],
+    }
     if none is None:
         variables = front_variables(found, sure) | case_variables(summary)
         return json.dumps(about | json.loads(to_json(variables)), ensure_ascii=False)
@@ -188,5 +195,6 @@ def as_json(
          "breaks": dict(one.breaks)}
         for one in none.ways
     ]  # fmt: skip
-    about |= {"nearest": json.loads(to_json(nearest)), "would_reach": remedies}
+    about |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
+    about |= {"would_reach": remedies}
     return json.dumps(about | {"told": none.lines()}, ensure_ascii=False)
