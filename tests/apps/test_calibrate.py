@@ -271,7 +271,7 @@ def test_without_a_muscle_one_line_names_the_missing_sizes(refused, folder):
         (["--muscle", TEN, "--fit", "c10", "--prior", "c10=-1kPa,2kPa"], "must be positive"),
         (
             ["--muscle", TEN, "--fit", "c01", "--prior", "c10=1kPa,2kPa"],
-            "`priors` 'c10' is unknown",
+            "c10 isn't fitted: add it to --fit",
         ),
         (["--muscle", TEN, "--loss", "huber"], "--loss 'huber' is unknown"),
         (["--muscle", TEN, "--weights", "heavy"], "--weights 'heavy' is unknown"),

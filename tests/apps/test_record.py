@@ -52,7 +52,10 @@ def test_record_keeps_a_file_that_may_be_a_measurement(fascicle, tmp_path):
         ([TEN, "-o", "d.csv", "-p", "0kPa"], "at least one pressure above 0 Pa"),
         ([TEN, "-o", "d.csv", "--samples", "1"], "--samples must be at least 2, got 1."),
         ([TEN, "-o", "d.csv", "--samples", "1000000"], "points are more than"),
-        ([TEN, "-o", "d.csv", "--angle-scatter", "90deg"], "`braid_angle` must lie in"),
+        (
+            [TEN, "-o", "d.csv", "--angle-scatter", "90deg"],
+            "--angle-scatter must lie in [0, 11.46] deg",
+        ),
     ],
 )
 def test_record_refuses_in_one_line(fascicle, tmp_path, arguments, message):

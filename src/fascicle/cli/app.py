@@ -35,7 +35,7 @@ from .commands.simulate import run as simulate
 from .commands.space import run as space
 from .commands.sweep import run as sweep
 from .interrupts import CODE, not_dropped, unheard_at_exit
-from .into_file import into, parted
+from .into_file import into, misnamed, parted
 from .once import Once
 from .problems import UserError, as_typed, too_large, wrong_usage
 
@@ -168,7 +168,7 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             code = 1
     except Exception as error:
         if mistyped := wrong_usage(error):
-            code, message = 2, mistyped
+            code, message = 2, misnamed(arguments, mistyped) or mistyped
         elif memory := too_large(error):
             code, message = 2, memory
         elif os.environ.get("FASCICLE_TRACEBACK", "") not in ("", "0"):

@@ -28,6 +28,8 @@ def read_target(target: str) -> Any:
     from ..files import examples
 
     found = _found(target)
+    if not found and is_scenario(target):
+        raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
     if not found and target not in examples():
         raise _unknown(target, examples(), "example", "see `fascicle muscles`.")
     prepare()
@@ -45,9 +47,13 @@ def read_scenario(target: str) -> Any:
 
     **Returns:** a `Scenario` [-].
     """
-    from ..files import scenarios
+    from ..files import examples, scenarios
 
     found = _found(target)
+    if not found and target not in scenarios() and target in examples():
+        raise UserError(
+            f"{target}: a muscle or bundle, not a scenario: `fascicle init --scenario` writes one."
+        )
     if not found and target not in scenarios():
         raise _unknown(target, scenarios(), "scenario", f"choose one of {', '.join(scenarios())}.")
     prepare()
@@ -69,30 +75,37 @@ def is_scenario(target: str) -> bool:
         return "load" in parsed(text_of(Path(target)), target)
 
 
-def read_muscle(target: str, command: str) -> "Muscle":
+def read_muscle(target: str, instead: str) -> "Muscle":
     """The muscle in a file, or that is a named example.
 
     **Arguments:**
 
     - `target`: a path, or a name [-].
-    - `command`: what a bundle would need instead [-].
+    - `instead`: what is to be done with a bundle, in words [-].
 
     **Returns:** the muscle [-].
     """
     found = read_target(target)
     if is_bundle(found):
-        raise UserError(f"{target}: a bundle, not a muscle: use `{command}`.")
+        raise UserError(f"{target}: a bundle, not a muscle: {instead}.")
     return found
 
 
-def read_bundle(target: str) -> "Bundle":
+def read_bundle(target: str, unsupplied: bool = False) -> "Bundle":
     """The bundle in a file, or that is a named example; a muscle alone is a bundle of one.
 
-    **Arguments:** `target`: a path, or a name [-].
+    **Arguments:**
+
+    - `target`: a path, or a name [-].
+    - `unsupplied`: whether it is to have a supply pressure of its own [-], which a muscle hasn't.
 
     **Returns:** the bundle [-].
     """
     found = read_target(target)
+    if unsupplied and not is_bundle(found):
+        raise UserError(
+            "--supply: missing, a muscle has none of its own: give one, such as --supply 400kPa."
+        )
     from ..bundle import Bundle, MotorUnit  # only now: JAX is made ready first
 
     return found if is_bundle(found) else Bundle([MotorUnit(found)])

@@ -6,6 +6,8 @@ where an equals sign joins them: `--json out.json`, `--json=out`. `-` is standar
 
 import contextlib
 import io
+import itertools
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -38,6 +40,17 @@ def parted(arguments: Sequence[str]) -> tuple[list[str], str, str]:
             refuse_repeated(name, [path, value] if option == name else [], listed=False)
             option, path = name, value
     return out, option, path
+
+
+def misnamed(arguments: Sequence[str], told: str) -> str:
+    """What to say where a command was `told` [-] to have too many `arguments` [-], and one of them
+    was meant for a file [-]; empty where none was.
+    """
+    extra = re.search(r"unexpected extra argument\S* \((.*)\)", told)
+    for option, name in itertools.pairwise(arguments):
+        if extra and option in _ENDS and name in extra[1].split() and Path(name).suffix:
+            return f"{option} {name}: the file's name must end in {_ENDS[option]}."
+    return ""
 
 
 @contextlib.contextmanager

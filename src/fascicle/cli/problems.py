@@ -106,6 +106,8 @@ _SAME = {
     "strains": "strain",
     "forces": "force",
     "names": "fit",
+    "units": "unit",
+    "columns": "column",
 }
 
 

@@ -1,6 +1,7 @@
 """From a TOML file to a `Muscle` or a `Bundle`, checked once, on the way in."""
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -20,6 +21,7 @@ from ..muscle.materials import MooneyRivlin
 from ..muscle.tuning import Tuning
 from ..units import parse
 from .faults import from_validation, line, nearest
+from .kinds import check_kind
 from .places import Place
 from .schema import (
     BundleSection,
@@ -105,10 +107,7 @@ def described(data: dict[str, Any], source: str) -> Muscle | Bundle:
     """The muscle or bundle in a file's tables; `data`: they [-], `source`: of what file [-].
     `ValueError` as `load`.
     """
-    for key in ("load", "supply", "run", "schedule"):
-        if key in data:
-            rule = "a scenario, not a muscle or bundle: `fascicle simulate` runs it."
-            raise ValueError(line(source, [key], rule))
+    check_kind(data, "muscle or bundle", source)
     data = _filed(data)
     try:
         file = FileSection.model_validate(data)
@@ -151,12 +150,27 @@ def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
 
 def parsed(text: str, source: str) -> dict[str, Any]:
     """The tables [-] of a file of this format, from its `text` [-]; `source` [-] names it."""
-    data = tables(text, source)
+    try:
+        data = tables(text, source)
+    except ValueError as error:
+        raise ValueError(_of_twice(str(error), text)) from None
     version = data.get("format")
     if version is not None and (version != 1 or isinstance(version, bool)):
         rule = "must be 1, the format that this version of fascicle reads."
         raise ValueError(line(source, ["format"], rule, version))
     return data
+
+
+def _of_twice(told: str, text: str) -> str:
+    """What is `told` of a text that is no TOML [-], with the key's name where one stands twice."""
+    place = re.search(r"(not TOML: )Cannot overwrite a value \(at (?:line (\d+)|end)", told)
+    if place is None:
+        return told
+    # the place is where the value ends; at the end of the text, on its last line
+    lines = text.rstrip().replace("\r\n", "\n").split("\n")
+    number = int(place[2] or len(lines))
+    key = lines[number - 1].partition("=")[0].strip()
+    return f"{told[: place.end(1)]}{key} is there twice, again on line {number}: keep one."
 
 
 def _filed(data: dict[str, Any]) -> dict[str, Any]:

@@ -38,6 +38,7 @@ from ..fluid import (
 )
 from ..muscle import Muscle
 from .faults import from_validation, nearest
+from .kinds import check_kind
 from .measured import with_measured
 from .places import Place
 from .reading import described, load, loads, parsed, text_of
@@ -144,6 +145,7 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
 
     **Raises:** as `load_scenario`.
     """
+    check_kind(data, "scenario", source)
     place = Place(source, data, (), "scenario")
     data = with_measured(data, place, folder)
     schema, classes = chosen(data, place)

@@ -29,6 +29,7 @@ from ..units import parse
 from .catalog import Offer, offer, sections_of
 from .drawn import drawn
 from .faults import from_validation
+from .kinds import check_kind
 from .named import example, examples
 from .places import Place
 from .prices import Price
@@ -106,6 +107,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     **Raises:** as `load_task`.
     """
     data = parsed(text, source)
+    check_kind(data, "task", source)
     try:
         file = TaskFileSection.model_validate(data)
     except ValidationError as error:

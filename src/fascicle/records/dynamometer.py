@@ -42,6 +42,7 @@ from .record import Record
 _LEVELS = tuple(413.7e3 * i / 12 for i in range(13))  # Pa, 0 to 60 psi in steps of 5 psi
 _NOT_NEGATIVE = ("noise", "resolution", "pressure_noise", "displacement_noise", "hysteresis",
                  "mullins", "length_scatter", "angle_scatter")  # fmt: skip
+_SCATTERS = {"length": "length_scatter", "braid_angle": "angle_scatter"}
 
 
 class Stiffer(AbstractMaterial):
@@ -148,7 +149,9 @@ class VirtualDynamometer:
         for name in _NOT_NEGATIVE:
             # a share of the force itself: 5 was meant as 5 %
             most = 1.0 if name in ("noise", "hysteresis") else np.inf
-            within(getattr(self, name), 0.0, most, name, _unit(name), closed=(True, False))
+            value = getattr(self, name)
+            remedy = f"write {value:g} %" if most == 1 and np.all(value >= 1) else ""
+            within(value, 0.0, most, name, _unit(name), closed=(True, False), remedy=remedy)
         for name in ("speed", "mullins_cycles"):
             within(getattr(self, name), 0.0, np.inf, name, _unit(name))
         if self.samples < 2 or self.preconditioning < 0:
@@ -158,7 +161,12 @@ class VirtualDynamometer:
                 (self.samples, self.preconditioning),
                 shown=f"{self.samples} and {self.preconditioning}",
             )
-        Scatter(self.length_scatter, self.angle_scatter)  # which knows its own limits
+        try:
+            Scatter(self.length_scatter, self.angle_scatter)  # which knows its own limits
+        except Refused as error:
+            name, angle = _SCATTERS[error.argument], error.argument == "braid_angle"
+            shown = pretty(error.value, "angle") if angle else None
+            raise Refused(name, error.rule, error.value, error.remedy, shown) from None
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
         """One test of one muscle.

@@ -163,7 +163,7 @@ def test_what_comes_out_says_that_it_is_synthetic_in_the_file_too(tmp_path):
         ({"noise": math.nan}, "`noise` must lie in"),
         ({"speed": 0.0}, "`speed` must lie in"),
         ({"samples": 1}, "`samples` must be at least 2"),
-        ({"angle_scatter": 1.0}, "`braid_angle` must lie in"),
+        ({"angle_scatter": 1.0}, "`angle_scatter` must lie in"),
     ],
 )
 def test_refuses_settings_that_can_not_be(settings, message):

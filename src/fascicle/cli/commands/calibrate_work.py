@@ -82,7 +82,7 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
     how = {"loss": search.loss, "weights": search.weights, "starts": search.starts,
            "seed": search.seed}  # fmt: skip
     with refusing(), telling("reading") as tell:
-        priors = _priors(search.priors, muscle)
+        priors = _priors(search.priors, muscle, search.names)
         if search.names is None:
             from ...calibrate.fits.finding import find
 
@@ -140,7 +140,7 @@ def _muscle(begin: Begin) -> "Muscle":
 
         with refusing():
             return Muscle.from_dimensions(**sizes, **laws)
-    muscle = read_muscle(begin.target, "--muscle on each of its muscles")
+    muscle = read_muscle(begin.target, "give --muscle the file of one of its muscles")
     with refusing():
         return muscle.replace(**sizes, **laws)
 
@@ -224,13 +224,24 @@ def _check(search: Search) -> None:
         raise UserError(INSTALL)
 
 
-def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
+def _priors(
+    texts: Mapping[str, str], muscle: "Muscle", names: list[str] | None
+) -> dict[str, "Prior"]:
     from ...calibrate.problem.beginning import Prior
     from ...calibrate.problem.parameters import named
+    from ...core.refused import Refused
 
     out = {}
     for name, text in texts.items():
-        dimension = named([name], muscle)[0].dimension
+        try:
+            dimension = named([name], muscle)[0].dimension
+        except Refused as error:
+            raise Refused("prior", error.rule, name, error.remedy, shown="") from None
+        if names not in (None, [TUNING]) and name not in names:
+            named(names, muscle)  # a slip there is the cause
+            raise UserError(
+                f"--prior {name}={text}: {name} isn't fitted: add it to --fit, or drop the prior."
+            )
         parts = text.split(",")
         if len(parts) != 2:
             raise UserError(
@@ -238,6 +249,9 @@ def _priors(texts: Mapping[str, str], muscle: "Muscle") -> dict[str, "Prior"]:
                 " a comma."
             )
         out[name] = Prior(*(parse(part, dimension, f"--prior {name}") for part in parts))
+        if out[name].deviation <= 0:
+            rule = "its standard deviation must be positive, got"
+            raise UserError(f"--prior {name}={text}: {rule} {parts[1].strip()}.")
     return out
 
 

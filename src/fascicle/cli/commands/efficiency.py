@@ -51,7 +51,7 @@ def run(
     strains = None if strain is None else read_list(strain, "strain", "--strain")
     check_grid(len(forces or ()), len(strains or ()))
     outputs = Outputs(as_json, as_csv, out, plot, overwrite, "--overwrite")
-    bundle = read_bundle(file)
+    bundle = read_bundle(file, unsupplied=supply_pressure is None)
     paths = _PATHS if path is None else (path,)
     from ..compute import bundle_efficiency
 

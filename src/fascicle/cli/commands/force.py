@@ -40,7 +40,7 @@ def run(
     strains = read_list(strain, "strain", "--strain")
     check_grid(len(pressures), len(strains))
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
-    muscle = read_muscle(file, "fascicle bundle")
+    muscle = read_muscle(file, "use `fascicle bundle`")
     from ...results.tables import muscle_force
 
     with telling("finding forces"), refusing():

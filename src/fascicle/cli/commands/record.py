@@ -1,6 +1,7 @@
 """`fascicle record`: a virtual dynamometer's CSV of a muscle, synthetic and labelled so."""
 
 import json
+import re
 from typing import Annotated, Any
 
 import typer
@@ -8,7 +9,7 @@ import typer
 from ..inputs import check_grid, read_list, read_muscle, read_one
 from ..options import AsJson, Replace, Target
 from ..outputs import say
-from ..problems import refusing
+from ..problems import UserError, refusing
 
 
 Out = Annotated[
@@ -97,20 +98,20 @@ def run(
         "both_ways": not one_way,
         "preconditioning": preconditioning,
         "clip": clip,
-        "noise": read_one(noise, "number", "--noise"),
+        "noise": _share(noise, "--noise"),
         "resolution": read_one(resolution, "force", "--resolution"),
         "pressure_noise": read_one(pressure_noise, "pressure", "--pressure-noise"),
         "displacement_noise": read_one(displacement_noise, "length", "--displacement-noise"),
-        "hysteresis": read_one(hysteresis, "number", "--hysteresis"),
-        "mullins": read_one(mullins, "number", "--mullins"),
-        "length_scatter": read_one(length_scatter, "number", "--length-scatter"),
+        "hysteresis": _share(hysteresis, "--hysteresis"),
+        "mullins": _share(mullins, "--mullins"),
+        "length_scatter": _share(length_scatter, "--length-scatter"),
         "angle_scatter": read_one(angle_scatter, "angle", "--angle-scatter"),
     }
     if pressure is not None:
         settings["pressures"] = read_list(pressure, "pressure", "--pressure")
     levels = len(settings.get("pressures", range(13)))
     check_grid(levels, samples * (1 if one_way else 2))
-    muscle = read_muscle(file, "fascicle record on each of its muscles")
+    muscle = read_muscle(file, "run `fascicle record` on each of its muscles")
     from ...records import VirtualDynamometer, write
 
     with refusing():
@@ -136,3 +137,11 @@ def run(
         f"contraction to {summary['largest_strain']:.4f},"
         f" force to {summary['largest_force']:.4g} N, seed {seed}"
     )
+
+
+def _share(text: str, option: str) -> float:
+    """The share that an `option` [-] names; `text`: with its percent sign or none [-]."""
+    number = re.match(r"\s*([+]?[\d.]+)\s*[^\W\d]", text)
+    if number is None:
+        return read_one(text, "number", option)
+    raise UserError(f"{option} must be a share, got {text!r}: write {number[1]} %.")

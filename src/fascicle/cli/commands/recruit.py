@@ -56,7 +56,7 @@ def run(
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
     check_grid(len(forces), len(strains))
     outputs = Outputs(as_json, as_csv, out, None, overwrite, "--overwrite")
-    bundle = read_bundle(file)
+    bundle = read_bundle(file, unsupplied=supply_pressure is None)
     from ..compute import bundle_recruit, is_free
 
     told = f"finding the pressures of {len(forces) * len(strains)} demands"

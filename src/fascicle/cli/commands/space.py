@@ -41,7 +41,7 @@ def run(
     strains = None if strain is None else read_list(strain, "strain", "--strain")
     check_grid(len(pressures or ()), len(strains or ()))
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
-    bundle = read_bundle(file)
+    bundle = read_bundle(file, unsupplied=supply_pressure is None)
     from ..compute import bundle_space
 
     with telling("finding what each state reaches"), refusing():

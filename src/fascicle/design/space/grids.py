@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
+from typing import Any
 
 import jax
 import numpy as np
@@ -22,6 +23,7 @@ from ...core.checks import one_of, within
 from ...core.limits import RANGES, plausible
 from ...core.refused import Refused
 from ...muscle import Muscle
+from ...units import pretty
 from .designs import Designs, of_sizes
 from .packing import packed_radius
 from .splits import compositions, padded, partitions
@@ -73,7 +75,7 @@ class Space:
             ("unit_factors", "-", 0.0, 10.0),
         ):
             if getattr(self, name):
-                value = within(getattr(self, name), low, high, name, unit)
+                value = _within(getattr(self, name), low, high, name, unit)
                 if name in RANGES:
                     plausible(value, name)
         if isinstance(self.splits, str):
@@ -181,6 +183,17 @@ class Space:
             counts = counts[units <= self.most_units]
             counts = counts[:, : max(1, self.most_units)]
         return counts
+
+
+def _within(values: Floats, low: float, high: float, name: str, unit: str) -> Any:
+    """`values` [SI] in the interval, an angle that isn't told in degrees."""
+    try:
+        return within(values, low, high, name, unit)
+    except Refused as error:
+        if unit != "rad" or not isinstance(error.value, float):
+            raise
+        rule = f"must lie in ({low:g}, {math.degrees(high):.6g}) deg"
+        raise Refused(name, rule, error.value, shown=pretty(error.value, "angle")) from None
 
 
 def _with_factors(

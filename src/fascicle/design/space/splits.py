@@ -100,9 +100,7 @@ def read(text: str) -> tuple[int, ...]:
     **Raises:** `ValueError` for anything else.
     """
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
-        raise Refused(
-            "compositions", "must be written like '1+4', whole numbers and plus signs", text
-        )
+        raise Refused("splits", "must be written like '1+4', whole numbers and plus signs", text)
     return tuple(int(part) for part in text.split("+"))
 
 
