@@ -27,6 +27,7 @@ SHOWN: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 SUPPLY = 413.7e3  # Pa, where nothing says what the supply gives
 MOST_UNITS, MOST_MUSCLES = 8, 60
+SIZES = (0.1, 10)  # of a unit's radius in the shared muscle's
 _START = {"pressure": 137.9e3, "strain": 0.1}
 
 
@@ -134,16 +135,18 @@ def check_units(units: tuple[Unit, ...]) -> None:
     if not 1 <= len(units) <= MOST_UNITS:
         raise Refused("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
     muscles = sum(unit.count for unit in units)
-    if min(unit.count for unit in units) < 1 or muscles > MOST_MUSCLES:
+    least = min(unit.count for unit in units)
+    if least < 1 or muscles > MOST_MUSCLES:
         raise Refused(
             "count",
             f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all",
             muscles,
-            shown=f"{muscles} in all",
+            shown=f"{least}" if least < 1 else f"{muscles} in all",
         )
     for unit in units:
-        if not (math.isfinite(unit.size) and 0.1 <= unit.size <= 10):
-            raise Refused("size", "must lie in [0.1, 10]", unit.size, shown=f"{unit.size:g}")
+        if not (math.isfinite(unit.size) and SIZES[0] <= unit.size <= SIZES[1]):
+            rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the shared muscle's"
+            raise Refused("radius", rule, unit.size, shown=f"{unit.size:g} times")
 
 
 class Session:

@@ -91,6 +91,7 @@ def test_unlike_muscles_go_into_the_address_too():
         ({"units": "99999"}, "60 in all"),
         ({"scheme": "<script>"}, "must be one of"),
         ({"compare": "buckling:os.system"}, "must name laws"),
+        ({"compare": ",".join(["buckling:elastica"] * 5)}, "4 laws at most"),
         ({"splits": "4"}, "two motor units or more"),
         ({"show": "furlong,mm,N"}, "must be units"),
         ({"tab": "x"}, "must be one of"),
@@ -171,6 +172,11 @@ def test_a_link_has_the_digits_that_were_typed(shown, pressure, supply):
     assert to_query(replace(view, shown=SIX.shown))["pressure"] in (pressure, "137kPa")
     found, _ = from_query(query, SIX)
     assert (found.pressure, found.supply, found.pressures) == (P, most, (P, 137.9e3))
+
+
+def test_a_link_is_refused_in_the_units_that_it_shows():
+    _, (told,) = from_query({"pressure": "9 MPa", "show": "psi,in,lbf"}, SIX)
+    assert told.endswith("psi (gauge), got 1305.34 psi.")
 
 
 def test_a_link_has_every_digit_where_no_unit_has_few():

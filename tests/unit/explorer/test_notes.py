@@ -9,10 +9,13 @@ import pytest
 import fascicle as fs
 from fascicle.bundle.reversal import Reversal
 from fascicle.explorer.curves.muscle_curves import picture, strips, widest
+from fascicle.explorer.curves.other_laws import MOST_COMPARED
 from fascicle.explorer.curves.reversal_curves import POINTS, Split, through
 from fascicle.explorer.parts.address import from_query
-from fascicle.explorer.parts.notes import branches, doubts, equilibria, notes
-from fascicle.explorer.state import TABS, Unit, view_of
+from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.parts.notes import branches, doubts, equilibria, notes, tuned
+from fascicle.explorer.state import TABS, Session, Unit, view_of
+from fascicle.explorer.tabs.muscle import MuscleView
 from fascicle.muscle.fitted import remembering
 
 
@@ -78,6 +81,40 @@ def test_a_tuning_for_another_size_is_named():
     assert "another size" in notes(thinner, "bundle")[0]
     changed = replace(TUNED, name="kim2021_slenderness_10, changed")
     assert "another size" in notes(changed, "muscle")[0]
+
+
+def test_a_tuning_is_told_in_the_units_shown():
+    assert tuned(SIX.muscle, "kPa") == ""
+    told = tuned(fs.example("kim2021_bundle_1_4").motor_units[0].muscle, "kPa")
+    for part in ("Young's modulus × 0.95", "collapse moment × 0.75", "transition rate β = 100",
+                 "hinge stiffness × 0.83 + 0.0092/kPa"):  # fmt: skip
+        assert part in told
+    assert "C₁" not in told and "dead band" not in told
+    rows = fs.Tuning(pressures=[1e5, 3e5], c1=[0.0, 1.0], c2=[1.0, 1.1], dead_band=2e4)
+    told = tuned(SIX.muscle.replace(tuning=rows), "bar")
+    assert "C₁ and C₂ in 3 rows up to 3 bar, dead band 0.2 bar." in told
+    assert "modulus" not in told and "β" not in told
+
+
+def test_a_tuning_is_said_above_the_muscle():
+    for name, there in (("kim2021_figure_6", False), ("kim2021_bundle_1_4", True)):
+        tab = MuscleView(Session(view_of(fs.example(name), name)), LIGHT)
+        tab.refresh()
+        assert ("tuned to measurements" in tab._notes.object) == there
+
+
+def test_a_handful_of_laws_is_compared_and_no_two_look_alike():
+    names = ("buckling:elastica", "tension:ideal", "collapse:wood1958", "tension:bolen")
+    tab = MuscleView(Session(replace(SIX, compared=names)), LIGHT)
+    tab.refresh()
+    shown = tab._other.data
+    taken = {*LIGHT.curves[:3], LIGHT.ink}
+    assert len(set(shown["color"]) - taken) == len(set(shown["dash"])) == MOST_COMPARED
+    tab._compare.value = [*names, "ends:compliant"]
+    assert "`compare` must be 4 laws at most" in tab._many.text
+    assert tab._session.view.compared == names == tuple(tab._compare.value)
+    tab._compare.value = list(names[1:])
+    assert not tab._many.text and tab._session.view.compared == names[1:]
 
 
 def test_all_equilibria_are_told():
@@ -147,10 +184,6 @@ def test_a_link_cannot_ask_for_more_than_the_supply():
 
 
 def test_other_laws_are_drawn_at_once():
-    from fascicle.explorer.parts.look import LIGHT
-    from fascicle.explorer.state import Session
-    from fascicle.explorer.tabs.muscle import MuscleView
-
     law = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28), buckling="elastica")
     view = MuscleView(Session(replace(SIX, muscle=law)), LIGHT)
     view.refresh()

@@ -6,6 +6,7 @@ from ...muscle.laws import LAWS
 
 
 UNTUNED = "untuned"
+MOST_COMPARED = 4  # at once: as many more colors and dashes as can be told apart
 
 
 def alternatives(muscle: Muscle) -> list[str]:
@@ -34,6 +35,12 @@ def is_tuned(muscle: Muscle) -> bool:
 
 def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
     """The `keys` [-] again; `ValueError` where one names no law."""
+    if len(keys) > MOST_COMPARED:
+        raise Refused(
+            "compare",
+            f"must be {MOST_COMPARED} laws at most, as many as can be told apart",
+            len(keys),
+        )
     for key in keys:
         kind, _, name = key.partition(":")
         if key != UNTUNED and name not in LAWS.get(kind, {}):

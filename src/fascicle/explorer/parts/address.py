@@ -22,6 +22,7 @@ from ...muscle import Muscle
 from ...units import exact, parse
 from ..curves.other_laws import check_compared
 from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
+from .said import in_units
 from .widgets import factor
 
 
@@ -95,7 +96,7 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
                 "link: `pressure` must be at most the supply's,"
                 f" {_tight(view.supply, 'pressure', view.shown['pressure'])}."
             )
-    return view, refused
+    return view, [in_units(line, view.shown) for line in refused]
 
 
 def pack(text: str) -> str:

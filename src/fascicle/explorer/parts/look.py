@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, LabelSet, Range1d
 from bokeh.plotting import figure
 from matplotlib import colormaps
@@ -130,7 +131,8 @@ def tags(fig: Any, look: Look, source: ColumnDataSource, **more: Any) -> None:
     """Write the `label`s of a `source` [-] at its points of `fig` [-], readable on every curve."""
     given: dict[str, Any] = {"x_offset": 5, "y_offset": 3, "text_font_size": "11px"} | more
     fig.add_layout(LabelSet(
-        x="x", y="y", text="label", source=source, text_color=look.ink, text_font=FIGURES,
+        x="x", y="y", text="label", source=source, text_color=look.ink,
+        text_font=value(FIGURES),  # a bare text would be a column's name
         background_fill_color=look.paper, background_fill_alpha=0.8, **given,
     ))  # fmt: skip
 

@@ -2,11 +2,17 @@
 
 import numpy as np
 
+from ...muscle import Muscle
 from ...muscle.fitted import elsewhere
 from ...muscle.foreign import foreign
 from ...muscle.tension import TENSION_LAWS
 from ..curves.other_laws import is_tuned
 from ..state import View
+from .widgets import factor, shown
+
+
+_FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
+            "hinge_stiffness": "hinge stiffness"}  # fmt: skip
 
 
 def notes(view: View, tab: str) -> list[str]:
@@ -66,6 +72,30 @@ def doubts(view: View, tab: str) -> list[str]:
         laws = (TENSION_LAWS.get(name) for kind, _, name in compared if kind == "tension")
         said += [foreign(view.muscle, law) for law in laws if law]
     return [told[0].upper() + told[1:] for told in dict.fromkeys(said) if told]
+
+
+def tuned(muscle: Muscle, unit: str) -> str:
+    """With what a `muscle` [-] is tuned, pressures in a `unit` [-]; empty where it isn't."""
+    if not is_tuned(muscle):
+        return ""
+    tuning, said = muscle.tuning, []
+    for name, called in _FACTORS.items():
+        by = float(getattr(tuning, f"{name}_factor"))
+        rise = float(tuning.hinge_stiffness_slope) if name == "hinge_stiffness" else 0.0
+        if by != 1 or rise:
+            more = f" + {rise * factor(unit, 'pressure'):.3g}/{unit}" if rise else ""
+            said.append(f"{called} × {by:.4g}{more}")
+    if tuning.transition_rate is not None:
+        said.append(f"transition rate β = {float(tuning.transition_rate):.4g}")
+    if (rows := tuning.pressures.shape[-1]) > 1:
+        last = shown(float(tuning.pressures[-1]), unit, "pressure", 4)
+        said.append(f"C₁ and C₂ in {rows} rows up to {last}")
+    if tuning.dead_band:
+        said.append(f"dead band {shown(float(tuning.dead_band), unit, 'pressure', 4)}")
+    return (
+        f"This muscle is tuned to measurements: {', '.join(said)}. Choose `untuned` below"
+        " Compare with to see it without."
+    )
 
 
 def equilibria(strain: np.ndarray, stable: np.ndarray) -> str:

@@ -10,6 +10,7 @@ import panel as pn
 from ...core.visible import visible
 from ...units import DIMENSIONS, parse
 from .look import Look, widget_css
+from .said import in_units
 
 
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}
@@ -106,7 +107,11 @@ class Field:
             self._set(read(event.new, self._dimension, self._unit, self.name))
             self.message.say("")
         except ValueError as error:
-            self.message.say(str(error))
+            self.refuse(error)
+
+    def refuse(self, error: ValueError) -> None:
+        """Say an `error` [-] below it, in the unit shown."""
+        self.message.say(in_units(str(error), {self._dimension: self._unit}))
 
 
 class Dial:
@@ -169,7 +174,7 @@ class Dial:
         try:
             self._set(value)
         except ValueError as error:
-            self.field.message.say(str(error))
+            self.field.refuse(error)
 
 
 def choice(look: Look, label: str, options: Mapping[str, str] | Sequence[str], **more: Any) -> Any:

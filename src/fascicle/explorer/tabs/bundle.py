@@ -29,13 +29,13 @@ from ..parts.look import (
     widget_css,
 )
 from ..parts.notes import equilibria
+from ..parts.readout import table
 from ..parts.shared import shared
 from ..parts.solid import Scene
 from ..parts.sweep import STEPS, Sweep
 from ..parts.widgets import Dial, Field, button, choice, factor, heading
 from ..state import Session, View, changed
 from .bundle_units import UnitRows
-from .muscle import table
 from .tab import Tab, remarks, status
 
 
@@ -180,14 +180,18 @@ class BundleView(Tab):
         )
         fig.add_tools(self._hover)
         fig.scatter("x", "y", source=self._zeros, size=10, line_color=look.ink,
-                    fill_color="fill", line_width=2)  # fmt: skip
+                    fill_color="fill", line_width=2,
+                    legend_label="at rest (hollow: not stable)")  # fmt: skip
         fig.scatter("x", "y", source=self._here, size=13, marker="diamond", color=look.curves[1],
-                    line_color=look.paper)  # fmt: skip
+                    line_color=look.paper, legend_label="this contraction")  # fmt: skip
         fig.scatter("x", "y", source=self._asked, size=16, marker="cross", color=look.curves[1],
-                    line_width=3)  # fmt: skip
+                    line_width=3, legend_label="the point asked for")  # fmt: skip
         fig.on_event(Tap, self._tapped)
         fig.on_event(Press, self._tapped)  # a click that lasts, too
         legend_style(fig, look)
+        fig.legend.glyph_height = 20  # of points
+        *_, self._pointed = fig.legend.items
+        self._pointed.visible = False
 
     def _show_space(self, found: Shown) -> None:
         view = self.session.view
@@ -226,7 +230,7 @@ class BundleView(Tab):
         set_range(self.figure.y_range, -0.12 * high, 1.06 * high)
         self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
         self._hover.tooltips = told("F", unit)
-        self._asked.data = {"x": [], "y": []}
+        self._asked.data, self._pointed.visible = {"x": [], "y": []}, False
         self._invite()
         self.message.say("")
         self._strain.show(min(view.strain, self._top), "", self._top)
@@ -300,7 +304,7 @@ class BundleView(Tab):
         view = self.session.view
         scale = factor(view.shown["force"], "force")
         with pn.io.unlocked():
-            self._asked.data = {"x": [x], "y": [y]}
+            self._asked.data, self._pointed.visible = {"x": [x], "y": [y]}, True
         self._ways.objects = [pn.pane.HTML(status("looking for pressures"))]
         # as finely as it can be pointed at; the slider, the field and the link follow
         strain, force = round(x, 4), y * scale

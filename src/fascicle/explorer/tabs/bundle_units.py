@@ -5,9 +5,10 @@ from typing import Any
 
 import panel as pn
 
+from ...core.refused import Refused
 from ..parts.look import Look, widget_css
-from ..parts.widgets import Dial, Field, Message, button
-from ..state import MOST_UNITS, Session, Unit, View, check_units
+from ..parts.widgets import Dial, Field, Message, button, shown
+from ..state import MOST_UNITS, SIZES, Session, Unit, View, check_units
 
 
 class UnitRows:
@@ -42,6 +43,7 @@ class UnitRows:
             muscle = view.muscle_of(unit)
             radius.show(float(muscle.outer_radius), view.shown["length"])
         self._silent = False
+        self.message.say("")
         self.press(view)
 
     def press(self, view: View) -> None:
@@ -51,8 +53,8 @@ class UnitRows:
 
     def _row(self, i: int) -> tuple[Any, Field, Dial, Any]:
         count = pn.widgets.IntInput(
-            label=f"Unit {i + 1}: muscles", value=1, start=1, end=60, width=118, margin=(2, 8),
-            stylesheets=[widget_css(self._look)],
+            label=f"Unit {i + 1}: muscles", value=1, width=118, margin=(2, 8),
+            stylesheets=[widget_css(self._look)],  # its limits are told, here: the browser's aren't
         )  # fmt: skip
         count.param.watch(lambda event: self._counted(i, event.new), "value")
         radius = Field(
@@ -68,16 +70,24 @@ class UnitRows:
         row = pn.Row(count, radius.panel, margin=0, sizing_mode="stretch_width")
         return count, radius, dial, pn.Column(row, dial.panel, margin=(0, 0, 6, 0))
 
-    def _counted(self, i: int, count: int) -> None:
-        if not self._silent:
-            self._try(replace(self._session.view.units[i], count=count), i)
+    def _counted(self, i: int, count: int | None) -> None:
+        if self._silent:
+            return
+        if count is None:
+            self.message.say("`count` must be a whole number of muscles, got none.")
+            return
+        self._try(replace(self._session.view.units[i], count=count), i)
 
     def _resize(self, i: int, radius: float) -> None:
         view = self._session.view
         unit = view.units[i]
         base = view.muscle if unit.own is None else unit.own
         size = radius / float(base.outer_radius)
-        check_units((Unit(1, size),))
+        if not SIZES[0] <= size <= SIZES[1]:
+            unit = view.shown["length"]
+            low, high = (shown(by * float(base.outer_radius), unit, "length") for by in SIZES)
+            rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
+            raise Refused("radius", rule, radius, shown=shown(radius, unit, "length"))
         if unit.own is not None:
             from ..state import scaled
 

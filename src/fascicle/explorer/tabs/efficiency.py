@@ -132,7 +132,7 @@ class EfficiencyView(Tab):
         fig.add_tools(self._hover)
         self._bars = plain_figure(
             look,
-            "Motor units in the same cross-section (1: SEMU)",
+            "Motor units in the same cross-section (1: a single one)",
             "Average efficiency [–]",
             room=320,
         )

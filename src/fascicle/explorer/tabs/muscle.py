@@ -1,6 +1,5 @@
 """The muscle's tab: its force over strain, taken apart, beside other laws, and itself."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,8 +9,9 @@ from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
 
 from ...units import pretty
-from ..curves.muscle_curves import REGIONS, Picture, picture, strips, widest
-from ..curves.other_laws import alternative, alternatives
+from ..curves.marks import marks
+from ..curves.muscle_curves import PARTS, REGIONS, Picture, picture, strips, widest
+from ..curves.other_laws import alternative, alternatives, check_compared
 from ..curves.tube import solid
 from ..parts.background import Latest
 from ..parts.look import (
@@ -31,18 +31,22 @@ from ..parts.look import (
     told,
     widget_css,
 )
-from ..parts.notes import branches
+from ..parts.notes import branches, tuned
+from ..parts.readout import moment, table, volume
 from ..parts.solid import Scene
 from ..parts.sweep import STEPS, Sweep
-from ..parts.widgets import Dial, factor, heading
+from ..parts.widgets import Dial, Message, factor, heading
 from ..state import Session, View, changed
 from .muscle_inputs import MuscleInputs
-from .tab import remarks
+from .tab import remarks, status
 
 
 _STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown
 _STRAIGHT = (0, 3)  # regions in which a muscle is
 _FAR = 1e9  # any shown unit: beyond every picture
+# of `curves`, for what is laid over it: none is the force's or a part's, nor are the long dashes
+_OTHERS = (3, 4, 5, 7)
+_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
 _PARTS = (
     ("mesh", "mesh", "dashed"),
     ("bladder", "bladder", "dotdash"),
@@ -72,11 +76,14 @@ class MuscleView:
             sizing_mode="stretch_width", margin=(2, 8),
         )  # fmt: skip
         self._compare.param.watch(self._compared, "value")
+        self._many = Message("compare")
         self._silent = False
         self._others = Latest(self._show_others, self._inputs.message.say)
         session.watch(self._changed)
-        left = pn.Column(self._inputs.panel, self._compare, width=284, margin=(0, 8, 0, 0),
-                         stylesheets=[ROLLED, AFTER])  # fmt: skip
+        left = pn.Column(
+            self._inputs.panel, self._compare, self._many.pane, width=284, margin=(0, 8, 0, 0),
+            stylesheets=[ROLLED, AFTER],
+        )  # fmt: skip
         dials = pn.Row(
             self._pressure.panel, self._strain.panel, sizing_mode="stretch_width", margin=0,
             stylesheets=[STACKED],
@@ -116,7 +123,7 @@ class MuscleView:
         elif changed(before, after, "pressure", "strain"):
             self._picture(after, pressed=changed(before, after, "pressure"))
         if changed(before, after, "compared"):
-            self._notes.object = remarks(after, "muscle")
+            self._remark(after)
             self._ask_others(after)
 
     def _all(self, view: View) -> None:
@@ -134,8 +141,12 @@ class MuscleView:
             self._strain.field.message.say(
                 f"`strain` is drawn up to {self._top:g} for this muscle, asked was {asked:g}."
             )
-        self._notes.object = remarks(view, "muscle")
+        self._remark(view)
         self._ask_others(view)
+
+    def _remark(self, view: View) -> None:
+        about = tuned(view.muscle, view.shown["pressure"])
+        self._notes.object = remarks(view, "muscle") + status(about)
 
     def _picture(self, view: View, pressed: bool, family: bool = False) -> None:
         found = picture(view.muscle, view.pressure, view.strain, view.supply, self._top)
@@ -158,8 +169,11 @@ class MuscleView:
         self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
         self._families = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="family")
         self._told = source_of({"x": [], "y": [], "label": []})
-        self._other = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="compared")
-        self._marks = source_of({"x": [], "y": [], "label": [], "below": []}, name="marks")
+        self._other = source_of(
+            {"xs": [], "ys": [], "color": [], "label": [], "dash": []}, name="compared"
+        )
+        self._marks = source_of({"x": [], "y": [], "label": [], "below": [],
+                                 "beside": [], "align": []}, name="marks")  # fmt: skip
         self._here = source_of({"x": [], "y": []}, name="here")
         self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
         fig.line([0, 10], [0, 0], color=look.soft, line_width=1)
@@ -175,10 +189,11 @@ class MuscleView:
         main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
                         legend_label="force")  # fmt: skip
         fig.multi_line("xs", "ys", source=self._other, color="color", line_width=2.4,
-                       line_dash="dashed", legend_field="label")  # fmt: skip
+                       line_dash="dash", legend_field="label")  # fmt: skip
         fig.scatter("x", "y", source=self._marks, size=9, color=look.ink, fill_color=look.paper,
                     line_width=2)  # fmt: skip
-        tags(fig, look, self._marks, x_offset=7, y_offset="below", text_font_size="12px")
+        tags(fig, look, self._marks, x_offset="beside", y_offset="below", text_align="align",
+             text_font_size="12px")  # fmt: skip
         fig.scatter("x", "y", source=self._here, size=13, marker="diamond",
                     color=look.curves[1], line_color=look.paper)  # fmt: skip
         self._hover = HoverTool(
@@ -202,7 +217,8 @@ class MuscleView:
             "color": pressure_colors(self._look, len(force)),
             "label": [f"{x:.3g} {view.shown['pressure']}" for x in in_unit],
         }
-        low, high = float(force.min()) / scale, float(force.max()) / scale
+        every = np.array([getattr(found, name)[:-1] for name in PARTS])
+        low, high = float(every.min()) / scale, float(every.max()) / scale
         self._above = high + 0.14 * (high - low)
         set_range(self.figure.x_range, 0.0, self._top)
         set_range(self.figure.y_range, low - 0.08 * (high - low), high + 0.16 * (high - low))
@@ -212,10 +228,7 @@ class MuscleView:
     def _curves(self, view: View, found: Picture) -> None:
         self._pressure.show(view.pressure, view.shown["pressure"], view.supply)
         _, scale = self._force_unit(view)
-        parts = {
-            name: getattr(found, name)[-1] / scale
-            for name in ("force", "mesh", "bladder", "bending")
-        }
+        parts = {name: getattr(found, name)[-1] / scale for name in PARTS}
         self.chosen.data = {"strain": found.strain[-1], **parts}
         self._tell_pressures(found, scale)
         self._mark(view, found)
@@ -234,9 +247,6 @@ class MuscleView:
 
     def _mark(self, view: View, found: Picture) -> None:
         unit, scale = self._force_unit(view)
-        free, blocked = float(found.free_strain[-1]), float(found.blocked[-1])
-        onset = float(found.collapse_strain[-1])
-        collapse = min(onset, self._top)
         ran = strips(found.strain[-1], found.regions)
         fills = [(self._look.paper, 0.0), (self._look.curves[4], 0.14), (self._look.soft, 0.20),
                  (self._look.curves[5], 0.14)]  # fmt: skip
@@ -252,13 +262,7 @@ class MuscleView:
                 REGIONS[i] if right - left > 0.12 * self._top else "" for left, right, i in ran
             ],
         }
-        x, y = [0.0, free], [blocked / scale, 0.0]
-        labels = [f"blocked {blocked / scale:.4g} {unit}", f"free {free:.4f}"]
-        if onset <= self._top:
-            x.append(collapse)
-            y.append(float(np.interp(collapse, found.strain[-1], found.force[-1])) / scale)
-            labels.append(f"collapse {collapse:.4f}")
-        self._marks.data = {"x": x, "y": y, "label": labels, "below": [6, 6, -22][: len(x)]}
+        self._marks.data = marks(found, self._top, scale, unit)
 
     def _point(self, view: View, found: Picture) -> None:
         self._strain.show(view.strain, "", self._top)
@@ -276,13 +280,13 @@ class MuscleView:
         rows = {
             "force": f"{found.force_here / scale:.4g} {unit}",
             "state": state,
-            fluid: _volume(found.volume, view.shown["length"]),
+            fluid: volume(found.volume, view.shown["length"]),
             "braid angle": pretty(drawn.angle, "angle"),
             "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
             "bows out": f"{found.deflection / factor(view.shown['length'], 'length'):.4g}"
             f" {view.shown['length']}",
-            "bending moment": _moment(found.moment, view.shown),
+            "bending moment": moment(found.moment, view.shown),
         }
         if more := branches(found.strain[-1], found.branches):
             rows["several equilibria"] = more
@@ -291,8 +295,16 @@ class MuscleView:
     # other laws
 
     def _compared(self, event: Any) -> None:
-        if not self._silent:
-            self._session.change(compared=tuple(event.new))
+        if self._silent:
+            return
+        try:
+            self._session.change(compared=check_compared(tuple(event.new)))
+            self._many.say("")
+        except ValueError as error:
+            self._silent = True
+            self._compare.value = list(event.old)
+            self._silent = False
+            self._many.say(str(error))
 
     def _ask_others(self, view: View) -> None:
         keys = [key for key in view.compared if key in alternatives(view.muscle)]
@@ -313,11 +325,11 @@ class MuscleView:
 
     def _show_others(self, found: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
         _, scale = self._force_unit(self._session.view)
-        cycle = self._look.curves[3:] + self._look.curves[:3]
         self._other.data = {
             "xs": [strain for _, strain, _ in found],
             "ys": [force / scale for _, _, force in found],
-            "color": [cycle[i % len(cycle)] for i in range(len(found))],
+            "color": [self._look.curves[i] for i in _OTHERS[: len(found)]],
+            "dash": list(_DASHES[: len(found)]),
             "label": [key.replace("_", " ").replace(":", ": ") for key, _, _ in found],
         }
 
@@ -341,28 +353,3 @@ class MuscleView:
         following = round(view.strain + self._top / STEPS, 4)
         self._session.change(strain=0.0 if following > self._top else following)
         return True
-
-
-def _volume(volume: float, length: str) -> str:
-    """A `volume` [m³] beside lengths in a unit `length` [-]."""
-    if length == "in":
-        return f"{volume / factor('in', 'length') ** 3:.4g} in³"
-    return f"{volume * 1e6:.4g} cm³"
-
-
-def _moment(moment: float, units: Mapping[str, str]) -> str:
-    """A `moment` [N·m] in the `units` shown [-] of force and length, meters for millimeters."""
-    length = "m" if units["length"] == "mm" else units["length"]
-    scale = factor(units["force"], "force") * factor(length, "length")
-    return f"{moment / scale:.4g} {units['force']}·{length}"
-
-
-def table(rows: dict[str, str]) -> str:
-    """Two columns [-] of what and how much [-]."""
-    rows = {what: f"−{told[1:]}" if told[:1] == "-" else told for what, told in rows.items()}
-    cells = "".join(
-        f'<tr><th style="text-align:left;font-weight:400;opacity:.75;padding:1px 14px 1px 0">{what}'
-        f'</th><td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
-        for what, value in rows.items()
-    )
-    return f'<table style="font-size:13.5px;border-collapse:collapse">{cells}</table>'

@@ -79,7 +79,7 @@ class MuscleInputs:
                 named = error.argument if isinstance(error, Refused) else name
                 other = self._fields.get(named) if named != name else None
                 if other is not None:
-                    other.message.say(str(error))
+                    other.refuse(error)
                 raise
 
         return take

@@ -1,0 +1,51 @@
+"""Marks' names: none runs out of the picture, none over another."""
+
+import pytest
+
+import fascicle as fs
+from fascicle.explorer.curves.marks import marks
+from fascicle.explorer.curves.muscle_curves import picture, widest
+from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.tabs.muscle import MuscleView
+
+
+SIX = fs.example("kim2021_figure_6")
+SUPPLY = 413.7e3
+WIDE, HIGH = 285, 420  # pixels of the plot on a phone
+LETTER = 7.4  # pixels, of 12 px DejaVu Sans
+LINE = 14
+
+
+def boxes(pressure):
+    """Where each name stands in pixels: left, right, bottom, top; and the names."""
+    top = widest(SIX, SUPPLY)
+    found = picture(SIX, pressure, 0.1, SUPPLY, top)
+    shown = marks(found, top, 1.0, "N")
+    per_newton = HIGH / (1.24 * float(found.force[:-1].max() - found.force[:-1].min()))
+    out = []
+    for x, y, label, below, beside, align in zip(*shown.values(), strict=True):
+        at, long = x / top * WIDE + beside, LETTER * len(label)
+        left = at - long if align == "right" else at
+        out.append((left, left + long, y * per_newton + below, y * per_newton + below + LINE))
+    return out, shown["label"]
+
+
+@pytest.mark.parametrize("pressure", [0.0, 1.0, 2e3, 10e3, 20e3, 30e3, 69e3, 137.9e3, 3e5, SUPPLY])
+def test_names_stay_in_the_picture_and_apart(pressure):
+    found, names = boxes(pressure)
+    assert len(names) == 3
+    for k, (left, right, bottom, top) in enumerate(found):
+        assert left >= 0 and right <= WIDE + 18, names[k]  # and the figure's border
+        for other in found[k + 1 :]:
+            apart = right <= other[0] or other[1] <= left or top <= other[2] or other[3] <= bottom
+            assert apart, (names, found)
+
+
+def test_the_forces_parts_are_in_the_picture_of_a_long_muscle():
+    muscle = SIX.replace(length=10.0)
+    tab = MuscleView(Session(view_of(muscle, "long")), LIGHT)
+    tab.refresh()
+    shown = tab.figure.y_range
+    for part in ("force", "mesh", "bladder", "bending"):
+        assert shown.start <= min(tab.chosen.data[part]) <= max(tab.chosen.data[part]) <= shown.end
