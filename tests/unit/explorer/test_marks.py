@@ -1,5 +1,7 @@
 """Marks' names: none runs out of the picture, none over another."""
 
+from dataclasses import replace
+
 import pytest
 
 import fascicle as fs
@@ -49,3 +51,14 @@ def test_the_forces_parts_are_in_the_picture_of_a_long_muscle():
     shown = tab.figure.y_range
     for part in ("force", "mesh", "bladder", "bending"):
         assert shown.start <= min(tab.chosen.data[part]) <= max(tab.chosen.data[part]) <= shown.end
+
+
+@pytest.mark.parametrize("pressure", [0.0, 69e3, 137.9e3, SUPPLY])
+def test_regions_names_fit_into_their_strips(pressure):
+    view = replace(view_of(SIX, "six"), pressure=pressure)
+    tab = MuscleView(Session(view), LIGHT)
+    tab.refresh()
+    strips, names = tab._strips.data, tab._names.data["label"]
+    assert any(names)
+    for left, right, name in zip(strips["left"], strips["right"], names, strict=True):
+        assert (right - left) / tab._top * WIDE >= 6.9 * len(name)  # in gray, it is no wider

@@ -87,7 +87,7 @@ def test_a_tuning_is_told_in_the_units_shown():
     assert tuned(SIX.muscle, "kPa") == ""
     told = tuned(fs.example("kim2021_bundle_1_4").motor_units[0].muscle, "kPa")
     for part in ("Young's modulus × 0.95", "collapse moment × 0.75", "transition rate β = 100",
-                 "hinge stiffness × 0.83 + 0.0092/kPa"):  # fmt: skip
+                 "hinge stiffness × (0.83 + 0.0092 per kPa)"):  # fmt: skip
         assert part in told
     assert "C₁" not in told and "dead band" not in told
     rows = fs.Tuning(pressures=[1e5, 3e5], c1=[0.0, 1.0], c2=[1.0, 1.1], dead_band=2e4)

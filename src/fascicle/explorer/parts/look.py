@@ -198,6 +198,7 @@ input::file-selector-button {{ font: inherit; height: 28px; margin-top: 0; curso
   color: var(--ink);
   background: var(--raised); border: 1px solid var(--line); border-radius: var(--round);
   margin-right: var(--apart); }}
+input::file-selector-button:hover {{ background: var(--line) !important; color: var(--ink); }}
 select.bk-input:not([multiple]) {{ appearance: none; padding-right: 26px;
   background: var(--paper) {_arrow(look)} no-repeat right 8px center; }}
 select.bk-input option {{ background: var(--paper); color: var(--ink); }}

@@ -83,8 +83,8 @@ def tuned(muscle: Muscle, unit: str) -> str:
         by = float(getattr(tuning, f"{name}_factor"))
         rise = float(tuning.hinge_stiffness_slope) if name == "hinge_stiffness" else 0.0
         if by != 1 or rise:
-            more = f" + {rise * factor(unit, 'pressure'):.3g}/{unit}" if rise else ""
-            said.append(f"{called} × {by:.4g}{more}")
+            rises = f"({by:.4g} + {rise * factor(unit, 'pressure'):.3g} per {unit})"
+            said.append(f"{called} × {rises if rise else f'{by:.4g}'}")
     if tuning.transition_rate is not None:
         said.append(f"transition rate β = {float(tuning.transition_rate):.4g}")
     if (rows := tuning.pressures.shape[-1]) > 1:

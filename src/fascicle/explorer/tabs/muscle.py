@@ -43,6 +43,7 @@ from .tab import remarks, status
 
 _STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown
 _STRAIGHT = (0, 3)  # regions in which a muscle is
+_LETTER = 0.0245  # of the strains drawn: one of a region's name
 _FAR = 1e9  # any shown unit: beyond every picture
 # of `curves`, for what is laid over it: none is the force's or a part's, nor are the long dashes
 _OTHERS = (3, 4, 5, 7)
@@ -257,9 +258,10 @@ class MuscleView:
         self._names.data = {
             "x": [(left + right) / 2 for left, right, _ in ran],
             "y": [self._above] * len(ran),
-            # a strip too narrow for its name goes without
+            # a strip too narrow for its name goes without, on a phone's 300 pixels too
             "label": [
-                REGIONS[i] if right - left > 0.12 * self._top else "" for left, right, i in ran
+                REGIONS[i] if right - left > _LETTER * len(REGIONS[i]) * self._top else ""
+                for left, right, i in ran
             ],
         }
         self._marks.data = marks(found, self._top, scale, unit)
