@@ -395,7 +395,7 @@ def test_a_file_of_somebody_elses_is_kept_and_errors_write_none(fascicle, tmp_pa
         (["force", SIX, "-s", "0.9"], "error: --strain must lie in"),
         (
             ["space", SIX],
-            "error: --supply: missing, the bundle has none of its own: give",
+            "error: --supply: missing, a muscle has none of its own: give",
         ),
         (["recruit", PAIR, "-f", "9N", "-s", "0.1", "--supply", "2MPa"], "error: --supply must"),
         (["bundle", PAIR, "-p", "2MPa,0kPa"], "error: --pressure must lie in"),

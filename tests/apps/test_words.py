@@ -99,7 +99,6 @@ MUSCLE = "m.toml: muscle: a muscle or bundle, not a {}: `fascicle force` and `fa
         (["simulate", "m.toml"], MUSCLE.format("scenario")),
         (["design", "s.toml"], "s.toml: load: a scenario, not a task: `fascicle simulate` runs"),
         (["force", "lift_gas"], "lift_gas: a scenario, not a muscle or bundle: use `fascicle sim"),
-        (["simulate", SIX], f"{SIX}: a muscle or bundle, not a scenario: `fascicle init --scen"),
     ],
 )
 def test_another_kind_of_file_is_called_by_its_name(said, arguments, message):

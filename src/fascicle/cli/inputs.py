@@ -47,13 +47,9 @@ def read_scenario(target: str) -> Any:
 
     **Returns:** a `Scenario` [-].
     """
-    from ..files import examples, scenarios
+    from ..files import scenarios
 
     found = _found(target)
-    if not found and target not in scenarios() and target in examples():
-        raise UserError(
-            f"{target}: a muscle or bundle, not a scenario: `fascicle init --scenario` writes one."
-        )
     if not found and target not in scenarios():
         raise _unknown(target, scenarios(), "scenario", f"choose one of {', '.join(scenarios())}.")
     prepare()

@@ -10,9 +10,13 @@ from ..core.visible import visible
 
 
 def show(
-    title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str = ""
+    title: str,
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    caption: str = "",
+    keys: int = 1,
 ) -> None:
-    """Print a table; columns that don't fit follow below, beside the first one again.
+    """Print a table; columns that don't fit follow below, beside the first ones again.
 
     **Arguments:**
 
@@ -20,6 +24,7 @@ def show(
     - `heads`: the columns' names [-].
     - `rows`: their entries [-], of a line or a few.
     - `caption`: what its marks mean [-].
+    - `keys`: how many first columns name a row [-].
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -37,7 +42,7 @@ def show(
     if sum(widths) + spaces * len(widths) > console.width - 1:  # narrower: marks at their number
         heads, *rows = _closer([heads, *rows])
         widths = _widths(heads, rows)
-    for columns in _blocks([width + spaces for width in widths], console.width - 1):
+    for columns in _blocks([width + spaces for width in widths], console.width - 1, keys):
         console.print(Text(title, style="bold"))
         table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, spaces // 2, 0, spaces // 2))
         for index in columns:
@@ -106,13 +111,14 @@ def number(value: float, places: int) -> str:
     return f"{round(float(value), places) + 0.0:.{places}f}"  # + 0.0: no minus before a zero
 
 
-def _blocks(widths: Sequence[int], room: int) -> list[list[int]]:
-    """Columns in groups that fit, each with the first one, which names the rows."""
-    blocks, used = [[0]], widths[0]
-    for index, width in enumerate(widths[1:], start=1):
-        if used + width > room and len(blocks[-1]) > 1:
-            blocks.append([0])
-            used = widths[0]
+def _blocks(widths: Sequence[int], room: int, keys: int) -> list[list[int]]:
+    """Columns in groups that fit, each with the first ones, which name the rows."""
+    first, own = [*range(keys)], sum(widths[:keys])
+    blocks, used = [first[:]], own
+    for index, width in enumerate(widths[keys:], start=keys):
+        if used + width > room and len(blocks[-1]) > keys:
+            blocks.append(first[:])
+            used = own
         blocks[-1].append(index)
         used += width
     return blocks

@@ -83,12 +83,7 @@ def _table(variables: Any, points: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     if points:
         for path, grid in zip(values["path"], values["efficiency"], strict=True):
-            rows = [
-                [f"{force:.6g}", *(number(x, 4) for x in row)]
-                for force, row in zip(values["force"], grid, strict=True)
-            ]
-            heads = ["force N", *(f"{strain:.4g}" for strain in values["strain"])]
-            show(f"Efficiency, {path}, by strain", heads, rows, "-: not reached")
+            _show_points(path, values["force"], values["strain"], grid)
     rows = [
         [path, number(average, 4), f"{100 * share:.0f} %"]
         for path, average, share in zip(
@@ -96,6 +91,21 @@ def _table(variables: Any, points: bool) -> None:
         )
     ]
     show("Average over the points reached", ["path", "efficiency", "reached"], rows)
+
+
+def _show_points(
+    path: str, forces: list[float], strains: list[float], grid: list[list[float]]
+) -> None:
+    """The longer of forces and strains runs down the page, where there is room for it."""
+    cells = [[number(x, 4) for x in row] for row in grid]
+    if len(strains) > len(forces):
+        heads = ["strain", *(f"{force:.6g} N" for force in forces)]
+        columns = [[f"{strain:.4g}" for strain in strains], *cells]
+        rows = [list(row) for row in zip(*columns, strict=True)]
+    else:
+        heads = ["force N", *(f"{strain:.4g}" for strain in strains)]
+        rows = [[f"{force:.6g}", *row] for force, row in zip(forces, cells, strict=True)]
+    show(f"Efficiency, {path}, by strain", heads, rows, "-: not reached")
 
 
 def _figure(maps: Any) -> Any:

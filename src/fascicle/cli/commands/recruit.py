@@ -92,7 +92,7 @@ def _table(variables: Any, free: bool) -> None:
     units = len(values["pressures"][0][0])
     heads = ["demand N", "strain", "state", *(f"P{unit + 1} kPa" for unit in range(units))]
     caption = "u: unstable, the force rises with strain there"
-    show("Recruitment", [*heads, "force N", "other solutions"], rows, caption)
+    show("Recruitment", [*heads, "force N", "other solutions"], rows, caption, keys=2)
     if free:
         print(
             "Of all pressures that give it, those that take least fluid; the others aren't listed."

@@ -213,13 +213,13 @@ def _balances(balanced: Any) -> None:
         [
             one.name.replace(" of ", "\nof "),
             "\n".join(_terms(one)),
-            f"{one.share:.0e}",
-            "closes" if one.closes else "DOES NOT CLOSE",
+            # below one another, so that a narrow terminal keeps them beside their balance
+            f"{one.share:.0e}\n" + ("closes" if one.closes else "DOES NOT\nCLOSE"),
         ]
         for one in balanced.balances
     ]
     told = "left over: as a share of the largest term; terms that are zero aren't told"
-    show("Balances", ["balance", "what came and went", "left over", ""], rows, told)
+    show("Balances", ["balance", "what came and went", "left over"], rows, told)
 
 
 def _terms(balance: Any) -> list[str]:
