@@ -32,6 +32,7 @@ from .recruit.carried import carried
 from .recruit.curves import Bank, bank
 from .recruit.free import freed
 from .recruit.inverse import Recruited, Solutions, recruited
+from .recruit.one import one
 from .schemes import AbstractScheme, scheme_of
 from .space import Overlap, Space, overlap, space
 from .states import states_of
@@ -185,6 +186,8 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     if states.independent or not states.nested:
         # what each unit takes in decides which of them are fed
         flat["taken"] = unit_volume_change(bundle, flat["strain"])
+    if count == 1 and not {"taken"} & set(flat) and (found := one(curves, **flat, states=states)):
+        return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), found)
     parts = [
         search(curves, **{key: x[start : start + step] for key, x in flat.items()})
         for start in range(0, max(1, count), step)

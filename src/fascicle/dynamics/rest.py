@@ -99,7 +99,7 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
             f"at these pressures it is too {side} by {abs(found[0 if side == 'weak' else -1]):.4g}"
             f" {'N' if plant.load.unit == 'm' else 'N·m'} even at {far:.4g} {plant.load.unit}:"
             " begin at other pressures, or give `position`, from which it then starts",
-            shown="this one",
+            shown="",
         )
     k = falls[0]
     if found[k + 1] == 0:

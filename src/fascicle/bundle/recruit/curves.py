@@ -9,105 +9,27 @@ with $w_{kj}$ muscles of kind $j$ in state $k$. Each unlike muscle is evaluated 
 the states and units that have it.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
-from ...core.arrays import given, library, maximum, minimum, nodes, running_most, where
-from ...core.evaluate import COMPILE_ABOVE, compiled
-from ...core.tiles import scattered
+from ...core.arrays import library, maximum, minimum, nodes, running_most, where
 from ...core.types import Numbers
 from ...muscle import Muscle
-from ..alike import stacked, taken
-from ..plates import muscle_strain, plate_strain
+from ..alike import stacked
 from ..states import States
 from .guide import Guide
+from .kinds import SINGLE, Kinds
 from .single import LEVELS, Single
 
 
 Forces = tuple[Numbers, ...]  # and their slopes in strain
 
-_SINGLE = 4  # points up to which one by one is sooner than an array
 _FEW = 2**13  # points that NumPy has sooner than a tile of a law that is compiled anyway
 _STEP = 1e-7  # of the level: for slopes that only guide a search
 _BETWEEN = (0.1, 0.4)  # levels at which a stretch is cut anyway: no long one hides a dip
-
-
-class Kinds(NamedTuple):
-    """Unlike muscles of the same laws, in a row; $L/L_i$ [-] of each, where they aren't as long as
-    the plates are apart; `which` of them [-] are meant, all of them where left out. Beyond
-    `at_once` points [-] their law is compiled. `each`: at single points, where NumPy works.
-    """
-
-    muscles: Muscle
-    ratios: Numbers | None
-    size: int
-    which: Any = None
-    at_once: int = COMPILE_ABOVE
-    each: tuple[Single, ...] = ()
-
-    def force(self, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
-        """Force [N] and its slope in the bundle's `strain` [-], at `pressure` [Pa], kinds last
-        unless some are picked.
-        """
-        ratios = self.ratios
-        if ratios is not None and np.ndim(ratios) > 0 and self.which is not None:
-            ratios = ratios[self.which]
-        own = strain if ratios is None else muscle_strain(ratios, strain)
-        value, slope = self._evaluated(pressure, own)
-        return value, slope if ratios is None else slope * ratios
-
-    def single(self, place: int, pressure: float, strain: float) -> tuple[float, float]:
-        """Force [N] of the one at `place` [-], at `pressure` [Pa] and the bundle's `strain` [-],
-        and its slope in that [N].
-        """
-        if self.ratios is None:
-            return self.each[place].force(pressure, strain)
-        ratio = float(np.broadcast_to(self.ratios, self.size)[place])
-        force, slope = self.each[place].force(pressure, muscle_strain(ratio, strain))
-        return force, slope * ratio
-
-    def along(self, place: int, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
-        """The same at numbered levels, forces [N] alone."""
-        if self.ratios is not None:
-            strain = muscle_strain(np.broadcast_to(self.ratios, self.size)[place], strain)
-        return self.each[place].along(node, strain)
-
-    def kinks(self, pressure: Numbers) -> Numbers:
-        """Strains of the bundle [-] at which they have kinks, on a new first axis."""
-        kinks = self.muscles.law.at(pressure).kinks
-        return kinks if self.ratios is None else plate_strain(self.ratios, kinks)
-
-    def picked(self, place: Any) -> "Kinds":
-        """Those at `place` [-], as many as it has."""
-        return self._replace(which=minimum(maximum(place, 0), self.size - 1))
-
-    def _evaluated(self, pressure: Numbers, strain: Numbers) -> Any:
-        muscles, which = self.muscles, self.which
-        if muscles.is_numpy and given(pressure, strain):
-            kinds = np.arange(self.size) if which is None else which
-            shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain), kinds.shape)
-            points = math.prod(shape)
-            if 0 < points <= _SINGLE or points > self.at_once:
-                laid = [np.broadcast_to(x, shape).reshape(-1) for x in (kinds, pressure, strain)]
-                if points <= _SINGLE:
-                    rows = zip(*laid, strict=True)
-                    found = zip(*(self.each[i].force(P, eps) for i, P, eps in rows), strict=True)
-                else:
-                    found = scattered(compiled(_force), muscles, *laid)
-                return tuple(np.reshape(x, shape) for x in found)
-            if which is not None and points and np.all(which == which.flat[0]):
-                return self.each[which.flat[0]].law.at(pressure).force(strain)
-        if which is not None:
-            muscles = taken(muscles, which)
-        return muscles.law.at(pressure).force(strain)
-
-
-def _force(muscles: Muscle, which: Any, pressure: Numbers, strain: Numbers) -> tuple:
-    return taken(muscles, which).law.at(pressure).force(strain)
 
 
 class Kinks(NamedTuple):
@@ -140,7 +62,8 @@ class Bank(NamedTuple):
     at `full` supply pressure $P_s$ [Pa]. `alone`: the one kind that each state throttles, if all
     throttle one. `counted`: which states' beginnings and ends are solutions of their own [-]. Where
     units are independent each is a state by itself, and nothing beside it is `held`. `guide`: where
-    to look for demands, where NumPy does.
+    to look for demands, where NumPy does. `spoken`: of each state the kind it throttles and how
+    many of it, and how many of each are at no and at full pressure [-], in Python's numbers.
     """
 
     rows: tuple[Kinds, ...]
@@ -153,17 +76,13 @@ class Bank(NamedTuple):
     resistance: bool
     counted: tuple[np.ndarray, np.ndarray]
     by_itself: bool
-    guide: Guide | None = None
+    guide: Any = None
+    spoken: tuple = ()
 
     @property
     def states(self) -> int:
         """How many states there are [-]."""
         return len(self.throttled)
-
-    @property
-    def places(self) -> list[tuple[Kinds, int]]:
-        """Of each kind its row, and the place [-] in it."""
-        return [(row, place) for row in self.rows for place in range(row.size)]
 
     @property
     def at_once(self) -> int:
@@ -207,7 +126,7 @@ class Bank(NamedTuple):
         and its slope in strain [N].
         """
         few = self.guide is not None and np.shape(state) == np.shape(level) == np.shape(strain)
-        if self.alone is not None and few and len(state) <= _SINGLE:
+        if self.alone is not None and few and len(state) <= SINGLE:
             found = [self.single(*one) for one in zip(state, level, strain, strict=True)]
             return tuple(np.reshape(found, (-1, 2)).T)
         if self.alone is not None:
@@ -242,10 +161,21 @@ class Bank(NamedTuple):
         """
         every: Any = self.alone
         kind = every[state]
-        row, place = self.places[kind]
+        row, place = self.guide.places[kind]
         force, slope = row.single(place, level * self.supply, strain)
         share = self.throttled[state, kind] if self.resistance or force > 0 else 0.0
         return share * force, share * slope
+
+    def levels(self, state: int, nodes: Sequence[int], strain: float) -> list[float]:
+        """Forces [N] of the one kind that a `state` throttles at numbered levels [-] and one
+        `strain` [-].
+        """
+        every: Any = self.alone
+        kind = every[state]
+        row, place = self.guide.places[kind]
+        share = float(self.throttled[state, kind])
+        found = row.along(place, np.array(nodes), np.array(strain)).tolist()
+        return [share * x if self.resistance or x > 0 else 0.0 for x in found]
 
     def along(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
         """Force [N] of the units that each `state` throttles at numbered levels, these along a
@@ -353,7 +283,13 @@ def bank(
     made = Bank(
         rows, throttled, no, full, alone, kinks, supply, resistance, counted, states.independent
     )
-    return made._replace(guide=Guide(rows, supply, throttled, made.kept)) if at_once else made
+    if not at_once:
+        return made
+    spoken = ()
+    if alone is not None:
+        own = throttled[np.arange(len(alone)), alone]
+        spoken = tuple(zip(*(x.tolist() for x in (alone, own, no, full)), strict=True))
+    return made._replace(guide=Guide(rows, supply, throttled, made.kept, resistance), spoken=spoken)
 
 
 def _kinks(row: Kinds, supply: Numbers) -> Kinks:

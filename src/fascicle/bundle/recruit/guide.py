@@ -10,6 +10,7 @@ looks at every stretch in it.
 It is a guide only, the forces that are met are the law's own. NumPy's alone.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -25,6 +26,7 @@ from .single import LEVELS
 
 _CELL = 2.0**-8  # of strain
 _LEVELS = LEVELS[::8]  # with cells eight times as wide
+_REMEMBERED = 256  # cells, of some 30 kB each
 _MARGIN = 0.5  # of what the units span in a cell, beyond its corners
 
 Forces = tuple[np.ndarray, ...]  # and their slopes in strain [N], kinds last
@@ -81,6 +83,20 @@ class _Rows(NamedTuple):
     above: Callable[[np.ndarray], np.ndarray]
 
 
+class Told(NamedTuple):
+    """A cell of strain, state by state, in Python's numbers: as `_Cells`, and the forces [N] at
+    `one` and at the `other` of its strains, every level.
+    """
+
+    least: list[float]
+    most: list[float]
+    low: list[list[float]]
+    high: list[list[float]]
+    risen: list[list[int]]
+    one: list[list[float]]
+    other: list[list[float]]
+
+
 class _Ends(Module):
     """Rows of muscles at no and at supply pressure; $L/L_i$ [-] of each, where lengths differ."""
 
@@ -97,15 +113,21 @@ class Guide:
         supply: Any,
         throttled: np.ndarray,
         kept: Callable[[Forces], Forces],
+        resistance: bool,
     ):
-        """**Arguments:**
+        """`places`: of each kind its row, and the place [-] in it.
+
+        **Arguments:**
 
         - `rows`: of muscles of the same laws [-].
         - `supply`: $P_s$ [Pa].
         - `throttled`: how many muscles of each kind a state throttles [-].
         - `kept`: what counts of forces and slopes [N].
+        - `resistance`: whether those that push do [-].
         """
-        self._kinds, self._supply = rows, float(supply)
+        self._resistance = resistance
+        self.places = [(row, place) for row in rows for place in range(row.size)]
+        self._supply = float(supply)
         self._throttled, self._kept = throttled, kept
         self._ratios = tuple(row.ratios for row in rows)
         P = (_LEVELS * supply)[:, None]
@@ -114,31 +136,47 @@ class Guide:
         ends = (row.muscles.law.at(both * np.ones(row.size)) for row in rows)
         self._ends = _Ends(tuple(ends), self._ratios)
         self._cells: _Cells | None = None
+        self._told: dict[int, Told] = {}
 
     def ends(self, strain: np.ndarray, many: bool) -> tuple[Forces, Forces]:
         """Forces of one muscle of each kind at no and at supply pressure [N] at each `strain` [-],
         by a compiled law if they are `many`.
         """
-        singles = (one for row in self._kinds for one in row.each)
-        if len(strain) == 1 and all(one.ends_at_once() for one in singles):
-            found = self._single_ends(float(strain[0]))
-        else:
-            law = partial(scattered, compiled(_forces)) if many else _forces
-            rows = zip(*law(self._ends, strain), strict=True)
-            found = tuple(np.concatenate(parts, axis=-1) for parts in rows)
-        force, slope = self._kept(found)
+        if len(strain) == 1 and (told := self.single_ends(float(strain[0]))) is not None:
+            (off, off_slope), (on, on_slope) = (np.transpose(end)[:, None] for end in told)
+            return (off, off_slope), (on, on_slope)
+        law = partial(scattered, compiled(_forces)) if many else _forces
+        found = zip(*law(self._ends, strain), strict=True)
+        force, slope = self._kept(tuple(np.concatenate(rows, axis=-1) for rows in found))
         return (force[:, 0], slope[:, 0]), (force[:, 1], slope[:, 1])
 
-    def _single_ends(self, strain: float) -> Forces:
-        """The same at one strain, kind by kind."""
+    def single_ends(self, strain: float) -> list[list[tuple[float, float]]] | None:
+        """The same at one `strain` [-], kind by kind, as they count; `None` until they are asked
+        for often.
+        """
+        if not all(row.each[place].ends_at_once() for row, place in self.places):
+            return None
         found = [
-            row.single(place, pressure, strain)
+            [row.single(place, pressure, strain) for row, place in self.places]
             for pressure in (0.0, self._supply)
-            for row in self._kinds
-            for place in range(row.size)
         ]
-        force, slope = np.reshape(found, (1, 2, -1, 2)).transpose(3, 0, 1, 2)
-        return force, slope
+        if self._resistance:
+            return found
+        return [[x if x[0] > 0 else (0.0, 0.0) for x in end] for end in found]
+
+    def told(self, strain: float) -> tuple["Told", float]:
+        """The cell of one `strain` [-] in Python's numbers, and how far in it that is [-]."""
+        place = strain / _CELL
+        number = math.floor(place)
+        if number not in self._told:
+            if len(self._told) > _REMEMBERED:
+                self._told.clear()
+            cells, slot, _ = self._at_strain(np.array([strain]))
+            at = slot[0]
+            sides = np.swapaxes(cells.corners[at], 1, 2)
+            parts = (cells.least, cells.most, cells.low, cells.high, cells.risen)
+            self._told[number] = Told(*(x[at].tolist() for x in parts), *sides.tolist())
+        return self._told[number], place - number
 
     def runs(
         self,

@@ -8,6 +8,8 @@ ends at some pressure) is no solution. Where there is none at all, the nearest f
 Nothing here carries a derivative; the solution chosen gets it later.
 """
 
+import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +33,7 @@ _STEPS = 80  # at most, toward a crossing
 _SECANTS = 8  # of so many steps toward a crossing one halves its bracket, come what may
 _ALONE = 4  # runs that are sooner followed one by one
 _ROUNDED = 1e-15  # of the level: as near as a crossing comes
-_ROUNDING = 1e-13  # of a force
+ROUNDING = 1e-13  # of a force
 
 
 class Found(NamedTuple):
@@ -68,7 +70,7 @@ def solve(
     wanted = (force[:, None] - held).reshape(-1)
     low, high = (x.reshape(-1) - wanted for x in at_ends)
     lanes = Lanes(bank, wanted, at_work.repeat(strain, states), state, states)
-    close = EXACT + _ROUNDING * absolute(wanted)
+    close = EXACT + ROUNDING * absolute(wanted)
     met_low, met_high = absolute(low) <= close, absolute(high) <= close
     lane, level, met = _within(lanes, close, low, high)
 
@@ -169,7 +171,7 @@ def _followed(lanes: Lanes, close: Numbers, runs: Runs) -> tuple[Numbers, Number
     its sides, and some bisection.
     """
     if len(runs.lane) <= _ALONE and lanes.bank.alone is not None:
-        found = [_followed_alone(lanes, *one) for one in zip(1e-2 * close, *runs, strict=True)]
+        found = [_alone(lanes, *one) for one in zip(1e-2 * close, *runs, strict=True)]
         level, miss = np.reshape(found, (-1, 2)).T
         return level, miss
 
@@ -200,23 +202,33 @@ def _followed(lanes: Lanes, close: Numbers, runs: Runs) -> tuple[Numbers, Number
     return state[6], sense * state[7]
 
 
-def _followed_alone(
-    lanes: Lanes,
+def _alone(
+    lanes: Lanes, close: float, lane: Any, low: float, high: float, rises: Any, *near: float
+) -> tuple[float, float]:
+    state, strain, wanted = lanes.state[lane], lanes.strain[lane], lanes.wanted[lane]
+
+    def above(level: float) -> float:
+        return lanes.bank.single(state, level, strain)[0] - wanted
+
+    sense, (begun, slope) = 1.0 if rises else -1.0, near
+    return followed(above, close, (low, high), sense, begun, sense * slope)
+
+
+def followed(
+    above: Callable[[float], float],
     close: float,
-    lane: Any,
-    low: float,
-    high: float,
-    rises: Any,
+    between: tuple[float, float],
+    sense: float,
     near: float,
     slope: float,
-) -> tuple[Any, Any]:
-    """The same of one run, without arrays."""
-    bank, state, strain = lanes.bank, lanes.state[lane], lanes.strain[lane]
-    wanted, sense = lanes.wanted[lane], 1.0 if rises else -1.0
-    x, slope, level, miss = near, sense * slope, near, np.inf
+) -> tuple[float, float]:
+    """The same of one run, without arrays: how far it is `above` at a level [N], made to rise by
+    its `sense` [-], `between` two levels and from `near` one [-] with that `slope` [N].
+    """
+    (low, high), x, level, miss = between, near, near, math.inf
     before = g_before = 0.0
     for n in range(_STEPS):
-        g = sense * (bank.single(state, x, strain)[0] - wanted)
+        g = sense * above(x)
         low, high = (x, high) if g < 0 else (low, x)
         if abs(g) < abs(miss):
             level, miss = x, g

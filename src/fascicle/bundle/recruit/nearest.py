@@ -21,7 +21,7 @@ from .line import turns
 _TURNS = 30  # at most, toward a turn
 _NARROW = 1e-7  # of the level: a turn's place by slopes
 _ASIDE = (1e-5, 4e-7, 4e-7, 2e-8, 4e-9)  # of the level: from what an inset hides to rounding
-_ALIKE = 1e-10  # N, apart: forces that are one
+ALIKE = 1e-10  # N, apart: forces that are one
 
 
 def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any, Any, Any]:
@@ -37,7 +37,7 @@ def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any,
     at_ends = np.stack([low, high], axis=-1).reshape(len(count), -1)
     far = np.abs(at_ends)
     # one state's end may be another's: of those alike the lowest state is told
-    best = np.argmax(far <= far.min(axis=1, keepdims=True) + _ALIKE, axis=1)
+    best = np.argmax(far <= far.min(axis=1, keepdims=True) + ALIKE, axis=1)
     state, side = np.divmod(best, 2)
     miss = at_ends[np.arange(len(count)), best]
     level = side + 0.0 * miss
@@ -52,7 +52,7 @@ def nearest(lanes: Lanes, count: Any, low: Numbers, high: Numbers) -> tuple[Any,
     order = np.lexsort((np.abs(by), lane // lanes.each))
     owner, first = np.unique(lane[order] // lanes.each, return_index=True)
     best = order[first]
-    nearer = np.abs(by[best]) < np.abs(miss[some[owner]]) - _ALIKE
+    nearer = np.abs(by[best]) < np.abs(miss[some[owner]]) - ALIKE
     best, owner = best[nearer], some[owner[nearer]]
     level[owner], state[owner], miss[owner] = turned[best], lane[best] % lanes.each, by[best]
     past = some[np.unique(parts.lane[jumps] // lanes.each)]
@@ -103,7 +103,7 @@ def _nearest_of(lanes: Lanes, count: Any) -> tuple[Any, Any, Any]:
         for pair in ((levels, level), (misses, miss), (states_of, state))
     )
     far = absolute(misses)
-    alike = far <= at_work.min(far, axis=1, keepdims=True) + _ALIKE
+    alike = far <= at_work.min(far, axis=1, keepdims=True) + ALIKE
     taken = at_work.argmin(where(alike, of_state, states), axis=1)[:, None]
     return tuple(
         at_work.take_along_axis(x, taken, axis=1)[:, 0] for x in (levels, of_state, misses)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...core.often import Often
 from ...core.roots import finished
+from ...core.types import Numbers
 from ...muscle import Muscle
 from ...muscle.piecewise import Piecewise, Pressurized
 
@@ -68,7 +69,7 @@ class Single:
         bows = strain < min(collapse, later)
         return (self._bowed if bows else self._whole)(pressure, near, strain)
 
-    def along(self, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    def along(self, node: np.ndarray, strain: Numbers) -> np.ndarray:
         """Forces [N] at numbered `LEVELS` and strains [-]."""
         if node.size <= _FEW and self._solved.spelled_out(node.size):
             levels = [self._known[n] for n in node.flat]
