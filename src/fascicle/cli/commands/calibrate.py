@@ -91,7 +91,7 @@ Header = Annotated[
 ]
 Clipped = Annotated[
     bool,
-    typer.Option("--clipped-at-zero", help="Forces of exactly zero only say: not above."),
+    typer.Option("--clipped-at-zero", help="A force of exactly 0 means 0 or less."),
 ]
 Fit = Annotated[
     str | None,
