@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle import recruitment
-from fascicle.bundle.recruit import curves
+from fascicle.bundle.recruit import curves, kinds
 from fascicle.bundle.recruitment import pressures_of, recruit
 from unlike import SUPPLY, random_bundle
 
@@ -106,8 +106,8 @@ def test_many_are_answered_as_few_are(monkeypatch, scheme):
     force, strain = demands(4, one, 60)
     few = recruit(one, force, strain)
     compiled = []
-    law = curves.compiled
-    monkeypatch.setattr(curves, "compiled", lambda *x: compiled.append(x) or law(*x))
+    law = kinds.compiled
+    monkeypatch.setattr(kinds, "compiled", lambda *x: compiled.append(x) or law(*x))
     monkeypatch.setattr(curves, "_FEW", 10)
     monkeypatch.setattr(recruitment, "COMPILE_ABOVE", 100)
     monkeypatch.setattr(recruitment, "_LARGE_PART", 40)
