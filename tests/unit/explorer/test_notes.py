@@ -100,7 +100,7 @@ def test_a_tuning_is_said_above_the_muscle():
     for name, there in (("kim2021_figure_6", False), ("kim2021_bundle_1_4", True)):
         tab = MuscleView(Session(view_of(fs.example(name), name)), LIGHT)
         tab.refresh()
-        assert ("tuned to measurements" in tab._notes.object) == there
+        assert ("This muscle is tuned: " in tab._notes.object) == there
 
 
 def test_a_handful_of_laws_is_compared_and_no_two_look_alike():

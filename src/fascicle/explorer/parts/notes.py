@@ -93,7 +93,7 @@ def tuned(muscle: Muscle, unit: str) -> str:
     if tuning.dead_band:
         said.append(f"dead band {shown(float(tuning.dead_band), unit, 'pressure', 4)}")
     return (
-        f"This muscle is tuned to measurements: {', '.join(said)}. Choose `untuned` below"
+        f"This muscle is tuned: {', '.join(said)}. Choose `untuned` below"
         " Compare with to see it without."
     )
 
