@@ -186,12 +186,15 @@ def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
     if states.independent or not states.nested:
         # what each unit takes in decides which of them are fed
         flat["taken"] = unit_volume_change(bundle, flat["strain"])
-    if count == 1 and not {"taken"} & set(flat) and (found := one(curves, **flat, states=states)):
-        return jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), found)
-    parts = [
-        search(curves, **{key: x[start : start + step] for key, x in flat.items()})
-        for start in range(0, max(1, count), step)
-    ]
+    found = one(curves, **flat, states=states) if count == 1 and "taken" not in flat else None
+    parts = (
+        [found]
+        if found is not None
+        else [
+            search(curves, **{key: x[start : start + step] for key, x in flat.items()})
+            for start in range(0, max(1, count), step)
+        ]
+    )
     whole = parts[0] if len(parts) == 1 else _joined(parts)
     if shape != (count,):
         whole = jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)

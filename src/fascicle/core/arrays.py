@@ -19,7 +19,7 @@ from .dual import Dual
 _PLAIN = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
 _TRUTHS = frozenset({bool, np.bool_})
 _SCALARS = frozenset({float, int, bool, np.float64, np.int64, np.bool_})
-_FLOATS = frozenset({float, np.float64})
+FLOATS = frozenset({float, np.float64})
 _OTHERS: dict[type, Any] = {}
 
 
@@ -138,14 +138,14 @@ def absolute(x: Any) -> Any:
 
 def minimum(x: Any, y: Any) -> Any:
     """The smaller of two, elementwise."""
-    if type(x) in _FLOATS and type(y) in _FLOATS:  # as for `where`; NaN if one of them is
+    if type(x) in FLOATS and type(y) in FLOATS:  # as for `where`; NaN if one of them is
         return np.float64(x if x < y or isnan(x) else y)
     return library(x, y).minimum(x, y)
 
 
 def maximum(x: Any, y: Any) -> Any:
     """The larger of two, elementwise."""
-    if type(x) in _FLOATS and type(y) in _FLOATS:
+    if type(x) in FLOATS and type(y) in FLOATS:
         return np.float64(x if x > y or isnan(x) else y)
     return library(x, y).maximum(x, y)
 

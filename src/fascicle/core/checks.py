@@ -13,12 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
+from .arrays import FLOATS
 from .refused import Refused
 from .types import Batch, Values
 from .written import in_si
-
-
-_FLOATS = frozenset({float, np.float64})
 
 
 def within(
@@ -36,7 +34,7 @@ def within(
     The interval is open unless `closed` says otherwise for its low or high end. `why`
     completes the rule in words: "to contract"; `remedy` says what to do.
     """
-    if type(value) in _FLOATS and low < value < high:
+    if type(value) in FLOATS and low < value < high:
         return np.float64(value + 0.0)  # a single good one, soon
     value = in_si(value, name, unit)
     if not concrete(value):

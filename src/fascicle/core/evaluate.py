@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
-from .arrays import given
+from .arrays import FLOATS, given
 from .checks import concrete
 from .derived import derived, followed
 from .modules import Module, numbers
@@ -29,8 +29,6 @@ from .roots import still
 COMPILE_ABOVE = 200_000
 # slopes of one call: NumPy takes some 5 µs for each, compiling a law and its slopes 3 to 10 s
 SLOPES_AT_ONCE = 100_000
-
-_SINGLE = frozenset({float, np.float64})
 
 Function = Callable[..., Any]
 
@@ -70,7 +68,7 @@ def evaluate(
         return jax.tree.map(jnp.asarray, found)
     if many and cut is not None:
         return cut(compiled(law, static), part, *arrays)
-    if points == 1 and at_once and not static and all(type(x) in _SINGLE for x in arrays):
+    if points == 1 and at_once and not static and all(type(x) in FLOATS for x in arrays):
         return _numbers(_asked_often(law, part, len(arrays))(*arrays))
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return _numbers(law(part, *arrays, *static))

@@ -289,7 +289,7 @@ def bank(
     if alone is not None:
         own = throttled[np.arange(len(alone)), alone]
         spoken = tuple(zip(*(x.tolist() for x in (alone, own, no, full)), strict=True))
-    return made._replace(guide=Guide(rows, supply, throttled, made.kept, resistance), spoken=spoken)
+    return made._replace(guide=Guide(rows, supply, throttled, made.kept), spoken=spoken)
 
 
 def _kinks(row: Kinds, supply: Numbers) -> Kinks:

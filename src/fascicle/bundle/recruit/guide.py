@@ -113,7 +113,6 @@ class Guide:
         supply: Any,
         throttled: np.ndarray,
         kept: Callable[[Forces], Forces],
-        resistance: bool,
     ):
         """`places`: of each kind its row, and the place [-] in it.
 
@@ -123,9 +122,7 @@ class Guide:
         - `supply`: $P_s$ [Pa].
         - `throttled`: how many muscles of each kind a state throttles [-].
         - `kept`: what counts of forces and slopes [N].
-        - `resistance`: whether those that push do [-].
         """
-        self._resistance = resistance
         self.places = [(row, place) for row in rows for place in range(row.size)]
         self._supply = float(supply)
         self._throttled, self._kept = throttled, kept
@@ -150,19 +147,16 @@ class Guide:
         force, slope = self._kept(tuple(np.concatenate(rows, axis=-1) for rows in found))
         return (force[:, 0], slope[:, 0]), (force[:, 1], slope[:, 1])
 
-    def single_ends(self, strain: float) -> list[list[tuple[float, float]]] | None:
+    def single_ends(self, strain: float) -> list[list[Any]] | None:
         """The same at one `strain` [-], kind by kind, as they count; `None` until they are asked
         for often.
         """
         if not all(row.each[place].ends_at_once() for row, place in self.places):
             return None
-        found = [
-            [row.single(place, pressure, strain) for row, place in self.places]
+        return [
+            [self._kept(row.single(place, pressure, strain)) for row, place in self.places]
             for pressure in (0.0, self._supply)
         ]
-        if self._resistance:
-            return found
-        return [[x if x[0] > 0 else (0.0, 0.0) for x in end] for end in found]
 
     def told(self, strain: float) -> tuple["Told", float]:
         """The cell of one `strain` [-] in Python's numbers, and how far in it that is [-]."""
