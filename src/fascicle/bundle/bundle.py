@@ -41,7 +41,7 @@ from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Wh
 from ..core.written import is_written
 from ..muscle import Muscle
 from ..muscle.entry import checked as checked_point
-from ..muscle.entry import lowest_of, lowest_strain
+from ..muscle.entry import EXTENSION_WARNED, lowest_of, lowest_strain
 from .alike import stacked
 from .at import pressurized
 from .lanes import batch, laned
@@ -269,7 +269,7 @@ class Bundle(Module):
 
     def _strain(self, strain: Values) -> Batch:
         single = isinstance(strain, float) and self.plate_distance is None
-        if single and self._lowest < strain <= LARGEST_STRAIN:
+        if single and -EXTENSION_WARNED <= strain <= LARGEST_STRAIN:
             return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:

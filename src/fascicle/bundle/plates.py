@@ -22,7 +22,7 @@ from ..core.limits import size
 from ..core.refused import Refused
 from ..core.types import Batch, Values
 from ..muscle import Muscle
-from ..muscle.entry import lowest_of, lowest_strain
+from ..muscle.entry import lowest_of, lowest_strain, warn_extension
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -85,7 +85,9 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
         low = max(low, float(np.max(plate_strain(ratio, straight))))
         high = min(high, float(np.min(plate_strain(ratio, LARGEST_STRAIN))))
     why = "(every muscle in its domain, seen from the plates)"
-    return as_given(strain, within(strain, low, high, "strain", "-", why, (False, True)))
+    checked = within(strain, low, high, "strain", "-", why, (False, True))
+    warn_extension(checked, low)
+    return as_given(strain, checked)
 
 
 def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:

@@ -81,15 +81,19 @@ def pressed(pressure: Any) -> None:
     highest = float(np.max(np.asarray(pressure)))
     if 0 < highest < FAINT_PRESSURE:
         _said_to_be_faint.append(highest)
-        frame, levels = sys._getframe(), 1  # up to the line that called fascicle
-        while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] in _OURS:
-            frame, levels = frame.f_back, levels + 1
         meant = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
-        warnings.warn(
+        warn_user(
             f"a pressure of {highest:g} Pa is next to nothing; numbers are in Pa: for {meant} write"
-            f' "{meant}". This is said once.',
-            stacklevel=levels,
+            f' "{meant}". This is said once.'
         )
+
+
+def warn_user(message: str) -> None:
+    """Warn with a `message` [-] at the user's line, the first one outside of fascicle."""
+    frame, levels = sys._getframe(), 1
+    while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] in _OURS:
+        frame, levels = frame.f_back, levels + 1
+    warnings.warn(message, stacklevel=levels)
 
 
 def pascals_meant() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.checks import as_given, concrete, one_of, within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
-from ..core.limits import FAINT_PRESSURE, pressed, tilted
+from ..core.limits import FAINT_PRESSURE, pressed, tilted, warn_user
 from ..core.refused import Refused
 from ..core.shapes import common
 from ..core.types import Batch, Values
@@ -28,6 +28,8 @@ from .tuning import Tuning
 # (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
 # 2 cosα0/sin²α0 times this: ten million times as much at any angle
 _STRAIGHT = 1e-9
+# a stretched muscle is rarely measured past this; a sign error is: published tests begin at rest
+EXTENSION_WARNED = 0.02
 
 
 def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> float:
@@ -62,7 +64,7 @@ def good_point(muscle: Any, pressure: Values, strain: Values) -> bool:
         return False
     rows = muscle.tuning.pressures
     measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
-    inside = lowest_strain(*lowest_of(muscle)) < strain <= LARGEST_STRAIN
+    inside = -EXTENSION_WARNED <= strain <= LARGEST_STRAIN
     told = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
     return bool(measured and inside and told)
 
@@ -101,10 +103,40 @@ def gauge(value: Values, tuning: Tuning) -> Batch:
 
 def strained(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     """A strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: its own strain
-    over the ends' [-].
+    over the ends' [-]. Warns of an extension.
     """
     low, why = lowest_strain(braid_angle, stretch), "(fibers straight at the lower end)"
-    return as_given(value, within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True)))
+    strain = within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
+    warn_extension(strain, low)
+    return as_given(value, strain)
+
+
+def extension_message(strain: Batch, straight: float) -> str:
+    """Warning of an extension past 2 % [-]; empty where there is none.
+
+    **Arguments:**
+
+    - `strain`: contraction, as it was given [-].
+    - `straight`: strain at which the first fibers are straight [-].
+
+    **Returns:** one sentence or two [-].
+    """
+    if not concrete(strain) or not np.size(strain):
+        return ""
+    least = float(np.min(np.asarray(strain)))
+    if not least < -EXTENSION_WARNED:
+        return ""
+    return (
+        f"Strain {least:g} stretches the muscle by {-least:.3g} times its length: contraction is"
+        f" positive. The braid's fibers are straight at {straight:.4g}, where the force grows"
+        " without limit; real fibers give before that."
+    )
+
+
+def warn_extension(strain: Batch, straight: float) -> None:
+    """Warn of a `strain` [-] past 2 % of extension; fibers are `straight` at that strain [-]."""
+    if message := extension_message(strain, straight):
+        warn_user(message)
 
 
 def centerline_points(value: int) -> int:

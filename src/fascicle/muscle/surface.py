@@ -35,7 +35,7 @@ from ..core.refused import Refused
 from ..core.same import Same
 from ..core.types import Batch, Numbers, Values
 from .coenergy import coenergy_at_rest
-from .entry import checked, lowest_of, lowest_strain
+from .entry import lowest_of, lowest_strain
 from .muscle import Muscle
 from .piecewise import Pressurized
 
@@ -360,7 +360,10 @@ def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np
         low = _STRETCHED * lowest_strain(*lowest_of(muscle))
         high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
     else:
-        low, high = (checked(muscle, 0.0, end)[1] for end in ends)
+        least = lowest_strain(*lowest_of(muscle))
+        low, high = (
+            within(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True)) for end in ends
+        )
         if not low < 0 < high:
             raise Refused("strains", "must enclose 0", ends)
     below = max(1, round(-low / (high - low) * (count - 1)))

@@ -21,7 +21,9 @@ from ..bladder import Bladder
 from .tension_law import SIZES, AbstractTension, Offset, Pull
 
 
-_A_LITTLE = 1e-3  # Pa: what a force over pressure tends to at none, seen from here
+# Pa: below this, C1/P is taken here. C1 is proportional to pressure up to the tuning's first row,
+# so the ratio is the same, and subnormal pressures don't divide 0 by 0
+_LEAST_PRESSURE = 1e-3
 
 
 class Ideal(AbstractTension):
@@ -41,6 +43,6 @@ class Ideal(AbstractTension):
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
         cot2, r0 = bladder.braid.cot2, bladder.braid.radius
-        P = where(pressure > 0, pressure, _A_LITTLE)  # C1/P is 0/0 without pressure
+        P = where(pressure > _LEAST_PRESSURE, pressure, _LEAST_PRESSURE)
         held = 1 + cot2 + offset(P) / (np.pi * r0**2 * P)
         return 1 - sqrt(held / (3 * cot2))

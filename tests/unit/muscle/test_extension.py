@@ -1,0 +1,63 @@
+"""Extension, whose commonest cause is a sign error, is warned about; tiny pressures have forces."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.muscle.laws import LAWS
+
+
+MUSCLE = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, math.radians(25))
+BUNDLE = fs.Bundle([fs.MotorUnit(MUSCLE, 1), fs.MotorUnit(MUSCLE, 2)], supply_pressure=4e5)
+UNEQUAL = fs.Bundle(
+    [fs.MotorUnit(MUSCLE, 1), fs.MotorUnit(MUSCLE.replace(length=0.175), 2)],
+    supply_pressure=4e5,
+    length=0.18,
+)
+
+CALLS = {
+    "force": lambda strain: MUSCLE.force(2e5, strain),
+    "response": lambda strain: MUSCLE.response(2e5, strain),
+    "stiffness": lambda strain: MUSCLE.stiffness(2e5, strain),
+    "volume": MUSCLE.volume,
+    "at": lambda strain: MUSCLE.at(2e5).force(strain),
+    "bundle": lambda strain: BUNDLE.force([2e5, 0.0], strain),
+    "bundle of unequal lengths": lambda strain: UNEQUAL.force([2e5, 0.0], strain),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("shape", ["number", "array"])
+def test_an_extension_past_two_percent_warns(name, shape):
+    strain = -0.05 if shape == "number" else np.array([0.1, -0.05])
+    with pytest.warns(UserWarning, match="contraction is positive") as warned:
+        CALLS[name](strain)
+    assert len(warned) == 1
+    assert "src/fascicle" not in warned[0].filename  # at the caller's line
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_small_extension_and_a_contraction_do_not(name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        CALLS[name](-0.02)
+        CALLS[name](np.array([-0.01, 0.2]))
+
+
+def test_the_warning_names_the_limit_of_the_braid():
+    with pytest.warns(UserWarning, match=r"straight at -0\.1034"):
+        MUSCLE.force("2 bar", -0.1)
+
+
+@pytest.mark.parametrize(("kind", "name"), [(kind, law) for kind in LAWS for law in LAWS[kind]])
+@pytest.mark.filterwarnings("ignore")
+def test_subnormal_pressures_have_finite_forces(kind, name):
+    muscle = MUSCLE.replace(**{kind: name})
+    pressures = np.array([5e-324, 1e-322, 1e-310, 1e-300])[:, None]
+    strains = np.array([-0.05, 0.0, 1e-9, 0.05, 0.2, 0.5])
+    for quantity in (muscle.force, muscle.stiffness, muscle.moment, muscle.deflection):
+        assert np.all(np.isfinite(quantity(pressures, strains)))
+    assert np.all(np.isfinite(muscle.free_strain(pressures)))
