@@ -40,8 +40,8 @@ from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.written import is_written
 from ..muscle import Muscle
-from ..muscle.entry import checked as checked_point
 from ..muscle.entry import EXTENSION_WARNED, lowest_of, lowest_strain
+from ..muscle.entry import checked as checked_point
 from .alike import stacked
 from .at import pressurized
 from .lanes import batch, laned
