@@ -6,11 +6,11 @@ fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE
 it, and be warned once.
 """
 
-from .core.float64 import switch_on
+from .core.float64 import enable_float64
 from .core.lazy import lazily
 
 
-switch_on()
+enable_float64()
 
 TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than all of this
 if TYPE_CHECKING:

@@ -90,7 +90,8 @@ def traced(
     **Returns:** what the law gives [SI], JAX's.
     """
     whole = compiled(law, static)
-    few = max(points, 1) * followed(part, *arrays) <= most
+    # NumPy computes in float64 alone, whose slopes JAX refuses for float32
+    few = jax.config.jax_enable_x64 and max(points, 1) * followed(part, *arrays) <= most
     if not few or at_rest(part, *arrays) is None:
         return whole(part, *arrays)
     return derived(lambda *things: law(*things, *static), whole, part, *arrays)
