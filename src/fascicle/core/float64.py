@@ -11,7 +11,7 @@ def enable_float64() -> None:
     """Switch JAX to float64, now or on its import; warn where the environment forbids it."""
     if os.environ.get("JAX_ENABLE_X64", "1").lower() in {"0", "false"}:
         warnings.warn(
-            "JAX_ENABLE_X64 is off, so fascicle computes in float32 under JAX: roots lose precision.",
+            "JAX_ENABLE_X64 is off: fascicle computes in float32 under JAX, roots lose digits.",
             stacklevel=3,
         )
     else:
