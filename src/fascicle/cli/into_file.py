@@ -67,7 +67,7 @@ def into(path: str, option: str, overwrite: bool, flag: str) -> Iterator[None]:
     if not path:
         yield
         return
-    from ..core.atomic import check_writable, write_text
+    from ..core.atomic import check_writable
     from ..files.ours import check_file, replacing
 
     with refusing(f"{option} "):
@@ -76,8 +76,8 @@ def into(path: str, option: str, overwrite: bool, flag: str) -> Iterator[None]:
     told = io.StringIO()
     with contextlib.redirect_stdout(told):
         yield
-    with refusing(f"{option} "), replacing(path, overwrite, flag):
-        write_text(path, told.getvalue())
+    with refusing(f"{option} "), replacing(path, overwrite, flag) as draft:
+        draft.write_text(told.getvalue(), encoding="utf-8", newline="\n")
 
 
 def _is_file(text: str, option: str) -> bool:

@@ -87,13 +87,16 @@ class Outputs:
 
         with refusing(), telling("writing the result") as tell:
             if self.out is not None:
-                with replacing(self.out, self.overwrite, self.flag):
-                    results.write(variables, self.out, title=title, source=SOURCE, **about)
+                folder = Path(self.out).suffix.lower() == ".zarr"
+                with replacing(self.out, self.overwrite, self.flag, folder) as draft:
+                    results.write(variables, draft, title=title, source=SOURCE, **about)
             if self.plot is not None and draw is not None:
+                from ..plot import to_bytes
+
                 tell("drawing the picture")
                 picture = draw()
-                with replacing(self.plot, self.overwrite, self.flag):
-                    save_figure(picture, self.plot)
+                with replacing(self.plot, self.overwrite, self.flag) as draft:
+                    draft.write_bytes(to_bytes(picture, draft.suffix.lower()[1:]))
         if self.as_json:
             print(results.to_json(json_variables or variables))
         elif self.as_csv:
@@ -136,18 +139,3 @@ def say(line: str) -> None:
 
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
-
-
-def save_figure(figure: Any, path: str) -> None:
-    """Write a picture, whole or not at all.
-
-    **Arguments:**
-
-    - `figure`: matplotlib's [-].
-    - `path`: ends in the format's name [-].
-    """
-    from ..core.atomic import write
-    from ..plot import to_bytes
-
-    content = to_bytes(figure, Path(path).suffix.lower()[1:])
-    write(path, lambda draft: draft.write_bytes(content))

@@ -1,15 +1,28 @@
 """Files that appear whole or not at all.
 
-The content is written beside its place, under a name of its own, and moved there in one
-step; whatever goes wrong before leaves what was there untouched.
+The content is written into a hidden draft folder beside its place, and moved there in one step;
+whatever goes wrong before leaves what was there untouched. A draft folder is locked as long as its
+writer lives: the next writer in the same folder removes the drafts of those that were killed.
 """
 
 import contextlib
+import ctypes
 import os
 import secrets
 import shutil
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
+
+
+if sys.platform == "win32":
+    fcntl = None
+else:
+    import fcntl
+
+_DRAFT, _DRAFT_END = ".fascicle-", ".draft"
+_FORMER = "former"  # inside a draft folder: the folder that is being replaced
+_AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <stdio.h>, and macOS's
 
 
 def write(
@@ -25,24 +38,8 @@ def write(
 
     **Raises:** `OSError`, one line, where nothing can be written there.
     """
-    target = check_writable(path, folder)
-    draft = target.with_name(f".{secrets.token_hex(4)}-{target.name}")
-    try:
+    with replace_whole(path, folder) as draft:
         fill(draft)
-        if target.is_file():
-            shutil.copymode(target, draft)
-        if folder and target.is_dir():
-            # folders can't be exchanged in one step: the old one steps aside first
-            aside = target.with_name(f".{secrets.token_hex(4)}-{target.name}")
-            target.replace(aside)
-            draft.replace(target)
-            _remove(aside)
-        else:
-            draft.replace(target)
-    except OSError as error:
-        raise OSError(_line(path, error.strerror or str(error))) from None
-    finally:
-        _remove(draft)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -56,6 +53,53 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     **Raises:** `OSError`, one line, where nothing can be written there.
     """
     write(path, lambda draft: draft.write_text(text, encoding="utf-8", newline="\n"))
+
+
+@contextlib.contextmanager
+def replace_whole(path: str | os.PathLike[str], folder: bool = False) -> Iterator[Path]:
+    """Give a place to write to, and move what was written there to `path` at the end.
+
+    **Arguments:**
+
+    - `path`: where it goes [-]; a file that is there is replaced.
+    - `folder`: whether that is a folder [-]; one that is there is replaced too.
+
+    **Returns:** the draft's path [-], of the same name.
+
+    **Raises:** `OSError`, one line, where nothing can be written there.
+    """
+    target = draft = check_writable(path, folder)
+    try:
+        with open_draft(target) as draft:
+            yield draft
+            if target.is_file():
+                shutil.copymode(target, draft)
+            if target.is_dir():
+                _replace_folder(draft, target)
+            else:
+                draft.replace(target)
+    except OSError as error:
+        if str(draft) in str(error) and error.errno is None:  # a line of this kind, of the draft
+            raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
+        raise OSError(_line(path, error.strerror or str(error))) from None
+
+
+@contextlib.contextmanager
+def open_draft(target: Path) -> Iterator[Path]:
+    """Give a path to write to, in a hidden folder that is removed at the end.
+
+    **Arguments:** `target`: beside which the folder is made [-].
+
+    **Returns:** the path in it, of the target's name [-].
+    """
+    _remove_abandoned(target.parent)
+    folder, lock = _locked_folder(target.parent)
+    try:
+        yield folder / target.name
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        if lock is not None:
+            os.close(lock)
 
 
 def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
@@ -76,9 +120,8 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
         reason = _reason(target, folder)
         if not reason:
             # trying is the one test that holds for root, read-only disks and full ones alike
-            probe = target.with_name(f".{secrets.token_hex(4)}-{target.name}")
-            probe.touch(exist_ok=False)
-            probe.unlink()
+            with open_draft(target) as draft:
+                draft.touch(exist_ok=False)
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a NUL in the name
         reason = getattr(error, "strerror", None) or str(error)
     if reason:
@@ -88,6 +131,8 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
 
 def _reason(target: Path, folder: bool) -> str:
     """Why nothing can be written at `target`; empty if it may be."""
+    if target.is_symlink():  # links were followed: this one leads to itself
+        return "it is a link that leads nowhere"
     if target.is_dir():
         return "" if folder else "it is a folder"
     if target.exists() and not target.is_file():
@@ -101,9 +146,70 @@ def _line(path: str | os.PathLike[str], reason: str) -> str:
     return f"{shown}: can't be written: {reason}."
 
 
-def _remove(draft: Path) -> None:
+def _replace_folder(draft: Path, target: Path) -> None:
+    """Put the folder `draft` in the place of the folder `target`."""
+    if _exchange(draft, target):
+        return
+    # where folders can't be exchanged in one step, the former one steps aside first; of a run that
+    # is killed here, `_remove_abandoned` puts it back
+    former = draft.parent / _FORMER
+    former.mkdir()
+    target.replace(former / target.name)
+    draft.replace(target)
+
+
+def _exchange(one: Path, other: Path) -> bool:
+    """Whether two folders could be exchanged in one step, and were."""
+    if sys.platform == "win32":
+        return False
+    libc, names = ctypes.CDLL(None), (os.fsencode(one), os.fsencode(other))
+    if hasattr(libc, "renameat2"):
+        places = (_AT_FDCWD, names[0], _AT_FDCWD, names[1])
+        return libc.renameat2(*places, _RENAME_EXCHANGE) == 0
+    if hasattr(libc, "renamex_np"):
+        return libc.renamex_np(*names, _RENAME_SWAP) == 0
+    return False
+
+
+def _locked_folder(parent: Path) -> tuple[Path, int | None]:
+    """A new draft folder, and the handle that holds its lock."""
+    while True:
+        folder = parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
+        folder.mkdir()
+        # another writer may have removed it before it was locked
+        with contextlib.suppress(FileNotFoundError):
+            lock = _lock(folder, wait=True)
+            if folder.exists():
+                return folder, lock
+            if lock is not None:
+                os.close(lock)
+
+
+def _lock(folder: Path, wait: bool) -> int | None:
+    """A handle that holds a folder's lock; `None` where there are no locks, or another has it."""
+    if fcntl is None:
+        return None
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except OSError:  # held, or a file system without locks
+        os.close(handle)
+        return None
+    return handle
+
+
+def _remove_abandoned(parent: Path) -> None:
+    """Remove the draft folders of writers that were killed: nobody holds their lock."""
     with contextlib.suppress(OSError):
-        if draft.is_dir():
-            shutil.rmtree(draft)
-        else:
-            draft.unlink(missing_ok=True)
+        for folder in list(parent.glob(f"{_DRAFT}*{_DRAFT_END}")):
+            with contextlib.suppress(OSError):
+                lock = _lock(folder, wait=False)
+                if lock is None:
+                    continue
+                try:
+                    for former in (folder / _FORMER).glob("*"):
+                        if not (parent / former.name).exists():
+                            former.replace(parent / former.name)
+                    shutil.rmtree(folder, ignore_errors=True)
+                finally:
+                    os.close(lock)

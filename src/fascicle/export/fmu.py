@@ -22,6 +22,7 @@ from xml.etree import ElementTree as ET
 from .. import __version__
 from ..bundle import Bundle
 from ..control import Cascade
+from ..core.atomic import write
 from ..core.checks import positive
 from ..core.refused import Refused
 from ..core.types import Values
@@ -85,11 +86,14 @@ def write_fmu(
     content = _packed(found, name, texts, step, None)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
+        if here is None:
+            raise Unbuilt("this machine has no name in FMI 2.0")
         built = _built(texts, name, _ENDINGS[here])
     except Unbuilt:
-        path.write_bytes(content)
+        write(path, lambda draft: draft.write_bytes(content))
         raise
-    path.write_bytes(_packed(found, name, texts, step, (here, built)))
+    content = _packed(found, name, texts, step, (here, built))
+    write(path, lambda draft: draft.write_bytes(content))
     return path
 
 
@@ -233,13 +237,17 @@ def _built(texts: dict[str, str], name: str, ending: str) -> bytes:
         return made.read_bytes()
 
 
-def _platform(asked: str | None) -> str:
-    """Name of this machine in FMI 2.0, refused where another one is asked for."""
+def _platform(asked: str | None) -> str | None:
+    """Name of this machine in FMI 2.0, if it has one; refused where another one is asked for."""
     system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform)
     known = system is not None and machine.machine().lower() in ("x86_64", "amd64")
     here = f"{system}64" if known else None
-    if here is None or (asked is not None and asked != here):
+    if asked is not None and asked != here:
         can = f"only {here}" if here else "this machine has no name in FMI 2.0"
-        remedy = "write the sources with --table and build them there"
-        raise Refused("platform", f"can't be built here, {can}", asked, remedy, shown=asked or "")
+        ending = _ENDINGS.get(asked)
+        remedy = "leave it out"
+        if ending is not None:
+            library = f"binaries/{asked}/NAME.{ending}"
+            remedy = f"leave it out, and compile the file's sources/*.c there into its {library}"
+        raise Refused("platform", f"can't be built here, {can}", asked, remedy, shown=asked)
     return here

@@ -4,10 +4,37 @@ import re
 from pathlib import Path
 
 from ..bundle import Bundle, MotorUnit
+from ..core.atomic import write_text
 from ..core.checks import concrete
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
+
+
+# a file of such a name would stand in the way of the compiler's own: headers of C23, of POSIX and
+# those that they include in turn; and `fmu.c`, which stands beside it in a unit for co-simulation
+_HEADERS = """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign
+    stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath
+    threads time uchar wchar wctype
+    aio cpio dirent dlfcn fcntl fmtmsg fnmatch ftw glob grp iconv langinfo libgen libintl monetary
+    mqueue ndbm netdb nl_types poll pthread pwd regex sched search semaphore spawn strings stropts
+    syslog tar termios trace ulimit unistd utime utmpx wordexp
+    alloca endian features malloc memory values windows fmu
+"""
+# of C23 and of C++, from which a header may be included; and names that Windows has for devices
+_KEYWORDS = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
+    const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
+    default delete do double dynamic_cast else enum explicit export extern false final float for
+    friend goto if import inline int long module mutable namespace new noexcept not not_eq nullptr
+    operator or or_eq override private protected public register reinterpret_cast requires restrict
+    return short signed sizeof static static_assert static_cast struct switch template this
+    thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using
+    virtual void volatile wchar_t while xor xor_eq
+    main aux con nul prn
+"""
+_RESERVED = {*_HEADERS.split(), *_KEYWORDS.split()}
 
 
 def checked_name(name: str) -> str:
@@ -15,6 +42,10 @@ def checked_name(name: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
         rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
         raise Refused("name", rule, None, f"{remedy}, got {name[:40]!r}")
+    # some disks don't tell capitals from small letters
+    if name.lower() in _RESERVED:
+        rule = "must not be a keyword or a standard header of C"
+        raise Refused("name", rule, None, f"add a word, such as {name}_muscle", shown=name)
     return name
 
 
@@ -36,5 +67,5 @@ def write_pair(texts: tuple[str, str], folder: Values, name: str) -> tuple[Path,
     folder.mkdir(parents=True, exist_ok=True)
     paths = folder / f"{name}.h", folder / f"{name}.c"
     for path, text in zip(paths, texts, strict=True):
-        path.write_text(text, encoding="utf-8")
+        write_text(path, text)
     return paths

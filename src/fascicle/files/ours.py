@@ -10,14 +10,14 @@ import contextlib
 import hashlib
 import json
 import os
-import secrets
 import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..core.atomic import check_writable
+from ..core.atomic import check_writable, open_draft, replace_whole, write_text
+from ..core.input_file import is_input
 
 
 MANIFEST = ".fascicle.json"
@@ -32,21 +32,28 @@ _LITTER = {"Thumbs.db", "desktop.ini"}  # left by those who look at a folder, as
 
 @contextlib.contextmanager
 def replacing(
-    path: str | os.PathLike[str], force: bool = False, flag: str = "--force"
-) -> Iterator[None]:
-    """Write the file, or the zarr store, at `path` inside; it is ours from then on.
+    path: str | os.PathLike[str], force: bool = False, flag: str = "--force", folder: bool = False
+) -> Iterator[Path]:
+    """Write a file, or a zarr store, inside; it goes to `path` whole, and is ours from then on.
 
-    **Arguments:** those of `check_file` [-].
+    **Arguments:**
 
-    **Raises:** as `check_file`.
+    - `path`, `force`, `flag`: those of `check_file` [-].
+    - `folder`: whether it is a folder [-].
+
+    **Returns:** where to write it [-].
+
+    **Raises:** as `check_file`; `OSError`, one line, where nothing can be written there.
     """
     check_file(path, force, flag)
-    yield
-    _remember(Path(path))
+    target = Path(path).resolve()
+    with replace_whole(path, folder) as draft:
+        yield draft
+        _remember(target, digest(draft))  # first: killed in between, the file is still ours
 
 
 def check_file(path: str | os.PathLike[str], force: bool = False, flag: str = "--force") -> None:
-    """Refuse a place where something stands that isn't ours.
+    """Refuse a place where something stands that isn't ours, or that was read before.
 
     **Arguments:**
 
@@ -57,10 +64,21 @@ def check_file(path: str | os.PathLike[str], force: bool = False, flag: str = "-
     **Raises:** `FileExistsError`, one line.
     """
     there = Path(path)
-    if not force and there.exists() and not _remembered(there):
+    if force or not there.exists():
+        return
+    if not _remembered(there):
         raise FileExistsError(
             f"{os.fspath(path)}: is there already, not as fascicle wrote it; {flag} replaces it."
         )
+    if is_input(there):
+        raise FileExistsError(replaces_input(path, flag))
+
+
+def replaces_input(path: str | os.PathLike[str], flag: str) -> str:
+    """What to say of an output at `path` [-] that is an input, too [-]; `flag`: the option that
+    replaces it [-].
+    """
+    return f"{os.fspath(path)}: is read by this command: name another file, or {flag} replaces it."
 
 
 def check_folder(
@@ -123,23 +141,25 @@ def write_folder(
     **Raises:** as `check_folder`.
     """
     target = check_folder(folder, command, force, flag)
-    draft = target.with_name(f".{secrets.token_hex(4)}-{target.name}")
+    draft = target
     try:
-        draft.mkdir()
-        fill(draft)
-        made = {entry.name: digest(entry) for entry in sorted(draft.iterdir())}
-        if target.is_dir():
-            check_folder(folder, command, force, flag)  # again: the work may have taken an hour
-            _put(draft, target, command, made)
-        else:
-            _list(draft, command, made)
-            draft.replace(target)
+        with open_draft(target) as draft:
+            draft.mkdir()
+            fill(draft)
+            made = {entry.name: digest(entry) for entry in sorted(draft.iterdir())}
+            if target.is_dir():
+                check_folder(folder, command, force, flag)  # again: the work may have taken an hour
+                inputs = [name for name in made if is_input(target / name)]
+                if inputs and not force:
+                    raise FileExistsError(replaces_input(Path(folder, inputs[0]), flag))
+                _put(draft, target, command, made)
+            else:
+                _list(draft, command, made)
+                draft.replace(target)
     except OSError as error:
         if error.errno is None:  # says it all, save where the draft would have gone
             raise type(error)(str(error).replace(str(draft), os.fspath(folder))) from None
         raise OSError(f"{os.fspath(folder)}: can't be written: {error.strerror}.") from None
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
 
 
 def digest(path: Path) -> str:
@@ -149,6 +169,8 @@ def digest(path: Path) -> str:
         for entry in sorted(one for one in path.rglob("*") if one.is_file()):
             told.update(f"{entry.relative_to(path).as_posix()}\0{digest(entry)}\n".encode())
         return told.hexdigest()
+    if not path.is_file():
+        raise OSError(f"{path}: no regular file.")
     with path.open("rb") as file:
         while block := file.read(2**20):
             told.update(block)
@@ -183,9 +205,7 @@ def _list(folder: Path, command: str, files: dict[str, str], before: Any = None)
     }  # fmt: skip
     if before:
         told["before"] = before
-    draft = folder / f"{MANIFEST}.{secrets.token_hex(4)}"
-    draft.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-    draft.replace(folder / MANIFEST)
+    write_text(folder / MANIFEST, json.dumps(told, indent=1) + "\n")
 
 
 def _listed(folder: Path) -> dict[str, Any]:
@@ -222,29 +242,30 @@ def _unchanged(path: Path, told: dict[str, Any]) -> bool:
 
 def _remembered(path: Path) -> bool:
     try:
-        return _mark(path) in _list_of_files().read_text(encoding="ascii", errors="replace")
+        known = _list_of_files().read_text(encoding="ascii", errors="replace")
+        return _mark(path, digest(path)) in known
     except (OSError, RuntimeError):
         return False
 
 
-def _remember(path: Path) -> None:
-    """Note that the file at `path` is ours; where nothing can be kept, it is forgotten."""
+def _remember(path: Path, content: str) -> None:
+    """Note that a file at `path` with that digest of its `content` is ours; where nothing can be
+    kept, it is forgotten.
+    """
     with contextlib.suppress(OSError, RuntimeError):
-        kept, mark = _list_of_files(), f"{_mark(path)}\n"
+        kept, mark = _list_of_files(), f"{_mark(path, content)}\n"
         kept.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with kept.open("a", encoding="ascii") as file:
             file.write(mark)
         if kept.stat().st_size > 2 * _MOST * len(mark):
-            lines = kept.read_text(encoding="ascii", errors="replace").splitlines(keepends=True)
-            draft = kept.with_name(f"{kept.name}.{secrets.token_hex(4)}")
-            draft.write_text("".join(lines[-_MOST:]), encoding="ascii", errors="replace")
-            draft.replace(kept)
+            lines = kept.read_text(encoding="ascii", errors="ignore").splitlines(keepends=True)
+            write_text(kept, "".join(lines[-_MOST:]))
 
 
-def _mark(path: Path) -> str:
+def _mark(path: Path, content: str) -> str:
     """A digest of where a file is and of what it holds: of no use to anyone who reads it."""
     where = os.fsencode(path.resolve())
-    return hashlib.sha256(where + b"\0" + digest(path).encode()).hexdigest()
+    return hashlib.sha256(where + b"\0" + content.encode()).hexdigest()
 
 
 def _list_of_files() -> Path:

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from ..bundle import Bundle, MotorUnit
 from ..core.checks import one_of
+from ..core.input_file import read_bytes
 from ..core.refused import Refused
 from ..core.toml import tables
 from ..muscle import Muscle
@@ -70,18 +71,7 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def text_of(path: Path) -> str:
     """The text of a TOML file; `path`: where it stands [-]."""
-    if path.is_dir():
-        raise IsADirectoryError(f"{path}: a folder, not a muscle file.")
-    try:
-        with path.open("rb") as file:
-            raw = file.read(_LARGEST_FILE + 1)
-    except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: no such file.") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OSError(f"{str(path)!r}: can't be read: {reason}.") from None
-    if len(raw) > _LARGEST_FILE:
-        raise ValueError(f"{path}: larger than {_LARGEST_FILE} bytes, not a muscle file.")
+    raw = read_bytes(path, _LARGEST_FILE, "muscle file")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:

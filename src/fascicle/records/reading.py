@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.input_file import read_bytes
 from ..core.refused import Refused
 from ..core.written import in_si
 from ..units import parse, pretty
@@ -80,7 +81,7 @@ def load(
                  clipped_at_zero=clipped_at_zero, header=header, sidecar=sidecar) for one in path
         ])  # fmt: skip
     path = Path(path)
-    raw = _bytes(path)
+    raw = read_bytes(path, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
     if sidecar is None:
         said, notes = beside(path)
     else:
@@ -117,24 +118,6 @@ def loads(
     """
     given = _given(Sidecar(), columns, units, rest_length, clipped_at_zero)
     return _record(text.encode(), source, source, given, (), header)
-
-
-def _bytes(path: Path) -> bytes:
-    if path.is_dir():
-        raise IsADirectoryError(f"{path}: a folder, not a record.")
-    try:
-        with path.open("rb") as file:
-            raw = file.read(LARGEST_FILE + 1)
-    except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: no such file.") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OSError(f"{str(path)!r}: can't be read: {reason}.") from None
-    if len(raw) > LARGEST_FILE:
-        raise ValueError(
-            f"{path}: larger than {LARGEST_FILE / 1e9:g} GB: keep every tenth row, or split it."
-        )
-    return raw
 
 
 def _given(

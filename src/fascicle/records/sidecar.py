@@ -27,6 +27,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..core.input_file import read_bytes
 from ..core.toml import tables
 from ..units import parse
 from .columns import check_roles
@@ -100,14 +101,7 @@ def read(path: str | os.PathLike[str]) -> Sidecar:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
-    try:
-        with path.open("rb") as file:
-            raw = file.read(_LARGEST + 1)
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OSError(f"{path}: can't be read: {reason}.") from None
-    if len(raw) > _LARGEST:
-        raise ValueError(f"{path}: larger than {_LARGEST} bytes, not a record's TOML.")
+    raw = read_bytes(path, _LARGEST, "record's TOML")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -4,12 +4,10 @@ What no column can say stands above them in remarks: the rest length, where the 
 from, and, first, that they are synthetic where no muscle was measured.
 """
 
-import contextlib
 import io
 import os
-import secrets
-from pathlib import Path
 
+from ..core.atomic import write_text
 from ..units import exact
 from .record import Record
 
@@ -24,21 +22,7 @@ def write(record: Record, path: str | os.PathLike[str]) -> None:
 
     **Raises:** `OSError`, one line, where nothing can be written there.
     """
-    target = Path(path)
-    try:
-        target = target.resolve()
-        if target.is_dir():
-            raise IsADirectoryError("it is a folder")
-        draft = target.with_name(f".{secrets.token_hex(4)}-{target.name}")
-        try:
-            draft.write_text(dumps(record), encoding="utf-8", newline="\n")
-            draft.replace(target)
-        finally:
-            with contextlib.suppress(OSError):
-                draft.unlink(missing_ok=True)
-    except (OSError, ValueError, RuntimeError) as error:  # a NUL in the name; a loop of links
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OSError(f"{os.fspath(path)}: can't be written: {reason}.") from None
+    write_text(path, dumps(record))
 
 
 def dumps(record: Record) -> str:

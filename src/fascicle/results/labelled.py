@@ -5,6 +5,7 @@ an `xarray.Dataset` when it leaves as netCDF or zarr; CSV and JSON need no more 
 """
 
 import csv
+import errno
 import importlib.util
 import io
 import json
@@ -173,12 +174,29 @@ def write(
     """
     suffix = check_result_path(path).suffix.lower()
     fill: Mapping[str, Callable[[Path], object]] = {
-        ".nc": lambda draft: dataset(variables, **attributes).to_netcdf(draft, engine="netcdf4"),
+        ".nc": lambda draft: write_netcdf(dataset(variables, **attributes), draft),
         ".zarr": lambda draft: dataset(variables, **attributes).to_zarr(draft, consolidated=False),
         ".csv": lambda draft: draft.write_text(to_csv(variables), encoding="utf-8"),
         ".json": lambda draft: draft.write_text(to_json(variables) + "\n", encoding="utf-8"),
     }
     write_whole(path, fill[suffix], folder=suffix == ".zarr")
+
+
+def write_netcdf(made: "xarray.Dataset", path: Path) -> None:
+    """Write a dataset as netCDF.
+
+    **Arguments:**
+
+    - `made`: the dataset [-].
+    - `path`: where it goes [-].
+
+    **Raises:** `OSError` where it can't be written.
+    """
+    try:
+        made.to_netcdf(path, engine="netcdf4")
+    except RuntimeError as error:  # the library's own, for whatever the system refuses
+        reason = f"{error}; is the disk full?"
+        raise OSError(errno.EIO, reason) from None
 
 
 def check_result_path(path: str | os.PathLike[str]) -> Path:

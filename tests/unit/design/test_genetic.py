@@ -94,7 +94,7 @@ def test_a_checkpoint_that_is_none_is_refused_and_nothing_in_it_is_run(space, ta
             gone_on(space, task, kept)
         assert kept.read_bytes() == raw
     assert not (tmp_path / "run").exists()
-    with pytest.raises(ValueError, match="Is a directory"):
+    with pytest.raises(ValueError, match="a folder, not a checkpoint"):
         gone_on(space, task, tmp_path)
 
 

@@ -1,6 +1,7 @@
 """The unit for co-simulation passes FMPy's validator, and is its header bit for bit."""
 
 import ctypes
+import resource
 import shutil
 import zipfile
 
@@ -169,12 +170,57 @@ def test_without_a_compiler_the_sources_are_there(bundle, tmp_path, monkeypatch)
         ({"sample_time": -1e-3}, "`sample_time` must be positive"),
         ({"platform": "win32"}, "`platform` can't be built here, only .*, got win32"),
         ({"name": "a b"}, "`name` must be a name in C"),
+        ({"name": "math"}, "`name` must not be a keyword or a standard header of C, got math"),
+        ({"name": "fmu"}, "`name` must not be a keyword"),
     ],
 )
 def test_what_can_not_be_is_refused(bundle, tmp_path, how, words):
     with pytest.raises(ValueError, match=words):
         write_fmu(bundle, tmp_path / "knee.fmu", **how)
     assert not (tmp_path / "knee.fmu").exists()
+
+
+def _no_library(*_):
+    raise Unbuilt("no C compiler here")
+
+
+def _library(*_):
+    return b"a shared library"
+
+
+@pytest.mark.parametrize("built", [_library, _no_library])
+def test_on_a_full_disk_the_former_unit_stays(bundle, tmp_path, monkeypatch, built):
+    """Stood for by the largest file that the process may write."""
+    path = tmp_path / "knee.fmu"
+    path.write_bytes(b"former")
+    monkeypatch.setattr("fascicle.export.fmu._built", built)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(OSError, match=r"knee\.fmu: can't be written: "):
+            write_fmu(bundle, path, "knee")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert path.read_bytes() == b"former" and list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("other", ["win64", "darwin64", "linux64"])
+def test_another_machines_unit_is_built_there_from_the_sources_in_the_file(
+    bundle, tmp_path, monkeypatch, other
+):
+    here = "win32" if other == "linux64" else "linux"
+    monkeypatch.setattr("fascicle.export.fmu.sys.platform", here)
+    with pytest.raises(fs.Refused) as told:
+        write_fmu(bundle, tmp_path / "knee.fmu", "knee", platform=other)
+    assert "sources" in told.value.remedy and f"binaries/{other}/" in told.value.remedy
+    assert "--table" not in str(told.value)
+
+
+def test_a_machine_without_a_name_writes_the_sources(bundle, tmp_path, monkeypatch):
+    monkeypatch.setattr("fascicle.export.fmu.machine.machine", lambda: "riscv64")
+    with pytest.raises(Unbuilt, match="no name"):
+        write_fmu(bundle, tmp_path / "knee.fmu", "knee")
+    assert "sources/knee.c" in zipfile.ZipFile(tmp_path / "knee.fmu").namelist()
 
 
 def test_a_controller_has_its_own_sample_time(controller, tmp_path):

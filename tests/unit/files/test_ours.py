@@ -8,8 +8,8 @@ from fascicle.files import ours
 
 
 def write(path, text="ours"):
-    with ours.replacing(path):
-        path.write_text(text)
+    with ours.replacing(path) as draft:
+        draft.write_text(text)
 
 
 def fill(**files):
@@ -32,8 +32,8 @@ def test_a_file_of_somebody_else_is_kept(tmp_path):
     with pytest.raises(FileExistsError, match="--overwrite replaces it"):
         ours.check_file(path, flag="--overwrite")
     assert path.read_text() == "measured"
-    with ours.replacing(path, force=True):
-        path.write_text("forced")
+    with ours.replacing(path, force=True) as draft:
+        draft.write_text("forced")
     write(path)
     assert [entry.name for entry in tmp_path.iterdir()] == ["d.csv"]
 
@@ -59,9 +59,9 @@ def test_a_copy_is_not_the_file_that_was_written(tmp_path):
 
 def test_a_store_is_known_by_all_that_is_in_it(tmp_path):
     store = tmp_path / "x.zarr"
-    with ours.replacing(store):
-        (store / "c").mkdir(parents=True)
-        (store / "c" / "0").write_text("chunk")
+    with ours.replacing(store, folder=True) as draft:
+        (draft / "c").mkdir(parents=True)
+        (draft / "c" / "0").write_text("chunk")
     ours.check_file(store)
     (store / "c" / "1").write_text("another")
     with pytest.raises(FileExistsError):

@@ -56,7 +56,7 @@ def test_another_file_of_any_name(files, tmp_path):
     with pytest.raises(ValueError, match="no column of force"):
         load(path)
     assert load(path, sidecar=tmp_path / "setup.toml").rest_length == 0.3
-    with pytest.raises(OSError, match="can't be read"):
+    with pytest.raises(OSError, match="no such file"):
         load(path, sidecar=tmp_path / "none.toml")
 
 

@@ -1,5 +1,6 @@
 import importlib.util
 import json
+import resource
 
 import numpy as np
 import pytest
@@ -116,3 +117,22 @@ def test_refuses_other_endings(tmp_path, name):
     with pytest.raises(ValueError, match=r"only \.nc and \.zarr"):
         results.read(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv", ".json"])
+def test_on_a_full_disk_the_former_result_stays(tmp_path, suffix):
+    """Stood for by the largest file that the process may write."""
+    path = tmp_path / f"x{suffix}"
+    table = {"force": Variable(("force",), np.random.default_rng(0).random(100_000), "N")}
+    results.write({"force": Variable(("force",), np.arange(3.0), "N")}, path)
+    files = [path] if path.is_file() else sorted(one for one in path.rglob("*") if one.is_file())
+    before = [one.read_bytes() for one in files]
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
+    try:
+        with pytest.raises(OSError, match=rf"x{suffix}: can't be written: "):
+            results.write(table, path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert [one.read_bytes() for one in files] == before
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]

@@ -123,7 +123,7 @@ def write(
     from ...reports.design import report
     from ...reports.unreached import Unreached, answer
     from ...results.designed import case_variables, every_variables, front_variables
-    from ...results.labelled import dataset
+    from ...results.labelled import dataset, write_netcdf
     from ..outputs import SOURCE
 
     answered = answer(found) if answered is None else answered
@@ -147,7 +147,7 @@ def write(
         for name, variables in data.items():
             title = f"Designs for {found.task.name}"
             made = dataset(variables, title=title, source=SOURCE, **about)
-            made.to_netcdf(draft / name, engine="netcdf4")
+            write_netcdf(made, draft / name)
 
     write_folder(folder, "design", fill, overwrite)
     return [str(folder / name) for name in ("report.html", *files)]

@@ -96,6 +96,10 @@ def run(
     if fmu is not None:
         _check_unit(fmu, overwrite)
     found = _read(file, c is not None)
+    from ...export.pair import checked_name
+
+    with refusing():
+        checked_name(name)
     for flag, folder in given.items():
         _check(flag, _paths(folder, name), overwrite)
     if c is not None:
@@ -104,11 +108,9 @@ def run(
         _write("--c", _paths(Path(c), name), texts, overwrite)
     if table is not None:
         from ...export import tabulated
-        from ...export.pair import checked_name
         from ...export.table_code import written
 
         with refusing(), telling("computing the table"):
-            checked_name(name)
             made = tabulated(found, precision)
             texts = written(made, name, precision)
         _write("--table", _paths(Path(table), name), texts, overwrite)
@@ -135,12 +137,15 @@ def _write_unit(
     from ...export.fmu import Unbuilt
     from ...files.ours import replacing
 
-    try:
-        told = telling("computing the table, building the unit")
-        with refusing(), told, replacing(path, force):
-            write_fmu(found, path, name, sample_time, platform)
-    except Unbuilt as error:
-        raise UserError(f"--fmu {path}: {error}: the file holds sources only.") from None
+    unbuilt: Unbuilt | None = None
+    told = telling("computing the table, building the unit")
+    with refusing(), told, replacing(path, force) as draft:
+        try:
+            write_fmu(found, draft, name, sample_time, platform)
+        except Unbuilt as error:
+            unbuilt = error
+    if unbuilt is not None:
+        raise UserError(f"--fmu {path}: {unbuilt}: the file holds sources only.")
     say(f"wrote {path}")
 
 
@@ -178,8 +183,8 @@ def _write(flag: str, paths: list[Path], texts: tuple[str, str], overwrite: bool
     with refusing(f"{flag} "):
         paths[0].parent.mkdir(parents=True, exist_ok=True)
         for path, text in zip(paths, texts, strict=True):
-            with replacing(path, overwrite):
-                write_text(path, text)
+            with replacing(path, overwrite) as draft:
+                write_text(draft, text)
     say(f"wrote {paths[0]} and {paths[1]}")
 
 

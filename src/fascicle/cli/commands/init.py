@@ -99,8 +99,8 @@ def run(
             example = example or "lift_gas"
         begun = TASK_TEMPLATE if task else _template()
         text = begun if example is None else example_text(example)
-        with replacing(path, overwrite):
-            write_text(path, text)
+        with replacing(path, overwrite) as draft:
+            write_text(draft, text)
     say(f"wrote {path}")
 
 

@@ -116,8 +116,8 @@ def run(
 
     with refusing():
         record = VirtualDynamometer(**settings).record(muscle, seed)
-        with replacing(out, overwrite):
-            write(record, out)
+        with replacing(out, overwrite) as draft:
+            write(record, draft)
     summary = {
         "synthetic": True,
         "path": out,

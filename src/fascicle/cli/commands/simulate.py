@@ -133,8 +133,8 @@ def run(
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
         with telling("drawing the report"):
             page = made(read, found, balanced, doubts, today)
-        with refusing("--report "), replacing(report, overwrite):
-            write_text(report, page)
+        with refusing("--report "), replacing(report, overwrite) as draft:
+            write_text(draft, page)
         if not (as_json or as_csv):
             say(f"wrote {report}")
     if doubts:

@@ -55,8 +55,8 @@ def compare(read: Any, outputs: Outputs, report: str | None, overwrite: bool) ->
         from ...reports.compared import report as made
 
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        with refusing("--report "), replacing(report, overwrite):
-            write_text(report, made(read, runs, best, draw(), today))
+        with refusing("--report "), replacing(report, overwrite) as draft:
+            write_text(draft, made(read, runs, best, draw(), today))
         if not (outputs.as_json or outputs.as_csv):
             say(f"wrote {report}")
     sys.stdout.flush()  # in this order, also where both go to one place

@@ -138,8 +138,8 @@ def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
             title = f"Front of designs for {file.task.name}"
             variables = front_variables(found) | case_variables(answered)
             about = {"notes": " ".join(file.notes)} if file.notes else {}
-            with replacing(folder / "front.nc", overwrite):
-                write(variables, folder / "front.nc", title=title, source=SOURCE, **about)
+            with replacing(folder / "front.nc", overwrite) as draft:
+                write(variables, draft, title=title, source=SOURCE, **about)
     return print_answer(found, answered, file.notes)
 
 

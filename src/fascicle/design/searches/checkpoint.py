@@ -8,16 +8,20 @@ whoever wrote it, so all of it is checked before any is used.
 import json
 import os
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from ...core.atomic import replace_whole
+from ...core.input_file import read_bytes
 from ..judge.judging import Values
 
 
 _GENES = ("population", "genomes")
+_LARGEST = 1_000_000_000  # bytes; a population of 10 000 takes some millions
 _UNRANKED = -1  # what keeps no limit has no rank, and no crowding
 
 
@@ -48,8 +52,7 @@ def save(path: Path, search: dict[str, Any], kept: Kept) -> None:
         "format": 1, "search": search, "generation": kept.generation, "judged": kept.judged,
         "names": list(kept.values), "random": stream,
     }  # fmt: skip
-    draft = path.with_name(f".{path.name}")
-    with draft.open("wb") as file:
+    with replace_whole(path) as draft, draft.open("wb") as file:
         np.savez(
             file,
             about=np.array(json.dumps(about)),
@@ -63,7 +66,6 @@ def save(path: Path, search: dict[str, Any], kept: Kept) -> None:
         )
         file.flush()
         os.fsync(file.fileno())
-    draft.replace(path)
 
 
 def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str]) -> Kept:
@@ -82,9 +84,10 @@ def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str
     """
     try:
         arrays, about = _read(path)
-    except Exception as error:  # noqa: BLE001 there is no end to what a made-up file can provoke
-        reason = getattr(error, "strerror", None) or "is no checkpoint of a search"
-        raise ValueError(f"{path}: {reason}: name a new file.") from None
+    except OSError as error:
+        raise ValueError(f"{str(error).rstrip('.')}: name a new file.") from None
+    except Exception:  # noqa: BLE001 there is no end to what a made-up file can provoke
+        raise ValueError(f"{path}: is no checkpoint of a search: name a new file.") from None
     if about["search"] != json.loads(json.dumps(search)):
         raise ValueError(f"{path}: is another search's: name a new file.")
     problem, size = algorithm.problem, len(arrays["population"])
@@ -109,7 +112,8 @@ def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str
 
 def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Arrays and text, each of its kind; an exception of some kind where they aren't."""
-    with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
+    raw = BytesIO(read_bytes(path, _LARGEST, "checkpoint"))
+    with np.load(raw, allow_pickle=False) as file:
         about = json.loads(str(file["about"]))
         names = ("population", "objectives", "limits", "rank", "crowding", "genomes", "values")
         arrays = {name: file[name] for name in names}
