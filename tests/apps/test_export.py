@@ -43,7 +43,7 @@ def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
         (("--table", "code", "--name", "Int"), "must not be a keyword or a standard header of C"),
         (("--c", "code", "--name", "stdio"), "must not be a keyword or a standard header of C"),
         (("--fmu", "a.fmu", "--name", "fmu"), "must not be a keyword or a standard header of C"),
-        (("--table", "code", "--c", "./code"), "both would write muscle.h: give two folders"),
+        (("--table", "code", "--c", "./code"), "--c and --table: both would write"),
         (("--fmu", "code"), "its name must end in .fmu"),
         (("--fmu", "a.fmu", "--sample-time", "0 s"), "must be positive"),
         (("--fmu", "a.fmu", "--sample-time", "-1 ms"), "must be positive"),

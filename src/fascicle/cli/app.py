@@ -16,6 +16,7 @@ from typing import Annotated
 
 import typer
 
+from ..core.input_file import watch_inputs
 from ..core.visible import visible
 from .commands.bundle import run as bundle
 from .commands.calibrate import WithNames
@@ -152,8 +153,9 @@ def _run(arguments: list[str]) -> tuple[int, str]:
         flags = _flags(arguments).get("overwrite", ())
         given = any(flag in arguments for flag in flags)
         flag = min(flags, key=len, default="another name")
-        with into(path, option, given, flag):
-            result = app(arguments, prog_name="fascicle", standalone_mode=False)
+        outputs = {option: path} if path else {}
+        with watch_inputs(), into(path, option, given, flag):
+            result = app(arguments, prog_name="fascicle", standalone_mode=False, obj=outputs)
         sys.stdout.flush()
         code = result if isinstance(result, int) else 0
     except UserError as error:

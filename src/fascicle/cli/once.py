@@ -1,4 +1,5 @@
-"""A command whose options stand once each, save those that are meant to be repeated.
+"""A command whose options stand once each, save those that are meant to be repeated, and whose
+outputs don't collide with what it reads.
 
 Without it the last of two would win, and the first go unheard.
 """
@@ -8,6 +9,7 @@ from typing import Any
 
 from typer.core import TyperCommand
 
+from .collisions import FOLDERS, OUTPUTS, check_collisions
 from .problems import UserError
 
 
@@ -21,7 +23,25 @@ class Once(TyperCommand):
         """Read the arguments [-], once none of their options is there twice."""
         if not ctx.resilient_parsing:
             self._check(ctx, list(args))
-        return super().parse_args(ctx, args)
+        rest = super().parse_args(ctx, args)
+        if not ctx.resilient_parsing:
+            self._check_outputs(ctx)
+        return rest
+
+    def _check_outputs(self, ctx: Any) -> None:
+        outputs, filled, inputs = dict(ctx.obj or {}), [], []
+        for one in self.get_params(ctx):
+            value = ctx.params.get(one.name)
+            if isinstance(value, str) and one.metavar in OUTPUTS:
+                option = max(one.opts, key=len)
+                outputs[option] = value
+                if value.endswith(".zarr") or (one.metavar in FOLDERS and self.name != "export"):
+                    filled.append(option)
+            elif isinstance(value, str | list):
+                inputs += [value] if isinstance(value, str) else map(str, value)
+        flags = next((one.opts for one in self.get_params(ctx) if one.name == "overwrite"), [])
+        overwrite = bool(ctx.params.get("overwrite"))
+        check_collisions(inputs, outputs, filled, overwrite, min(flags, key=len, default=""))
 
     def _check(self, ctx: Any, args: list[str]) -> None:
         params = self.get_params(ctx)

@@ -91,8 +91,6 @@ def run(
     given = {flag: Path(folder) for flag, folder in asked.items() if folder is not None}
     if not given and fmu is None:
         raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")
-    if len({folder.resolve() for folder in given.values()}) < len(given):
-        raise UserError(f"{' and '.join(given)}: both would write {name}.h: give two folders.")
     if fmu is not None:
         _check_unit(fmu, overwrite)
     found = _read(file, c is not None)
