@@ -151,7 +151,7 @@ def test_with_the_flag_an_input_is_replaced(fascicle, tmp_path):
 
 
 def test_a_file_that_an_input_names_is_not_replaced(fascicle, tmp_path):
-    assert fascicle("init", "m.toml", "--from", PAIR)[0] == 0
+    assert fascicle("init", "m.toml", "--from", "kim2021_bundle_1_4")[0] == 0
     assert fascicle("init", "s.toml", "--scenario")[0] == 0
     text = (tmp_path / "s.toml").read_text()
     lines = ['bundle = "m.toml"' if one.startswith("bundle") else one for one in text.split("\n")]
