@@ -96,6 +96,35 @@ def test_json(fascicle, written, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["task.toml"]
 
 
+def test_a_small_margin_is_warned_of(fascicle, written, tmp_path):
+    code, out, _ = fascicle("design", "task.toml", "--json")
+    found = json.loads(out)
+    assert code == 0 and found["least_margin"] == 0.2
+    (best,) = [i for i, taken in enumerate(found["recommended"]) if taken]
+    share = found["relative_margin"][best]
+    spare = [s / f for s, f in zip(found["case_spare"], found["case_force"], strict=True)]
+    assert share == pytest.approx(min(spare), rel=1e-9)
+    assert bool(found["warnings"]) is (share < 0.2)
+    written.write_text(f'{TASK}margin = "{100 * share + 1:.3f} %"\n')
+    code, out, _ = fascicle("design", "task.toml")
+    lines = out.splitlines()
+    assert code == 0  # a bundle is recommended
+    assert lines[1].startswith("margin: ") and lines[2].startswith("warning: the margin is ")
+    page = (tmp_path / "designed-task" / "report.html").read_text(encoding="utf-8")
+    assert '<p class="warning">Warning: the margin is' in page
+    code, out, _ = fascicle("design", "task.toml", "--json")
+    assert len(json.loads(out)["warnings"]) == 1
+    written.write_text(f'{TASK}margin = "{100 * share - 1:.3f} %"\n')
+    code, out, _ = fascicle("design", "task.toml", "--json")
+    assert json.loads(out)["warnings"] == []
+
+
+def test_the_template_names_the_margin(fascicle, tmp_path):
+    fascicle("init", "--task")
+    told = tomllib.loads((tmp_path / "task.toml").read_text(encoding="utf-8"))
+    assert told["limits"]["margin"] == "20 %"
+
+
 def test_no_design_left_is_explained(fascicle, written):
     limited = TASK.replace("3 }", '3 }\nlargest_force = { at_least = "10 kN" }')
     written.write_text(limited)
@@ -207,11 +236,11 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     code, out, err = fascicle("design", "task.toml")
     assert (code, err) == (0, "")
     assert "note: of DMSP-10, DMSP-20, DMSP-40 wall, braid angle, rubber and laws are taken" in out
-    assert "Take 1 muscle in 1 motor unit, DMSP-20, L₀ 200 mm" in out
-    assert "\nproduct: 1 × DMSP-20, 200 mm; figures: ThomasNet News" in out
+    assert "Take 1 muscle in 1 motor unit, DMSP-40, L₀ 200 mm" in out  # the largest margin
+    assert "\nproduct: 1 × DMSP-40, 200 mm; figures: ThomasNet News" in out
     front = results.read(tmp_path / "designed-task" / "front.nc")
     assert "wall, braid angle, rubber and laws are taken" in front.attrs["notes"]
-    assert front.drawing[front.recommended.values.argmax()].item() == "DMSP-20, 200 mm"
+    assert front.drawing[front.recommended.values.argmax()].item() == "DMSP-40, 200 mm"
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,9 @@ def task_objectives(units, supply, task, levels, scheme="orderly"):
             v[1] / (f or largest) for (f, *_), v in zip(task, visits, strict=True)
         ),
         "margin": min(spare(units, supply, point, levels, scheme) for point in task),
+        "relative_margin": min(
+            spare(units, supply, point, levels, scheme) / (point[0] or largest) for point in task
+        ),
     }
 
 

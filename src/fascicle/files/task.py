@@ -17,7 +17,7 @@ from ..design.judge.allowed import Limit, checked
 from ..design.judge.objectives import OBJECTIVES, known
 from ..design.judge.reach import SHARES, demanding
 from ..design.searches.catalog import Catalog
-from ..design.searches.exhaustive import USUAL
+from ..design.searches.exhaustive import LEAST_MARGIN, USUAL
 from ..design.space.examples import example_task
 from ..design.space.grids import SPLITS, Space
 from ..design.space.splits import read as read_split
@@ -45,6 +45,7 @@ from .task_schema import (
 
 DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}
+_WARNING = "warn_below"  # of a margin, in its table
 _BY_LIST = ("force", "strain", "stroke", "weight")
 _OF_PRODUCTS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
 BLOCK = 4096  # designs of a study worked on at once, unless it says otherwise
@@ -64,8 +65,8 @@ class Chance(NamedTuple):
 class TaskFile:
     """What a task file says: the `task`, the `space` of designs, the objectives' `senses` and
     `limits` by name, the `catalog` of what can be bought, the `chance` that no muscle comes out as
-    drawn, how many designs make a `block` of a study, the file's own `data`, and `notes` on what
-    was left out.
+    drawn, how many designs make a `block` of a study, the file's own `data`, `notes` on what
+    was left out, and the `least_margin` below which a design is warned of.
     """
 
     task: Task
@@ -77,6 +78,7 @@ class TaskFile:
     block: int
     data: Mapping[str, Any]
     notes: tuple[str, ...] = ()
+    least_margin: float = LEAST_MARGIN
 
 
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
@@ -113,10 +115,11 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     except ValidationError as error:
         raise ValueError(from_validation(error, source, data, TaskFileSection)) from None
     task = _task(file.task, Place(source, data, ("task",), "task"))
-    limits = _limits(file.limits or {}, Place(source, data, ("limits",), "limits"))
+    at_limits = Place(source, data, ("limits",), "limits")
+    limits, least_margin = _limits(file.limits or {}, at_limits)
     senses = _senses(file.objectives, Place(source, data, ("objectives",), "objectives"))
     place = Place(source, data, ("design",), "design")
-    with Place(source, data, ("limits",), "limits").naming():
+    with at_limits.naming():
         checked(senses, demanding(limits))
     bought = _offer(file.design, place, folder)
     space = _space(file.design, place, limits, folder, bought)
@@ -136,7 +139,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
             raise at.refuse((), "needs a space of one muscle, search each alone.")
         chance = _chance(file.scatter, file.design, at, folder)
     notes = (*_errors(file.design, folder), *(() if bought is None else bought.notes))
-    return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes)
+    return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes, least_margin)
 
 
 def _task(section: TaskSection, place: Place) -> Task:
@@ -297,24 +300,51 @@ def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:
     return senses
 
 
-def _limits(given: Mapping[str, Mapping[str, Any]], place: Place) -> dict[str, Limit]:
-    limits = {}
+def _limits(given: Mapping[str, Any], place: Place) -> tuple[dict[str, Limit], float]:
+    """Limits by objective, and the relative margin below which a design is warned of."""
+    limits, least_margin = {}, LEAST_MARGIN
     for name, bounds in given.items():
         with place.naming():
             known([name])
-        dimension = DIMENSIONS[OBJECTIVES[name].unit]
-        ends = {}
-        for key, text in bounds.items():
-            if key not in _BOUNDS:
-                raise place.refuse((name, key), "unknown key: write at_least or at_most.")
-            try:
-                ends[_BOUNDS[key]] = parse(text, dimension, key)
-            except ValueError as error:
-                raise place.refuse((name, key), str(error)) from None
-        if not ends:
-            raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
-        if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
-            rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
-            raise place.refuse((name,), f"{rule} Something must be reached.")
-        limits[name] = Limit(**ends)
-    return limits
+        if name == "margin" and not isinstance(bounds, dict):
+            least_margin = _share(bounds, place, (name,))
+            continue
+        if not isinstance(bounds, dict):
+            raise place.refuse((name,), "must be a table: write { at_most = … }.")
+        if name == "margin" and _WARNING in bounds:
+            least_margin = _share(bounds[_WARNING], place, (name, _WARNING))
+            if len(bounds) == 1:
+                continue
+        ends = {key: end for key, end in bounds.items() if (name, key) != ("margin", _WARNING)}
+        limits[name] = _limit(name, ends, place)
+    return limits, least_margin
+
+
+def _share(text: Any, place: Place, keys: tuple[str, ...]) -> float:
+    """The share of a demanded force that `[limits] margin` gives."""
+    rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
+    try:
+        share = parse(text, "number", keys[-1])
+    except ValueError:
+        raise place.refuse(keys, rule) from None
+    if not 0 <= share <= 10:
+        raise place.refuse(keys, rule)
+    return share
+
+
+def _limit(name: str, bounds: Mapping[str, Any], place: Place) -> Limit:
+    dimension = DIMENSIONS[OBJECTIVES[name].unit]
+    ends = {}
+    for key, text in bounds.items():
+        if key not in _BOUNDS:
+            raise place.refuse((name, key), "unknown key: write at_least or at_most.")
+        try:
+            ends[_BOUNDS[key]] = parse(text, dimension, key)
+        except ValueError as error:
+            raise place.refuse((name, key), str(error)) from None
+    if not ends:
+        raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
+    if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
+        rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
+        raise place.refuse((name,), f"{rule} Something must be reached.")
+    return Limit(**ends)

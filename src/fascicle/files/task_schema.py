@@ -187,7 +187,7 @@ class TaskFileSection(Section):
     task: TaskSection = Field(examples=["[task]"])
     design: DesignSection = Field(examples=["[design]"])
     objectives: dict[str, StrictStr] | None = None
-    limits: dict[str, dict[str, Any]] | None = None
+    limits: dict[str, Any] | None = None
     prices: PricesSection | None = None
     scatter: ScatterSection | None = None
     sweep: SweepSection | None = None

@@ -16,7 +16,18 @@ from ..files import dumps
 from ..plot.style import to_bytes
 from ..plot.task import task as draw_task
 from ..units import pretty
-from .engineering import HEADS, MISSED, case_rows, demand, facts, headline, shown, sizes, words
+from .engineering import (
+    HEADS,
+    MISSED,
+    case_rows,
+    demand,
+    facts,
+    headline,
+    margin_warning,
+    shown,
+    sizes,
+    words,
+)
 from .interactive import SCRIPT, STYLE, Axis, parallel, scaled, scatter
 from .page import Page
 from .unreached import Unreached, answer
@@ -145,9 +156,13 @@ def _kept(found: Found) -> str:
 
 
 def _recommended(page: Page, found: Found, summary: Summary) -> None:
-    first, why = headline(found, summary)
-    page.paragraph(first, "lead")
-    page.paragraph(why)
+    take, margin, *why = headline(found, summary)
+    page.paragraph(take, "lead")
+    page.paragraph(f"{margin[0].upper()}{margin[1:]}")
+    if warning := margin_warning(found, summary):
+        page.paragraph(f"Warning: {warning}", "warning")
+    for sentence in why:
+        page.paragraph(sentence)
     page.heading("Does it do the task?", "cases")
     _cases(page, summary)
     page.points(f"{name}: {text}" for name, text in facts(found, summary).items())

@@ -4,6 +4,7 @@ how large is it, how heavy, what does it take and cost. The console and the page
 
 import numpy as np
 
+from ..design.judge.allowed import Limit
 from ..design.judge.objectives import OBJECTIVES
 from ..design.judge.reach import BY_WEIGHT, may_miss
 from ..design.searches.catalog import meaning
@@ -67,7 +68,7 @@ def demand(found: Found) -> str:
 
 
 def headline(found: Found, summary: Summary) -> list[str]:
-    """What is recommended, and why.
+    """What is recommended, with which margin, and why.
 
     **Arguments:**
 
@@ -79,19 +80,54 @@ def headline(found: Found, summary: Summary) -> list[str]:
     place = found.recommended
     assert place is not None
     first = f"Take {called(summary)}, {sizes(found, found.designs, place)}."
+    margin = f"margin: {_margin(summary)}."
     many, every = int(found.allowed.sum()), found.judged == len(found.index)
     if many == 1 and every:
         return [
             first,
+            margin,
             f"It is the only one of {found.judged} designs that can {demand(found)} within all"
             " limits.",
         ]
     which = f"the {many} designs" if every else f"those of {found.judged} judged designs"
     return [
         first,
+        margin,
         f"It is the cheapest of {which} that {demand(found)}, and keep all limits;"
         f" cheapest: {meaning(found.catalog, found.space.drawings)}.",
     ]
+
+
+def margin_warning(found: Found, summary: Summary) -> str:
+    """What to say of a recommended design whose margin is small.
+
+    **Arguments:**
+
+    - `found`: by a search that found a design [-].
+    - `summary`: of the cheapest [-].
+
+    **Returns:** sentences, or none where the margin is large enough [-].
+    """
+    if Limit(least=found.least_margin).holds(summary.relative_margin):
+        return ""
+    i, least = _closest(summary), _percent(found.least_margin)
+    force, largest = (
+        pretty(x[i], "force") for x in (summary.cases.task.force, summary.cases.largest)
+    )
+    text = (
+        f"the margin is {_percent(summary.relative_margin)}: case {i + 1} asks for {force}, where"
+        f" this bundle is computed to give {largest}. That is below {least} ([limits] margin)."
+        " Computed forces can be off by tens of percent, and by more where the braid angle is a"
+        " degree off, so it may not do the task."
+    )
+    if (place := found.cheapest_with_margin) is None:
+        return f"{text} No design of this search has {least}: look for larger or more muscles."
+    better = found.all_designs(np.array([place]))
+    return (
+        f"{text} The cheapest design that has {least} is {better.labels[0]},"
+        f' {sizes(found, better, 0)}: relative_margin = {{ at_least = "{least}" }} in [limits]'
+        " takes it."
+    )
 
 
 def called(summary: Summary) -> str:
@@ -148,7 +184,6 @@ def facts(found: Found, summary: Summary) -> dict[str, str]:
     cases = summary.cases
     stroke = cases.task.stroke_of(cases.length)
     told = {
-        "margin": _margin(summary),
         "stroke": f"{pretty(stroke.max(), 'length')} of {pretty(cases.length, 'length')} at rest",
         "mass": _mass(summary, found.catalog.density),
         cases.task.fluid: _fluid(summary),
@@ -175,22 +210,37 @@ def facts(found: Found, summary: Summary) -> dict[str, str]:
     return told
 
 
+def _closest(summary: Summary) -> int:
+    """The load case, of those that are reached, with the least to spare of what it asks for."""
+    cases = summary.cases
+    return int(np.argmin(np.where(cases.reached, cases.relative, np.inf)))
+
+
 def _margin(summary: Summary) -> str:
     cases = summary.cases
-    i = cases.tightest
+    if not cases.reached.all():
+        short = pretty(-float(cases.spare[cases.worst]), "force")
+        return f"none: case {cases.worst + 1} misses {short}"
+    i = _closest(summary)
     spare, largest = float(cases.spare[i]), float(cases.largest[i])
-    if not cases.reached[i]:
-        return f"none: case {i + 1} misses {pretty(-spare, 'force')}"
     text = (
-        f"{pretty(spare, 'force')} to spare at case {i + 1}, which could lift"
-        f" {pretty(largest, 'force')}, {pretty(spare / STANDARD_GRAVITY, 'mass', 3)} more"
+        f"{_percent(summary.relative_margin)}, {pretty(spare, 'force')} to spare at case {i + 1},"
+        f" which could lift {pretty(largest, 'force')},"
+        f" {pretty(spare / STANDARD_GRAVITY, 'mass', 3)} more"
     )
+    if cases.tightest != i:
+        least = pretty(float(cases.spare[cases.tightest]), "force")
+        text += f"; the fewest newtons are {least}, at case {cases.tightest + 1}"
     if np.isfinite(summary.load_factor):
         text += (
             f"; all loads could be {figures(np.floor(1e3 * summary.load_factor) / 1e3)} times as"
             " large"
         )
     return text
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
 
 
 def _mass(summary: Summary, density: float | None) -> str:

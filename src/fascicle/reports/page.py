@@ -39,6 +39,7 @@ td { font-variant-numeric: tabular-nums; }
 .chosen, .defined, q { color: var(--soft); }
 .where { white-space: nowrap; }
 code { font: .92em var(--mono); }
+.warning { color: var(--bad); font-weight: 600; }
 .holds { color: var(--good); } .differs { color: var(--odd); } .fails { color: var(--bad); }
 footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: .8rem; }
 @media print {
@@ -72,7 +73,7 @@ class Page:
         self._parts.append(f"<h{level}{mark}>{escape(text)}</h{level}>")
 
     def paragraph(self, text: str, kind: str = "") -> None:
-        """A paragraph; `kind` is "", "lead" or "note"."""
+        """A paragraph; `kind` is "", "lead", "note" or "warning"."""
         self.html(f"<p{_class(kind)}>{prose(text)}</p>")
 
     def points(self, texts: Iterable[str]) -> None:

@@ -71,7 +71,20 @@ def test_cheap_valves_do_not_make_muscles_free(muscle):
     assert label == "2"
 
 
+def test_of_equal_price_the_one_with_the_largest_margin(muscle):
+    """The share of what is demanded counts, whatever is known of prices."""
+    space = Space({"m": muscle}, splits=((2,),), radius=(7e-3, 9e-3, 8e-3))
+    found = search(space, TASK, ONE_VALVE)
+    margin, energy = found.values["relative_margin"], found.values["mean_energy"]
+    assert np.argmax(margin) == 1 != np.argmin(energy)
+    alike = Catalog({"m": Product("m", price=9.0)}, "EUR", 5.0)
+    for catalog in (Catalog(), replace(alike, valve=None), alike):
+        assert chosen(found, catalog) == 1
+        assert "then largest margin" in meaning(catalog, space.drawings)
+
+
 def test_of_equals_the_one_that_takes_least_fluid(muscle):
+    # the length moves no force at a strain, where the muscle pulls
     space = Space({"m": muscle}, splits=((3,),), length=(0.15, 0.1, 0.12))
     found = search(space, TASK, ONE_VALVE)
     energy = found.values["mean_energy"]

@@ -45,6 +45,20 @@ def test_limits_have_units_and_valves_bound_the_space():
     assert len(file.space) == 4
 
 
+@pytest.mark.parametrize(
+    ("limits", "share", "least"),
+    [("", 0.2, None), ('margin = "35 %"\n', 0.35, None), ("margin = 0\n", 0.0, None),
+     ('margin = { at_least = "50 N" }\n', 0.2, 50.0),
+     ('margin = { warn_below = "35 %" }\n', 0.35, None),
+     ('margin = { at_least = "50 N", warn_below = 0.35 }\n', 0.35, 50.0)],
+)  # fmt: skip
+def test_the_margin_below_which_one_is_warned(limits, share, least):
+    file = loads_task(f"{PLAIN}muscles = 2\n[limits]\n{limits}")
+    assert file.least_margin == share
+    assert ("margin" in file.limits) is (least is not None)
+    assert least is None or file.limits["margin"].least == least
+
+
 def test_a_stroke_instead_of_a_strain():
     text = PLAIN.replace('strain = [0.16, "5 %"]', 'stroke = "25 mm"')
     file = loads_task(text + "muscles = 2\n")
@@ -97,6 +111,9 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2.5\n", "must be a whole number, or a list of them"),
         ('muscles = [3]\nsplits = ["1+4"]\n', "must be left out where the splits are written out"),
         ("muscles = 2\n[limits]\nvalves = {}\n", "empty: write { at_most"),
+        ("muscles = 2\n[limits]\nvalves = 3\n", "must be a table"),
+        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "must be a share in [0, 10]"),
+        ("muscles = 2\n[limits]\nmargin = { warn_below = -1 }\n", "must be a share in [0, 10]"),
         ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
         ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fascicle.design import Catalog, Limit, Product, Space, Task, search
-from fascicle.reports.engineering import MISSED, REACHED, case_rows, facts, headline
+from fascicle.reports.design import report
+from fascicle.reports.engineering import MISSED, REACHED, case_rows, facts, headline, margin_warning
 from fascicle.reports.unreached import Unreached, answer
 
 
@@ -41,19 +42,24 @@ def test_of_many_load_cases_those_with_least_to_spare_are_shown(space):
 def test_the_margin_names_the_case_and_what_it_could_lift(space):
     found = found_of(space, [50.0, 200.0], [0.15, 0.08])
     summary = answer(found)
-    told = facts(found, summary)["margin"]
-    spare, case, lift, more = re.match(
-        r"([\d.]+) N to spare at case (\d), which could lift ([\d.]+) N, ([\d.]+) kg more", told
+    told = headline(found, summary)[1]
+    share, spare, case, lift, more = re.match(
+        r"margin: ([\d.]+) %, ([\d.]+) N to spare at case (\d), which could lift ([\d.]+) N,"
+        r" ([\d.]+) kg more",
+        told,
     ).groups()
     assert float(spare) == pytest.approx(summary.margin, rel=1e-3)
     i = int(case) - 1
+    asked = summary.cases.task.force[i]
+    assert float(share) == pytest.approx(100 * float(spare) / asked, rel=1e-2)
+    assert float(share) == pytest.approx(100 * summary.relative_margin, rel=1e-2)
     assert float(lift) == pytest.approx(summary.cases.largest[i], rel=1e-3)
     assert float(more) == pytest.approx(float(spare) / 9.80665, rel=1e-2)
 
 
 def test_the_only_design_is_called_so(muscle):
     found = found_of(Space({"m": muscle}, splits=((3,),)), 100.0, 0.08)
-    assert "the only one of 1 designs" in headline(found, answer(found))[1]
+    assert "the only one of 1 designs" in headline(found, answer(found))[2]
 
 
 def test_prices_and_products_are_told_as_far_as_they_are_known(space):
@@ -98,3 +104,21 @@ def test_a_load_of_nothing_has_no_percentage(space):
     assert [row[-1] for row in rows] == [REACHED, MISSED] and caption == "1 of 2 reached"
     assert "worst case 2 by" in none.nearest() and "only pushes" in none.nearest()
     assert "%)" not in none.nearest()
+
+
+def test_a_small_margin_is_warned_of_with_the_cheapest_that_has_more(muscle):
+    space = Space({"m": muscle}, splits=((2,), (1, 2), (3,)))
+    found = found_of(space, 190.0, 0.08)
+    summary = answer(found)
+    assert 0 < summary.relative_margin < 0.3
+    for least, warned in ((0.0, False), (summary.relative_margin, False), (0.3, True)):
+        found = search(space, found.task, SENSES, least_margin=least)
+        assert bool(margin_warning(found, summary)) is warned
+    # of those with enough the cheapest has one valve, too
+    assert found.all_designs(np.array([found.cheapest_with_margin])).labels == ["3"]
+    assert "is 3, " in margin_warning(found, summary)
+    page = report(found, "2026-05-04", [])
+    assert margin_warning(found, summary).split(":")[0] in page
+    # where none has it
+    found = search(space, found.task, SENSES, least_margin=9.0)
+    assert found.cheapest_with_margin is None and "No design" in margin_warning(found, summary)

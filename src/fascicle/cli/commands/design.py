@@ -106,6 +106,7 @@ def run(
             found = search(
                 file.space, file.task, file.senses, file.limits, extra,
                 lambda done, all_: tell(f"{done} of {all_} designs"), file.catalog,
+                file.least_margin,
             )  # fmt: skip
         else:
             found = _evolved(file, generations, population, seed, checkpoint, extra, tell)
@@ -173,4 +174,5 @@ def _evolved(
         file.space, file.task, file.senses, file.limits, population, generations, seed,
         checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
         watch=lambda done: tell(f"{done} of {generations} generations"), catalog=file.catalog,
+        least_margin=file.least_margin,
     )  # fmt: skip

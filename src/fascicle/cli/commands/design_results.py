@@ -32,7 +32,7 @@ def print_answer(
     **Returns:** the exit code [-]: 0, or `INCOMPLETE`.
     """
     from ...reports.design import compromise
-    from ...reports.engineering import HEADS, called, case_rows, facts, headline
+    from ...reports.engineering import HEADS, called, case_rows, facts, headline, margin_warning
     from ...reports.unreached import Unreached
 
     for note in notes:
@@ -40,7 +40,9 @@ def print_answer(
     none = answered if isinstance(answered, Unreached) else None
     summary = answered.summary if isinstance(answered, Unreached) else answered
     if none is None:
-        for line in headline(found, summary):
+        take, margin, *why = headline(found, summary)
+        warning = margin_warning(found, summary)
+        for line in (take, margin, *([f"warning: {warning}"] if warning else []), *why):
             say(line)
     rows, caption = case_rows(summary, _CASES)
     show(f"Load cases, {called(summary)}", list(HEADS), rows, caption)
@@ -174,6 +176,7 @@ def as_json(
     """
     import json
 
+    from ...reports.engineering import margin_warning
     from ...reports.unreached import Unreached
     from ...results.designed import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
@@ -186,6 +189,8 @@ def as_json(
         "limits_kept": none is None or none.keeps,
         "notes": [*notes, *said],
     }
+    warning = "" if none is not None else margin_warning(found, summary)
+    about |= {"least_margin": found.least_margin, "warnings": [warning] if warning else []}
     if none is None:
         variables = front_variables(found, sure) | case_variables(summary)
         return json.dumps(about | json.loads(to_json(variables)), ensure_ascii=False)

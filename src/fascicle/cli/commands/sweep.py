@@ -131,8 +131,9 @@ def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
     index, values = np.arange(len(file.space)), store.all()
     with telling("looking for the front"):
         found = concluded(
-            file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog
-        )
+            file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog,
+            least_margin=file.least_margin,
+        )  # fmt: skip
         answered = answer(found)
         if not isinstance(answered, Unreached):
             title = f"Front of designs for {file.task.name}"

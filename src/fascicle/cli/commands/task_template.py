@@ -42,6 +42,9 @@ reversal_depth = "min"
 
 [limits]                         # every load case must be reached, unless you let some go:
 # not_reached = { at_most = "10 %" }   # of the points, and of their weight
+margin = "20 %"                  # of force to spare, below which you are warned: computed forces
+                                 # can be off by tens of percent; relative_margin = { at_least =
+                                 # "20 %" } takes no design that has less
 envelope = { at_most = "90 mm" }
 valves = { at_most = 5 }
 

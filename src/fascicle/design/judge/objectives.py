@@ -120,6 +120,14 @@ def margin(outcome: Outcome) -> PerDesign:
     return -_largest(-outcome.spare)
 
 
+@objective("-", "max")
+def relative_margin(outcome: Outcome) -> PerDesign:
+    """Least force to spare over what is demanded there [-], over the task's largest force where
+    nothing is; negative where a point isn't reached. `outcome` [-].
+    """
+    return -_largest(-outcome.spare / _reference(outcome))
+
+
 @objective("N", "min")
 def shortfall(outcome: Outcome) -> PerDesign:
     """Mean distance from what is demanded to what is reachable [N]; `outcome` [-]."""
@@ -137,8 +145,7 @@ def relative_shortfall(outcome: Outcome) -> PerDesign:
     """Largest shortfall over what is demanded there [-], over the task's largest force where
     nothing is; `outcome` [-].
     """
-    F = outcome.force
-    return _largest(outcome.shortfall / where(F > 0, F, F.max()))
+    return _largest(outcome.shortfall / _reference(outcome))
 
 
 @objective("N", "max")
@@ -229,6 +236,12 @@ def needs(names: Iterable[str]) -> tuple[str, ...]:
 def judged(outcome: Outcome, names: Iterable[str]) -> Numbers:
     """Objectives of an `outcome` [-], a row for each of their `names` [-], in its unit [SI]."""
     return stack([OBJECTIVES[name].function(outcome) for name in names])
+
+
+def _reference(outcome: Outcome) -> Numbers:
+    """What a share of a point's force is told of [N]."""
+    F = outcome.force
+    return where(F > 0, F, F.max())
 
 
 def _mean(outcome: Outcome, values: Numbers) -> PerDesign:

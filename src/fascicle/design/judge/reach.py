@@ -19,7 +19,9 @@ from .outcome import MET
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"
 SHARES = (BY_WEIGHT, BY_POINTS)
 # what tells how far a design is from the task, and which of two is cheaper, whatever is asked
-ALWAYS = (*SHARES, "margin", "relative_shortfall", "valves", "mean_energy")
+ALWAYS = (
+    *SHARES, "margin", "relative_margin", "relative_shortfall", "valves", "mean_energy",
+)  # fmt: skip
 
 
 def demanding(limits: Limits | None) -> dict[str, Limit]:

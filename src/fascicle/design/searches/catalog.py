@@ -3,10 +3,11 @@
 **Cheapest**, of the designs that reach the task and keep all limits, is the one with
 
 1. the lowest price of muscles and valves, where the price of every product and of a valve is known;
-2. the fewest valves, one for each motor unit: a pressure valve costs more than a muscle does;
-3. the lowest price of its muscles, where every product has one;
-4. the fewest muscles;
-5. the least fluid energy, mean over the task.
+   else the fewest valves, one for each motor unit, since a pressure valve costs more than a muscle
+   does; then the lowest price of its muscles, where every product has one, else the fewest muscles;
+2. of those of equal price, the largest margin: the least force to spare over what is demanded;
+3. the fewest valves, then the fewest muscles;
+4. the least fluid energy, mean over the task.
 
 The first of these that tells two designs apart decides. A price that isn't given is never guessed.
 """
@@ -26,6 +27,7 @@ from ..space.task import Task
 
 _BLOCK = 2**16
 _ROUNDING = 1e-9  # of a product's limits: 150 mm of 600 mm are a quarter
+_DIGITS = 9  # of a margin: two splits of the same muscles have the same up to rounding
 
 
 class Product(NamedTuple):
@@ -117,7 +119,8 @@ def cheapest(
     **Arguments:**
 
     - `places`: of the designs that may be taken [-].
-    - `values`: objectives of all designs, by name [SI]; `valves` and `mean_energy` among them.
+    - `values`: objectives of all designs, by name [SI]; with `valves`, `relative_margin` and
+      `mean_energy`.
     - `designs`: gives designs by their places [-].
     - `catalog`: prices [-].
     - `drawings`: of all designs, by name [-].
@@ -136,14 +139,11 @@ def cheapest(
     for start in range(0, len(places), _BLOCK):
         block = places[start : start + _BLOCK]
         made = designs(block)
-        nothing = np.zeros(len(block))
-        keys = (
-            catalog.price(made) if all_known else nothing,
-            values["valves"][block],
-            catalog.muscle_price(made) if muscles_known else nothing,
-            made.counts.sum(axis=1),
-            values["mean_energy"][block],
-        )
+        valves, muscles = values["valves"][block], made.counts.sum(axis=1)
+        muscle_price = catalog.muscle_price(made) if muscles_known else muscles
+        price = (catalog.price(made),) if all_known else (valves, muscle_price)
+        margin = np.round(values["relative_margin"][block], _DIGITS)
+        keys = (*price, -margin, valves, muscles, values["mean_energy"][block])
         first = int(np.lexsort(keys[::-1])[0])
         own = tuple(float(key[first]) for key in keys)
         if best is None or own < best:
@@ -163,10 +163,10 @@ def meaning(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
     """
     muscles_known, all_known = catalog.knows(drawings)
     if all_known:
-        return "lowest price of muscles and valves, then fewest valves, then least fluid energy"
+        return "lowest price of muscles and valves, then largest margin"
     if muscles_known:
         return (
-            "fewest valves, then lowest price of muscles, then least fluid energy;"
+            "fewest valves, then lowest price of muscles, then largest margin;"
             " no price of a valve is given"
         )
-    return "fewest valves, then fewest muscles, then least fluid energy; prices aren't given"
+    return "fewest valves, then fewest muscles, then largest margin; prices aren't given"

@@ -27,6 +27,7 @@ from .pareto import directed, non_dominated
 
 _BLOCK = 2**16
 MOST = 20_000_000  # designs of one search: their objectives stay in memory
+LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of percent
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,8 @@ class Found:
     that none betters, best first in the first objective; `cheapest`: the place of the one that is
     recommended, `None` if there is none; `nearest`: the place of the one that comes nearest to the
     task, where none reaches it. `all_designs` gives designs by their places. How many were
-    `judged` in all; `extra`: objectives that were asked for beside; the `catalog` they are from.
+    `judged` in all; `extra`: objectives that were asked for beside; the `catalog` they are from;
+    `least_margin`: the relative margin below which the recommended one is warned of [-].
     """
 
     space: Space
@@ -54,6 +56,7 @@ class Found:
     judged: int
     extra: tuple[str, ...] = ()
     catalog: Catalog = field(default_factory=Catalog)
+    least_margin: float = LEAST_MARGIN
 
     @property
     def listed(self) -> Int[np.ndarray, " listed"]:
@@ -105,9 +108,19 @@ class Found:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Objectives that were asked for [-], by a sense, a limit or by name; and the margin."""
-        names = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra, "margin"]
-        return tuple(dict.fromkeys(names))
+        """Objectives that were asked for [-], by a sense, a limit or by name; and the margins."""
+        asked = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra]
+        return tuple(dict.fromkeys([*asked, "margin", "relative_margin"]))
+
+    @cached_property
+    def cheapest_with_margin(self) -> int | None:
+        """The place of the cheapest design that has the `least_margin` too [-]; `None` if none
+        has.
+        """
+        (places,) = np.nonzero(
+            self.allowed & Limit(least=self.least_margin).holds(self.values["relative_margin"])
+        )
+        return cheapest(places, self.values, self.all_designs, self.catalog, self.space.drawings)
 
 
 def search(
@@ -118,6 +131,7 @@ def search(
     extra: tuple[str, ...] = (),
     progress: Callable[[int, int], None] | None = None,
     catalog: Catalog | None = None,
+    least_margin: float = LEAST_MARGIN,
 ) -> Found:
     """Judge every design of a space.
 
@@ -131,6 +145,7 @@ def search(
     - `extra`: objectives to record that don't make the front [-].
     - `progress`: told how many designs are done, and of how many [-].
     - `catalog`: products and prices [-]; left out, none is known.
+    - `least_margin`: relative margin below which the recommended one is warned of [-].
 
     **Returns:** what was found [-].
 
@@ -152,7 +167,10 @@ def search(
         if progress is not None:
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
-    return concluded(space, task, senses, limits, np.arange(size), values, extra, catalog)
+    return concluded(
+        space, task, senses, limits, np.arange(size), values, extra, catalog,
+        least_margin=least_margin,
+    )  # fmt: skip
 
 
 def concluded(
@@ -166,6 +184,7 @@ def concluded(
     catalog: Catalog | None = None,
     designs: Designs | None = None,
     judged: int | None = None,
+    least_margin: float = LEAST_MARGIN,
 ) -> Found:
     """What follows of designs that have been judged: the front, and which to take.
 
@@ -181,6 +200,7 @@ def concluded(
     - `catalog`: products and prices [-]; left out, none is known.
     - `designs`: themselves [-], where the space doesn't list them.
     - `judged`: how many were, in all [-]; left out, these.
+    - `least_margin`: relative margin below which the recommended one is warned of [-].
 
     **Returns:** what was found [-].
     """
@@ -197,7 +217,7 @@ def concluded(
     return Found(
         space, task, dict(senses), limits, index, dict(values), allowed,
         best_first(values, senses, places), chosen, near, all_designs,
-        len(index) if judged is None else judged, tuple(extra), catalog,
+        len(index) if judged is None else judged, tuple(extra), catalog, least_margin,
     )  # fmt: skip
 
 

@@ -31,7 +31,7 @@ from ..space.task import Task
 from . import checkpoint as checkpoints
 from .catalog import Catalog, cheapest
 from .checkpoint import Kept
-from .exhaustive import Found, concluded, nearest
+from .exhaustive import LEAST_MARGIN, Found, concluded, nearest
 from .pareto import directed, non_dominated
 from .study import Study
 
@@ -115,6 +115,7 @@ def evolve(
     watch: Callable[[int], None] | None = None,
     extra: tuple[str, ...] = (),
     catalog: Catalog | None = None,
+    least_margin: float = LEAST_MARGIN,
 ) -> Found:
     """Search a space by NSGA-II.
 
@@ -132,6 +133,7 @@ def evolve(
     - `watch`: told how many generations are done [-].
     - `extra`: objectives to record that don't make the front [-].
     - `catalog`: products and prices [-]; left out, none is known.
+    - `least_margin`: relative margin below which the recommended one is warned of [-].
 
     **Returns:** what was found [-]: of all designs that were judged, those of the front and the
     cheapest, or where none keeps the limits the one that comes nearest to the task.
@@ -170,7 +172,7 @@ def evolve(
     values = evaluate(designs, task, told)
     return concluded(
         space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
-        state.judged,
+        state.judged, least_margin,
     )  # fmt: skip
 
 

@@ -50,6 +50,14 @@ class Summary:
         return float(self.cases.spare.min())
 
     @property
+    def relative_margin(self) -> float:
+        """The least force to spare over what is demanded, of the load cases that are reached [-];
+        NaN where none is.
+        """
+        reached = self.cases.relative[self.cases.reached]
+        return float(reached.min()) if reached.size else np.nan
+
+    @property
     def load_factor(self) -> float:
         """By how much all loads could be multiplied at once [-]; infinite where there is none."""
         loaded = self.cases.task.force > 0
