@@ -19,7 +19,8 @@ from ..design.judge.reach import SHARES, demanding
 from ..design.searches.catalog import Catalog
 from ..design.searches.exhaustive import LEAST_MARGIN, USUAL
 from ..design.space.examples import example_task
-from ..design.space.grids import SPLITS, Space
+from ..design.space.grids import Space
+from ..design.space.splits import SPLITS
 from ..design.space.splits import read as read_split
 from ..design.space.task import FLUIDS, Task
 from ..muscle import Muscle

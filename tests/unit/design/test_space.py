@@ -88,7 +88,8 @@ def test_designs_become_bundles(muscle, task):
     [
         ({"muscles": ()}, "`muscles` must hold"),
         ({"muscles": (0,)}, "`muscles` must lie in"),
-        ({"muscles": (31,)}, "`muscles` must lie in"),
+        ({"muscles": (101,)}, "`muscles` must lie in"),
+        ({"muscles": (31,)}, "splits, more than 2000000"),
         ({"splits": "al"}, "did you mean 'all'"),
         ({"radius_rule": "packing"}, "`radius` must be given"),
         ({"radius_rule": "round"}, "`radius_rule` 'round' is unknown"),

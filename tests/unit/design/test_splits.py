@@ -3,7 +3,16 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fascicle.design.space.splits import compositions, label, partitions, read
+from fascicle.core.refused import Refused
+from fascicle.design.space.splits import (
+    MOST_SPLITS,
+    check_number,
+    compositions,
+    label,
+    number_of_splits,
+    partitions,
+    read,
+)
 
 
 def plain(rows):
@@ -58,7 +67,39 @@ def test_a_composition_is_written_and_read():
 
 
 @pytest.mark.parametrize("make", [compositions, partitions])
-@pytest.mark.parametrize("muscles", [0, -1, 61])
+@pytest.mark.parametrize("muscles", [0, -1, 101])
 def test_numbers_out_of_range(make, muscles):
     with pytest.raises(ValueError, match="`muscles` must lie in"):
         make(muscles)
+
+
+@pytest.mark.parametrize(("make", "kind"), [(compositions, "all"), (partitions, "partitions")])
+@pytest.mark.parametrize("muscles", [1, 2, 7, 12])
+def test_few_units_are_some_of_all_in_their_order(make, kind, muscles):
+    every = make(muscles)
+    for units in range(1, muscles + 2):
+        some = make(muscles, units)
+        width = some.shape[1]
+        assert width == min(units, muscles)
+        np.testing.assert_array_equal(some, every[(every > 0).sum(axis=1) <= units][:, :width])
+        assert len(some) == number_of_splits(muscles, kind, units)
+
+
+def test_many_muscles_in_few_units():
+    assert len(compositions(60, 3)) == 1 + 59 + 59 * 58 // 2
+    assert len(partitions(100, 2)) == 51
+    # by Hardy and Ramanujan, 1918
+    assert number_of_splits(100, "partitions") == 190_569_292
+
+
+@pytest.mark.parametrize("numbers", [(60,), (100,), (22, 23), (1, 60)])
+def test_too_many_splits_are_refused_before_any_is_made(numbers):
+    """And what is told to do instead leaves few enough."""
+    with pytest.raises(Refused) as refused:
+        check_number(numbers, "all")
+    assert refused.value.argument == "muscles"
+    units = int(refused.value.remedy.split()[0])
+    check_number(numbers, "all", units)
+    assert sum(number_of_splits(n, "all", units + 1) for n in numbers) > MOST_SPLITS
+    parted = sum(number_of_splits(n, "partitions") for n in numbers) <= MOST_SPLITS
+    assert ("partitions" in refused.value.remedy) is parted

@@ -1,5 +1,8 @@
 """Task files: what they say reaches the task, the space and the chance."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -9,6 +12,7 @@ from fascicle.files.drawn import drawn
 from fascicle.files.task import load_task, loads_task
 
 
+CHECKOUT = Path(__file__).parents[3]
 PLAIN = """format = 1
 [task]
 force = ["60 N", "10 lbf"]
@@ -192,3 +196,18 @@ def test_a_muscle_without_a_calibration(tmp_path):
     fs.save(fs.example("kim2021_figure_6"), tmp_path / "plain.toml")
     with pytest.raises(ValueError, match="has no \\[calibration\\] with a covariance"):
         drawn(tmp_path / "plain.toml")
+
+
+def test_sixty_muscles_of_few_units_are_a_space():
+    bundle = PLAIN + "muscles = 60\n"
+    assert len(loads_task(f"{bundle}[limits]\nvalves = {{ at_most = 3 }}\n").space) == 1771
+    with pytest.raises(ValueError, match=r"muscles.*splits, more than 2000000.*5 motor units"):
+        loads_task(bundle)
+
+
+def test_the_thin_bundle_from_the_field():
+    folder = Path(os.environ.get("FASCICLE_DATA") or CHECKOUT.parent / "shared" / "data")
+    path = folder / "field-cases" / "14_thin_bundle.toml"
+    if not path.is_file():
+        pytest.skip(f"no {path.name} in FASCICLE_DATA or beside the checkout")
+    assert len(load_task(path).space) == 489_406

@@ -21,7 +21,7 @@ fluid = "air"                    # or "liquid"
 
 [design]
 muscle = "kim2021_slenderness_10"  # whose material and laws; a file, or a list of several
-muscles = [2, 3, 4, 5, 6]        # how many
+muscles = [2, 3, 4, 5, 6]        # how many, up to 100; of many, limit the valves
 splits = "all"                   # or "partitions", or some: ["1+4", "1+1+3"]
 radius_rule = "cross_section"    # radius is that of one muscle with the section of all; or
                                  # "each" muscle's, or "packing", a circle's diameter that they fill

@@ -26,12 +26,10 @@ from ...muscle import Muscle
 from ...units import pretty
 from .designs import Designs, of_sizes
 from .packing import packed_radius
-from .splits import compositions, padded, partitions
+from .splits import MOST_SPLITS, SPLITS, check_number, compositions, padded, partitions
 
 
 RADIUS_RULES = ("each", "cross_section", "packing")
-SPLITS = ("all", "partitions")
-_MOST_SHAPES = 2_000_000
 
 Floats = tuple[float, ...]
 
@@ -84,6 +82,7 @@ class Space:
                 raise Refused(
                     "muscles", "must hold at least one number of muscles", None, shown="none"
                 )
+            check_number(dict.fromkeys(self.muscles), self.splits, self.most_units)
         if not len(self._shapes[0]):
             raise ValueError(
                 f"the space is empty: no split has {self.most_units} motor units or fewer."
@@ -175,8 +174,8 @@ class Space:
             counts = padded(self.splits)
         else:
             make = compositions if self.splits == "all" else partitions
-            widest = max(self.muscles)
-            parts = [make(n) for n in dict.fromkeys(self.muscles)]
+            parts = [make(n, self.most_units) for n in dict.fromkeys(self.muscles)]
+            widest = max(part.shape[1] for part in parts)
             counts = np.concatenate([np.pad(p, ((0, 0), (0, widest - p.shape[1]))) for p in parts])
         units = np.sum(counts > 0, axis=1)
         if self.most_units is not None:
@@ -202,10 +201,10 @@ def _with_factors(
     """Each split with each choice of a factor for each of its units."""
     units = np.sum(counts > 0, axis=1)
     total = sum(len(factors) ** int(m) for m in units)
-    if total > _MOST_SHAPES:
+    if total > MOST_SPLITS:
         raise Refused(
             "unit_factors",
-            f"lead to {total} kinds of bundle, more than {_MOST_SHAPES}",
+            f"lead to {total} kinds of bundle, more than {MOST_SPLITS}",
             None,
             "take fewer factors, muscles or motor units",
         )

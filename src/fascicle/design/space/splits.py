@@ -6,8 +6,10 @@ they are a partition; its units are then recruited from the smallest to the larg
 Henneman's size principle has it.
 """
 
+import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,61 +18,126 @@ from jaxtyping import Int
 from ...core.refused import Refused
 
 
-MOST_COMPOSED, MOST_PARTED = 20, 60  # half a million compositions, a million partitions
+MOST_MUSCLES, MOST_SPLITS = 100, 2_000_000  # of a bundle whose splits are enumerated, and of these
+SPLITS = ("all", "partitions")
 
 Counts = Int[np.ndarray, "design unit"]
 
 
-def compositions(muscles: int) -> Counts:
+def compositions(muscles: int, most_units: int | None = None) -> Counts:
     """All compositions of a number of muscles.
 
-    **Arguments:** `muscles`: how many [-], 1 to 20.
+    **Arguments:**
+
+    - `muscles`: how many [-], 1 to 100.
+    - `most_units`: largest number of motor units [-]; left out, any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
-    **Raises:** `ValueError` for a number out of range.
+    **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 compositions.
     """
-    n = _number(muscles, MOST_COMPOSED)
-    index = np.arange(2 ** (n - 1))[:, None]
-    # the most significant bit is the first gap
-    cuts = (index >> np.arange(n - 1)[::-1]) & 1
-    unit = np.concatenate([np.zeros((len(index), 1), int), np.cumsum(cuts, axis=1)], axis=1)
-    counts = np.zeros((len(index), n), int)
-    np.add.at(counts, (np.arange(len(index))[:, None], unit), 1)
-    return counts
+    check_number((muscles,), "all", most_units)
+
+    @cache
+    def rows(rest: int, units: int) -> Counts:
+        if rest == 0:
+            return np.zeros((1, units), int)
+        blocks = [np.zeros((0, units), int)]
+        for first in range(rest, 0, -1) if units else ():
+            others = rows(rest - first, units - 1)
+            blocks.append(np.column_stack([np.full(len(others), first), others]))
+        return np.concatenate(blocks)
+
+    return rows(muscles, _width(muscles, most_units))
 
 
-def partitions(muscles: int) -> Counts:
+def partitions(muscles: int, most_units: int | None = None) -> Counts:
     """All partitions of a number of muscles, smallest unit first.
 
-    **Arguments:** `muscles`: how many [-], 1 to 60.
+    **Arguments:**
+
+    - `muscles`: how many [-], 1 to 100.
+    - `most_units`: largest number of motor units [-]; left out, any.
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
-    **Raises:** `ValueError` for a number out of range.
+    **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 partitions.
     """
-    n = _number(muscles, MOST_PARTED)
-    rows: list[list[int]] = []
-    parts = [0] * (n + 1)
-    k, rest = 1, n - 1
-    # ascending compositions, each from the one before it (Kelleher and O'Sullivan 2009)
-    while k != 0:
-        smallest = parts[k - 1] + 1
-        k -= 1
-        while 2 * smallest <= rest:
-            parts[k] = smallest
-            rest -= smallest
-            k += 1
-        last = k + 1
-        while smallest <= rest:
-            parts[k], parts[last] = smallest, rest
-            rows.append(parts[: k + 2])
-            smallest += 1
-            rest -= 1
-        parts[k] = smallest + rest
-        rest = smallest + rest - 1
-        rows.append(parts[: k + 1])
-    return padded(rows[::-1], n)
+    check_number((muscles,), "partitions", most_units)
+
+    def rows(rest: int, units: int, least: int) -> Iterator[tuple[int, ...]]:
+        yield (rest,)
+        for first in range(rest // 2, least - 1, -1) if units > 1 else ():
+            for others in rows(rest - first, units - 1, first):
+                yield first, *others
+
+    width = _width(muscles, most_units)
+    return padded(list(rows(muscles, width, 1)), width)
+
+
+def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
+    """How many splits there are.
+
+    **Arguments:**
+
+    - `muscles`: how many [-].
+    - `splits`: "all" compositions, or "partitions" [-].
+    - `most_units`: largest number of motor units [-]; left out, any.
+
+    **Returns:** their number [-].
+    """
+    width = _width(muscles, most_units)
+    if splits == "all":
+        return sum(math.comb(muscles - 1, cuts) for cuts in range(width))
+    # partitions into at most so many parts are those into parts of at most that size
+    ways = [1] + [0] * muscles
+    for part in range(1, width + 1):
+        for total in range(part, muscles + 1):
+            ways[total] += ways[total - part]
+    return ways[muscles]
+
+
+def check_number(numbers: Iterable[int], splits: str, most_units: int | None = None) -> None:
+    """Refuse numbers of muscles that have too many splits to be enumerated.
+
+    **Arguments:**
+
+    - `numbers`: of muscles [-].
+    - `splits`: "all" compositions, or "partitions" [-].
+    - `most_units`: largest number of motor units [-]; `None` for any.
+
+    **Raises:** `ValueError` with what would leave fewer.
+    """
+    numbers = tuple(numbers)
+    for number in numbers:
+        if not 1 <= number <= MOST_MUSCLES:
+            raise Refused(
+                "muscles",
+                f"must lie in [1, {MOST_MUSCLES}]",
+                number,
+                "of more, list some splits, as '10+50+90'",
+            )
+
+    def count(kind: str, most: int | None) -> int:
+        return sum(number_of_splits(number, kind, most) for number in numbers)
+
+    total = count(splits, most_units)
+    if total <= MOST_SPLITS:
+        return
+    ways = []
+    largest = max(numbers) if most_units is None else most_units
+    units = next((m for m in range(largest, 0, -1) if count(splits, m) <= MOST_SPLITS), 0)
+    if units:
+        left = count(splits, units)
+        ways.append(f"{units} motor units at most leave {left} ([limits] valves)")
+    if splits == "all" and (left := count("partitions", most_units)) <= MOST_SPLITS:
+        ways.append(f"splits = 'partitions' leaves {left}")
+    raise Refused(
+        "muscles",
+        f"lead to {total} splits, more than {MOST_SPLITS}",
+        None,
+        ", ".join([*ways, "or list some splits"]),
+    )
 
 
 def padded(rows: Sequence[Sequence[int]], units: int | None = None) -> Counts:
@@ -109,7 +176,6 @@ def label(counts: Iterable[Any]) -> str:
     return "+".join(str(int(n)) for n in counts if n)
 
 
-def _number(muscles: int, most: int) -> int:
-    if not 1 <= muscles <= most:
-        raise Refused("muscles", f"must lie in [1, {most}]", muscles)
-    return int(muscles)
+def _width(muscles: int, most_units: int | None) -> int:
+    """Length of a row of splits: the largest number of motor units."""
+    return muscles if most_units is None else max(1, min(muscles, most_units))
