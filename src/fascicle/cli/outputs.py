@@ -133,9 +133,11 @@ def folder_for(
     return folder
 
 
-def say(line: str) -> None:
-    """Print a `line` [-] that holds words of others: names of files, notes."""
-    print(visible(line, _LONGEST))
+def say(line: str, error: bool = False) -> None:
+    """Print a `line` [-] that holds words of others: names of files, notes; `error`: whether to
+    standard error [-].
+    """
+    print(visible(line, _LONGEST), file=sys.stderr if error else sys.stdout)
 
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"

@@ -6,7 +6,10 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..core.visible import visible
+from ..core.visible import revealed, visible
+
+
+_LONGEST = 2000  # characters of a line that holds words of others
 
 
 def show(
@@ -31,6 +34,8 @@ def show(
     from rich.table import Table
     from rich.text import Text
 
+    title, caption = visible(title, _LONGEST), visible(caption, _LONGEST)
+    heads = [revealed(head) for head in heads]
     console = Console(file=sys.stdout, highlight=False, markup=False)
     spaces = 3  # between two columns
     widths = _widths(heads, rows)
@@ -60,7 +65,7 @@ def listed(text: str) -> str:
     from textwrap import wrap
 
     width = shutil.get_terminal_size().columns - 3 if sys.stdout.isatty() else 10**6
-    return "- " + "\n  ".join(wrap(visible(text, 2000), max(width, 20), break_long_words=False))
+    return "- " + "\n  ".join(wrap(visible(text, _LONGEST), max(width, 20), break_long_words=False))
 
 
 def _folded(head: str) -> str:

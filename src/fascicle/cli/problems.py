@@ -9,6 +9,7 @@ from typing import NoReturn
 import typer
 
 from ..core.refused import Refused
+from ..core.visible import visible
 
 
 class UserError(Exception):
@@ -29,7 +30,7 @@ INCOMPLETE = 3  # what a command ends with that gave what it could, and that was
 def fall_short(told: str) -> NoReturn:
     """End a command that gave what it could, and say what it couldn't; `told`: one line [-]."""
     sys.stdout.flush()  # in this order, also where both go to one place
-    sys.stderr.write(f"{told}\n")
+    sys.stderr.write(f"{visible(told, 2000)}\n")
     raise typer.Exit(INCOMPLETE)
 
 

@@ -4,6 +4,8 @@ import contextlib
 import sys
 from collections.abc import Callable, Iterator
 
+from ..core.visible import visible
+
 
 _told: list[Callable[[str], None]] = []  # what is shown now, if anything
 
@@ -27,11 +29,11 @@ def telling(first: str) -> Iterator[Callable[[str], None]]:
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     console = Console(file=sys.stderr, markup=False)
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(first, total=None)
-        _told.append(lambda what: bar.update(task, description=what))
+        task = bar.add_task(visible(first), total=None)
+        _told.append(lambda what: bar.update(task, description=visible(what)))
         try:
             yield _told[-1]
         finally:

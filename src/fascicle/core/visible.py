@@ -1,6 +1,8 @@
 """Words of strangers as they are shown: nothing in them hides, turns around or runs on."""
 
+import json
 import re
+from typing import Any
 
 
 _LONGEST = 400  # characters of a message: what is longer is no message
@@ -31,6 +33,12 @@ def visible(text: str, longest: int = _LONGEST) -> str:
         text = f"{text[: longest // 2]} … {text[-(longest // 3) :]}"
     line = " ".join(revealed(text).split())
     return "".join(sign if sign.isprintable() else _number(sign) for sign in line)
+
+
+def dump_json(value: Any) -> str:
+    """A `value` [any unit] as JSON, in its own letters; hidden signs are escaped [-]."""
+    text = json.dumps(value, ensure_ascii=False)
+    return _HIDDEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
 
 
 def _number(sign: str) -> str:

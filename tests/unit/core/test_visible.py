@@ -1,6 +1,8 @@
+import json
+
 import pytest
 
-from fascicle.core.visible import revealed, visible
+from fascicle.core.visible import dump_json, revealed, visible
 
 
 @pytest.mark.parametrize(
@@ -27,3 +29,10 @@ def test_what_belongs_to_words_stays():
     text = "Muskel\xa0№\u202f7, 筋肉, עברית, é, e\u0301 €\n\tnext"
     assert revealed(text) == text
     assert visible(text) == "Muskel № 7, 筋肉, עברית, é, e\u0301 € next"
+
+
+def test_json_has_its_letters_and_nothing_that_hides():
+    value = {"é": ["\x1b[31m", "\x9b31m", "\u202e", "\ud800", "\U000e0041", "α"]}
+    text = dump_json(value)
+    assert text.isprintable() and "é" in text and "α" in text
+    assert json.loads(text) == value

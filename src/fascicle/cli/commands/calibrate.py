@@ -1,11 +1,11 @@
 """`fascicle calibrate`: from a dynamometer's CSV to a tuned muscle that knows how sure it is."""
 
 import datetime as dt
-import json
 from typing import Annotated, Any
 
 import typer
 
+from ...core.visible import dump_json
 from ..once import Once
 from ..options import AsJson, Replace, complete_target
 from ..outputs import folder_for, say
@@ -225,7 +225,7 @@ def run(
             today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             written = found.write(folder, today, overwrite)
     if as_json:
-        print(json.dumps(found.summary(), allow_nan=False, ensure_ascii=False))
+        print(dump_json(found.summary()))
         return
     found.show()
     if written:

@@ -126,7 +126,7 @@ class Found:
         from ..printed import listed
 
         if made.loop is not None:
-            print(hysteresis(made))
+            say(hysteresis(made))
         for about, lines in made.warned.items():
             say(f"warning: {about}:")
             for line in lines:

@@ -176,6 +176,7 @@ def as_json(
     """
     import json
 
+    from ...core.visible import dump_json
     from ...reports.engineering import margin_warning
     from ...reports.unreached import Unreached
     from ...results.designed import case_variables, design_variables, front_variables
@@ -193,7 +194,7 @@ def as_json(
     about |= {"least_margin": found.least_margin, "warnings": [warning] if warning else []}
     if none is None:
         variables = front_variables(found, sure) | case_variables(summary)
-        return json.dumps(about | json.loads(to_json(variables)), ensure_ascii=False)
+        return dump_json(about | json.loads(to_json(variables)))
     nearest = design_variables(none.design) | case_variables(summary)
     remedies = [
         {"change": one.what, "now": one.now, "value": one.value, "looked_up_to": one.most,
@@ -202,4 +203,4 @@ def as_json(
     ]  # fmt: skip
     about |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
     about |= {"would_reach": remedies}
-    return json.dumps(about | {"told": none.lines()}, ensure_ascii=False)
+    return dump_json(about | {"told": none.lines()})

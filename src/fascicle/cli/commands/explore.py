@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ...core.visible import visible
 from ..options import complete_target
 from ..problems import UserError, refusing
 
@@ -76,4 +77,4 @@ def _working() -> bool:
 
 
 def _say(line: str) -> None:
-    print(line, flush=True)
+    print(visible(line), flush=True)

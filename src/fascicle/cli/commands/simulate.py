@@ -139,7 +139,7 @@ def run(
             say(f"wrote {report}")
     if doubts:
         sys.stdout.flush()  # in this order, also where both go to one place
-        sys.stderr.write(f"{read.name}: the run can't be trusted: {'; '.join(doubts)}\n")
+        say(f"{read.name}: the run can't be trusted: {'; '.join(doubts)}", error=True)
         return _DISTRUSTED
     return 0
 

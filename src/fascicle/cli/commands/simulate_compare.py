@@ -62,7 +62,7 @@ def compare(read: Any, outputs: Outputs, report: str | None, overwrite: bool) ->
     sys.stdout.flush()  # in this order, also where both go to one place
     doubted = {name: one.doubts for name, one in runs.items() if one.doubts}
     for name, doubts in doubted.items():
-        sys.stderr.write(f"{read.name}, {name}: can't be trusted: {'; '.join(doubts)}\n")
+        say(f"{read.name}, {name}: can't be trusted: {'; '.join(doubts)}", error=True)
     return _DISTRUSTED if doubted else 0
 
 

@@ -105,7 +105,7 @@ def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
     try:
         return sweep()
     except KeyboardInterrupt:
-        sys.stderr.write(f"interrupted; {_KEPT.format(folder)}\n")
+        say(f"interrupted; {_KEPT.format(folder)}", error=True)
         raise
     except ConnectionError as error:
         raise StoppedError(f"{error}; {_KEPT.format(folder)}") from None

@@ -1,0 +1,128 @@
+"""Texts from files reach the terminal as characters that do nothing to it."""
+
+import io
+import json
+import re
+import sys
+
+import pytest
+
+
+# turns red, clears the screen, sets the title; the same for terminals of 8 bits; turns the line
+EVIL = "\\u001b[31m\\u001b[2J\\u001b]0;x\\u0007\\u009b31m\\u202e\\u0008"
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
+SIX = "kim2021_figure_6"
+DESIGN = """format = 1
+[task]
+name = "task EVIL"
+source = "source EVIL"
+force = "60 N"
+strain = 0.1
+supply_pressure = "413.7 kPa"
+[design]
+muscle = "kim2021_slenderness_10"
+muscles = [2]
+[objectives]
+valves = "min"
+"""
+
+
+def harmless(fascicle, *command):
+    """A command's exit code, and all that it printed, in which nothing controls a terminal."""
+    code, out, err = fascicle(*command)
+    assert not CONTROL.search(out + err)
+    return code, out, err
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(name, text):
+        (tmp_path / name).write_text(text.replace("EVIL", EVIL))
+
+    return write
+
+
+@pytest.mark.parametrize("options", [[], ["--json"], ["--csv"]])
+@pytest.mark.parametrize("trusted", [True, False])
+def test_of_a_scenario(fascicle, written, options, trusted):
+    from fascicle.files.named import example_text
+
+    text = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
+    if not trusted:
+        text = re.sub(r"dt = .*", 'dt = "20 ms"', text)
+    written("s.toml", text)
+    code, out, err = harmless(fascicle, "simulate", "s.toml", *options)
+    assert code == (0 if trusted else 1)
+    assert "x1b[31m" in out + err or options
+
+
+def test_of_policies(fascicle, written, monkeypatch):
+    from fascicle.control import POLICIES
+    from fascicle.files.named import example_text
+
+    two = {name: POLICIES[name] for name in ("threshold", "hand_over")}
+    monkeypatch.setattr("fascicle.control.POLICIES", two)
+    text = example_text("ramp_hand_over").replace("format = 1", 'format = 1\nname = "ramp EVIL"')
+    written("s.toml", text)
+    assert "x1b[31m" in "".join(harmless(fascicle, "simulate", "s.toml", "--compare")[1:])
+
+
+@pytest.mark.parametrize("options", [["--out", "made"], ["--json"]])
+@pytest.mark.parametrize("force", ["60 N", "9000 N"])
+def test_of_a_task(fascicle, written, force, options):
+    written("t.toml", DESIGN.replace("60 N", force))
+    code, out, _ = harmless(fascicle, "design", "t.toml", *options)
+    assert code == (0 if force == "60 N" else 3)
+    if options == ["--json"]:
+        json.loads(out)
+
+
+@pytest.mark.parametrize("options", [["--out", "made"], ["--json"]])
+def test_of_a_record(fascicle, written, tmp_path, options):
+    assert fascicle("record", SIX, "-p", "34.5kPa", "--samples", "9", "-o", "d.csv")[0] == 0
+    evil = json.loads(f'"{EVIL}"')
+    text = (tmp_path / "d.csv").read_text()
+    title = f"a title {evil},,\n"
+    (tmp_path / "d.csv").write_text(f"# note: a note {evil}\n{title}{text}")
+    written("d.toml", 'notes = ["another EVIL"]\nsource = "EVIL"')
+    command = ["calibrate", "d.csv", "-m", SIX, "--fit", "c10", "--no-profile", *options]
+    code, out, _ = harmless(fascicle, *command)
+    assert code == 0
+    if options == ["--json"]:  # a program reads what the file says
+        assert any("\x1b[31m" in note for note in json.loads(out)["notes"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['format = 1\n"EVIL" = 1\n[muscle]', '[muscle]\nmaterial = "EVIL"', '[muscle."EVIL"]\nx = 1',
+     '["EVIL"]', 'x = "EVIL" y', '[muscle]\nlength = "1 EVIL"'],
+)  # fmt: skip
+@pytest.mark.parametrize("command", ["force", "simulate", "design", "export", "sweep"])
+def test_of_what_is_refused(fascicle, written, command, text):
+    written("m.toml", text)
+    assert harmless(fascicle, command, "m.toml", *(["--c", "c"] if command == "export" else []))[0]
+
+
+def test_of_a_files_own_name(fascicle, tmp_path):
+    evil = "m\x1b[31m.toml"
+    assert harmless(fascicle, "init", evil)[0] == 0
+    assert harmless(fascicle, "force", evil, "-p", "1kPa", "-s", "0")[0] == 0
+    assert harmless(fascicle, "force", evil, "-s", "x")[0] == 2
+    assert harmless(fascicle, "force", SIX, "-p", "1kPa", "--csv", "\x1b[31m.csv")[0] == 0
+
+
+def test_of_what_is_being_done(monkeypatch):
+    """On a terminal, where a line moves by escape sequences of its own."""
+    from fascicle.cli.telling import telling
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with telling("reading \x1b]0;x\x07 [red]a.csv") as tell:
+        tell("now \x1b]0;y\x07 [/]")
+    shown = terminal.getvalue()
+    assert "\x1b]0" not in shown and "\x07" not in shown
+    assert "[red]a.csv" in shown
