@@ -297,7 +297,8 @@ def test_a_folder_with_something_else_in_it_is_kept(refused, folder, tmp_path):
     ("header", "said"),
     [
         ("pressure,strain,force [N]", "or give --unit pressure='kPa'."),
-        ("pressure [kN],strain,force [N]", "or give --unit pressure='kPa'."),
+        ("pressure [kPa],strain,load (g)", "or give --unit force='gf'."),
+        ("pressure [kN],strain,force [N]", "'kN' is no unit of pressure: convert its numbers"),
         ("pressure [kPa],strain,F=x [N]", "name it with --column force='F=x [N]' if it is one of"),
         ("force 1 [N],force 2 [N],strain", "--column"),
     ],

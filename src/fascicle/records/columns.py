@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 from ..core.refused import Refused
 from .asking import Asked
-from .spelling import bare, factor, is_unit
+from .spelling import bare, factor, is_absolute, is_unit, remedy_unit
 from .table import Table
 
 
+OPTIONAL = ("time", "branch")  # a column that was only guessed to be one doesn't stop the reading
 ROLES = ("pressure", "force", "strain", "length", "displacement", "time", "branch", "clipped")
 POSITIONS = ("strain", "length", "displacement")  # one is enough, the first that is there
 _WORDS = {
@@ -53,6 +54,7 @@ class Column:
     - `header`: its name as written [-].
     - `unit`: as written [-]; `factor`: how many SI units that is [-].
     - `sign`: −1 where the file counts the other way [-].
+    - `written`: the header's unit, where another one was given [-].
     """
 
     role: str
@@ -61,12 +63,14 @@ class Column:
     unit: str = ""
     factor: float = 1.0
     sign: int = 1
+    written: str = ""
 
     def told(self) -> str:
         """What it was taken for [-], in words."""
         unit = f" in {self.unit or 'fractions'}" if self.role in {*POSITIONS, *_SPELLED} else ""
         turned = ", its sign turned" if self.sign < 0 else ""
-        return f"column `{self.header}` read as {self.role}{unit}{turned}"
+        instead = f" as given, not in {self.written}" if self.written else ""
+        return f"column `{self.header}` read as {self.role}{unit}{instead}{turned}"
 
 
 def choose(
@@ -93,16 +97,19 @@ def choose(
     for role in ROLES:
         if role in found or (role in POSITIONS and any(p in found for p in POSITIONS)):
             continue
-        place = _guessed(table, role, taken, units.get(role))
-        if place is not None:
-            found[role] = Column(role, place, table.header[place])
-            taken.add(place)
+        places = _guessed(table, role, taken, units.get(role))
+        if len(places) > 1 and role not in OPTIONAL:
+            raise _several(table, role, places)
+        if len(places) == 1:
+            found[role] = Column(role, places[0], table.header[places[0]])
+            taken.add(places[0])
     for role in ("pressure", "force"):
         if role not in found:
             raise _missing(table, where, role, found)
     if not any(role in found for role in POSITIONS):
         raise _missing(table, where, "length", found)
-    found = {role: _with_unit(table, column, units.get(role)) for role, column in found.items()}
+    found = _with_units(table, found, columns, units)
+    taken = {column.place for column in found.values()}
     notes = [column.told() for column in found.values()]
     notes += [
         f"unit {units[role]!r} of {role} not used: there is no such column"
@@ -145,8 +152,8 @@ def _given(table: Table, role: str, header: str) -> int:
     return places[0]
 
 
-def _guessed(table: Table, role: str, taken: set[int], unit: str | None) -> int | None:
-    """Place of the column that is `role`, if there is one."""
+def _guessed(table: Table, role: str, taken: set[int], unit: str | None) -> list[int]:
+    """Places of the columns that could be `role`."""
     exact, partly = [], []
     for i, header in enumerate(table.header):
         if i in taken or not header:
@@ -154,10 +161,7 @@ def _guessed(table: Table, role: str, taken: set[int], unit: str | None) -> int 
         likeness = _likeness(header, table.units[i] or unit or "", role)
         if likeness:
             (exact if likeness == 2 else partly).append(i)
-    places = exact or partly
-    if len(places) > 1:
-        raise _several(table, role, places)
-    return places[0] if places else None
+    return exact or partly
 
 
 def _likeness(header: str, unit: str, role: str) -> int:
@@ -203,6 +207,25 @@ def _plain(text: str) -> str:
     return " ".join(re.sub(r"[\W_]+", " ", text).lower().split())
 
 
+def _with_units(
+    table: Table,
+    found: Mapping[str, Column],
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+) -> dict[str, Column]:
+    """The columns with their units; without those that were only guessed, have none that is known,
+    and aren't needed.
+    """
+    complete = {}
+    for role, column in found.items():
+        try:
+            complete[role] = _with_unit(table, column, units.get(role))
+        except ValueError:
+            if role not in OPTIONAL or role in columns or role in units:
+                raise
+    return complete
+
+
 def _with_unit(table: Table, column: Column, given: str | None) -> Column:
     if column.role in {"branch", "clipped"}:
         return column
@@ -227,13 +250,34 @@ def _with_unit(table: Table, column: Column, given: str | None) -> Column:
         if column.role == "strain" and given is None and not is_unit(unit or ""):
             unit, by = "", 1.0
         else:
-            best = _SPELLED.get(column.role, "%")
-            how = f"{where}: {error}: write it in the header, such as `[{best}]`, or give "
-            raise Asked(how, "units", column.role, best, ".") from None
+            raise _wrong_unit(where, column.role, unit or "", dimension, error) from None
+    own = bare(table.units[column.place]) or next(iter(written or other), "")
+    meant = own if is_unit(own) or is_absolute(own) else remedy_unit(own, dimension)
+    instead = own if given and meant not in ("", given) else ""
     longer = column.role in {"strain", "displacement"} and any(
         set(name.split()) & _LONGER for name, _ in parts
     )
-    return replace(column, header=header, unit=unit or "", factor=by, sign=-1 if longer else 1)
+    sign = -1 if longer else 1
+    return replace(column, header=header, unit=unit or "", factor=by, sign=sign, written=instead)
+
+
+def _wrong_unit(where: str, role: str, unit: str, dimension: str, error: ValueError) -> ValueError:
+    """What to say of a unit that isn't of its column's dimension: another unit is offered only
+    where the numbers are in it.
+    """
+    if role == "pressure" and is_absolute(unit):
+        return ValueError(
+            f"{where}: {error}, muscles are computed in gauge pressure: subtract the atmosphere"
+            " from the column, and write the unit without it."
+        )
+    if best := remedy_unit(unit, dimension):
+        how = f"{where}: {error}: write `[{best}]` in the header, the weight of that mass, or give "
+        return Asked(how, "units", role, best, ".")
+    best = _SPELLED.get(role, "%")
+    return ValueError(
+        f"{where}: {error}: convert its numbers, and write their unit in the header, such as"
+        f" `[{best}]`; or choose another column."
+    )
 
 
 def _several(table: Table, role: str, places: Sequence[int]) -> ValueError:

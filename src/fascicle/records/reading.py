@@ -16,7 +16,7 @@ from ..core.refused import Refused
 from ..core.written import in_si
 from ..units import parse, pretty
 from .asking import Asked
-from .columns import POSITIONS, Column, check_roles, choose
+from .columns import OPTIONAL, POSITIONS, Column, check_roles, choose
 from .plausible import Fault, check_force, check_pressure, check_strain
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
 from .sidecar import Sidecar, beside
@@ -40,6 +40,8 @@ _FLAGS = {
     **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
 }
+_WORDS = ("branch", "clipped")  # roles of columns that hold words
+_NUMBER = re.compile(r"[+−-]?\d+(?:\.\d*)?", re.ASCII)
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
 
 
@@ -169,17 +171,19 @@ def _record(
             after=', or write rest_length = "300 mm" in'
             f" {Path(name).stem or 'its'}.toml beside it.",
         )
-    words = [chosen[role] for role in ("branch", "clipped") if role in chosen]
-    numbers = [column for column in chosen.values() if column not in words]
-    cells = table.read([c.place for c in numbers], [c.place for c in words])
+    cells, left_out = _cells(table, chosen, given)
+    for column in left_out:
+        del chosen[column.role]
+        passed = f"column `{column.header}` not read as {column.role}: it holds something else"
+        guessed = (*(note for note in guessed if note != column.told()), passed)
 
     def fault(row: int, column: Column, rule: str) -> ValueError:
         return table.fault(int(cells.lines[row]), column.place, rule)
 
-    load_cell, raws = (
-        chosen["force"],
-        {column.role: cells.numbers[column.place] for column in numbers},
-    )
+    load_cell = chosen["force"]
+    raws = {
+        role: cells.numbers[column.place] for role, column in chosen.items() if role not in _WORDS
+    }
     force = scaled(raws["force"], load_cell.factor) * given.signs.get("force", 1)
     pressure, noted = check_pressure(chosen["pressure"], raws["pressure"], force, fault)
     noted += check_force(load_cell, raws["force"], force, pressure, fault)
@@ -212,6 +216,36 @@ def _record(
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
         notes=tuple(f"{name}: {note}" for note in every),
     )  # fmt: skip
+
+
+def _cells(
+    table: Table, chosen: Mapping[str, Column], given: Sidecar
+) -> tuple[Cells, list[Column]]:
+    """The columns' cells, and the optional columns that were left out: they were only guessed, and
+    can't be read as what they were taken for.
+    """
+
+    def read(roles: Sequence[str]) -> Cells:
+        words = [chosen[role].place for role in roles if role in _WORDS]
+        return table.read([chosen[role].place for role in roles if role not in _WORDS], words)
+
+    asked = {*given.columns, *given.units}
+    guessed = [role for role in OPTIONAL if role in chosen and role not in asked]
+    left_out = []
+    if "branch" in guessed:
+        column = chosen["branch"]
+        _, words = read(["branch"]).words[column.place]
+        # sweeps that are counted: numbers other than those of branches
+        if all(map(_NUMBER.fullmatch, words)) and not set(words) <= set(_BRANCHES):
+            left_out.append(column)
+    roles = [role for role, column in chosen.items() if column not in left_out]
+    try:
+        return read(roles), left_out
+    except ValueError:
+        if "time" not in guessed:
+            raise
+    left_out.append(chosen["time"])
+    return read([role for role in roles if role != "time"]), left_out
 
 
 def _passed(table: Table) -> tuple[str, ...]:

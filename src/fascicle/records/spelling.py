@@ -41,8 +41,29 @@ _SPELLINGS = {
 }  # fmt: skip
 _GAUGE = re.compile(r"(?:\s*\(g\)|[\s_]+g(?:auge)?|(?<=[a-z])g)$", re.IGNORECASE)
 _ABSOLUTE = re.compile(r"^(?:psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
+# of masses that hang from a muscle, the unit of their weight
+_WEIGHTS = {
+    "g": "gf", "gram": "gf", "grams": "gf", "gramm": "gf", "gr": "gf", "kg": "kgf", "kgs": "kgf",
+    "kilo": "kgf", "kilos": "kgf", "kilogram": "kgf", "kilograms": "kgf", "kilogramm": "kgf",
+}  # fmt: skip
 # what else a column in the wrong unit could have been in, the likeliest first
 OTHERS = {"pressure": ("kPa", "bar", "psi", "Pa", "MPa"), "force": ("N", "lbf", "kN")}
+
+
+def remedy_unit(unit: str, dimension: str) -> str:
+    """The unit that is meant by one that isn't of its dimension; empty where numbers in it would
+    have to be converted.
+
+    **Arguments:** those of `factor` [-].
+
+    **Returns:** the unit [-].
+    """
+    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
+
+
+def is_absolute(unit: str) -> bool:
+    """Whether a `unit` [-] is one of absolute pressures."""
+    return _ABSOLUTE.match(unit.strip().lower()) is not None
 
 
 @functools.lru_cache(maxsize=512)
@@ -60,8 +81,8 @@ def factor(unit: str, dimension: str) -> float:
     """
     text = unit.strip()
     if dimension == "pressure":
-        if _ABSOLUTE.match(text.lower()):
-            raise ValueError(f"{unit!r} is absolute: subtract the atmosphere, and write its gauge")
+        if is_absolute(text):
+            raise ValueError(f"{unit!r} is absolute")
         text = _GAUGE.sub("", text) if text.lower() not in _SPELLINGS["pressure"] else text
     if dimension == "strain" and text.lower() in _DIMENSIONLESS:
         return 1.0

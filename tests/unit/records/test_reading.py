@@ -10,6 +10,7 @@ from numpy.testing import assert_array_equal
 
 from fascicle.records import Record, load, loads
 from fascicle.records import table as tables
+from fascicle.records.asking import Asked
 
 
 GOOD = """pressure [kPa],length [mm],force [N]
@@ -402,3 +403,62 @@ def test_titles_above_the_header_are_passed_or_the_header_is_told():
     for line in (4, 99):
         with pytest.raises(ValueError, match=f"line {line}: no header can stand there"):
             loads(TITLED, header=line)
+
+
+OFFERS = [
+    ("force [N]", "Load (g)", "gf"), ("force [N]", "Load (kg)", "kgf"),
+    ("force [N]", "load [grams]", "gf"), ("force [N]", "Force [V]", None),
+    ("force [N]", "Load [oz]", None), ("force [N]", "force [mm]", None),
+    ("pressure [kPa]", "P (bar abs)", None), ("pressure [kPa]", "pressure [psia]", None),
+    ("pressure [kPa]", "pressure [V]", None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "unit"), OFFERS)
+def test_a_unit_is_only_offered_where_the_numbers_are_in_it(old, new, unit):
+    with pytest.raises(ValueError, match=r"^m\.csv, line 1") as caught:
+        loads(GOOD.replace(old, new), source="m.csv", rest_length=0.3)
+    if unit is None:
+        assert not isinstance(caught.value, Asked) and "units {" not in str(caught.value)
+    else:
+        assert (caught.value.argument, caught.value.value) == ("units", unit)
+        record = loads(GOOD.replace(old, new), rest_length=0.3, units={"force": unit})
+        assert record.force[0] == pytest.approx(50.5 * {"gf": 9.80665e-3, "kgf": 9.80665}[unit])
+        assert not any("not in" in note for note in record.notes)
+    if "abs" in new or "psia" in new:
+        assert "kPa" not in str(caught.value) and "subtract" in str(caught.value)
+
+
+def test_a_unit_that_contradicts_the_header_is_noted():
+    given = {"rest_length": 0.3, "units": {"force": "N", "length": "mm", "pressure": "bar"}}
+    notes = loads("P (bar abs),length [mm],Load (g)\n1,300,50\n2,290,20\n", **given).notes
+    assert any(note.endswith("force in N as given, not in g") for note in notes)
+    assert any(note.endswith("pressure in bar as given, not in bar abs") for note in notes)
+    assert any(note.endswith("length in mm") for note in notes)
+
+
+OTHERS = [
+    ("Time", ("2024-03-05 10:11:12.1", "2024-03-05 10:11:12.2", "x")), ("t [s]", "1-2"),
+    ("Time", ("10:11", "10:12", "")), ("Time [hh:mm]", "123"), ("t", ("1", "nan", "3")),
+    ("time,elapsed", ("1,1", "2,2", "3,3")), ("Sweep", "123"), ("phase", ("1.0", "2.0", "9")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "cells"), OTHERS)
+def test_a_column_that_nothing_needs_does_not_stop_the_reading(header, cells):
+    lines = [f"{a},{b}" for a, b in zip((header, *cells), GOOD.splitlines(), strict=True)]
+    record = loads("\n".join(lines), source="m.csv", rest_length=0.3)
+    same(record, loads(GOOD, rest_length=0.3))
+    assert record.time is None
+    assert any("not read" in note and header.partition(",")[0] in note for note in record.notes)
+
+
+def test_a_time_that_was_asked_for_stops_it():
+    lines = zip(("when", "x", "2", "3"), GOOD.splitlines(), strict=True)
+    text = "\n".join(",".join(cells) for cells in lines)
+    for more in ({}, {"units": {"time": "s"}}):
+        message = refusal(text, rest_length=0.3, columns={"time": "when"}, **more)
+        assert "line 2, column `when`: 'x' is no finite number" in message
+    # of two that are wrong, that which is needed is told
+    text = text.replace("when", "time").replace("50.5", "y")
+    assert "column `force [N]`: 'y'" in refusal(text, rest_length=0.3)
