@@ -120,7 +120,7 @@ def test_json_has_the_keys_of_its_contract_in_their_order(ran):
     assert found["status"].startswith("converged")
     assert list(found["parameters"]) == FACTORS
     for one in found["parameters"].values():
-        assert list(one) == ["value", "low", "high", "identifiable"]
+        assert list(one) == ["value", "low", "high", "identifiable", "bound"]
         assert one["low"] < one["value"] < one["high"] and isinstance(one["identifiable"], bool)
     # the noise was 0.5 % of the largest force
     assert 0.004 < found["relative_rmse"] < 0.007

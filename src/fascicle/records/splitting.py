@@ -25,6 +25,7 @@ _WINDOW = 9  # readings that are smoothed over
 _MANY = 200  # readings: fewer are a table, and aren't smoothed
 _FEWEST = 3  # readings in a run
 _MOVES = 0.1  # of its whole span: the other quantity moves at least so far in a run
+_SHORT = 0.005  # of the strain's span: a sweep that short, at a held pressure, is not a dwell
 _TURNS = 0.1  # of a run's span: a shorter way back is no branch
 _ORDERED = 0.6  # of the readings that lie in stretches where rows are in order
 _SORTED = 0.8  # of the readings that are at levels where they aren't
@@ -119,6 +120,8 @@ def _stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
             second = [run for run in found[other[first]] if not taken[run.points].any()]
             chosen = chosen + second * (_readings(second) >= _SECOND * len(record))
         if _readings(chosen) >= _ORDERED * len(record):
+            if first == "pressure":
+                chosen = chosen + _short_sweeps(record, labels[first], smooth["strain"], chosen)
             return chosen, True
         if _readings(chosen) > _readings(best):
             best = chosen
@@ -130,9 +133,25 @@ def _stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
     return best, True
 
 
-def _in_order(kind: Kind, labels: np.ndarray, values: np.ndarray, free: np.ndarray) -> list[Run]:
+def _short_sweeps(
+    record: Record, labels: np.ndarray, strain: np.ndarray, found: Sequence[Run]
+) -> list[Run]:
+    """Sweeps at a held pressure that move too little for a run, such as one at zero pressure: they
+    are no ramps, and only they show the gauge's zero.
+    """
+    taken = np.zeros(len(record), dtype=bool)
+    for run in found:
+        taken[run.points] = True
+    runs = _in_order("pressure", labels, record.pressure, strain, _SHORT)
+    return [run for run in runs if not taken[run.points].any()]
+
+
+def _in_order(
+    kind: Kind, labels: np.ndarray, values: np.ndarray, free: np.ndarray, share: float = _MOVES
+) -> list[Run]:
+    """Runs at held `values`, in which the `free` quantity moves by a `share` of its span [-]."""
     labels = _bridged(labels)
-    moves = _MOVES * _span(free)
+    moves = share * _span(free)
     edges = np.flatnonzero(np.diff(labels)) + 1
     starts = np.concatenate([[0], edges])
     stops = np.concatenate([edges, [labels.size]])

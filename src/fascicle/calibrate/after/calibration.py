@@ -1,5 +1,6 @@
 """What a calibration found, with how sure it is and what the data could not tell."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,8 +12,10 @@ import numpy as np
 
 from ...core.sheet import printed
 from ...muscle import Muscle
+from ...records.averaging import averaged
 from ...records.loops import Loop, loop_of
 from ...records.record import Record
+from ...units import pretty
 from ..data.grid import Grid, trimmed
 from ..data.readings import Readings
 from ..data.taking import Taken
@@ -26,6 +29,7 @@ from .printing import sheet
 from .trends import Looked
 
 
+_MOST_DIGITS = 12  # of a printed interval: float64 has no more to tell
 _AS_CHOSEN = ", of these constants, which are not chosen anew"
 
 
@@ -34,7 +38,8 @@ class Estimate:
     """A fitted parameter: its value and 90 % interval [SI unit of the dimension].
 
     `start`: where its prior is centered. `identifiable`: whether the data alone know it.
-    `deviation`: of its coordinate [-].
+    `deviation`: of its coordinate [-]. `bound`: where the data give one end of the interval alone,
+    "upper" or "lower" [-].
     """
 
     name: str
@@ -46,6 +51,23 @@ class Estimate:
     start: float
     deviation: float
     identifiable: bool
+    bound: str = ""
+
+    def texts(self) -> tuple[str, str]:
+        """Value and 90 % interval for people [-], with digits enough to tell them apart."""
+        width = self.high - self.low
+        size = max(abs(self.value), abs(self.low), abs(self.high))
+        digits = 3 if not 0 < width < size else 2 + math.ceil(math.log10(size / width))
+        digits = min(max(digits, 3), _MOST_DIGITS)
+        low, high = (pretty(x, self.dimension, digits) for x in (self.low, self.high))
+        return pretty(self.value, self.dimension, max(digits, 4)), f"{low} to {high}"
+
+    @property
+    def verdict(self) -> str:
+        """How well the data know it, in words [-]; empty where they do."""
+        if self.identifiable:
+            return ""
+        return f"{self.bound} limit only" if self.bound else "not known"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +114,10 @@ class Calibration:
       problem's tables, each to be taken a standard normal deviate times [-].
     - `weights`: how levels count [-].
     - `warned`: what to know before using it: lines, by what they are about [-].
-    - `bootstrapped`: fits of simulated records, whose intervals `parameters` then tell; `None`:
+    - `bootstrapped`: fits of simulated records, whose intervals `parameters` then have; `None`:
       these are the quick ones of (C3) [-].
+    - `profiles`: of the parameters whose quick interval says nothing, by name [-]: their ends
+      are the better ones.
     """
 
     muscle: Muscle
@@ -118,6 +142,7 @@ class Calibration:
     weights: str = "uniform"
     warned: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     bootstrapped: Bootstrap | None = None
+    profiles: tuple["Profile", ...] = ()
 
     @property
     def record(self) -> Record:
@@ -144,7 +169,8 @@ class Calibration:
         """The fitted parameters, in the order of the covariance [-]."""
         quick, boots = estimates(self.problem, self.coordinates, self.covariance), self.bootstrapped
         if boots is None:
-            return quick
+            ends = {profile.name: profile for profile in self.profiles}
+            return tuple(_profiled(one, ends.get(one.name)) for one in quick)
         known = np.std(boots.coordinates, axis=0) < KNOWN
         return tuple(
             replace(one, low=float(low), high=float(high),
@@ -158,7 +184,8 @@ class Calibration:
         """How `parameters` came to their 90 % intervals, in words [-]."""
         boots = self.bootstrapped
         if boots is None:
-            return f"quick, by the linear (C3){_AS_CHOSEN}; --intervals bootstrap simulates"
+            by = ", by profile where that says more" if self.profiles else ""
+            return f"quick, by the linear (C3){by}{_AS_CHOSEN}; --intervals bootstrap simulates"
         failed = f", {boots.failed} more broke" if boots.failed else ""
         draws = f"{len(boots.values)} draws{failed}"
         return f"parametric bootstrap of the whole fit, {draws}{_AS_CHOSEN}"
@@ -199,6 +226,21 @@ class Calibration:
         half of that is in the errors of such a record's readings.
         """
         return loop_of(self.record)
+
+    @cached_property
+    def half_way_rmse(self) -> float:
+        """Root mean square error [N] against the mean of both branches, where the record holds
+        both; NaN elsewhere.
+        """
+        if self.loop is None:
+            return float("nan")
+        half_way = averaged(self.record)
+        both = np.isfinite(half_way.width) & ~half_way.record.censored
+        readings = half_way.record.only(both)
+        length, rest = float(self.muscle.length), self.record.rest_length
+        strain = readings.strain * (1.0 if rest is None else rest / length)
+        force = np.asarray(self.muscle.force(readings.pressure, strain))
+        return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 
     @cached_property
     def friction(self) -> Friction | None:
@@ -269,6 +311,8 @@ def estimates(
 
     **Returns:** the estimates in the problem's order [-].
     """
+    if not problem.fitted:
+        return ()
     z, C = np.asarray(coordinates), np.asarray(covariance)
     deviations = np.sqrt(np.diag(C))
     center, prior = (np.asarray(x)[problem.chosen] for x in (problem.center, problem.deviation))
@@ -289,6 +333,42 @@ def estimates(
             )
         )  # fmt: skip
     return tuple(out)
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A parameter's profile.
+
+    - `name`: the parameter's [-].
+    - `value`: where it was held [SI unit of the parameter], rising.
+    - `rise`: $\\Delta$ there [-].
+    - `low`, `high`: where it crosses 2.71 [the same unit]; infinite if it doesn't.
+    - `known`: whether both ends lie within a factor of e either way [-].
+    """
+
+    name: str
+    value: np.ndarray
+    rise: np.ndarray
+    low: float
+    high: float
+    known: bool = False
+
+
+def _profiled(estimate: Estimate, profile: Profile | None) -> Estimate:
+    """An `estimate` with the ends of its `profile` [SI unit], as far as that has any."""
+    if profile is None or not (np.isfinite(profile.low) or np.isfinite(profile.high)):
+        return estimate
+    low, high, bound = estimate.low, estimate.high, "both"
+    if np.isfinite(profile.low):
+        low = min(profile.low, estimate.value)
+    else:
+        bound = "upper"
+    if np.isfinite(profile.high):
+        high = max(profile.high, estimate.value)
+    else:
+        bound = "lower"
+    bound = "" if profile.known or bound == "both" else bound
+    return replace(estimate, low=low, high=high, identifiable=profile.known, bound=bound)
 
 
 def identifiable(parameter: Parameter, deviation: float, prior: float) -> bool:

@@ -16,7 +16,8 @@ from ..problem.tuned import left_out
 from .calibration import Calibration
 
 
-_MOST = 24  # parts that a record is left out in
+_MOST = 24  # pressures that are left out one by one
+_PARTS = 8  # parts that more pressures than these are left out in: each is a refit
 _FEW = 3  # pressures; of fewer none can be left out
 _STRETCHES = 6
 
@@ -58,7 +59,7 @@ def folds(data: Grid) -> list[np.ndarray]:
     measured, levels = data.uncensored, _levels(data)
     if levels.size >= _FEW:
         rows = np.arange(len(measured))[:, None]
-        parts = np.array_split(levels, min(_MOST, levels.size))
+        parts = np.array_split(levels, levels.size if levels.size <= _MOST else _PARTS)
         return [np.isin(rows, part) & (np.asarray(data.count) > 0) for part in parts]
     strain = np.asarray(data.strain)
     ends = np.quantile(strain[measured], np.linspace(0, 1, _STRETCHES + 1))

@@ -13,58 +13,71 @@ $\Delta$ is taken in proportion to the part of the variance that remains.
 """
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
+from ..problem.parameters import WEAK
 from ..problem.solving import solve
-from .calibration import Calibration, value_of
+from ..problem.uncertainty import KNOWN, NORMAL
+from .calibration import Calibration, Profile, value_of
+from .warned import warned
 
 
 CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
-    """A parameter's profile.
+def with_profiles(made: Calibration) -> Calibration:
+    """The calibration with profiles of those parameters whose quick interval says nothing.
 
-    - `name`: the parameter's [-].
-    - `value`: where it was held [SI unit of the parameter], rising.
-    - `rise`: $\\Delta$ there [-].
-    - `low`, `high`: where it crosses 2.71 [the same unit]; infinite if it doesn't.
+    **Arguments:** `made`: the calibration [-].
+
+    **Returns:** the same, with better intervals and what follows from them [-].
     """
+    names = [one.name for one in made.parameters if not one.identifiable]
+    if not names or made.bootstrapped is not None:
+        return made
+    made = replace(made, profiles=profiles(made, names=names))
+    return replace(made, warned=warned(made))
 
-    name: str
-    value: np.ndarray
-    rise: np.ndarray
-    low: float
-    high: float
 
-
-def profiles(made: Calibration, points: int = 11, reach: float = 3.0) -> tuple[Profile, ...]:
+def profiles(
+    made: Calibration, points: int = 11, reach: float = 3.0, names: Collection[str] | None = None
+) -> tuple[Profile, ...]:
     """The profile of each parameter of a calibration.
 
     **Arguments:**
 
     - `made`: the calibration [-].
+    - `names`: of these parameters [-]; left out, all.
     - `points`: at how many places each is held [-], odd.
     - `reach`: how far on either side [-], in standard deviations.
 
     **Returns:** the profiles in the order of the parameters [-].
     """
     steps = np.linspace(-reach, reach, points)
-    found = [_walk(made, i, steps) for i in range(len(made.names))]
     # readings are held, and residuals taken for noise: as much more unsure as the fit is of it
     share = np.diag(made.from_noise) / np.diag(made.covariance)
-    return tuple(
-        Profile(name, held, rise * share[i], *_ends(held, rise * share[i]))
-        for i, (name, (held, rise)) in enumerate(zip(made.names, found, strict=True))
-    )
+    out = []
+    for i, name in enumerate(made.names):
+        if names is None or name in names:
+            value, coordinate, rise = _walk(made, i, steps)
+            rise = rise * share[i]
+            span = np.ptp(_ends(coordinate, rise))
+            factor = made.problem.fitted[i].deviation / WEAK  # coordinates of a factor of e
+            known = bool(span < 2 * NORMAL * KNOWN * factor)
+            out.append(Profile(name, value, rise, *_ends(value, rise), known))
+    return tuple(out)
 
 
-def _walk(made: Calibration, which: int, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where a parameter was held [SI unit], and by how much the sum of squares rises [-]."""
+def _walk(
+    made: Calibration, which: int, steps: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where a parameter was held [SI unit], its coordinate [-], and by how much the sum of squares
+    rises [-].
+    """
     problem, C, z = made.problem, made.covariance, made.coordinates
     place = problem.chosen[which]
     others = np.delete(problem.chosen, which)
@@ -77,7 +90,8 @@ def _walk(made: Calibration, which: int, steps: np.ndarray) -> tuple[np.ndarray,
     own = (np.append(found.coordinates[:, place], z[which]) - center) / deviation
     rise = 2 * (found.cost - least) - own[:-1] ** 2 + own[-1] ** 2
     rows = found.coordinates[:, problem.chosen]
-    return np.array([value_of(problem, row)[which] for row in rows]), rise
+    values = np.array([value_of(problem, row)[which] for row in rows])
+    return values, found.coordinates[:, place], rise
 
 
 def _ends(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:

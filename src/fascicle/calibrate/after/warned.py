@@ -86,7 +86,14 @@ def _moved(made: "Calibration", names: list[str]) -> np.ndarray:
 def _parameters(made: "Calibration") -> list[str]:
     lines = []
     found = made.parameters
-    lost = [one.name for one in found if not one.identifiable]
+    lost = [one.name for one in found if not one.identifiable and not one.bound]
+    for one in found:
+        if one.bound:
+            end = one.high if one.bound == "upper" else one.low
+            lines.append(
+                f"The data give {one.name} only {'an' if one.bound == 'upper' else 'a'}"
+                f" {one.bound} limit, {pretty(end, one.dimension, 3)} (90 %)."
+            )
     if lost:
         lines.append(
             f"The data alone do not determine {_list(lost)}: what stands there is mostly its prior."
@@ -174,7 +181,7 @@ def _noise(made: "Calibration") -> list[str]:
         lines.append(f"Of the readings {_list(told)}.")
     if not seen.noisy:
         lines += [*_at_rest(made), *_causes(made)]
-    if seen.found:
+    if seen.found and made.parameters:
         wide = made.wider
         so = "hardly wider than"
         if np.max(wide) >= _WIDER:
@@ -184,7 +191,7 @@ def _noise(made: "Calibration") -> list[str]:
             f" {_list([one.along for one in seen.found])} and is as large where the fit took it up"
             f" as where it shows: they are {so} noise alone makes them."
         )
-    if made.inflation > 1:
+    if made.inflation > 1 and made.parameters:
         lines.append(
             "Residuals follow one another along a sweep, more than noise does: intervals are"
             f" widened by {np.sqrt(made.inflation):.3g} for it."
@@ -269,12 +276,17 @@ def hysteresis(made: "Calibration") -> str:
     loop = made.loop
     if loop is None:
         return ""
+    if made.friction is not None and made.friction.law is None:
+        return (
+            "No hysteresis loop stands out of the noise: mean width"
+            f" {float(np.mean(loop.width)):.2g} N at {loop.pressure.size}"
+            f" pressure{'s' * (loop.pressure.size > 1)}."
+        )
     where = f"at {loop.pressure.size} pressures" if loop.pressure.size > 1 else "there"
     return (
         f"Hysteresis loop {_range(100 * loop.share)} % of the pull at a pressure wide,"
         f" {_range(loop.width)} N {where}: half of it is in the error of a muscle in use,"
-        f" {made.rmse:.4g} N; from the half-way curve it errs by"
-        f" {np.sqrt(max(made.rmse**2 - loop.half**2, 0.0)):.4g} N."
+        f" {made.rmse:.4g} N; from the half-way curve it errs by {made.half_way_rmse:.4g} N."
         f"{'' if made.friction is None else f' {made.friction.words()}'}"
     )
 

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 
+_ROUNDING = 1e-4  # of the largest value: as fine as bench files are written
+
+
 @dataclass(frozen=True, eq=False)
 class Line:
     """A weighted straight line through forces over the law's own, level by level.
@@ -93,7 +96,8 @@ def polynomial(
     """
     if not x.size:
         return Polynomial(np.zeros(size), np.zeros((size, size)), 0.0, 1.0)
-    weight = 1 / deviation**2
+    # readings that agree to the last digit have no scatter: they are as sure as they are rounded
+    weight = 1 / np.maximum(deviation, _ROUNDING * np.max(np.abs(y), initial=1e-9)) ** 2
     basis = x[:, None] ** np.arange(order + 1)
     scale = max(float(np.max(weight)), 1e-300)
     gram = np.einsum("l,li,lj->ij", weight / scale, basis, basis) + 1e-14 * np.eye(order + 1)

@@ -61,11 +61,8 @@ class Trial:
 
     @property
     def judged(self) -> bool:
-        """Whether it can be chosen [-]: a muscle can be so, something is fitted, and it could be
-        left out.
-        """
-        fitted = self.candidate.constants > 0 and bool(np.isfinite(self.candidate.left_out_rmse))
-        return fitted and not self.impossible
+        """Whether it can be chosen [-]: a muscle can be so, and its left-out error is known."""
+        return bool(np.isfinite(self.candidate.left_out_rmse)) and not self.impossible
 
 
 def trial(
@@ -119,8 +116,7 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
 
     **Arguments:**
 
-    - `trials`: compared on the same readings; those in which nothing is fitted are only there
-      to compare [-].
+    - `trials`: compared on the same readings [-].
     - `noise`: of a reading [N], as far as it is known.
     - `loss`: of the fits [-].
 
@@ -129,7 +125,7 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     **Raises:** `ValueError` where none could be judged.
     """
     tried = [one for one in trials if one.judged]
-    if not tried:
+    if not any(one.candidate.constants for one in tried):  # the muscle as given needs no fit
         raise Refused(
             "record",
             "is too short to leave readings out",

@@ -10,7 +10,7 @@ too few pressures. Of those that are no worse than the best the one with the few
 taken: what the data don't ask for isn't fitted.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -107,9 +107,10 @@ def find(
     if of.pulls:
         best = chosen(trials, noise, loss)
         tell("fitting")
-        names = None if best.candidate.method == "tuning" else best.candidate.names
+        tuning = best.candidate.method == "tuning"
+        names = None if tuning else best.candidate.names
         told = {name: prior for name, prior in given.items() if name in (names or ())}
-        made = fitted(of, muscle, names, told, search)
+        made = fitted(of, muscle, names, told, replace(search, tune=tuning))
         return Choice(made, marked(trials, best), reasons(trials, best, parts(of.data)))
     tell("fitting what resists")
     search = replace(search, whole=True)
@@ -137,15 +138,17 @@ def _tension(
     if not measured:
         return [], 0.0
     always = [name for name in given if name not in FACTOR_NAMES]
-    trials, near, known = [], {}, set()
+    trials: list[Trial] = []
+    ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates where each set ended
 
     def tried(names: tuple[str, ...]) -> None:
-        if len(names) < measured and frozenset(names) not in known:
-            known.add(frozenset(names))
+        if len(names) < measured and frozenset(names) not in ends:
             told = {name: prior for name, prior in given.items() if name in names}
-            begin = replace(search, near=dict(near), starts=min(search.starts, _STARTS))
+            near = ends.get(_nested(trials, names), {})
+            begin = replace(search, near=near, starts=min(search.starts, _STARTS))
             law = with_laws(muscle, names)
-            trials.append(_constants(of, law, names, told, begin, near))
+            made, ends[frozenset(names)] = _constants(of, law, names, told, begin)
+            trials.append(made)
 
     for names in sets(muscle, always):
         tried(names)
@@ -185,9 +188,9 @@ def _constants(
     names: tuple[str, ...],
     priors: Mapping[str, Prior],
     search: Search,
-    near: dict[str, float],
-) -> Trial:
-    """A set of constants; where it ended is noted in `near`, for the next to begin from."""
+) -> tuple[Trial, dict[str, float]]:
+    """A set of constants, and the coordinates where its search ended [-]."""
+    near: dict[str, float] = {}
     problem, _ = begun(of, muscle, names or ("braid_angle",), priors, search)
     every, wrong = np.asarray(problem.center), ""
     if names:
@@ -197,14 +200,27 @@ def _constants(
             wrong = too_long(float(found.length), of.record.rest_length or float(muscle.length))
         if not wrong:
             names_there = [one.name for one in problem.fitted]
-            near.update(zip(names_there, every[problem.chosen].tolist(), strict=True))
+            near = dict(zip(names_there, every[problem.chosen].tolist(), strict=True))
     else:
         problem = replace(problem, free=np.zeros(len(problem.parameters), dtype=bool))
     force = linear(problem, every).force
     unseen = np.full(force.shape, np.nan) if names else force
     for fold in folds(problem.data) if names else ():
         unseen[fold] = without(problem, every, fold)[fold]
-    return _trial(of, names, "constants", len(names), force, unseen, search.loss, wrong)
+    return _trial(of, names, "constants", len(names), force, unseen, search.loss, wrong), near
+
+
+def _nested(trials: Sequence[Trial], names: tuple[str, ...]) -> frozenset[str]:
+    """The best set of constants so far that `names` [-] hold all of: a search that begins where it
+    ended can't err more than it.
+    """
+    within = [
+        one.candidate
+        for one in trials
+        if one.candidate.names and not one.impossible and set(one.candidate.names) <= set(names)
+    ]
+    best = min(within, key=lambda one: one.rmse, default=None)
+    return frozenset() if best is None else frozenset(best.names)
 
 
 def _tuning(of: Taken, muscle: Muscle, loss: str) -> list[Trial]:

@@ -13,6 +13,7 @@ from dataclasses import replace
 import equinox as eqx
 import numpy as np
 
+from ...core.limits import RANGES
 from ...core.refused import Refused
 from ...muscle import Muscle
 from ...muscle.fitted import OF_ENDS, remembering
@@ -86,11 +87,18 @@ def fitted(
     priors: Mapping[str, Prior] | None,
     search: Search,
 ) -> Calibration:
-    """As `fit`, `of` what was taken of a record [-], by a `search` [-]."""
+    """As `fit`, `of` what was taken of a record [-], by a `search` [-]; of no `parameters` [-] the
+    muscle as it is, compared with the record.
+    """
     if of.pulls and not search.whole:
         of = pulling_of(of)
     muscle = with_laws(muscle, parameters or ())
-    problem, readings = begun(of, muscle, parameters, priors, search)
+    if parameters is not None and not parameters:
+        # the same compiled function as the others, with nothing free
+        problem, readings = begun(of, muscle, search.among[:1] or ("braid_angle",), priors, search)
+        problem = replace(problem, free=np.zeros(len(problem.parameters), dtype=bool))
+    else:
+        problem, readings = begun(of, muscle, parameters, priors, search)
     if readings is not None and not np.any(readings.valid) and _pressed(of.data):
         raise ValueError(_UNREAD)
     problem, solutions, best, end = searched(problem, readings, search)
@@ -193,7 +201,9 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
     c1, c2 = tables_of(muscle, readings, rows)
     seen = np.maximum(rows - float(muscle.tuning.dead_band), 0.0)
     # below the blocked force's threshold the muscle doesn't pull: the table begins above it
-    good = np.isfinite(c1) & np.isfinite(c2) & (c2 > 0) & (seen > 0)
+    # and near it C2 is a quotient of two small forces, beyond what any muscle has
+    likely = (RANGES["c2"].least < c2) & (c2 < RANGES["c2"].largest)
+    good = np.isfinite(c1) & likely & (seen > 0)
     old = muscle.tuning
     with warnings.catch_warnings():
         # a number that was given may be a slip; one that was fitted is told with its interval

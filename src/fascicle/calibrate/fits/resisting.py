@@ -37,12 +37,11 @@ def resisting(
     """
     # one compiled function for all: it knows every constant that one of them frees
     search = replace(search, among=tuple(dict.fromkeys([*names, *FACTOR_NAMES])))
-    tried = (
-        (TUNING, FACTOR_NAMES, True),
-        (f"{', '.join(names)} {_AND}", (*names, *FACTOR_NAMES), False),
-        (", ".join(names), names, False),
-        (f"{AS_GIVEN} {_AND}", FACTOR_NAMES, False),
-    )
+    tried: list[tuple[str, tuple[str, ...], bool]] = [(TUNING, FACTOR_NAMES, True)]
+    if names:
+        label = ", ".join(names)
+        tried += [(f"{label} {_AND}", (*names, *FACTOR_NAMES), False), (label, names, False)]
+    tried += [(f"{AS_GIVEN} {_AND}", FACTOR_NAMES, False), (AS_GIVEN, (), False)]
     if set(given) - set(FACTOR_NAMES):  # a tuning has no place for what is known of constants
         tried = tried[1:3]
     trials, fits = [], []

@@ -7,7 +7,7 @@ import numpy as np
 from ..data.readings import Readings
 from .beginning import Search
 from .residuals import Problem
-from .solving import Solutions, around, joined, scattered, solve
+from .solving import ROUGH, Solutions, around, joined, scattered, solve
 from .uncertainty import Conclusion, conclude
 
 
@@ -32,8 +32,8 @@ def searched(
     near = around(best[problem.chosen], end.covariance, len(places), search.seed)
     # the second takes the noise that the first one left: priors weigh against it
     again = replace(problem, noise=np.asarray(end.noise))
-    close = solve(again, again.whole(near))
-    best = close.coordinates[close.best]
+    close = solve(again, again.whole(near), little=ROUGH)
+    best = solve(again, close.coordinates[close.best][None]).coordinates[0]
     scale = (float(problem.noise) / end.noise) ** 2
     ends = joined(replace(first, cost=first.cost * scale), close)
     return again, ends, best, conclude(again, best, curves)
@@ -58,8 +58,9 @@ def settled(
     What a clipped reading says depends on the noise, and the noise on the fit; where none is
     clipped, only priors weigh against it, and once is enough.
     """
-    solutions = solve(problem, places)
-    best = solutions.coordinates[solutions.best]
+    # which start leads lowest shows long before each has settled: only that one goes on
+    solutions = solve(problem, places, little=ROUGH)
+    best = solve(problem, solutions.coordinates[solutions.best][None]).coordinates[0]
     end = conclude(problem, best, curves)
     if curves is not None:
         return problem, solutions, best, end
@@ -70,10 +71,10 @@ def settled(
         best = solve(problem, best[None]).coordinates[0]
         end = conclude(problem, best, curves)
     # the others follow with the noise as it is now, to be told as they end
-    ends = solve(problem, np.concatenate([solutions.coordinates, best[None]]))
+    ends = solve(problem, np.concatenate([solutions.coordinates, best[None]]), little=ROUGH)
     steps = np.append(solutions.steps, 0) + ends.steps
     ends = replace(ends, steps=steps)
     if ends.best < len(places):
-        best = ends.coordinates[ends.best]
+        best = solve(problem, ends.coordinates[ends.best][None]).coordinates[0]
         end = conclude(problem, best, curves)
     return problem, ends, best, end

@@ -40,6 +40,7 @@ class Found:
                 one.name: {
                     "value": one.value, "low": one.low, "high": one.high,
                     "identifiable": one.identifiable,
+                    "bound": one.bound,
                 }
                 for one in made.parameters
             },
@@ -93,16 +94,16 @@ class Found:
         rows = [
             [
                 one.name,
-                pretty(one.value, one.dimension),
-                f"{pretty(one.low, one.dimension, 3)} to {pretty(one.high, one.dimension, 3)}",
-                "" if one.identifiable else "not known",
+                *one.texts(),
+                one.verdict,
             ]
             for one in made.parameters
         ]
-        lost = any(not one.identifiable for one in made.parameters)
+        lost = any(one.verdict == "not known" for one in made.parameters)
         lines = ["not known: the data alone do not determine it"] if lost else []
         caption = "; ".join([f"intervals: {made.intervals}", *lines])
-        show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
+        if rows:
+            show("Parameters", ["", "value", "90 % interval", ""], rows, caption)
         if self.comparison:
             rows = [
                 [row.label, str(row.free), f"{row.rmse:.4g}", f"{row.left_out_rmse:.4g}",

@@ -100,6 +100,10 @@ def calibrated(begin: Begin, reading: Reading, search: Search, drawn: bool) -> F
 
             made = bootstrap(made, seed=search.seed, tell=tell)
             found = replace(found, made=made)
+        from ...calibrate.after.profiling import with_profiles
+
+        made = with_profiles(made)
+        found = replace(found, made=made)
         if search.profile:
             from ...calibrate.after.profiling import profiles
 

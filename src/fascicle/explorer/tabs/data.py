@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
-from ...units import pretty
 from ..curves.measured import (
     FOUND,
     Beside,
@@ -327,10 +326,8 @@ class DataView(Tab):
         rows = [
             (
                 one.name.replace("_", " "),
-                pretty(one.value, one.dimension),
-                f"{pretty(one.low, one.dimension, 3)} to {pretty(one.high, one.dimension, 3)}"
-                if one.identifiable
-                else "not known from these data",
+                one.texts()[0],
+                one.texts()[1] if one.identifiable else "not known from these data",
             )
             for one in self.made.parameters
         ]

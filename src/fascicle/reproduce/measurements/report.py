@@ -85,7 +85,7 @@ def _section(page: Page, one: Judged, picture: bytes) -> None:
 def _constants(one: Judged) -> list[list[str]]:
     return [
         [one.name, pretty(one.value, one.dimension),
-         f"{pretty(one.low, one.dimension, 3)} to {pretty(one.high, one.dimension, 3)}",
+         one.texts()[1],
          "yes" if one.identifiable else "no"]
         for one in one.choice.made.parameters
     ]  # fmt: skip

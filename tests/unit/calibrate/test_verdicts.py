@@ -1,0 +1,137 @@
+"""A calibration's verdicts follow from its own figures: intervals, choice, sweeps, loops."""
+
+import math
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.calibrate.after.calibration import Estimate
+from fascicle.calibrate.after.warned import hysteresis
+from fascicle.calibrate.data.regression import polynomial
+from fascicle.calibrate.data.taking import taken
+from fascicle.calibrate.fits.choosing import chosen, trial
+from fascicle.calibrate.fits.fitting import fit
+from fascicle.records.record import DOWN, UP, Record
+from fascicle.records.splitting import runs
+
+
+MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, math.radians(26))
+
+
+def record(P, strain, force, branch=None):
+    """A synthetic record in time, of a muscle of 0.2 m."""
+    clipped = np.zeros(P.size, dtype=bool)
+    branch = np.zeros(P.size) if branch is None else branch
+    return Record(
+        P, strain, force, clipped, branch.astype(np.int8), time=np.arange(P.size) * 0.5,
+        rest_length=0.2,
+    )  # fmt: skip
+
+
+def sweeps(levels, stroke, points=45, noise=0.0, loop=0.0, muscle=MUSCLE, seed=0):
+    """A synthetic record in time: both ways at each level [Pa], to a stroke of strain [-]."""
+    rng = np.random.default_rng(seed)
+    P, strain, branch = [], [], []
+    for level, end in zip(levels, stroke, strict=True):
+        P += [level] * (2 * points)
+        strain += [*np.linspace(0, end, points), *np.linspace(end, 0, points)]
+        branch += [UP] * points + [DOWN] * points
+    P, strain, branch = np.array(P), np.array(strain), np.array(branch)
+    force = np.asarray(muscle.force(P, strain)) - loop * branch + noise * rng.normal(size=P.size)
+    return record(P, strain, force, branch)
+
+
+def test_a_short_sweep_at_zero_pressure_is_fitted():
+    made = sweeps([0.0, 1e5, 2e5, 3e5, 4e5], [0.01, 0.1, 0.15, 0.2, 0.2])
+    unsigned = record(made.pressure, made.strain, made.force)
+    assert taken(unsigned).left_out == {}
+    assert {run.kind for run in runs(unsigned)} == {"pressure"}
+
+
+def test_readings_between_levels_are_still_ramps():
+    made = sweeps([1e5, 2e5], [0.2, 0.2])
+    ramp = np.linspace(1e5, 2e5, 12)[1:-1]
+    joined = record(
+        np.concatenate([made.pressure[:90], ramp, made.pressure[90:]]),
+        np.concatenate([made.strain[:90], 0 * ramp, made.strain[90:]]),
+        np.concatenate([made.force[:90], 0 * ramp, made.force[90:]]),
+    )
+    assert taken(joined).left_out == {"on ramps between sweeps": 10}
+
+
+def test_values_without_scatter_have_a_polynomial():
+    share, value = np.array([0.2, 0.5, 1.0]), np.array([1.0, 2.0, 4.0])
+    fitted = polynomial(share, value, np.array([0.0, 0.1, 0.0]), 1, 2)
+    assert np.all(np.isfinite(fitted.coefficients))
+    assert np.all(np.isfinite(fitted.covariance))
+
+
+def candidate(names, unseen):
+    error = np.full(40, unseen)
+    return trial(",".join(names), names, "constants", len(names), error, error, "linear", 100.0)
+
+
+def test_the_muscle_as_given_is_taken_where_no_fit_is_better():
+    given, fitted = candidate((), 2.02), candidate(("c10", "c01"), 2.03)
+    assert chosen([given, fitted], 0.1, "linear") is given
+    better = candidate(("c10", "c01"), 1.0)
+    assert chosen([given, better], 0.1, "linear") is better
+
+
+def test_a_muscle_as_given_has_a_calibration_without_constants():
+    from fascicle.calibrate.fits.finding import find
+
+    record = sweeps([1e5, 2e5, 3e5, 4e5], [0.1, 0.1, 0.15, 0.2], noise=0.3)
+    choice = find(record, MUSCLE)
+    assert [one.constants for one in choice.candidates if one.chosen] == [0]
+    assert choice.made.parameters == ()
+    assert choice.made.muscle == MUSCLE
+
+
+@pytest.mark.parametrize(("value", "half"), [(36.08, 0.004), (36.08, 4e-7), (0.25, 0.3)])
+def test_a_printed_interval_holds_its_value(value, half):
+    estimate = Estimate("x", "number", "", value, value - half, value + half, value, 1.0, True)
+    text, interval = estimate.texts()
+    low, high = map(float, interval.split(" to "))
+    assert low <= float(text) <= high
+    assert low < high
+
+
+@pytest.fixture(scope="module")
+def rubber():
+    """A fit of the rubber to a muscle of thin rubber, which tells its limit alone."""
+    soft = MUSCLE.replace(material=fs.MooneyRivlin(2e3, 2e3))
+    from fascicle.calibrate.after.profiling import with_profiles
+
+    record = sweeps([0.0, 1e5, 2e5, 4e5], [0.01, 0.1, 0.15, 0.2], noise=3.0, muscle=soft, seed=2)
+    made = fit(record, MUSCLE, ("c10", "c01", "braid_angle"), whole=False)
+    return made, with_profiles(made)
+
+
+def test_the_better_of_two_intervals_is_printed_and_the_sentence_follows(rubber):
+    quick, better = rubber
+    for before, after in zip(quick.parameters, better.parameters, strict=True):
+        assert after.low <= after.value <= after.high
+        if not before.identifiable:
+            assert after.high <= before.high
+        if after.bound:
+            assert any(after.name in line and after.bound in line for line in better.warnings)
+            assert not any(after.name in line and "prior" in line for line in better.warnings)
+    assert any(one.bound == "upper" for one in better.parameters)
+
+
+def test_the_half_way_error_is_measured_not_subtracted():
+    record = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=0.5, loop=5.0)
+    made = fit(record, MUSCLE, ("c10", "c01"), whole=False)
+    # the loop is symmetric about the law: half of it is in the error, none in the mean of both
+    assert made.rmse == pytest.approx(5.0, rel=0.1)
+    assert made.half_way_rmse == pytest.approx(0.5 / math.sqrt(2), rel=0.3)
+
+
+def test_branches_that_are_one_have_no_loop():
+    record = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=2.0)
+    made = fit(record, MUSCLE, ("c10", "c01"), whole=False)
+    assert made.friction.law is None
+    assert "No hysteresis loop" in hysteresis(made)
+    assert "%" not in hysteresis(made)
