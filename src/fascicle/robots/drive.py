@@ -17,6 +17,7 @@ spring, which keeps its energy.
 documentation, "Simulation", on `mj_step1` and `mj_step2`.
 """
 
+import difflib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import library
-from ..core.checks import within
+from ..core.checks import concrete, within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.modules import Module
 from ..core.refused import Refused
@@ -136,7 +137,7 @@ class Drive(Module):
             plant,
             np.array([one.rest_length for one in attached]),
             np.array([np.array(plant.sides) == side for side in range(len(bundles))], float),
-            tuple(model.actuator(one.actuator).id for one in attached),
+            tuple(_actuator(model, one) for one in attached),
             tuple(one.tendon for one in attached),
             all(given),
         )
@@ -157,16 +158,35 @@ class Drive(Module):
         return 1 - (plant.distances - shorter[..., sides]) / plant.lengths
 
     def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
-        """What each bundle pulls [N] with its units at `pressures` [Pa] and tendons of `lengths`
-        [m].
+        """Pull of each bundle [N].
+
+        **Arguments:**
+
+        - `pressures`: of all units [Pa].
+        - `lengths`: of the bundles' tendons [m].
+
+        **Returns:** the pulls [N].
+
+        **Raises:** `ValueError` for numbers, not what is traced, outside of the muscles' tables.
         """
+        self._check_domain(pressures, lengths)
+        return self._pull(pressures, lengths)
+
+    def _pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
         at = self.plant.muscles.at(pressures, self.strains(lengths))
         return library(at.force).sum(self.members * (self.plant.counts * at.force), axis=-1)
 
     def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
-        """What all bundles keep [J] whose units are held at `pressures` [Pa], with tendons of
-        `lengths` [m]: their co-energy, taken off.
+        """Energy [J] that bundles store whose units are held at a pressure: their co-energy, taken
+        off.
+
+        **Arguments:** those of `pull`.
+
+        **Returns:** the energy of all bundles [J].
+
+        **Raises:** as `pull`.
         """
+        self._check_domain(pressures, lengths)
         at = self.plant.muscles.at(pressures, self.strains(lengths))
         return -library(at.force).sum(self.plant.counts * at.coenergy, axis=-1)
 
@@ -241,7 +261,7 @@ class Drive(Module):
         if not self.valved:
             P = command + 0.0 * eps
             known = at_work.all((eps >= low) & (eps <= high)) & fluid.known
-            return fluid._replace(pressures=P, known=known), self.pull(P, lengths)
+            return fluid._replace(pressures=P, known=known), self._pull(P, lengths)
         P = settled(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
         state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
         flows = flowing(plant, state, P, command)
@@ -257,7 +277,7 @@ class Drive(Module):
             fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -warm),
             at_work.all(inside) & fluid.known,
         )
-        return after, self.pull(P, lengths)
+        return after, self._pull(P, lengths)
 
     def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
         """One step of MJX, under `jit`, `vmap` and forward derivatives; nothing is checked, and
@@ -294,19 +314,28 @@ class Drive(Module):
             raise Refused("command", f"must be one for each of the {many}", given.size)
         return np.broadcast_to(given, (many,))
 
+    def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
+        """Refuse numbers outside of the muscles' tables, which hold their values at the edges."""
+        if not concrete(pressures, lengths):
+            return
+        self._check(lengths)
+        top = float(np.min(self.plant.muscles.highest_pressure))
+        low = float(np.min(self.plant.chamber.lowest_pressure))
+        within(pressures, low, top, "pressures", "Pa", "of the table", (True, True))
+
     def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
         low, high = (np.asarray(end) for end in self.plant.muscles.strains)
-        eps = np.asarray(self.strains(np.asarray(lengths)))
-        off = np.flatnonzero((eps < low) | (eps > high) | ~np.isfinite(eps))
+        strains = np.asarray(self.strains(np.asarray(lengths)))
+        off = np.argwhere((strains < low) | (strains > high) | ~np.isfinite(strains))
         if off.size:
-            i = int(off[0])
+            i, eps = int(off[0][-1]), float(strains[tuple(off[0])])
             tendon = self.tendons[self.plant.sides[i]]
             raise Refused(
                 "tendon",
                 f"{tendon!r} leaves the table's strains, {low[i]:.3f} to {high[i]:.3f}",
-                float(eps[i]),
+                eps,
                 "limit its way in the model, or take another `rest_length`",
-                shown=f"a strain of {eps[i]:.3f}",
+                shown=f"a strain of {eps:.3f}",
             )
         if fluid is not None and not bool(fluid.known):
             top = float(np.min(self.plant.muscles.highest_pressure))
@@ -347,6 +376,21 @@ class Drive(Module):
             model.actuator_gaintype[:] = kind
         self._check(*begun[0])  # the first stage is where the step begins
         return begun[0][1]
+
+
+def _actuator(model: Any, attached: Attached) -> int:
+    """Place of a bundle's actuator in the compiled model."""
+    known = [model.actuator(i).name for i in range(model.nu)]
+    if attached.actuator in known:
+        return known.index(attached.actuator)
+    # a sub-model may have been put under a prefix, or a suffix
+    likely = [name for name in known if attached.actuator in name]
+    near = likely or difflib.get_close_matches(attached.actuator, known, n=1, cutoff=0.4)
+    remedy = f"it has {', '.join(known) or 'none'}"
+    if near:
+        remedy = f"name it as there, `attached._replace(actuator={near[0]!r})`"
+    rule = f"names the actuator {attached.actuator!r}, which the model hasn't"
+    raise Refused("attached", rule, attached.actuator, remedy, shown="")
 
 
 def _highest(attached: Sequence[Attached], highest: Values) -> float:

@@ -4,6 +4,9 @@ Actions open valves, observations and actions lie in [-1, 1], and a step of 10 m
 the error that it leaves, taken off, so that 0 is best. A target stands for an episode of 2 s. The
 muscles are those of Fig. 6 of the paper, valves and loads are made up.
 
+Environments in forked processes, as those of `make_vec(…, vectorization_mode="async")`, compute
+with NumPy, half as fast; with `vector_kwargs={"context": "spawn"}` they compile.
+
 **Source:** of the muscles, Kim, Mazzoleni and Bryant (2021); Towers et al. (2024) for Gymnasium.
 """
 
@@ -21,6 +24,7 @@ from ..muscle import Muscle
 from .attach import attach
 from .drive import Drive
 from .pairing import mujoco
+from .registered import forked
 
 
 SUPPLY = 413.7e3  # Pa
@@ -81,7 +85,8 @@ class Environment(gymnasium.Env):
             self.model, attached, ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6),
             SonicValve(5e-10, 0.3), shape=(65, 81),
         )  # fmt: skip
-        self._act = jax.jit(self.drive.act)
+        # compiled code would wait for ever for JAX's threads, which a forked process hasn't
+        self._act = self.drive.act if forked() else jax.jit(self.drive.act)
         units = self.drive.units
         self.action_space = Box(-1.0, 1.0, (units,), np.float32)
         self.observation_space = Box(-1.0, 1.0, (3 + units,), np.float32)

@@ -1,9 +1,11 @@
 """The environments' names, told to Gymnasium where it is installed, without their modules."""
 
+import os
 from importlib.util import find_spec
 
 
 NAMES = ("AntagonisticJoint", "HangingMass")
+_PROCESS = os.getpid()  # that imported this
 _STEPS = 200  # of 10 ms: an episode
 
 
@@ -18,3 +20,8 @@ def register() -> None:
         if at not in gymnasium.registry:
             point = f"fascicle.robots.environments:{name}"
             gymnasium.register(id=at, entry_point=point, max_episode_steps=_STEPS)
+
+
+def forked() -> bool:
+    """Whether this process was forked from another one that had imported fascicle's robots [-]."""
+    return os.getpid() != _PROCESS

@@ -215,3 +215,41 @@ def test_what_is_missing_is_named_with_its_command():
         ModuleNotFoundError, match=r"Mu is missing: `pip install 'fascicle\[robots]'`"
     ):
         pairing._found("mujoco_that_is_not", "Mu")
+
+
+@pytest.mark.parametrize("stretch", [-0.5, 0.2, np.nan])
+@pytest.mark.parametrize("name", ["pull", "energy"])
+def test_outside_of_the_table_there_is_no_pull(elbow, bundle, name, stretch):
+    """It held the table's edge there, in silence."""
+    drive = elbow()[2]
+    lengths = drive.rest_lengths + np.array([0.0, stretch * float(bundle.length)])
+    with pytest.raises(fs.Refused) as told:
+        getattr(drive, name)(HELD, lengths)
+    assert told.value.argument == "tendon" and "extensor" in str(told.value)
+    rows = np.stack([drive.rest_lengths, lengths])
+    with pytest.raises(fs.Refused, match="extensor"):
+        getattr(drive, name)(np.tile(HELD, (2, 1)), rows)
+    with pytest.raises(fs.Refused, match="`pressures` must lie in"):
+        getattr(drive, name)(np.array([9e5, 0.0]), drive.rest_lengths)
+    assert np.isfinite(getattr(drive, name)(HELD, drive.rest_lengths)).all()
+
+
+ARM = """<mujoco><worldbody><body><joint name="j" type="hinge"/><geom size="0.02" mass="0.5"/>
+</body></worldbody><tendon><fixed name="flexor"><joint joint="j" coef="-0.02"/></fixed></tendon>
+</mujoco>"""
+
+
+def test_a_prefixed_model_is_told_apart(bundle):
+    arm = mujoco.MjSpec.from_string(ARM)
+    one = attach(arm, "flexor", bundle, 0.0127)
+    world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
+    world.worldbody.add_frame().attach_body(arm.worldbody.first_body(), "left_", "")
+    model = world.compile()
+    with pytest.raises(fs.Refused) as told:
+        Drive.of(model, [one])
+    assert told.value.argument == "attached"
+    assert "actuator='left_flexor_bundle'" in told.value.remedy
+    drive = Drive.of(model, [one._replace(actuator="left_flexor_bundle", tendon="left_flexor")])
+    assert drive.actuators == (0,)
+    with pytest.raises(fs.Refused, match="it has left_flexor_bundle"):
+        Drive.of(model, [one._replace(actuator="zzz")])

@@ -1,5 +1,8 @@
 """Gymnasium's environments: its own check without a warning, seeded, and what a baseline scores."""
 
+import os
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -64,3 +67,38 @@ def test_an_episode_lasts_two_seconds(environments):
 def test_a_picture_is_refused(environments):
     with pytest.raises(ValueError, match="`render_mode` must be None"):
         type(environments[NAMES[0]].unwrapped)(render_mode="human")
+
+
+ASYNC = """
+import os
+import subprocess
+import sys
+import warnings
+import gymnasium, numpy as np
+import fascicle.robots
+
+name, act = "fascicle/AntagonisticJoint-v0", np.full((2, 2), 0.3, np.float32)
+one = gymnasium.make(name)
+one.reset(seed=1)
+seen = [one.step(act[0])[0] for _ in range(3)][-1]  # compiled: JAX has begun its threads
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")  # JAX's, of each fork
+    many = gymnasium.make_vec(
+        name, num_envs=2, vectorization_mode="async", vector_kwargs={"context": "fork"}
+    )
+    many.reset(seed=1)
+    rows = [many.step(act)[0] for _ in range(3)][-1]
+    # compiled or not, the same but for rounding; seen as 32 bits
+    np.testing.assert_allclose(rows[0], seen, rtol=1e-5, atol=1e-6)
+    many.close()
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no processes")
+def test_environments_of_forked_processes_step(tmp_path):
+    """They waited for ever for the threads of the process that they were forked from."""
+    (tmp_path / "async.py").write_text(ASYNC)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "async.py"], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
