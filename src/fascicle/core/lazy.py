@@ -6,6 +6,7 @@ by `import` and as an attribute, and warns with the new one until a later versio
 """
 
 import importlib
+import importlib.util
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -15,6 +16,7 @@ from typing import Any
 
 
 _WENT: dict[str, str] = {}
+_LENT: dict[str, str] = {}  # names that a package has from one of its modules
 
 
 def lazily(
@@ -32,6 +34,9 @@ def lazily(
     """
     old = {f"{package}.{name}": f"fascicle.{new}" for name, new in (went or {}).items()}
     _WENT.update(old)
+    _LENT.update({f"{package}.{n}": f"{package}.{homes[n]}.{n}" for n in homes if homes[n]})
+    if not any(isinstance(finder, _Lent) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Lent())  # first: others would load a lent package's modules twice
     if old and not any(isinstance(finder, _Successors) for finder in sys.meta_path):
         sys.meta_path.append(_Successors())
 
@@ -51,6 +56,37 @@ def from_above(name: str) -> Any:
     """
     module, _, inside = name.rpartition(".")
     return getattr(importlib.import_module(f"fascicle.{module}"), inside)
+
+
+class _Lent:
+    """Finds modules by the shorter names that packages have for them, as the modules themselves:
+    `import fascicle.recruitment` is `import fascicle.bundle.recruitment`.
+    """
+
+    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
+        """Where a module of that `name` [-] is to be found; `None` for all others."""
+        home = _home(name)
+        spec = importlib.util.find_spec(home) if home else None
+        if spec is None or spec.loader is None:  # a function, or a folder of data
+            return None
+        loader: Any = self
+        return ModuleSpec(name, loader, is_package=spec.submodule_search_locations is not None)
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Python's own empty module, which is replaced."""
+        del spec
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Put the module itself in the place of the empty `module` [-]."""
+        sys.modules[module.__name__] = importlib.import_module(_home(module.__name__))
+
+
+def _home(name: str) -> str:
+    """The full name of a module that a package lends, or of one inside of it; else empty."""
+    for lent, home in _LENT.items():
+        if name == lent or name.startswith(f"{lent}."):
+            return home + name.removeprefix(lent)
+    return ""
 
 
 class _Successors:

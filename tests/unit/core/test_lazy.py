@@ -1,6 +1,8 @@
 import importlib
+import subprocess
 import sys
 import warnings
+from types import ModuleType
 
 import pytest
 
@@ -86,3 +88,46 @@ def test_old_modules_are_attributes_too(anew):
 def test_packages_list_their_names():
     assert {"Task", "search", "evolve"} <= set(dir(fascicle.design))
     assert {"Muscle", "tables", "__version__"} <= set(dir(fascicle))
+
+
+LENT = ["buckling", "collapse", "ends", "materials", "post_collapse", "recruitment", "reversal",
+        "schemes", "tables", "tension"]  # fmt: skip
+IMPORTED = """
+import importlib, sys, warnings
+
+warnings.simplefilter("error")
+name = sys.argv[1]
+module = importlib.import_module(f"fascicle.{name}")
+import fascicle
+
+assert module is getattr(fascicle, name) is sys.modules[module.__name__]
+assert importlib.import_module(module.__name__) is module
+assert module.__spec__.name == module.__name__
+for inside in sys.argv[2:]:
+    one = importlib.import_module(f"fascicle.{name}.{inside}")
+    assert one is importlib.import_module(f"{module.__name__}.{inside}"), inside
+"""
+
+
+@pytest.mark.parametrize("name", LENT)
+def test_a_module_is_imported_by_the_name_that_the_docs_use(name):
+    inside = ["kim2021", "elastica"] if name == "buckling" else []
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORTED, name, *inside], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_every_module_that_fascicle_has_for_a_name_is_among_them():
+    modules = {n for n in fascicle.__all__ if isinstance(getattr(fascicle, n), ModuleType)}
+    for name in modules:
+        assert importlib.import_module(f"fascicle.{name}") is getattr(fascicle, name)
+    assert set(LENT) <= modules
+
+
+@pytest.mark.parametrize(
+    "name", ["Bundle", "example", "examples", "load", "nothing", "buckling.no"]
+)
+def test_what_is_no_module_is_not_imported(name):
+    with pytest.raises(ModuleNotFoundError, match=name):
+        importlib.import_module(f"fascicle.{name}")
