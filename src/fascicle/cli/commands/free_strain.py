@@ -57,7 +57,7 @@ def run(
     outputs.give(
         variables,
         lambda: table(variables),
-        lambda: _figure(variables),
+        lambda: _figure(found, variables, not no_resistance),
         title=f"Free strain of {file}",
     )
     check_zeros(variables)
@@ -77,12 +77,8 @@ def _table(variables: Any) -> None:
     show("Free strain, blocked force and collapse", heads, rows)
 
 
-def _figure(variables: Any) -> Any:
+def _figure(found: Any, variables: Any, resistance: bool) -> Any:
     from ...plot.results import free_strain
 
-    if "pressure" in variables:
-        return free_strain(variables["pressure"].values, variables["free_strain"].values)
-    # of a bundle, over the pressure that varies most
-    pressures = variables["pressures"].values
-    most = (pressures.max(axis=0) - pressures.min(axis=0)).argmax()
-    return free_strain(pressures[:, most], variables["free_strain"].values)
+    pressures = variables["pressures" if is_bundle(found) else "pressure"].values
+    return free_strain(found, pressures, variables["free_strain"].values, resistance)
