@@ -8,10 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..bundle import Bundle
+from ..bundle.reversal import Reversal
 from ..core.refused import Refused
 from ..core.written import in_si
 from ..muscle import Muscle
 from .components import components_legend, components_of, draw_components
+from .jumps import broken
 from .style import (
     BLACK,
     CYCLE,
@@ -97,7 +99,12 @@ def bundle_force_strain(
 
 
 @styled
-def free_strain(pressures: Any, strains: Mapping[str, Any], pressure_of: str = "P") -> Figure:
+def free_strain(
+    pressures: Any,
+    strains: Mapping[str, Any],
+    pressure_of: str = "P",
+    turns: Mapping[str, Reversal] | None = None,
+) -> Figure:
     """Free strain over pressure, a line for each entry of `strains`.
 
     **Arguments:**
@@ -105,13 +112,20 @@ def free_strain(pressures: Any, strains: Mapping[str, Any], pressure_of: str = "
     - `pressures`: gauge pressures [Pa].
     - `strains`: free strains by label [-].
     - `pressure_of`: the pressure's symbol [-].
+    - `turns`: where lines turn, by label [-]; those that jump there are open, with a dotted jump.
 
     **Returns:** the figure [-].
     """
     figure, axes = new_figure(width=SINGLE)
-    draw_free_strain(axes[0, 0], np.asarray(pressures, float), strains, pressure_of)
+    ax, P = axes[0, 0], np.asarray(pressures, float)
+    draw_free_strain(ax, P, strains, pressure_of)
+    for label, turn in (turns or {}).items():
+        (line,) = (one for one in ax.get_lines() if one.get_label() == label)
+        (at, eps), jump = broken(P, np.asarray(strains[label], float), turn)
+        line.set_data(at / 1e3, eps)
+        ax.plot(jump[0] / 1e3, jump[1], color=line.get_color(), linestyle=":", linewidth=1.0)
     if len(strains) > 1:
-        axes[0, 0].legend()
+        ax.legend()
     return figure
 
 

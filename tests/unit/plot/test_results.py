@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.bundle.reversal import reversal
+from fascicle import plot
+from fascicle.bundle.reversal import free_strain_curve, reversal
 from fascicle.plot import results
 from fascicle.plot.jumps import split_at_jumps
 
@@ -76,3 +77,15 @@ def test_a_steep_curve_does_not_jump_and_every_jump_is_found():
     assert np.isnan(y).sum() == len(jumps) == 3
     np.testing.assert_allclose([ends[0] for ends, _ in jumps], np.arange(1, 4) / 3.5)
     assert np.all(np.diff(x_) >= 0)
+
+
+def test_a_curve_that_turns_by_a_jump_is_open_there(bundle):
+    P = np.linspace(0.0, SUPPLY, 101)
+    strains = {"1 + 4": free_strain_curve(bundle, 2, P, SUPPLY)}
+    strains["free"] = free_strain_curve(bundle, 1, P, SUPPLY)
+    turn = reversal(bundle, 2, SUPPLY)
+    ax = plot.free_strain(P, strains, "P₂", {"1 + 4": turn}).axes[0]
+    line, whole, jump = ax.get_lines()
+    assert np.isnan(line.get_ydata()).sum() == 1 and np.isfinite(whole.get_ydata()).all()
+    assert jump.get_linestyle() == ":" and np.ptp(jump.get_ydata()) > 0.03
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == list(strains)

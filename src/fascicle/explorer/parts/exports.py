@@ -125,7 +125,7 @@ def reversal(view: View) -> Export:
     imports = (
         "import numpy as np\n\n"
         "from fascicle import Bundle, MotorUnit, plot\n"
-        "from fascicle.bundle.reversal import free_strain_curve\n"
+        "from fascicle.bundle.reversal import free_strain_curve, reversal\n"
         "from fascicle.files import loads\n"
         "from fascicle.results.labelled import Variable, write\n"
     )
@@ -146,10 +146,12 @@ variables = {{"pressure": Variable(("pressure",), pressure, "Pa")}}
 for name, values in strains.items():
     variables[name] = Variable(("pressure",), values, "-")
 write(variables, "reversal.csv")
-plot.free_strain(pressure, strains, "P₂").savefig("reversal.svg")
+turns = {{name: reversal(one) for name, one in bundles.items()}}
+plot.free_strain(pressure, strains, "P₂", turns).savefig("reversal.svg")
 """
     )
-    return Export("reversal", variables, lambda: plot.free_strain(P, strains, "P₂"), python)
+    turns = {one.name: one.turn for one in found}
+    return Export("reversal", variables, lambda: plot.free_strain(P, strains, "P₂", turns), python)
 
 
 def efficiency(view: View) -> Export:
