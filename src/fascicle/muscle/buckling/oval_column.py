@@ -18,7 +18,7 @@ from the same equations.
 **Resolved** are layers of ovality some $1/40$ of the length thick. **Source:** derived here.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import jax
@@ -26,6 +26,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...core.arrays import library, nodes, over, total, where
+from ...core.dual import Dual
 from ...core.roots import still
 from ...core.types import Batch
 
@@ -37,6 +38,12 @@ _STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch place 
 _DONE = 1e-9  # of the largest number of a state
 _HARD = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
 _LONGEST = 0.25  # of a slope, in a step
+# columns that are followed; more are interpolated between these, which leaves some 1e-6 of a state,
+# and corrected, each time to a tenth of the error or less. Twice as many take twice as long
+_FOLLOWED = 24
+_TOGETHER = 48
+_CORRECTIONS = 6  # at most: where walls touch in other places than a neighbor's do, none converges
+_CORRECTED = 0.1  # of a correction is left
 
 
 class Oval(NamedTuple):
@@ -94,12 +101,14 @@ def states(oval: Oval) -> States:
     shape = np.broadcast_shapes(*(np.shape(x) for x in here))
     numbers = [at_work.broadcast_to(at_work.asarray(x, dtype=float), shape) for x in here]
     P = at_work.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
-    x, by = _followed(at_work, P)
     w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
-    if at_work is jnp:
+    if at_work is np:
+        x = _solved(P.tobytes()).reshape(_NODES - 1, *shape, -1)
+    else:
+        x, _ = _follow(jnp, P)
         P = jnp.stack([jnp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
         for _ in range(2):  # each doubles the order to which derivatives are right
-            value, slopes = _residual(jnp, P, x, w)
+            value, slopes = _gradient(jnp, P, x, w), _jacobian(jnp, P, x)
             x = x - jnp.linalg.solve(slopes, value[..., None])[..., 0]
     rows = _kept(at_work, x, w)
     # the straight column: Euler's load, and bows that grow as the root of w
@@ -111,6 +120,9 @@ def states(oval: Oval) -> States:
     sines = at_work.moveaxis(rows[..., 3:], -1, 1)
     if at_work is jnp:
         return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
+    if not any(isinstance(number, Dual) for number in oval):
+        return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
+    by = np.stack([_tangents(np, P, state) for state in x])  # one node's Jacobians are large
     slopes = _moved(x, by, w)
     slopes = np.concatenate([np.zeros((1, *slopes.shape[1:])), slopes])
     # each number moves with what it depends on, to first order
@@ -123,7 +135,71 @@ def states(oval: Oval) -> States:
     return States(of(0), of(1), of(2), sines)
 
 
-def _followed(at_work: Any, P: Any) -> tuple[Any, Any]:
+@lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again
+def _solved(numbers: bytes) -> np.ndarray:
+    """States at all nodes but the first, of many columns on the second axis; `numbers`: the four
+    of each column, as bytes.
+
+    Some columns, evenly spread along the line of all, are followed from node to node; the others
+    are found between them.
+    """
+    P = np.frombuffer(numbers).reshape(-1, 4, 1)
+    order = np.argsort(P[:, 0, 0], kind="stable")
+    P = P[order]
+    steps = np.linalg.norm(np.diff(np.log(P[..., 0]), axis=0), axis=-1)
+    place = np.append(0.0, np.cumsum(steps))
+    even = np.searchsorted(place, np.linspace(0.0, place[-1], _FOLLOWED)[:-1])
+    some = np.unique(np.append(even, len(P) - 1)) if len(P) > _FOLLOWED else np.arange(len(P))
+    x, by = _follow(np, P[some])
+    if len(some) < len(P):
+        with np.errstate(all="ignore"):  # of corrections that diverge, after which Newton's begins
+            x = _fill(P, place, some, x, by)
+    x = x[:, np.argsort(order, kind="stable")]
+    x.setflags(write=False)  # it is cached
+    return x
+
+
+def _fill(
+    P: np.ndarray, place: np.ndarray, some: np.ndarray, x: np.ndarray, by: np.ndarray
+) -> np.ndarray:
+    """States of all columns, at their `place` on a line, from the states `x` of `some` of them and
+    their slopes `by`: by cubics along the straight line between the numbers of two neighbors, and
+    off it by slopes; then corrected with the inverse Jacobian of the nearer neighbor.
+    """
+    numbers, every = P[..., 0], np.arange(len(P))
+    left = np.minimum(np.searchsorted(some, every, "right"), len(some) - 1) - 1
+    along, length = np.diff(numbers[some], axis=0), np.diff(place[some])[left]
+    u = ((place - place[some][left]) / np.where(length > 0, length, 1.0))[:, None]
+    near = left + (u[:, 0] > 0.5)
+    off = numbers - numbers[some][left] - u * along[left]
+    weights = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2, u**2 * (3 - 2 * u), u**2 * (u - 1)
+    # products this small are done by one thread, sooner than by several
+    edges = (np.diff(near) > 0) | (every[1:] % _TOGETHER == 0)
+    groups = np.split(every, np.flatnonzero(edges) + 1)
+    rows, error = [], np.zeros((2, len(P), x.shape[-1]))
+    for x_w, by_w, w in zip(x, by[..., :4], shortenings()[1:], strict=True):
+        first, last = ((slope @ along[..., None])[..., 0] for slope in (by_w[:-1], by_w[1:]))
+        ends = x_w[left], first[left], x_w[left + 1], last[left]
+        guess = sum(weight * end for weight, end in zip(weights, ends, strict=True))
+        guess = guess + (by_w[near] @ off[..., None])[..., 0]
+        found = guess + 2 * error[0] - error[1]  # cubics err alike from node to node
+        inverse = np.linalg.inv(_jacobian(np, P[some], x_w))
+        for group in groups:
+            rest = group
+            for _ in range(_CORRECTIONS):
+                move = _gradient(np, P[rest], found[rest], w) @ inverse[near[group[0]]].T
+                found[rest] -= move
+                rest = rest[_moves(np, _CORRECTED * move, found[rest])[:, 0]]
+                if not len(rest):
+                    break
+            else:
+                found[rest], _ = _newton(np, P[rest], guess[rest], w)
+        rows.append(found)
+        error = np.stack([found - guess, error[0]])
+    return np.stack(rows)
+
+
+def _follow(at_work: Any, P: Any) -> tuple[Any, Any]:
     """The states at all nodes but the first, and how they move with the four numbers of `P` and
     with the shortening.
     """
@@ -146,28 +222,43 @@ def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
     """The state at a shortening `w` from one nearby, moved on to the next; itself, and how it
     moves.
     """
-
-    def step(x: Any) -> Any:
-        value, slopes = _residual(at_work, P, x, w)
-        move = at_work.linalg.solve(slopes, value[..., None])[..., 0]
-        long = at_work.max(at_work.abs(move[..., :_SINES]), axis=-1, keepdims=True)
-        return x - move * at_work.minimum(1.0, _LONGEST / at_work.maximum(long, 1e-300))
-
-    def on(state: Any) -> Any:
-        i, x, before = state
-        moving = at_work.abs(x - before) >= _DONE * at_work.max(at_work.abs(x), -1, keepdims=True)
-        return (i < _STEPS) & at_work.any(moving)
-
-    state = (1, step(x), x)
-    if at_work is jnp:
-        x = jax.lax.while_loop(on, lambda state: (state[0] + 1, step(state[1]), state[1]), state)[1]
-    else:
-        while on(state):
-            state = (state[0] + 1, step(state[1]), state[1])
-        x = state[1]
-    _, slopes = _residual(at_work, P, x, w)
+    x, slopes = _newton(at_work, P, x, w)
     by = at_work.linalg.solve(slopes, _by_numbers(at_work, P, x))
     return x + by[..., -1] * STEP, (x, by)
+
+
+def _tangents(at_work: Any, P: Any, x: Any) -> Any:
+    """How a state moves with the four numbers and with the shortening, on the last axis."""
+    return at_work.linalg.solve(_jacobian(at_work, P, x), _by_numbers(at_work, P, x))
+
+
+def _moves(at_work: Any, move: Any, x: Any) -> Any:
+    """Whether a `move` is no rounding of a state `x` yet."""
+    size = at_work.max(at_work.abs(x), axis=-1, keepdims=True)
+    return ~at_work.all(at_work.abs(move) < _DONE * size, axis=-1, keepdims=True)  # NaN moves
+
+
+def _newton(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
+    """The state at a shortening `w`, by Newton's method from one nearby; and the Jacobian."""
+
+    def step(i: Any, x: Any) -> Any:
+        slopes = _jacobian(at_work, P, x)
+        move = at_work.linalg.solve(slopes, _gradient(at_work, P, x, w)[..., None])[..., 0]
+        long = at_work.max(at_work.abs(move[..., :_SINES]), axis=-1, keepdims=True)
+        short = move * at_work.minimum(1.0, _LONGEST / at_work.maximum(long, 1e-300))
+        return i + 1, x - short, short, slopes
+
+    def on(state: Any) -> Any:
+        i, x, move, _ = state
+        return (i < _STEPS) & at_work.any(_moves(at_work, move, x))
+
+    state = step(0, x)
+    if at_work is jnp:
+        state = jax.lax.while_loop(on, lambda state: step(*state[:2]), state)
+    else:
+        while on(state):
+            state = step(*state[:2])
+    return state[1], state[3]
 
 
 def _kept(at_work: Any, x: Any, w: Any) -> Any:
@@ -194,36 +285,63 @@ def _moved(x: Any, by: Any, w: Any) -> Any:
     ], axis=-2)  # fmt: skip
 
 
-def _residual(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
-    """The gradient of (O1) for half the column, with its multiplier, and the gradient's slopes."""
+class _Section(NamedTuple):
+    """A state at the points: slope, curvature, ovality, how soft that makes the section and its
+    slope, and how far touching walls have sunk.
+    """
+
+    theta: Any
+    kappa: Any
+    oval: Any
+    soft: Any
+    soft_slope: Any
+    sunk: Any
+
+
+def _section(at_work: Any, P: Any, x: Any) -> _Section:
     b = _basis()
-    h, alpha, beta, gamma, touch = b.weight, *(P[..., i, :] for i in range(4))
-    t, z, load = x[..., :_SINES], x[..., _SINES:-1], x[..., -1:]
-    theta, kappa, oval = t @ b.S.T, t @ b.S1.T, z @ b.Z.T
-    soft, soft1 = 1 - 1.5 * oval + 0.625 * oval**2, -1.5 + 1.25 * oval
-    sunk, hard = at_work.maximum(oval - touch, 0.0), _HARD * alpha
-    sine = h * at_work.sin(theta) @ b.S
-    stiff = 2 * h * (beta[..., None] * (b.Z1.T @ b.Z1) + gamma[..., None] * (b.Z2.T @ b.Z2))
-    pressed = 0.5 * kappa**2 * soft1 + 2 * alpha * oval + 2 * hard * sunk
-    value = at_work.concatenate([
-        h * (soft * kappa) @ b.S1 + load * sine,
-        h * pressed @ b.Z + (stiff @ z[..., None])[..., 0],
-        (1 - w) / 2 - h * at_work.sum(at_work.cos(theta), axis=-1, keepdims=True),
+    t, z = x[..., :_SINES], x[..., _SINES:-1]
+    oval = z @ b.Z.T
+    return _Section(
+        t @ b.S.T, t @ b.S1.T, oval, 1 - 1.5 * oval + 0.625 * oval**2, -1.5 + 1.25 * oval,
+        at_work.maximum(oval - P[..., 3, :], 0.0),
+    )  # fmt: skip
+
+
+def _gradient(at_work: Any, P: Any, x: Any, w: Any) -> Any:
+    """The gradient of (O1) for half the column, with its multiplier."""
+    b, here = _basis(), _section(at_work, P, x)
+    h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
+    z, load = x[..., _SINES:-1], x[..., -1:]
+    squashing = 0.5 * here.kappa**2 * here.soft_slope
+    pressed = squashing + 2 * alpha * (here.oval + _HARD * here.sunk)
+    return at_work.concatenate([
+        h * ((here.soft * here.kappa) @ b.S1 + load * (at_work.sin(here.theta) @ b.S)),
+        h * (pressed @ b.Z + 2 * (beta * (z @ b.Z1.T) @ b.Z1 + gamma * (z @ b.Z2.T) @ b.Z2)),
+        (1 - w) / 2 - h * at_work.sum(at_work.cos(here.theta), axis=-1, keepdims=True),
     ], axis=-1)  # fmt: skip
-    cos, cross = load * at_work.cos(theta), soft1 * kappa
-    tt = h * (b.S1.T @ (soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
+
+
+def _jacobian(at_work: Any, P: Any, x: Any) -> Any:
+    """The slopes of the gradient."""
+    b, here = _basis(), _section(at_work, P, x)
+    h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
+    load = x[..., -1:]
+    sine = h * at_work.sin(here.theta) @ b.S
+    stiff = 2 * h * (beta[..., None] * (b.Z1.T @ b.Z1) + gamma[..., None] * (b.Z2.T @ b.Z2))
+    cos, cross = load * at_work.cos(here.theta), here.soft_slope * here.kappa
+    tt = h * (b.S1.T @ (here.soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
     tz = h * b.S1.T @ (cross[..., None] * b.Z)
-    own = 0.625 * kappa**2 + 2 * alpha + 2 * hard * (sunk > 0)
+    own = 0.625 * here.kappa**2 + 2 * alpha * (1 + _HARD * (here.sunk > 0))
     zz = h * b.Z.T @ (own[..., None] * b.Z) + stiff
     none = at_work.zeros((*x.shape[:-1], _COSINES, 1))
     last, corner = sine[..., None], at_work.zeros((*x.shape[:-1], 1, 1))
     flip = at_work.swapaxes
-    slopes = at_work.concatenate([
+    return at_work.concatenate([
         at_work.concatenate([tt, tz, last], axis=-1),
         at_work.concatenate([flip(tz, -1, -2), zz, none], axis=-1),
         at_work.concatenate([flip(last, -1, -2), flip(none, -1, -2), corner], axis=-1),
     ], axis=-2)  # fmt: skip
-    return value, slopes
 
 
 def _by_numbers(at_work: Any, P: Any, x: Any) -> Any:
