@@ -19,6 +19,7 @@ each one's is, and the bundle is told the distance at rest.
 
 import math
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -40,8 +41,7 @@ from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.written import is_written
 from ..muscle import Muscle
-from ..muscle.entry import EXTENSION_WARNED, lowest_of, lowest_strain
-from ..muscle.entry import checked as checked_point
+from ..muscle.entry import EXTENSION_WARNED, above, lowest_of, lowest_strain
 from .alike import stacked
 from .at import pressurized
 from .lanes import batch, laned
@@ -262,11 +262,6 @@ class Bundle(Module):
         """
         return renewed(self, changes, length=self.plate_distance)
 
-    @kept
-    def _lowest(self) -> float:
-        """Strain [-] at which the fibers of a first muscle are straight."""
-        return max(lowest_strain(*lowest_of(unit.muscle)) for unit in self.motor_units)
-
     def _strain(self, strain: Values) -> Batch:
         single = isinstance(strain, float) and self.plate_distance is None
         if single and -EXTENSION_WARNED <= strain <= LARGEST_STRAIN:
@@ -276,8 +271,7 @@ class Bundle(Module):
             return within_reach(strain, self.plate_distance, muscles)
         # a muscle that stands for several units needn't be asked again
         once = {id(muscle): muscle for muscle in muscles}.values()
-        checked = [checked_point(muscle, 0.0, strain)[1] for muscle in once]
-        return checked[0]
+        return above(strain, reduce(np.maximum, [lowest_strain(*lowest_of(m)) for m in once]))
 
     def _pressures(self, pressures: Values) -> PerUnit:
         P, n = _pressure(pressures), len(self.motor_units)

@@ -20,7 +20,9 @@ from ..core.checks import as_given, concrete, within
 from ..core.domain import LARGEST_STRAIN
 from ..core.limits import size
 from ..core.refused import Refused
+from ..core.shapes import common
 from ..core.types import Batch, Values
+from ..core.written import in_si
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain, warn_extension
 
@@ -78,13 +80,17 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
     """
     if not concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return jnp.asarray(strain, dtype=float)
-    low, high = -np.inf, np.inf
+    low: Batch = np.float64(-np.inf)
+    high: Batch = np.float64(np.inf)
     for muscle in muscles:
         ratio = np.asarray(length / muscle.length)
         straight = lowest_strain(*lowest_of(muscle))
-        low = max(low, float(np.max(plate_strain(ratio, straight))))
-        high = min(high, float(np.min(plate_strain(ratio, LARGEST_STRAIN))))
+        low = np.maximum(low, plate_strain(ratio, straight))
+        high = np.minimum(high, plate_strain(ratio, LARGEST_STRAIN))
     why = "(every muscle in its domain, seen from the plates)"
+    if np.ndim(low):
+        strain = in_si(strain, "strain", "-")
+        common(muscles=np.shape(low), strain=np.shape(strain))
     checked = within(strain, low, high, "strain", "-", why, (False, True))
     warn_extension(checked, low)
     return as_given(strain, checked)

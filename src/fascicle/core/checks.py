@@ -21,8 +21,8 @@ from .written import in_si
 
 def within(
     value: Values,
-    low: float,
-    high: float,
+    low: Batch,
+    high: Batch,
     name: str,
     unit: str,
     why: str = "",
@@ -31,10 +31,12 @@ def within(
 ) -> Batch:
     """Return `value` as floats, NumPy's, refusing anything outside the interval.
 
-    The interval is open unless `closed` says otherwise for its low or high end. `why`
-    completes the rule in words: "to contract"; `remedy` says what to do.
+    The interval is open unless `closed` says otherwise for its low or high end. Ends may be
+    arrays, which broadcast against the value. `why` completes the rule in words: "to
+    contract"; `remedy` says what to do.
     """
-    if type(value) in FLOATS and low < value < high:
+    single = type(value) in FLOATS and type(low) is not np.ndarray
+    if single and type(high) is not np.ndarray and low < value < high:
         return np.float64(value + 0.0)  # a single good one, soon
     value = in_si(value, name, unit)
     if not concrete(value):
@@ -45,10 +47,10 @@ def within(
     below = (x <= high) if closed[1] else (x < high)
     good = above & below
     if not np.all(good):
+        bad, low, high = (float(np.broadcast_to(x, good.shape)[~good][0]) for x in (x, low, high))
         ends = f"{_number(low)}, {_number(high)}"
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
         rule = " ".join(part for part in (interval, _shown(unit), why) if part)
-        bad = float(x[~good].flat[0])
         raise Refused(name, f"must lie in {rule}", bad, remedy, shown=_amount(bad, unit))
     return x[()]
 

@@ -69,6 +69,9 @@ FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
 _OURS = ("fascicle", "jaxtyping")  # the latter stands between where tests check annotations
 _said_to_be_faint: list[float] = []
 _BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
+# length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
+# pass through such sizes, and every law is finite there
+_DISK = 2.0
 _said_to_be_stubby: list[float] = []
 
 
@@ -167,25 +170,52 @@ def _within(value: Values, known: Range, name: str) -> None:
 
 
 def slender(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a muscle shorter than it is wide, whose ends are all of it: the laws leave them out;
-    and, once, of one that is no beam; `length` and `outer_radius` [m].
+    """Warn of a muscle shorter than it is wide, and, once, of one that is no beam; `length` and
+    `outer_radius` [m].
     """
-    if not concrete(length, outer_radius):
-        return
-    ratio = float(np.min(np.asarray(length) / np.asarray(outer_radius)))
-    if ratio < 2:
-        warnings.warn(
-            f"`length` is {ratio:.3g} times `outer_radius`: a muscle shorter than it is wide is"
-            " unusual, and the laws leave its ends out.",
-            stacklevel=3,
-        )
-    elif ratio < _BEAM and not _said_to_be_stubby:
+    message, ratio = _proportions(length, outer_radius)
+    if ratio < _DISK:
+        warn_user(message)
+    elif message and not _said_to_be_stubby:
         _said_to_be_stubby.append(ratio)
-        warnings.warn(
-            f"`length` is {ratio:.3g} times `outer_radius`: below {_BEAM:g} a muscle is no beam,"
-            " and what is said of it past its free strain is a guess. This is said once.",
-            stacklevel=3,
-        )
+        warn_user(f"{message} This is said once.")
+
+
+def proportions_message(length: Batch, outer_radius: Batch) -> str:
+    """Warning of a muscle that is too short for its radius; empty where there is nothing to say.
+
+    **Arguments:**
+
+    - `length`: at rest [m].
+    - `outer_radius`: of the braid [m]; broadcasts against `length`.
+
+    **Returns:** one sentence or two [-].
+    """
+    return _proportions(length, outer_radius)[0]
+
+
+def _proportions(length: Batch, outer_radius: Batch) -> tuple[str, float]:
+    """The message [-], and the least length over radius [-]."""
+    if not concrete(length, outer_radius):
+        return "", math.inf
+    lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))
+    worst = np.argmin(lengths / radii)
+    ratio = lengths.flat[worst] / radii.flat[worst]
+    if not ratio < _BEAM:
+        return "", ratio
+    what = (
+        f"`length` {lengths.flat[worst]:g} m is {ratio:.3g} times `outer_radius`"
+        f" {radii.flat[worst]:g} m:"
+    )
+    if ratio < _DISK:
+        return (
+            f"{what} a muscle shorter than it is wide is unusual, and the laws leave its ends out."
+            " Check both units."
+        ), ratio
+    return (
+        f"{what} below {_BEAM:g} a muscle is no beam, and what is said of it past its free strain"
+        " is a guess."
+    ), ratio
 
 
 def _interval(low: float, high: float, unit: str) -> str:

@@ -55,7 +55,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "counts": [int(unit.count) for unit in units],
         "ratios": ratios,
         "lowest": max(
-            1 - (1 - lowest_strain(*lowest_of(muscle))) / ratio
+            1 - (1 - float(lowest_strain(*lowest_of(muscle)))) / ratio
             for muscle, ratio in zip(muscles, ratios, strict=True)
         ),
         "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),

@@ -32,15 +32,14 @@ _STRAIGHT = 1e-9
 EXTENSION_WARNED = 0.02
 
 
-def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> float:
+def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
     traced one. Fibers that are straight within rounding have no radius left, and no finite force.
     `stretch`: the bladder's strain over the ends' [-].
     """
     if not concrete(braid_angle, stretch):
         return -np.inf
-    straight = (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch)
-    return float(np.max(straight)) + _STRAIGHT
+    return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch) + _STRAIGHT
 
 
 def lowest_of(muscle: Any) -> tuple[Batch, Batch]:
@@ -105,25 +104,35 @@ def strained(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     """A strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: its own strain
     over the ends' [-]. Warns of an extension.
     """
-    low, why = lowest_strain(braid_angle, stretch), "(fibers straight at the lower end)"
+    return above(value, lowest_strain(braid_angle, stretch))
+
+
+def above(value: Values, low: Batch) -> Batch:
+    """A strain [-] above the `low` one at which fibers are straight [-]. Warns of an extension."""
+    why = "(fibers straight at the lower end)"
+    if np.ndim(low):
+        value = in_si(value, "strain", "-")
+        common(muscles=np.shape(low), strain=np.shape(value))
     strain = within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
     warn_extension(strain, low)
     return as_given(value, strain)
 
 
-def extension_message(strain: Batch, straight: float) -> str:
+def extension_message(strain: Batch, straight: Batch) -> str:
     """Warning of an extension past 2 % [-]; empty where there is none.
 
     **Arguments:**
 
     - `strain`: contraction, as it was given [-].
-    - `straight`: strain at which the first fibers are straight [-].
+    - `straight`: strain at which fibers are straight [-]; broadcasts against `strain`.
 
     **Returns:** one sentence or two [-].
     """
     if not concrete(strain) or not np.size(strain):
         return ""
-    least = float(np.min(np.asarray(strain)))
+    every, straight = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
+    worst = np.argmin(every)
+    least, straight = every.flat[worst], straight.flat[worst]
     if not least < -EXTENSION_WARNED:
         return ""
     return (
@@ -133,7 +142,7 @@ def extension_message(strain: Batch, straight: float) -> str:
     )
 
 
-def warn_extension(strain: Batch, straight: float) -> None:
+def warn_extension(strain: Batch, straight: Batch) -> None:
     """Warn of a `strain` [-] past 2 % of extension; fibers are `straight` at that strain [-]."""
     if message := extension_message(strain, straight):
         warn_user(message)

@@ -357,10 +357,10 @@ def _shape(shape: tuple[int, int]) -> tuple[int, int]:
 def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Even strains [-] from end to end, zero among them."""
     if ends is None:
-        low = _STRETCHED * lowest_strain(*lowest_of(muscle))
+        low = _STRETCHED * float(lowest_strain(*lowest_of(muscle)))
         high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
     else:
-        least = lowest_strain(*lowest_of(muscle))
+        least = float(lowest_strain(*lowest_of(muscle)))
         low, high = (
             within(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True)) for end in ends
         )
@@ -369,5 +369,5 @@ def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np
     below = max(1, round(-low / (high - low) * (count - 1)))
     step = max(high / (count - 1 - below), -low / below)
     # a step that reaches past both ends still has to stop before the fibers are straight
-    step = min(step, -lowest_strain(*lowest_of(muscle)) / below)
+    step = min(step, -float(lowest_strain(*lowest_of(muscle))) / below)
     return step * (np.arange(count) - below)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
+from fascicle.core.limits import proportions_message
 from fascicle.muscle.laws import LAWS
 
 
@@ -18,6 +19,9 @@ UNEQUAL = fs.Bundle(
     length=0.18,
 )
 
+# unlike braid angles
+ROWS = fs.Muscle.from_dimensions(0.18, 5e-3, 1e-3, np.radians([25.0, 40.0]))
+
 CALLS = {
     "force": lambda strain: MUSCLE.force(2e5, strain),
     "response": lambda strain: MUSCLE.response(2e5, strain),
@@ -26,6 +30,10 @@ CALLS = {
     "at": lambda strain: MUSCLE.at(2e5).force(strain),
     "bundle": lambda strain: BUNDLE.force([2e5, 0.0], strain),
     "bundle of unequal lengths": lambda strain: UNEQUAL.force([2e5, 0.0], strain),
+    "bundle of unequal angles": lambda strain: fs.Bundle(
+        [fs.MotorUnit(MUSCLE), fs.MotorUnit(MUSCLE.replace(braid_angle=0.6))], supply_pressure=4e5
+    ).force([2e5, 0.0], strain),
+    "rows": lambda strain: ROWS.force(2e5, strain),
 }
 
 
@@ -61,3 +69,53 @@ def test_subnormal_pressures_have_finite_forces(kind, name):
     for quantity in (muscle.force, muscle.stiffness, muscle.moment, muscle.deflection):
         assert np.all(np.isfinite(quantity(pressures, strains)))
     assert np.all(np.isfinite(muscle.free_strain(pressures)))
+
+
+# -0.2 is within reach of 40 deg (-0.305), and not of 25 deg (-0.103)
+ROW_CALLS = {
+    "force": (ROWS.force, lambda muscle: muscle.force),
+    "stiffness": (ROWS.stiffness, lambda muscle: muscle.stiffness),
+    "volume": (lambda _, eps: ROWS.volume(eps), lambda m: lambda _, eps: m.volume(eps)),
+    "at": (lambda P, eps: ROWS.at(P).force(eps), lambda m: lambda P, eps: m.at(P).force(eps)),
+    "bundle": (
+        lambda P, eps: fs.Bundle([fs.MotorUnit(ROWS)], supply_pressure=4e5).force([P], eps),
+        lambda m: m.force,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROW_CALLS)
+@pytest.mark.filterwarnings("ignore")
+def test_each_row_of_muscles_has_its_own_domain(name):
+    rows, of = ROW_CALLS[name]
+    expected = [
+        of(MUSCLE)(2e5, 0.1), of(MUSCLE.replace(braid_angle=math.radians(40)))(2e5, -0.2)
+    ]  # fmt: skip
+    np.testing.assert_allclose(rows(2e5, np.array([0.1, -0.2])), expected, rtol=1e-12)
+    with pytest.raises(fs.Refused, match=r"\(-0\.103378, 0\.6\].*got -0\.15"):
+        rows(2e5, np.array([-0.15, -0.2]))
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_rows_between_plates_have_their_own_domains():
+    rows = fs.Bundle([fs.MotorUnit(ROWS)], supply_pressure=4e5, length=0.182)
+    steep = fs.Bundle(
+        [fs.MotorUnit(MUSCLE.replace(braid_angle=math.radians(40)))],
+        supply_pressure=4e5, length=0.182,
+    )  # fmt: skip
+    assert rows.force([2e5], np.array([0.1, -0.2]))[1] == pytest.approx(steep.force([2e5], -0.2))
+    with pytest.raises(fs.Refused):
+        rows.force([2e5], np.array([-0.15, -0.2]))
+
+
+@pytest.mark.parametrize("shape", [(3,), (3, 1, 3)])
+def test_strains_that_fit_no_rows_are_refused_by_their_shapes(shape):
+    with pytest.raises(fs.Refused, match="broadcast"):
+        ROWS.force(2e5, np.full(shape, 0.1))
+
+
+def test_a_radius_beyond_the_length_warns_with_both():
+    with pytest.warns(UserWarning, match=r"`length` 0\.127 m is .* `outer_radius` 0\.14 m"):
+        fs.Muscle.from_dimensions(0.127, 0.14, 1e-3, math.radians(33))
+    assert proportions_message(0.127, 0.14)
+    assert not proportions_message(0.127, 6.35e-3)
