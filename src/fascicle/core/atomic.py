@@ -92,7 +92,7 @@ def open_draft(target: Path) -> Iterator[Path]:
 
     **Returns:** the path in it, of the target's name [-].
     """
-    _remove_abandoned(target.parent)
+    remove_abandoned(target.parent)
     folder, lock = _locked_folder(target.parent)
     try:
         yield folder / target.name
@@ -129,6 +129,37 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
     return target
 
 
+def remove_abandoned(parent: Path) -> None:
+    """Remove the draft folders of writers that were killed: nobody holds their lock.
+
+    **Arguments:** `parent`: the folder that they are in [-].
+    """
+    with contextlib.suppress(OSError):
+        for folder in list(parent.glob(f"{_DRAFT}*{_DRAFT_END}")):
+            with contextlib.suppress(OSError):
+                lock = _lock(folder, wait=False)
+                if lock is None:
+                    continue
+                try:
+                    for former in (folder / _FORMER).glob("*"):
+                        if not (parent / former.name).exists():
+                            former.replace(parent / former.name)
+                    shutil.rmtree(folder, ignore_errors=True)
+                finally:
+                    os.close(lock)
+
+
+def holds_drafts_only(folder: Path) -> bool:
+    """Whether a folder is empty but for what killed writers may have left.
+
+    **Arguments:** `folder`: it [-].
+
+    **Returns:** whether it is [-].
+    """
+    names = [entry.name for entry in folder.iterdir()]
+    return all(name.startswith(_DRAFT) and name.endswith(_DRAFT_END) for name in names)
+
+
 def _reason(target: Path, folder: bool) -> str:
     """Why nothing can be written at `target`; empty if it may be."""
     if target.is_symlink():  # links were followed: this one leads to itself
@@ -151,7 +182,7 @@ def _replace_folder(draft: Path, target: Path) -> None:
     if _exchange(draft, target):
         return
     # where folders can't be exchanged in one step, the former one steps aside first; of a run that
-    # is killed here, `_remove_abandoned` puts it back
+    # is killed here, `remove_abandoned` puts it back
     former = draft.parent / _FORMER
     former.mkdir()
     target.replace(former / target.name)
@@ -196,20 +227,3 @@ def _lock(folder: Path, wait: bool) -> int | None:
         os.close(handle)
         return None
     return handle
-
-
-def _remove_abandoned(parent: Path) -> None:
-    """Remove the draft folders of writers that were killed: nobody holds their lock."""
-    with contextlib.suppress(OSError):
-        for folder in list(parent.glob(f"{_DRAFT}*{_DRAFT_END}")):
-            with contextlib.suppress(OSError):
-                lock = _lock(folder, wait=False)
-                if lock is None:
-                    continue
-                try:
-                    for former in (folder / _FORMER).glob("*"):
-                        if not (parent / former.name).exists():
-                            former.replace(parent / former.name)
-                    shutil.rmtree(folder, ignore_errors=True)
-                finally:
-                    os.close(lock)

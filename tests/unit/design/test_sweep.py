@@ -190,7 +190,7 @@ def test_chunks_are_on_the_disk_before_the_journal_tells_of_them(study, tmp_path
     monkeypatch.setattr(os, "fsync", watched)
     if not Path("/proc/self/fd").exists():
         pytest.skip("needs /proc")
-    store = Store.created(tmp_path / "one", study)
+    store = Store.begin(tmp_path / "one", study)
     done = run_block(study, str(store.folder), 1)
     store.finish(1, done.digest)
     for name in study.names:
@@ -280,7 +280,7 @@ def test_killed_workers(muscle, task, tmp_path):
 
 
 def test_a_block_tells_what_it_took(study, tmp_path):
-    Store.created(tmp_path / "one", study)
+    Store.begin(tmp_path / "one", study)
     done = run_block(study, str(tmp_path / "one"), 3)
     assert done.block == 3 and done.process == os.getpid() and done.memory > 2**20
 

@@ -81,7 +81,7 @@ def sweep(
     **Raises:** `ValueError` for a folder that holds something else; `OSError` where a block
     can't be written; `ConnectionError` where the scheduler or all workers are lost.
     """
-    store = (Store.opened if resume else Store.created)(folder, study)
+    store = Store.begin(folder, study, resume)
     finished = store.finished() if resume else set()
     left = [block for block in range(study.blocks) if block not in finished]
     begun, designs, done = time.perf_counter(), 0, len(finished)

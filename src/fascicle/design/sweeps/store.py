@@ -1,19 +1,19 @@
 """Where a sweep's results are kept: a folder that a sweep can be stopped in at any time.
 
 - `designs.zarr`: an array for each objective, cut into chunks that are the study's blocks;
-- `manifest.json`: which study this is;
+- `manifest.json`: which study this is; the first file of all;
 - `finished.jsonl`: a line for each block that is wholly written, with a digest of its bits.
 
 Blocks are written by whoever computed them, and are on the disk before they are reported; lines
-are written by the one who handed them out. A block without a line, or one that doesn't read back
-to the bits of its line, counts as not done: whatever is left there is written over. What describes
-the arrays follows from the study, and is written anew where it is broken.
+are written by the one who handed them out. Every other file is moved to its place whole. A block
+without a line, or one that doesn't read back to the bits of its line, counts as not done: whatever
+is left there is written over. What describes the arrays follows from the study, and is written anew
+where it is broken.
 """
 
 import contextlib
 import json
 import os
-import secrets
 import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.atomic import holds_drafts_only, remove_abandoned, write
 from ..judge.judging import Values
 from ..judge.objectives import OBJECTIVES
 from ..searches.study import Study, bits
@@ -39,7 +40,7 @@ class Store:
     def __init__(self, folder: Path, study: Study):
         """**Arguments:**
 
-        - `folder`: where they are [-]; `created` or `opened` has seen to it.
+        - `folder`: where they are [-]; `begin` has seen to it.
         - `study`: whose they are [-].
         """
         self.folder, self.study = folder, study
@@ -47,6 +48,9 @@ class Store:
     @classmethod
     def check(cls, folder: Path, study: Study, resume: bool) -> None:
         """Refuse a folder that a study can't go into.
+
+        A run that was killed before its manifest was there leaves an empty folder, or hidden drafts
+        in it: then there is nothing to lose, and the sweep begins.
 
         **Arguments:**
 
@@ -56,18 +60,16 @@ class Store:
 
         **Raises:** `ValueError` where there are none to resume, another study's, or any other.
         """
-        there = (folder / MANIFEST).exists() or (folder / DATA / _META).exists()
-        told = _told(folder)
-        same = told.get("study") == study.digest
-        if resume and not there:
-            raise ValueError(f"{folder}: holds no sweep to resume: leave --resume out.")
-        if resume and not told:
-            raise ValueError(
-                f"{folder}: {MANIFEST} can't be read, nor {DATA}/{_META}, so nothing tells whose"
-                " results these are; nothing was changed. Name a new folder."
-            )
-        if resume and not same:
-            began = told.get("fascicle", _VERSION)
+        about = _read_about(folder)
+        if about.get("study") == study.digest:
+            if not resume:
+                raise ValueError(f"{folder}: holds a sweep already; --resume goes on with it.")
+        elif about:
+            if not resume:
+                raise ValueError(
+                    f"{folder}: holds a sweep already; another study's: name a new folder."
+                )
+            began = about.get("fascicle", _VERSION)
             goes_on = "sweep with the file that began it"
             if began != _VERSION:
                 goes_on = f"go on with fascicle {began}, which began it (this is {_VERSION})"
@@ -75,48 +77,37 @@ class Store:
                 f"{folder}: holds another study's results; nothing was changed. Name another"
                 f" folder, or {goes_on}."
             )
-        if there and not resume:
-            hint = "--resume goes on with it" if same else "another study's: name a new folder"
-            raise ValueError(f"{folder}: holds a sweep already; {hint}.")
-        if not there and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        elif (folder / MANIFEST).exists() or (folder / DATA / _META).exists():
+            raise ValueError(
+                f"{folder}: {MANIFEST} can't be read, nor {DATA}/{_META}, so nothing tells whose"
+                " results these are; nothing was changed. Name a new folder."
+            )
+        elif resume and not (folder.is_dir() and holds_drafts_only(folder)):
+            raise ValueError(f"{folder}: holds no sweep to resume: leave --resume out.")
+        elif folder.exists() and not (folder.is_dir() and holds_drafts_only(folder)):
             raise ValueError(f"{folder}: is there and no sweep of ours: name a new folder.")
 
     @classmethod
-    def created(cls, folder: Path, study: Study) -> "Store":
-        """A new, empty one.
-
-        **Arguments:**
-
-        - `folder`: where [-]; it must not be there, or be empty.
-        - `study`: whose results will go there [-].
-
-        **Returns:** the store [-].
-
-        **Raises:** `ValueError` for a folder that holds anything.
-        """
-        cls.check(folder, study, resume=False)
-        folder.mkdir(parents=True, exist_ok=True)
-        store = cls(folder, study)
-        store._lay_out(folder)
-        store._sign()  # last: a folder with a manifest is complete
-        return store
-
-    @classmethod
-    def opened(cls, folder: Path, study: Study) -> "Store":
-        """One that a sweep was stopped in.
+    def begin(cls, folder: Path, study: Study, resume: bool = False) -> "Store":
+        """A store for a study, with what may be there from a run that was stopped.
 
         **Arguments:**
 
         - `folder`: where it is [-].
-        - `study`: which must be the same [-].
+        - `study`: whose results it has [-].
+        - `resume`: whether some are there already [-].
 
         **Returns:** the store [-].
 
-        **Raises:** `ValueError` where there is none, or another study's.
+        **Raises:** `ValueError` as `check`.
         """
-        cls.check(folder, study, resume=True)
+        cls.check(folder, study, resume)
+        folder.mkdir(parents=True, exist_ok=True)
         store = cls(folder, study)
-        store._mend()
+        # first, and whole or not at all: from then on the folder says whose it is
+        if _read(folder / MANIFEST).get("study") != study.digest:
+            store._sign()
+        store._lay_out()
         return store
 
     def write(self, block: int, values: Values) -> str:
@@ -161,9 +152,11 @@ class Store:
             return False
 
     def tidy(self) -> None:
-        """Remove what killed writers left: chunks are written beside their place, then moved."""
+        """Remove what killed writers left: files are written beside their place, then moved."""
         for left in (self.folder / DATA).rglob("*.partial"):
             left.unlink(missing_ok=True)
+        for folder in (self.folder, self.folder / DATA, *(self.folder / DATA).iterdir()):
+            remove_abandoned(folder)
 
     def _noted(self) -> Iterator[tuple[int, str]]:
         journal = self.folder / JOURNAL
@@ -196,19 +189,17 @@ class Store:
         }
         _put(self.folder / MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
 
-    def _mend(self) -> None:
-        """Write anew what describes the arrays, and the manifest, where they are broken."""
+    def _lay_out(self) -> None:
+        """Write what describes the arrays, where it isn't there or is broken."""
         with tempfile.TemporaryDirectory() as scratch:
-            self._lay_out(Path(scratch))
+            self._describe(Path(scratch))
             for made in Path(scratch, DATA).rglob(_META):
                 there = self.folder / made.relative_to(scratch)
                 if _read(there) != _read(made):
                     there.parent.mkdir(parents=True, exist_ok=True)
                     _put(there, made.read_bytes())
-        if _read(self.folder / MANIFEST).get("study") != self.study.digest:
-            self._sign()
 
-    def _lay_out(self, folder: Path) -> None:
+    def _describe(self, folder: Path) -> None:
         """Make empty arrays in `folder` [-]."""
         import zarr
 
@@ -237,7 +228,7 @@ def _opened(path: str, mode: Any, names: tuple[str, ...], digest: str) -> dict[s
     return {name: group[name] for name in names}
 
 
-def _told(folder: Path) -> dict[str, Any]:
+def _read_about(folder: Path) -> dict[str, Any]:
     """What a folder says of the study in it: its manifest, or else the data themselves."""
     manifest = _read(folder / MANIFEST)
     if isinstance(manifest.get("study"), str):
@@ -256,9 +247,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _put(path: Path, raw: bytes) -> None:
-    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    draft.write_bytes(raw)
-    draft.replace(path)
+    write(path, lambda draft: draft.write_bytes(raw))
     _settle(path)
 
 
