@@ -32,7 +32,7 @@ mean_efficiency = "max"
 block = 4
 """
 HANDLES = Path("/proc/self/fd")
-FIRST = 24  # operations until the folder is laid out
+FIRST = 20  # operations until the folder is laid out
 TOUCHING = {"os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.truncate", "os.chmod"}
 
 

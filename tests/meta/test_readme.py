@@ -29,3 +29,11 @@ def test_the_python_block_prints_what_the_readme_shows():
 def test_the_claims_are_counted_as_the_reproduction_counts_them():
     counted = json.loads(CLAIMS.read_text(encoding="utf-8"))["summary"]
     assert counted in " ".join(README.read_text(encoding="utf-8").split())
+
+
+def test_no_page_counts_claims_by_hand():
+    """Docs read the file of claims: a count that is written out is that of another day."""
+    pages = [*(README.parent / "docs").rglob("*.md")]
+    assert pages
+    for page in pages:
+        assert not re.search(r"\d+ of \d+\s+predictions", page.read_text(encoding="utf-8")), page

@@ -3,7 +3,9 @@
 Not all that a paper says of its model is a prediction of it. What was chosen so that a
 statement comes out, a constant or the reading of a unit, can't then count that statement as
 one that holds; and what an equation says outright holds whatever the muscle does. So each
-claim has a kind, and predictions are counted apart.
+claim has a kind, and predictions are counted apart. Where the paper can be read in several ways,
+each claim is judged by each reading; and where a limit is ours and a claim only just keeps it, that
+is said.
 """
 
 import math
@@ -22,16 +24,17 @@ KINDS: Mapping[str, str] = MappingProxyType({
     "model",
     "definition": "what an equation or an assumption says outright: a check of the code alone",
 })  # fmt: skip
-SIGNS = ("<", ">", "=")
+SIGNS = ("<", ">", "=", "≤")
+_CLOSE = 0.1  # of a limit, or of what it leaves: so near a number may have decided the limit
 _ROUNDING = 1e-12
 _MET = {"prediction": "holds", "input": "chosen", "definition": "by definition"}
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """A number of the model against a limit: it must be below, `<`, above, `>`, or within
-    `tolerance` of it, `=`. `quantity` says what it is, `ours` why this limit where the paper
-    gives none.
+    """A number of the model against a limit: it must be below, `<`, at most that, `≤`, above, `>`,
+    or within `tolerance` of it, `=`. `quantity` says what it is, `ours` why this limit where the
+    paper gives none.
     """
 
     quantity: str
@@ -53,7 +56,25 @@ class Criterion:
             return bool(self.value < self.limit)
         if self.sign == ">":
             return bool(self.value > self.limit)
+        if self.sign == "≤":
+            return bool(self.value <= self.limit)
         return bool(abs(self.value - self.limit) <= self.tolerance)
+
+    @property
+    def close(self) -> bool:
+        """Whether the limit is ours and near the number, so that another one might decide
+        otherwise.
+        """
+        room, scale = abs(self.value - self.limit), abs(self.limit)
+        if self.sign == "=":
+            room, scale = abs(self.tolerance - room), self.tolerance
+        return bool(self.ours and room < _CLOSE * scale)
+
+    @property
+    def whose(self) -> str:
+        """Whose limit it is, in brackets; empty where it is the paper's."""
+        near = ", close to the number" if self.close else ""
+        return f" (our limit{near})" if self.ours else ""
 
     @property
     def text(self) -> str:
@@ -67,13 +88,25 @@ class Criterion:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """A claim by another reading of the paper: the reading's `name`, whether it `holds` by it, and
+    the numbers of its criteria.
+    """
+
+    name: str
+    holds: bool
+    numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Claim:
     """What a paper says and what came out.
 
     `key`: its name in the file. `where`: section or figure. `kind`: one of `KINDS`. `text`: the
     claim in our words, `quote`: in the paper's. `criteria`: what decides. `model`: what the
     model gives. `why`: where the two are known to differ, why; a claim without it must hold.
-    `chosen`: of an input, what was chosen to meet it.
+    `chosen`: of an input, what was chosen to meet it. `readings`: the same claim by the paper's
+    other readings.
     """
 
     key: str
@@ -85,6 +118,7 @@ class Claim:
     model: str
     why: str = ""
     chosen: str = ""
+    readings: tuple[Reading, ...] = ()
 
     def __post_init__(self):
         if self.kind not in KINDS:
@@ -100,6 +134,24 @@ class Claim:
     def holds(self) -> bool:
         """Whether all criteria are met."""
         return all(one.met for one in self.criteria)
+
+    @property
+    def turned(self) -> tuple[Reading, ...]:
+        """The readings by which the verdict is another."""
+        return tuple(one for one in self.readings if one.holds is not self.holds)
+
+    @property
+    def dependence(self) -> str:
+        """On which reading the verdict depends, in a sentence; empty where none was tried."""
+        if not self.readings:
+            return ""
+        if not self.turned:
+            return "The same by every reading."
+        told = "; ".join(f"{one.name} ({'; '.join(one.numbers)})" for one in self.turned)
+        way = "does not hold" if self.holds else "holds"
+        same = [one.name for one in self.readings if one.holds is self.holds]
+        rest = f"; the same by {', '.join(same)}" if same else ""
+        return f"Depends on the reading: {way} by {told}{rest}."
 
     @property
     def must_hold(self) -> bool:
@@ -151,10 +203,29 @@ def summary(claims: Sequence[Claim]) -> str:
     return "; ".join(parts) + "."
 
 
+def remarks(claims: Sequence[Claim]) -> list[str]:
+    """Sentences on which claims depend on a reading, and which on a limit of ours that is close."""
+    turned = [
+        f"{claim.key} ({', '.join(one.name for one in claim.turned)})"
+        for claim in claims
+        if claim.turned
+    ]
+    close = [claim.key for claim in claims if any(one.close for one in claim.criteria)]
+    told = []
+    if turned:
+        told.append(f"The verdict depends on the reading of the paper for {', '.join(turned)}.")
+    elif any(claim.readings for claim in claims):
+        told.append("Every verdict is the same by every reading of the paper.")
+    if close:
+        told.append(f"A limit that is ours and close to the number decides {', '.join(close)}.")
+    return told
+
+
 def as_data(claims: Sequence[Claim]) -> dict[str, Any]:
     """The `claims` [-] as JSON takes them, with their summary; what is no number is null."""
     return {
         "summary": summary(claims),
+        "remarks": remarks(claims),
         "kinds": dict(KINDS),
         "claims": [_claim_data(claim) for claim in claims],
     }
@@ -183,6 +254,8 @@ def _claim_data(claim: Claim) -> dict[str, Any]:
         "model": claim.model,
         "chosen": claim.chosen,
         "why": claim.why,
+        "dependence": claim.dependence,
+        "readings": {one.name: one.holds for one in claim.readings},
     }
 
 
@@ -195,6 +268,7 @@ def _criterion_data(one: Criterion) -> dict[str, Any]:
         "unit": one.unit,
         "tolerance": float(one.tolerance),
         "ours": one.ours,
+        "close": one.close,
         "met": one.met,
-        "text": one.text + (" (our limit)" if one.ours else ""),
+        "text": one.text + one.whose,
     }

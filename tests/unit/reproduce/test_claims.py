@@ -1,8 +1,18 @@
+import dataclasses
 import math
 
 import pytest
 
-from fascicle.reproduce.claims import KINDS, Claim, Criterion, as_data, failed, summary
+from fascicle.reproduce.claims import (
+    KINDS,
+    Claim,
+    Criterion,
+    Reading,
+    as_data,
+    failed,
+    remarks,
+    summary,
+)
 
 
 def criterion(value: float = 1.0, sign: str = ">", limit: float = 0.0, **more) -> Criterion:
@@ -19,7 +29,8 @@ def claim(holds: bool = True, kind: str = "prediction", why: str = "", key: str 
 
 @pytest.mark.parametrize(
     ("value", "sign", "limit", "met"),
-    [(1.0, "<", 2.0, True), (2.0, "<", 2.0, False), (2.0, ">", 1.0, True), (1.0, ">", 1.0, False),
+    [(1.0, "<", 2.0, True), (2.0, "<", 2.0, False), (2.0, "≤", 2.0, True), (2.1, "≤", 2.0, False),
+     (math.nan, "≤", 2.0, False), (2.0, ">", 1.0, True), (1.0, ">", 1.0, False),
      (0.2403, "=", 0.24, True), (0.223, "=", 0.24, False),
      (math.nan, "<", 2.0, False), (math.nan, ">", 2.0, False), (math.nan, "=", 2.0, False),
      (-math.inf, ">", 0.0, False)],
@@ -91,3 +102,31 @@ def test_the_file_has_what_the_page_says_and_no_nan():
     assert data["claims"][0]["criteria"][0]["met"] is True
     assert data["claims"][1]["criteria"][0]["value"] is None
     assert data["claims"][1]["verdict"] == "fails"
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "limit", "tolerance", "close"),
+    [(0.925, ">", 0.9, 0.0, True), (4.9, ">", 2.0, 0.0, False), (0.0, "<", 1e-9, 0.0, False),
+     (1.95, "<", 2.0, 0.0, True), (0.2403, "=", 0.24, 0.005, False),
+     (0.2449, "=", 0.24, 0.005, True), (1e-9, ">", 0.0, 0.0, False)],
+)  # fmt: skip
+def test_a_limit_of_ours_can_be_close(value, sign, limit, tolerance, close):
+    one = criterion(value, sign, limit, tolerance=tolerance, ours="no number is given")
+    assert one.close is close and ("close" in one.whose) is close
+    # the paper's own limit is what it is
+    assert not criterion(value, sign, limit, tolerance=tolerance).close
+
+
+def test_a_verdict_that_depends_on_a_reading_says_so():
+    other = Reading("printed", False, ("what: 2, must be < 1",))
+    same = Reading("wood1958", True, ("what: 0.5, must be < 1",))
+    first = dataclasses.replace(claim(key="first"), readings=(other, same))
+    second = dataclasses.replace(claim(key="second"), readings=(same,))
+    assert first.turned == (other,) and not second.turned
+    assert "does not hold by printed (what: 2" in first.dependence
+    assert second.dependence == "The same by every reading."
+    (told,) = remarks([first, second])
+    assert "first (printed)" in told and "second" not in told
+    assert as_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
+    near = criterion(0.95, ">", 0.9, ours="no number is given")
+    assert "third" in remarks([dataclasses.replace(claim(key="third"), criteria=(near,))])[0]

@@ -33,7 +33,10 @@ from fascicle.reproduce.kim2021.progression import BENT, HINGED, progression
 
 REPORTED = Path(__file__).parents[3] / "docs" / "_static" / "claims.json"
 KEYS = [claim["key"] for claim in json.loads(REPORTED.read_text(encoding="utf-8"))["claims"]]
-DIFFERING = ("one_of_two_against_four_of_five", "unequal_blocked_forces", "corrected_curve_differs")
+DIFFERING = (
+    "one_of_two_against_four_of_five", "unequal_blocked_forces", "blocked_force_intercept",
+    "corrected_curve_differs",
+)  # fmt: skip
 LATEX = 118.4e3, 105.7e3  # Pa, of Klute and Hannaford
 FALLS = Reversal(pressure=128.1e3, free_strain=0.236, depth=0.0135, initial=0.2497, jump=True)
 
@@ -60,7 +63,7 @@ def latex():
 
 def of_figure_6(muscle):
     parts = components_of(muscle, setting.PRESSURES, setting.STRAIN)
-    return figure_06.claims(parts.at(setting.FIGURE_6), setting.tested(muscle))
+    return figure_06.claims(muscle, parts.at(setting.FIGURE_6), setting.tested(muscle))
 
 
 @cache
@@ -136,6 +139,17 @@ def of_figure_13(turn=FALLS, **curves):
     return figure_13.claims({name: curves.get(name, level) for name in names}, turn)
 
 
+def softening():
+    """Fig. 6's claims where the tension law's resistance falls again."""
+    parts = components_of(six(), setting.PRESSURES, setting.STRAIN).at(setting.FIGURE_6)
+    fading = np.exp(-40 * parts.strain)
+    weak = replace(
+        parts, straight_mesh=parts.straight_mesh * fading,
+        straight_bladder=parts.straight_bladder * fading,
+    )  # fmt: skip
+    return figure_06.claims(six(), weak, setting.tested(six()))
+
+
 WRONG = {
     # a straight compression first, as an exact column has it
     "bows_out_at_once": lambda: figure_02.claims(replace(progression(), first_deflection=0.0)),
@@ -143,12 +157,17 @@ WRONG = {
         replace(progression(), moment_at_collapse=0.99 * progression().moment_at_collapse)
     ),
     "first_mode_shape": lambda: figure_03.claims(bent_otherwise()),
+    # a column whose ends turn freely has none there
+    "largest_moments_at_ends_and_middle": lambda: (
+        figure_03.moment_claim(np.linspace(0, 1, 101), np.sin(np.pi * np.linspace(0, 1, 101)), 1.0),
+    ),
     "axis_shortens": lambda: figure_04.claims(stiff_springs()),
     "hinge_angle": lambda: figure_05.claims(0.47, 0.48),
     "collapse_at_low_pressure": lambda: of_figure_6(six(tuning__collapse_moment_factor=10.0)),
     "no_collapse_at_137_9_kpa": lambda: of_figure_6(latex()),
     # a hinge far stiffer than the tube that it was
     "less_after_collapse": lambda: of_figure_6(six(tuning__hinge_stiffness_factor=30.0)),
+    "conventional_resistance_keeps_rising": softening,
     # a wall that hardly bends
     "conventional_models_resist_much_more": lambda: of_figure_6(
         six(material__youngs_modulus=20 * 1.78e6)
@@ -160,6 +179,7 @@ WRONG = {
         eqx.tree_at(lambda m: m.tension, six(), Ideal())
     ),
     "lower_rate_is_more_gradual": of_figure_7,
+    "jump_before_the_transition": lambda: (figure_07.jump_claim(-5.0, -5.0, -5.0),),
     "orderly_recruitment": lambda: figure_08.claims(figure_08.activation("batch")),
     "free_strain_at_275_8_kpa": lambda: of_figure_9(0, 1),
     "nothing_beyond_without_resistance": lambda: of_figure_9(1, 1),
@@ -180,6 +200,11 @@ WRONG = {
     ),
     # where all pull, the one without pressure is the weakest
     "low_pressure_resists_more": lambda: of_figure_13(replace(FALLS, initial=0.01)),
+    "bundle_below_a_single_muscle": lambda: (figure_13.lone_claim(0.25, 0.25, 0.0),),
+    # of a muscle that contracts more than the model
+    "tuning_factors_are_positive": lambda: (
+        figure_13.tuning_claim(-np.ones(3), np.ones(3), np.ones(3)),
+    ),
     "reversal_deeper_with_two_units": lambda: figure_14.claims(
         FALLS, (FALLS, FALLS), (FALLS, FALLS)
     ),
@@ -212,6 +237,12 @@ def test_what_differs_would_hold_in_another_model():
     assert figure_10.slender_claim(strain, four, one).verdict == "differs"
     muscles = [setting.muscle(name) for name in figure_12.NAMES]
     assert figure_12.blocked_claim(muscles).verdict == "differs"
+    assert figure_12.intercept_claim(muscles[0]).verdict == "differs"
+    late = eqx.tree_at(
+        lambda m: m.tuning, muscles[0],
+        setting.tuned(muscles[0].tuning, np.zeros(13), np.r_[1.0, 1 - 2e4 / setting.TABLE[1:]]),
+    )  # fmt: skip
+    assert figure_12.intercept_claim(late).verdict == "holds"
     muscles[0] = _at(muscles[0], "c2", 0.9)
     assert figure_12.blocked_claim(muscles).verdict == "holds"
     apart = of_figure_13(**{figure_13.CORRECTED: np.full(5, 0.24)})

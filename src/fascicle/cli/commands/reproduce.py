@@ -165,7 +165,7 @@ def _show(claims: "list[Claim]") -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from ...reproduce.claims import KINDS, of_kind, summary
+    from ...reproduce.claims import KINDS, of_kind, remarks, summary
 
     console = Console(file=sys.stdout, highlight=False)
     for kind, about in KINDS.items():
@@ -185,11 +185,12 @@ def _show(claims: "list[Claim]") -> None:
         if not claim.holds:
             text = f"{claim.verdict}: {claim.text} {claim.model} {claim.why}".rstrip()
             console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
-    console.print(Text(summary(claims)), soft_wrap=True)
+    for sentence in (*remarks(claims), summary(claims)):
+        console.print(Text(sentence), soft_wrap=True)
 
 
 def _criteria(claim: "Claim") -> str:
-    lines = [f"{one.text}{' (our limit)' if one.ours else ''}" for one in claim.criteria]
+    lines = [f"{one.text}{one.whose}" for one in claim.criteria]
     if claim.chosen and claim.holds:
         lines.append(f"chosen: {claim.chosen}")
     return "; ".join(lines)

@@ -13,6 +13,9 @@ from .pair import draw_pair
 from .progression import BENT, PRESSURE, Progression, progression
 
 
+_NEAR = 0.05  # of the chord: where a moment still counts as at an end or in the middle
+
+
 def compute() -> Record:
     """Fig. 2's (b) and (c) again, with what (8) to (12) call the lengths."""
     p = progression()
@@ -91,4 +94,45 @@ def claims(p: Progression) -> tuple[Claim, ...]:
             model=f"The drawn centerline is within {off:.0e} of its deflection from that cosine; "
             f"the deflection is {-bent.y.min() * 1e3:.2f} mm.",
         ),
+        moment_claim(bent.z, moments(p), float(p.moment[BENT])),
+    )  # fmt: skip
+
+
+def moments(p: Progression) -> np.ndarray:
+    """Bending moment [N·m] along the bent axis, from the curvature of its drawn shape, (7)."""
+    bent, E = p.outlines[BENT], float(p.muscle.material.youngs_modulus)
+    # the ends are clamped, so the shape goes on there as its mirror image
+    y = np.r_[bent.y[1], bent.y, bent.y[-2]]
+    curvature = np.diff(y, 2) / float(np.diff(bent.z).mean()) ** 2
+    return E * float(p.muscle.bladder.second_moment) * curvature
+
+
+def moment_claim(z: np.ndarray, moment: np.ndarray, largest: float) -> Claim:
+    """What the paper says of the `moment` [N·m] along the axis `z` [m]; `largest` [N·m] by (8)."""
+    size, place = np.abs(moment), z / z[-1]
+    three = size[[0, z.size // 2, -1]]
+    away = np.min(np.abs(place[:, None] - np.array([0.0, 0.5, 1.0])), axis=1) > _NEAR
+    return Claim(
+        key="largest_moments_at_ends_and_middle",
+        where="section 3.1",
+        kind="definition",
+        text="In the buckled column the largest moments are at each end and in the middle.",
+        quote="the maximum internal moments occur at each end and at the middle",
+        criteria=(
+            Criterion(
+                "least of the three over the largest anywhere, off 1 by",
+                abs(float(three.min() / size.max()) - 1), "<", 1e-3,
+                ours="the curvature is a second difference of the drawn shape",
+            ),
+            Criterion(
+                f"largest further than {_NEAR:g} of the chord from these three, over it",
+                float(size[away].max() / size.max()), "<", 1.0,
+            ),
+            Criterion(
+                "law's largest moment over that of the shape, off 1 by",
+                abs(largest / float(size.max()) - 1), "<", 1e-3, ours="as above",
+            ),
+        ),
+        model=f"{three[0]:.4f} N·m at the ends, {three[1]:.4f} N·m in the middle, none a quarter "
+        f"of the chord from them; the law's largest is {largest:.4f} N·m.",
     )  # fmt: skip

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...muscle import Muscle
 from ...plot.components import Components, components_legend, draw_components
 from ...plot.style import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
 from ...results.labelled import Variable
@@ -35,7 +36,7 @@ def compute() -> Record:
         ),
         data=_data(parts),
         draw=lambda: draw(parts, reach),
-        claims=claims(parts, reach),
+        claims=claims(muscle, parts, reach),
         missing="The paper's measured points exist only in its picture; none are drawn here.",
     )
 
@@ -71,12 +72,14 @@ def _data(parts: Components) -> dict[str, Variable]:
     }
 
 
-def claims(parts: Components, reach: float) -> tuple[Claim, ...]:
-    """What the paper says of Fig. 6, of forces at its four pressures up to `reach` [-]."""
+def claims(muscle: Muscle, parts: Components, reach: float) -> tuple[Claim, ...]:
+    """What the paper says of Fig. 6: of its `muscle` [-], whose forces `parts` [N] are at four
+    pressures, up to `reach` [-].
+    """
     names = [in_kilopascals(p) for p in parts.pressure]
     return (
         *_collapse_claims(parts, reach),
-        _calm_claim(parts, reach, names),
+        _calm_claim(muscle, parts, reach, names),
         *_straight_claims(parts, reach, names),
         _range_claim(parts, reach, names),
     )
@@ -119,24 +122,25 @@ def _collapse_claims(parts: Components, reach: float) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def _calm_claim(parts: Components, reach: float, names: list[str]) -> Claim:
+def _calm_claim(muscle: Muscle, parts: Components, reach: float, names: list[str]) -> Claim:
     at = [-float(np.interp(parts.collapse_strain[i], parts.strain, parts.force[i])) for i in (0, 1)]
     last = [-float(np.interp(reach, parts.strain, parts.force[i])) for i in (0, 1)]
-    after = [resistance_after(parts, i, reach) for i in (0, 1)]
+    after = [setting.resistance_after(muscle, float(parts.pressure[i]), reach) for i in (0, 1)]
     return Claim(
         key="less_after_collapse",
         where="section 3.4",
         kind="prediction",
-        text="After collapse the resistance stays below its value at collapse.",
+        text="After collapse the resistance never exceeds its value at collapse, up to the end of "
+        "the tested range.",
         quote="the magnitude of resistive force remains less than its maximum value at collapse",
         criteria=(
             Criterion(
-                "largest after collapse over that at collapse", float(np.max(after)), "<", 1.0
+                "largest from collapse on over that at collapse", float(np.max(after)), "≤", 1.0
             ),
         ),
         model="; ".join(
             f"{names[i]}: {at[i]:.2f} N at collapse, {last[i]:.2f} N at the end of the tested "
-            f"range, {'never more' if after[i] < 1 else f'up to {after[i] * at[i]:.2f} N'} between"
+            f"range, {'never more' if after[i] <= 1 else f'up to {after[i] * at[i]:.2f} N'} between"
             for i in (0, 1)
         )
         + ".",
@@ -149,18 +153,6 @@ def least_force(strain: np.ndarray, force: np.ndarray, reach: float) -> np.ndarr
     return np.minimum(force[:, strain <= reach].min(axis=1), ends)
 
 
-def resistance_after(parts: Components, row: int, reach: float) -> float:
-    """Largest resistance between collapse and `reach` [-] over that at collapse [-]; not a number
-    where it doesn't collapse before.
-    """
-    collapse = float(parts.collapse_strain[row])
-    after = (parts.strain > collapse) & (parts.strain <= reach)
-    if not after.any():
-        return np.nan
-    at = float(np.interp(collapse, parts.strain, parts.force[row]))
-    return float((parts.force[row][after] / at).max())
-
-
 def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple[Claim, ...]:
     least = least_force(parts.strain, parts.force, reach)
     straight = least_force(parts.strain, parts.straight_force, reach)
@@ -170,7 +162,33 @@ def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple
     )
     times = [over(s, f) for s, f in zip(straight[LOW], least[LOW], strict=True)]
     apart = least - straight
+    past = [
+        np.unique(parts.strain[(parts.strain >= free) & (parts.strain <= reach)])
+        for free in parts.free_strain
+    ]
+    rises = [
+        -np.diff(np.interp(strain, parts.strain, row))
+        for strain, row in zip(past, parts.straight_force, strict=True)
+    ]
     return (
+        Claim(
+            key="conventional_resistance_keeps_rising",
+            where="section 4",
+            kind="prediction",
+            text="By conventional models the resistance keeps rising past the free strain.",
+            quote="the magnitude of the resistive force continues to increase as strain increases "
+            "past free strain",
+            criteria=(
+                Criterion(
+                    "least rise from one strain of the grid to the next, four pressures",
+                    min((float(row.min()) for row in rises if row.size), default=np.nan),
+                    ">", 0.0, "N",
+                ),
+            ),
+            model="From the free strain to the end of the range the tension law's resistance "
+            "rises at every step: by " + ", ".join(f"{row.sum():.1f}" for row in rises)
+            + " N in all at " + ", ".join(names) + ".",
+        ),
         Claim(
             key="conventional_models_resist_much_more",
             where="section 4",

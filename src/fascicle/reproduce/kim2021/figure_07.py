@@ -14,6 +14,8 @@ from . import setting
 
 RATES = np.array([5.0, 10.0, 25.0, 50.0, 100.0])
 ROW = 1  # 34.5 kPa
+_STEP = 1e-9  # of strain past the collapse
+_JUMP = 0.01  # of the force at collapse: what is a jump, where the paper gives no number
 
 
 def compute() -> Record:
@@ -33,7 +35,7 @@ def compute() -> Record:
             "collapse_strain": Variable((), collapse, "-", "collapse"),
         },
         draw=lambda: draw(strain, force),
-        claims=claims(strain, force, collapse),
+        claims=(*claims(strain, force, collapse), jump_claim(*ends(muscle, collapse))),
     )
 
 
@@ -84,4 +86,37 @@ def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Clai
             + "; before it the curves "
             + ("coincide." if same == 0 else f"differ by up to {same:.0e} N."),
         ),
+    )  # fmt: skip
+
+
+def ends(muscle: Muscle, collapse: float) -> tuple[float, float, float]:
+    """Forces [N] at 34.5 kPa: at `collapse` [-], just after it by (25) alone, and by (26)."""
+    strain = np.array([collapse, collapse + _STEP])
+    at, soon = _force(muscle, float(muscle.transition_rate), strain)
+    # a transition that is over within the step leaves (25)
+    return float(at), float(_force(muscle, 1e3 / _STEP, strain)[1]), float(soon)
+
+
+def jump_claim(at: float, hinged: float, soon: float) -> Claim:
+    """What the paper says of the force where the bladder collapses: `at` it, after it without a
+    transition, `hinged`, and with one, `soon` [N].
+    """
+    return Claim(
+        key="jump_before_the_transition",
+        where="section 3.3",
+        kind="definition",
+        text="Without the transition (26) the force jumps at the collapse; with it, it doesn't.",
+        quote="results in a piecewise model with a discontinuity at the collapse strain",
+        criteria=(
+            Criterion(
+                "jump from (16) to (25) over the force at collapse", abs(hinged / at - 1), ">",
+                _JUMP, ours="the paper gives no number",
+            ),
+            Criterion(
+                f"change over {_STEP:g} of strain with (26)", abs(soon - at), "<", 1e-6, "N",
+                ours="the slope times that strain",
+            ),
+        ),
+        model=f"At 34.5 kPa the force is {at:.2f} N at collapse and would be {hinged:.2f} N just "
+        f"after it; with (26) it changes by {abs(soon - at):.0e} N.",
     )  # fmt: skip

@@ -1,7 +1,5 @@
 """Fig. 9: the force-strain space of two motor units, without and with resistance."""
 
-from functools import cache
-
 import numpy as np
 
 from ...bundle.space import Overlap, Space, overlap, space
@@ -18,7 +16,7 @@ NEAR = (0.18, 0.26), (0.0, 110.0)  # strain and force of (c) and (d)
 _LAST_TENTH = 0.9  # of the largest free strain, from where on it is near; the paper has no number
 
 
-@cache
+@setting.cached
 def found(resistance: bool) -> tuple[Space, Overlap]:
     """The space and its overlap, computed once."""
     pair = setting.bundle(setting.muscle("figure_9"), (1, 1), setting.HIGHEST)

@@ -1,7 +1,5 @@
 """Fig. 10: efficiency over the force-strain space, and its average against motor units."""
 
-from functools import cache
-
 import equinox as eqx
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,7 +30,7 @@ def semu() -> Muscle:
     return eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), one, sizes)
 
 
-@cache
+@setting.cached
 def found(units: int, path: str, resistance: bool, rows: int = 80) -> EfficiencyMap:
     """One map of the family on the grid of section 4.2's averages [R18], computed once.
 

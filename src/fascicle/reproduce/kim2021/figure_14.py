@@ -1,7 +1,5 @@
 """Fig. 14: five muscles as two motor units or as five."""
 
-from functools import cache
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -29,7 +27,7 @@ def five(of: str = "slenderness_10") -> Bundle:
     return setting.bundle(setting.muscle(of), (1,) * 5, setting.UNIT_1)
 
 
-@cache
+@setting.cached
 def turns() -> tuple[Reversal, tuple[Reversal, ...]]:
     """Reversal points of the two, and of each transition of the five; computed once."""
     return reversal(two()), tuple(reversal(five(), n) for n in UNITS)

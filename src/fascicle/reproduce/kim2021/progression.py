@@ -1,7 +1,6 @@
 """Four states of Fig. 6's muscle, from rest to past collapse: what Figs 2 to 5 draw."""
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -44,7 +43,7 @@ class Progression:
         return float(self.muscle.length) * (float(self.strain[state]) - self.free_strain)
 
 
-@cache
+@setting.cached
 def progression() -> Progression:
     """The four states, computed once."""
     muscle = setting.muscle("figure_6")

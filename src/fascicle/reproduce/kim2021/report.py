@@ -9,7 +9,7 @@ from html import escape
 
 from ...plot.style import DOUBLE
 from ...reports.page import Page, prose, quotation, verdict
-from ..claims import KINDS, Claim, as_data, of_kind, summary
+from ..claims import KINDS, Claim, as_data, of_kind, remarks, summary
 from ..reproduced import Written
 from .alternatives_report import add_alternatives
 
@@ -33,6 +33,7 @@ def report(figures: Sequence[Written], alternatives: Sequence[Written] = ()) -> 
         "lead",
     )
     page.paragraph(summary(claims))
+    page.points(remarks(claims))
     others = {"Other laws and readings": "#alternatives"} if alternatives else {}
     page.links({one.record.name: f"#{one.record.key}" for one in figures} | others)
     _differing(page, claims)
@@ -85,7 +86,7 @@ def _all_claims(page: Page, figures: Sequence[Written]) -> None:
             (
                 f'<a class="where" href="#{placed[claim.key]}">{escape(claim.where)}</a>',
                 _words(claim),
-                _criteria(claim) + _chosen(claim),
+                _criteria(claim) + _chosen(claim) + _dependence(claim),
                 verdict(claim.verdict),
             )
             for claim in some
@@ -122,7 +123,8 @@ def _given(claim: Claim) -> str:
 def _criteria(claim: Claim) -> str:
     lines = [
         prose(
-            f"{one.text[0].upper()}{one.text[1:]}" + (f" (our limit: {one.ours})" * bool(one.ours))
+            f"{one.text[0].upper()}{one.text[1:]}"
+            + f"{one.whose[:-1]}: {one.ours})" * bool(one.ours)
         )
         for one in claim.criteria
     ]
@@ -131,6 +133,10 @@ def _criteria(claim: Claim) -> str:
 
 def _chosen(claim: Claim) -> str:
     return f" <em>Chosen:</em> {prose(claim.chosen)}" if claim.chosen and claim.holds else ""
+
+
+def _dependence(claim: Claim) -> str:
+    return f" <em>Readings:</em> {prose(claim.dependence)}" if claim.turned else ""
 
 
 def _general(page: Page) -> None:
@@ -146,6 +152,10 @@ def _general(page: Page) -> None:
         "invented.",
         "The tables C₁(P) and C₂(P) of section 5.1 stand nowhere in the paper. Figs 12 to 14 use "
         "the identity for them.",
+        "Every claim is judged by each reading that changes a force: after collapse `derived` (of "
+        "every figure), `consistent` and `printed` [R10]; `wood1958`, the cube in (17) [R8]; "
+        "`latex`, C₁₀ and C₀₁ of Klute and Hannaford [R3]. Where a reading turns a verdict, that "
+        "is said.",
         "Figs 1 and 11 are a sketch of a bundle and a photograph of the test bench: there is "
         "nothing to compute.",
         "This page holds its pictures and, as CSV, its data: a link below a figure saves them. The "

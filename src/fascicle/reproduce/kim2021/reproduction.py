@@ -1,10 +1,11 @@
 """The whole reproduction: every figure computed, drawn, written, and its claims reported."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ...core.atomic import write_text
-from ..claims import Claim
+from ..claims import Claim, Reading
 from ..reproduced import Record, Written, write_record
 from . import (
     alternatives,
@@ -21,6 +22,7 @@ from . import (
     figure_12_calibrated,
     figure_13,
     figure_14,
+    setting,
 )
 from .report import claims_file, report
 
@@ -35,7 +37,38 @@ FIGURES: tuple[Compute, ...] = tuple(
         figure_10, figure_12, figure_12_calibrated, figure_13, figure_14,
     )
 )  # fmt: skip
+# calibrated records are no claims of the paper, and take longest
+CLAIMING: tuple[Compute, ...] = tuple(
+    one for one in FIGURES if one is not figure_12_calibrated.compute
+)
 ALTERNATIVES: tuple[Compute, ...] = alternatives.RECORDS
+
+
+def by_readings() -> dict[str, dict[str, Claim]]:
+    """Claims by their keys, by each of the paper's other readings."""
+    _, *others = setting.READINGS  # the first is that of every figure
+    found = {}
+    for name in others:
+        with setting.reading(name):
+            found[name] = {claim.key: claim for one in CLAIMING for claim in one().claims}
+    return found
+
+
+def with_readings(
+    claims: Iterable[Claim], readings: Mapping[str, Mapping[str, Claim]]
+) -> tuple[Claim, ...]:
+    """Claims with what the other `readings` [-] say of each, of those that have it."""
+    return tuple(
+        replace(
+            claim,
+            readings=tuple(
+                Reading(name, other.holds, tuple(one.text for one in other.criteria))
+                for name, others in readings.items()
+                if (other := others.get(claim.key)) is not None
+            ),
+        )
+        for claim in claims
+    )
 
 
 def run(out: Path, progress: Progress | None = None) -> list[Claim]:
@@ -46,8 +79,10 @@ def run(out: Path, progress: Progress | None = None) -> list[Claim]:
     steps = (*FIGURES, *ALTERNATIVES)
     written: dict[Compute, Written] = {}
     told(0, len(steps), "computing")
+    readings = by_readings()
     for compute in steps:
         record = compute()
+        record = replace(record, claims=with_readings(record.claims, readings))
         told(len(written), len(steps), record.name)
         written[compute] = write_record(record, folder)
     figures = [written[compute] for compute in FIGURES]

@@ -3,8 +3,12 @@
 Every muscle is a named example, so its sizes stand in one file with their source.
 """
 
-from functools import cache
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, wraps
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import equinox as eqx
 import numpy as np
@@ -12,7 +16,7 @@ import numpy as np
 from ...bundle import Bundle, MotorUnit
 from ...files import example
 from ...muscle import Muscle, Tuning
-from ...muscle.materials import MooneyRivlin
+from ...muscle.materials import LATEX, MooneyRivlin
 from ...plot.components import Components, components_of
 
 
@@ -22,13 +26,62 @@ STRAIN = np.linspace(0.0, 0.3, 301)
 TABLE = np.linspace(0.0, 413.7e3, 13)  # Pa, of C1 and C2: every 5 psi, as tested
 HIGHEST = 413.7e3  # Pa, the largest pressure tested, and the supply's in sections 4.1 and 4.2
 UNIT_1 = 344.7e3  # Pa, motor unit 1 in section 6
+Function = TypeVar("Function", bound=Callable[..., Any])
 UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
 
 
+def _with_latex(muscle: Muscle) -> Muscle:
+    """A muscle whose bladder has the elasticity of Klute and Hannaford's latex in tension [R3]."""
+    numbers = tuple(np.asarray(one) for one in (LATEX.c10, LATEX.c01))
+    return eqx.tree_at(lambda m: (m.material.c10, m.material.c01), muscle, numbers)
+
+
+READINGS: Mapping[str, Callable[[Muscle], Muscle]] = MappingProxyType({
+    "derived": lambda muscle: muscle,  # of every figure
+    "consistent": lambda muscle: muscle.replace(post_collapse="consistent"),  # [R10]
+    "printed": lambda muscle: muscle.replace(post_collapse="printed"),
+    "wood1958": lambda muscle: muscle.replace(collapse="wood1958"),  # [R8]
+    "latex": _with_latex,
+})  # fmt: skip
+_READING: ContextVar[str] = ContextVar("reading", default="derived")
+
+
+@contextmanager
+def reading(name: str) -> Iterator[None]:
+    """Have `muscle` give its muscles by one of the `READINGS`; `name`: of the reading."""
+    before = _READING.set(name)
+    try:
+        yield
+    finally:
+        _READING.reset(before)
+
+
+def cached(function: Function) -> Function:
+    """Have a function compute once for each reading and its arguments; a decorator.
+
+    **Arguments:** `function`: what it computes follows from `muscle` and its arguments [-].
+
+    **Returns:** the function [-].
+    """
+
+    @cache
+    def by_reading(_reading: str, *arguments: Any) -> Any:
+        return function(*arguments)
+
+    @wraps(function)
+    def once(*arguments: Any) -> Any:
+        return by_reading(_READING.get(), *arguments)
+
+    return once  # type: ignore[return-value]  # the same arguments, by position
+
+
 def muscle(name: str) -> Muscle:
-    """The named example `kim2021_` + `name`, its transition rate on the muscle itself."""
+    """The named example `kim2021_` + `name`, its transition rate on the muscle itself, by the
+    reading that is in use.
+    """
     found = example(f"kim2021_{name}")
     assert isinstance(found, Muscle)
+    found = READINGS[_READING.get()](found)
     rate = found.tuning.transition_rate
     if rate is None:
         return found
@@ -46,7 +99,7 @@ def tuned(like: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
     )  # fmt: skip
 
 
-@cache
+@cached
 def forces(name: str) -> Components:
     """Forces of a named muscle at `PRESSURES` and `STRAIN`, computed once."""
     return components_of(muscle(name), PRESSURES, STRAIN)
@@ -60,6 +113,26 @@ def bundle(of: Muscle, counts: tuple[int, ...], supply_pressure: float) -> Bundl
 def tested(of: Muscle) -> float:
     """The largest strain tested [-]: section 5.3 drives to the free strain at 413.7 kPa."""
     return float(of.free_strain(HIGHEST))
+
+
+def resistance_after(of: Muscle, pressure: float, reach: float) -> float:
+    """Largest resistance from collapse on over that at collapse.
+
+    **Arguments:**
+
+    - `of`: the muscle [-].
+    - `pressure`: its pressure [Pa].
+    - `reach`: the largest strain that counts [-].
+
+    **Returns:** the ratio [-], 1 where it never exceeds that at collapse; NaN where the muscle
+    doesn't collapse before.
+    """
+    collapse = float(of.collapse_strain(pressure))
+    if not collapse < reach:
+        return np.nan
+    # the first point is the collapse itself: a grid can't miss the largest, and none is rounded up
+    force = array(of.force(pressure, np.linspace(collapse, reach, 2001)))
+    return float((force / force[0]).max())
 
 
 def sizes(of: Muscle) -> str:
