@@ -16,7 +16,7 @@ def audited(plant: Any, run: Any) -> tuple[Any, list[str]]:
         doubts.append(str(error).rstrip("."))
     doubts += [
         f"the {one.name} doesn't close, {one.share:.1e} of its largest term is left over"
-        f" ({one.closes_within:g} would pass)"
+        f" ({one.closes_within:g} would pass)" + (f": {one.remedy}" if one.remedy else "")
         for one in (found.balances if found else ())
         if not one.closes
     ]

@@ -12,12 +12,20 @@ there with a time constant $\tau$,
 $$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
   + \frac{\partial m}{\partial \varepsilon} \dot\varepsilon, \tag{K3}$$
 
-within what it can. Integrals stand still while no unit can give what is asked of it in their
+within what it can. A valve that follows its command with a time constant $\tau_v$, measurements
+that are late by $\theta$ and commands that are held for $\Delta t$ are in this loop as well, so that
+it needs
+
+$$\tau \ge 2 \left(\tau_v + \theta + \Delta t\right): \tag{K3a}$$
+
+damped by $\sqrt{1/2}$ where the valve alone is late, a phase margin of 61° where the measurement
+alone is. Integrals stand still while no unit can give what is asked of it in their
 direction. Of a joint each bundle gets half of the moment, over its pulley's radius, and a
 `co_contraction` on top.
 
 **Sign:** as of the load's coordinate. **Source:** anti-windup by conditional integration: Åström
-and Hägglund (2006), Advanced PID Control; (K3) derived here.
+and Hägglund (2006), Advanced PID Control; (K3) and (K3a) derived here, for an integrator with a lag
+or a delay.
 """
 
 from typing import Any, NamedTuple
@@ -25,11 +33,12 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from ..core.arrays import library, maximum, minimum, where
 from ..core.modules import Module
-from ..core.types import Batch, Numbers
+from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..dynamics.hysteresis import AbstractHysteresis
 from .units import Asked, Units, looked
@@ -38,11 +47,14 @@ from .units import Asked, Units, looked
 _FILTER = 0.02  # s, of a demand's rate
 _STEP = 1e3  # Pa, over which a content's slope is taken
 _STRAIN = 1e-4
+FASTEST = 3e-3  # s, a pressure's time constant where nothing is late
+DAMPED = 2.0  # of all that is late in the loop, equation (K3a)
 
 
 class Gains(NamedTuple):
     """Of the position: `position` $k_p$, `integral` $k_i$, `velocity` $k_d$ [SI]; of the force:
-    `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time` $\\tau$ [s].
+    `force` $k_F$ [-], `force_integral` $k_{Fi}$ [1/s]; of pressures: `pressure_time` $\\tau$ [s],
+    left out, as (K3a) asks, 3 ms at least.
     """
 
     position: Batch = 0.0
@@ -50,7 +62,7 @@ class Gains(NamedTuple):
     velocity: Batch = 0.0
     force: Batch = 0.0
     force_integral: Batch = 2.0
-    pressure_time: Batch = 3e-3
+    pressure_time: Values = None
 
 
 class Memory(NamedTuple):
@@ -96,6 +108,23 @@ class Cascade(Module):
     every: int = eqx.field(static=True)
 
     @property
+    def lateness(self) -> float:
+        """How late valves, measurements and samples are in all [s], in brackets in (K3a)."""
+        valve = float(np.max(getattr(self.plant.spool, "time_constant", 0.0)))
+        return valve + float(self.dt) * (self.delay + self.every)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What in it is likely to be unstable, in words [-]."""
+        given, late = float(self.gains.pressure_time), self.lateness
+        if given >= late:
+            return ()
+        return (
+            f"`pressure_time` of {given:g} s is too fast: valves, measurements and samples are late"
+            f" by {late:g} s, and pressures will swing; take {DAMPED * late:g} s, or leave it out",
+        )
+
+    @property
     def memory(self) -> Memory:
         """With which it begins [-]."""
         none = jnp.zeros(())
@@ -126,7 +155,7 @@ class Cascade(Module):
                 lambda: (memory, memory.held),
             )
         wait = kept.wait - 1
-        return kept._replace(held=commands, wait=wait, fresh=jnp.ones(())), commands
+        return kept._replace(held=commands, wait=wait, fresh=memory.fresh + 1), commands
 
     def _act(self, memory: Memory, seen: Measurement, reference: Any) -> tuple[Memory, Numbers]:
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
@@ -149,7 +178,9 @@ class Cascade(Module):
         demand = pulled + gains.force * missing + memory.force_integral
         force_integral = memory.force_integral + gains.force_integral * missing * dt
         change = jnp.where(memory.fresh > 0, (demand - memory.demand) / dt, 0.0)
-        rate = memory.rate + (change - memory.rate) * dt / (dt + _FILTER)
+        # at first the mean of all changes: a filter that begins at zero would see a ramp too late
+        share = jnp.maximum(dt / (dt + _FILTER), self.every / jnp.maximum(memory.fresh, self.every))
+        rate = memory.rate + (change - memory.rate) * share
 
         strains, speed = plant.strains(seen.position), plant.gains * seen.velocity
         joint = len(self.units) == 2
@@ -161,7 +192,7 @@ class Cascade(Module):
             extra = self.co_contraction if joint else 0.0
             asked = Asked(
                 demand * shared + extra, rate * shared, strains[places], seen.pressures[places],
-                minimum(seen.supply_pressure, self.highest_pressure), dt,
+                minimum(seen.supply_pressure, self.highest_pressure), gains.pressure_time, dt,
             )  # fmt: skip
             now = looked(units, asked)
             after, target = policy(memory.policies[side], units, asked, now)

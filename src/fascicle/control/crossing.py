@@ -29,6 +29,7 @@ from ..core.refused import Refused
 from ..core.types import Numbers, Values
 from .branches import Branches
 from .transition import Transition, known_unit, own_strain, transition
+from .units import SLACK
 from .valves import AbstractValves, for_each
 
 
@@ -235,7 +236,7 @@ class _Along:
             ok, held = self._held(np.minimum(t + took, last), share)
             if before:
                 each = [
-                    np.maximum(now - was, 0.0) / np.maximum(flow, _NO_FLOW)
+                    SLACK * np.maximum(now - was, 0.0) / np.maximum(flow, _NO_FLOW)
                     for (now, flow), (was, _) in zip(held, before, strict=True)
                 ]
                 took = np.maximum(*each)

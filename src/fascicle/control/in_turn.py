@@ -25,12 +25,11 @@ from ..core.arrays import library, maximum, minimum, where
 from ..core.checks import positive
 from ..core.modules import Module
 from ..core.types import Batch, Numbers
-from .units import Asked, Now, Units, hand_over_time, shared
+from .units import SLACK, Asked, Now, Units, hand_over_times, shared
 
 
 _MARGIN = 0.02  # of the dip that is kept, for what the tables don't know
 _ABOVE = 0.01  # of the supply over the onset, where a recruited unit is parked
-_SLACK = 1.2  # of the valve's time: a ramp at its limit couldn't be followed
 _SHORT = 0.02  # of the supply: so far off, the unit before holds the next one's ramp
 
 
@@ -73,7 +72,7 @@ class InTurn(Module):
         # the last unit that is recruited and the next one; and those one back
         last = where(places == at_work.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
         next_ = where(places == at_work.stack([k, k - 1])[:, None], 1.0, 0.0)
-        reserve, dip, need = self._needed(units, now, asked, last, next_)
+        reserve, dip, need = self._needed(now, asked, last, next_)
         there = at_work.sum(next_[0] * where(now.gains, 1.0, 0.0)) > 0
         late = reserve[0] < 0
         in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
@@ -81,15 +80,18 @@ class InTurn(Module):
         down = (k > 1) & (share == 0) & (reserve[1] > need[1] + self.band)
         way = where(up, 1.0, where(down, -1.0, where(share > 0, memory.way, 0.0)))
 
-        # the further off the unit before is, the more the ramp is held
-        off = at_work.sum(last[0] * at_work.abs(memory.target - asked.pressures)) / (_SHORT * top)
+        # the further off the unit before is, the more the ramp is held; what it is late behind a
+        # demand that rises alone doesn't count
+        follows = asked.lag * minimum(maximum(asked.rate, 0.0) / now.slope, now.speed)
+        behind = maximum(at_work.abs(memory.target - asked.pressures) - follows, 0.0)
+        off = at_work.sum(last[0] * behind) / (_SHORT * top)
         held = maximum(1.0 - off, 0.0)
         pulls = units.counts * units.branches.force(asked.pressures, asked.strains)
         gained = at_work.sum(next_[0] * (pulls - now.empty))
         rush = late | (reserve[0] + gained < 0)
         falls = down | ((share > 0) & (way < 0))
         times = where(falls, now.vent, now.time)
-        time = _SLACK * at_work.sum(where(down, next_[1], next_[0]) * times)
+        time = SLACK * at_work.sum(where(down, next_[1], next_[0]) * times)
         slow = (self.early > 0) & ~(rush & (way > 0))
         pace = where(slow, held / maximum(time, asked.dt), 1 / asked.dt)
         moved = memory.recruited + way * pace * asked.dt
@@ -112,7 +114,7 @@ class InTurn(Module):
         return Turn(recruited, way, target), where(opened, top, target)
 
     def _needed(
-        self, units: Units, now: Now, asked: Asked, last: Numbers, next_: Numbers
+        self, now: Now, asked: Asked, last: Numbers, next_: Numbers
     ) -> tuple[Numbers, Numbers, Numbers]:
         """Of the states that end with the `last` unit [-], as ones among zeros: the reserve, the
         `next_` unit's dip, and the reserve at which a hand-over to it begins [N].
@@ -123,9 +125,10 @@ class InTurn(Module):
 
         reserve, dip = of(last, now.largest) - asked.force, of(next_, now.dip)
         rise = maximum(asked.rate, 0.0)
-        rises = _SLACK * hand_over_time(units, now, asked, last, next_) * rise
-        part = of(next_, now.dip_pressure) / maximum(of(next_, now.onset), 1.0)
-        need = maximum(dip * (1 + _MARGIN) + rises * minimum(part, 1.0), rises)
+        # by as much the ramp is held while the unit before follows it
+        held = asked.lag * dip / of(last, now.slope) / (_SHORT * asked.supply)
+        deepest, end = ((SLACK * time + held) * rise for time in hand_over_times(now, last, next_))
+        need = maximum(dip * (1 + _MARGIN) + deepest, end)
         need = need + of(last, now.near) + self.lead * rise * of(next_, now.time)
         return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
 

@@ -1,6 +1,8 @@
 """Policies by name, and a controller of a plant made of one."""
 
+import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -11,7 +13,7 @@ from ..core.refused import Refused
 from ..core.types import Values
 from ..dynamics import Plant, PrescribedMotion
 from .at_once import batch, energy_aware
-from .cascade import Cascade, Gains
+from .cascade import DAMPED, FASTEST, Cascade, Gains
 from .in_turn import fast_cross, hand_over, orderly, pre_charge, threshold
 from .units import Units
 
@@ -50,7 +52,8 @@ def cascade(
     - `plant`: that it controls, and knows [-].
     - `policy`: which units are fed, by name [-]: one of `POLICIES`.
     - `of`: what the reference is, "force" or "position" [-].
-    - `gains`: of the cascade, `Gains` [SI], none below zero.
+    - `gains`: of the cascade, `Gains` [SI], none below zero; a `pressure_time` faster than the
+      plant allows is warned of.
     - `band`: by how much a demand must be lower before a unit is let go [N]; left out, 2 % of what
       the largest unit pulls at rest.
     - `dt`: the simulation's step [s].
@@ -74,9 +77,7 @@ def cascade(
         raise Refused("of", "must be force where the motion is given", of)
     closed = (True, False)
     for name, value in gains._asdict().items():
-        if name == "pressure_time":
-            positive(value, name, "s")
-        else:
+        if name != "pressure_time":
             within(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(positive(dt, "dt", "s", "such as 0.001"))
     every = _steps(
@@ -107,12 +108,22 @@ def cascade(
     each = tuple(make(band) for _ in units)
     for one, unit in zip(each, units, strict=True):
         one.begin(unit)
-    return Cascade(
-        plant, units, each, Gains(*map(np.float64, gains)), np.float64(highest), np.float64(limit),
+    derived = gains.pressure_time is None
+    settles = FASTEST if derived else gains.pressure_time
+    settles = positive(settles, "pressure_time", "s")
+    gains = Gains(*map(np.float64, gains[:-1]), np.float64(settles))
+    made = Cascade(
+        plant, units, each, gains, np.float64(highest), np.float64(limit),
         plant.hysteresis if compensate else None,
         np.float64(within(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)),
         np.float64(step), of, waits, every,
     )  # fmt: skip
+    if derived:
+        settles = np.float64(max(FASTEST, DAMPED * made.lateness))
+        return replace(made, gains=gains._replace(pressure_time=settles))
+    for warning in made.warnings:
+        warnings.warn(f"{warning}.", stacklevel=2)
+    return made
 
 
 def _steps(value: Any, dt: float, name: str) -> int:

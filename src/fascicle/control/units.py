@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, maximum, minimum, where
+from ..core.arrays import absolute, library, maximum, minimum, where
 from ..core.modules import Module
 from ..core.types import Batch, Numbers, Whole
 from ..dynamics import Plant
@@ -13,6 +13,10 @@ from .valves import of_units
 
 
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would be endless
+SLACK = 1.2  # of a valve's time: a ramp at its limit couldn't be followed
+_CHORD = 0.85  # of the supply: where a chord up to `CLOSE` begins at the latest
+_FLAT = 0.01  # of a unit's mean slope, which no chord is taken to be below
+_LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 % up to `CLOSE`
 _LATE = 0.25  # of the onset, where a unit that is vented is slow, but not yet hardly flows
 
 
@@ -71,7 +75,8 @@ class Units(Module):
 
 class Asked(NamedTuple):
     """What is asked now: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
-    [-], with their `pressures` [Pa] and the supply's [Pa]; `dt` since it was asked last [s].
+    [-], with their `pressures` [Pa] and the supply's [Pa], which come `lag` after they are wanted
+    [s]; `dt` since it was asked last [s].
     """
 
     force: Batch
@@ -79,15 +84,16 @@ class Asked(NamedTuple):
     strains: Numbers
     pressures: Numbers
     supply: Batch
+    lag: Batch
     dt: Batch
 
 
 class Now(NamedTuple):
     """What units can do at their strains: each one's force when `full` and `empty` [N], whether it
     `gains` [-], the `onset` of each [Pa], its `dip` [N] and `dip_pressure` [Pa], what a state
-    holds at most, `largest` [N], how long each one's valve takes to its onset, `time`, and from
-    there back, `vent` [s], and what each lacks `near` the supply's pressure, where its valve is
-    slow [N].
+    holds at most, `largest` [N], how long each one's valve takes to its onset, `time`, from there
+    back, `vent`, and from where it is until it is `near` the supply's pressure, `climb` [s], at
+    which mean `speed` [Pa/s], and what each lacks there, `near`, as its valve is slow beyond [N].
     """
 
     full: Numbers
@@ -99,6 +105,9 @@ class Now(NamedTuple):
     largest: Numbers
     time: Numbers
     vent: Numbers
+    climb: Numbers
+    speed: Numbers
+    slope: Numbers
     near: Numbers
 
 
@@ -120,7 +129,24 @@ def looked(units: Units, asked: Asked) -> Now:
     held = maximum(units.content(near, eps) - units.content(none, eps), 0.0)
     time, vent = held / maximum(flow, 1e-12), held / maximum(out, 1e-12)
     close = where(gains, close, 0.0)
-    return Now(full, empty, gains, onset, n * depth, at, largest, time, vent, close)
+    climb = _climb(units, asked, CLOSE * top)
+    speed = maximum(CLOSE * top - asked.pressures, 0.0) / maximum(climb, 1e-9)
+    here = minimum(maximum(asked.pressures, 0.0), _CHORD * top)
+    risen = full - close - n * units.branches.force(here, eps)
+    slope = maximum(risen / (CLOSE * top - here), _FLAT * absolute(full) / top + 1e-12)
+    return Now(
+        full, empty, gains, onset, n * depth, at, largest, time, vent, climb, speed, slope, close
+    )
+
+
+def _climb(units: Units, asked: Asked, end: Numbers) -> Numbers:
+    """How long [s] each unit's valve, wide open, takes from its pressure to an `end` [Pa]."""
+    here = minimum(maximum(asked.pressures, 0.0), end)
+    ends = here + _LEGS[:, None] * (end - here)
+    held = units.content(ends, asked.strains)
+    flow, _ = units.flows((ends[1:] + ends[:-1]) / 2, asked.supply + 0.0 * here)
+    legs = maximum(held[1:] - held[:-1], 0.0) / maximum(flow, 1e-12)
+    return library(legs).sum(legs, axis=0)
 
 
 def shared(
@@ -141,23 +167,19 @@ def shared(
     return minimum(maximum(found.pressure, low), high), found.status
 
 
-def hand_over_time(units: Units, now: Now, asked: Asked, before: Numbers, unit: Numbers) -> Batch:
-    """How long [s] hand-overs take to a `unit` [-] from the one `before` it [-], both as ones among
-    zeros, several in rows: the slower of both valves.
+def hand_over_times(now: Now, before: Numbers, unit: Numbers) -> tuple[Batch, Batch]:
+    """How long [s] a hand-over to a `unit` [-] from the one `before` it [-], both as ones among
+    zeros, several in rows, takes to where the dip is deepest, and to its end, from what units can
+    do `now` [SI].
+
+    Where it is deepest the unit before must have come as near to the supply's pressure as it ever
+    will: its valve, whose flow vanishes there, has until then, and no longer.
     """
-    at_work, eps, n = library(asked.strains), asked.strains, units.counts
-    top = minimum(asked.supply, units.branches.top)
 
     def of(which: Numbers, values: Numbers) -> Batch:
-        return at_work.sum(which * values, axis=-1)
+        return library(values).sum(which * values, axis=-1)
 
-    dip, t_c = of(unit, now.dip), of(unit, now.time)
-    reserve = of(before, now.largest) - asked.force
-    left = maximum(reserve - dip - maximum(asked.rate, 0.0) * t_c, 0.0)
-    then = units.branches.pressure((now.full - left[..., None]) / n, eps).pressure
-    then = minimum(then, CLOSE * top)
-    here = minimum(maximum(asked.pressures, 0.0), then)
-    # its flow falls on the way
-    flow, _ = units.flows(0.25 * here + 0.75 * then, top + 0.0 * eps)
-    need = (units.content(then, eps) - units.content(here, eps)) / maximum(flow, 1e-12)
-    return maximum(t_c, of(before, maximum(need, 0.0)))
+    t_c = of(unit, now.time)
+    part = minimum(of(unit, now.dip_pressure) / maximum(of(unit, now.onset), 1.0), 1.0)
+    deepest = maximum(part * t_c, of(before, now.climb))
+    return deepest, deepest + (1 - part) * t_c

@@ -8,7 +8,8 @@ the muscles, which store and give back what their law says,
 
 $$W = \int F\,\mathrm{d}x + \Delta(P V^* - \Pi^*) + E_{mismatch}, \tag{A2}$$
 
-where the last is what a volume makes that isn't the conjugate one; and the motion,
+where the last is what a volume makes that isn't the conjugate one: work out of nothing, so that it
+is left over, by its name, and no such run is trusted; and the motion,
 
 $$\int F\,\mathrm{d}x + W_{motor} = \Delta E_{kinetic} + \Delta U + E_{damper} + E_{stop}
   + E_{friction} + \Delta E_{friction}. \tag{A3}$$
@@ -51,6 +52,8 @@ WORDS = {
     "broken": "numbers that are none came up; take a smaller `dt`",
 }
 _SPENT = {"pump_lost": "lost in the pump", "relief_lost": "lost in the relief valve"}
+_BY_VOLUME = "made by the volume"
+_CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
 # what happened, but is no reason to doubt the run
 _HARMLESS = ("supply_empty", "stop")
 
@@ -58,7 +61,7 @@ _HARMLESS = ("supply_empty", "stop")
 class Balance(NamedTuple):
     """One balance. `name`; `unit`; what came `into` it and where it `went`, each by its name [J or
     kg]; what is `left` over [J or kg], and as a `share` of the largest term [-]; up to which share
-    it `closes_within` [-].
+    it `closes_within` [-]; where it doesn't, and the reason is known, what to do, its `remedy` [-].
     """
 
     name: str
@@ -68,6 +71,7 @@ class Balance(NamedTuple):
     left: float
     share: float
     closes_within: float
+    remedy: str = ""
 
     @property
     def closes(self) -> bool:
@@ -105,6 +109,7 @@ class Audit(NamedTuple):
         for one in self.balances:
             verdict = "closes" if one.closes else "DOES NOT CLOSE"
             lines.append(f"{one.name}: {verdict}, {one.share:.1e} of its largest term is left over")
+            lines += [f"  {one.remedy}"] if one.remedy else []
             for side, terms in (("in", one.into), ("out", one.went)):
                 lines += [
                     f"  {side:>3} {name:<28} {value:>14.6g} {one.unit}"
@@ -150,8 +155,8 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
                  {**{name: a[name] for name in lost}, "work on the muscles": a["fluid_work"],
                   "stored in the fluid": d["fluid"]}, ("supplied", *lost, "fluid_work", "Δfluid")),
         _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
-                 {"pull on the load": a["pull"], "stored in the muscles": d["muscles"],
-                  "made by the volume": a["mismatch"]}, ("fluid_work", "pull", "Δmuscles")),
+                 {"pull on the load": a["pull"], "stored in the muscles": d["muscles"]},
+                 ("fluid_work", "pull", "Δmuscles"), volume=a["mismatch"]),
         _balance("energy of the motion", _of_motion(plant, law), most,
                  {"pull of the muscles": a["pull"], "motor": a["motor"]},
                  {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
@@ -180,14 +185,20 @@ def events(run: Trajectory) -> tuple[Event, ...]:
 
 def _balance(
     name: str, within: float, most: dict[str, Any], into: dict[str, Any], went: dict[str, Any],
-    terms: tuple[str, ...], unit: str = "J",
+    terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
 ) -> Balance:  # fmt: skip
     into = {key: float(value) for key, value in into.items()}
     went = {key: float(value) for key, value in went.items()}
     left = sum(into.values()) - sum(went.values())
     # of the most that any term was meanwhile: at the end of a cycle all may be zero again
     size = max([most[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())])
-    return Balance(name, unit, into, went, left, abs(left) / size if size > 0 else 0.0, within)
+    remedy = ""
+    if volume is not None:  # named, and left over all the same: it came from nowhere
+        went[_BY_VOLUME] = volume = float(volume)
+        if abs(volume) > within * size:
+            remedy = f"{volume:.3g} J of it are {_BY_VOLUME}: {_CONJUGATE}"
+    share = abs(left) / size if size > 0 else 0.0
+    return Balance(name, unit, into, went, left, share, within, remedy)
 
 
 def _of_motion(plant: Plant, law: float) -> float:

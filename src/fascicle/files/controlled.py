@@ -28,10 +28,11 @@ class Controlled(NamedTuple):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Which policy `auto` took, and why, in words [-]."""
+        """Which policy `auto` took, and why, and what is likely to be unstable, in words [-]."""
+        doubts = tuple(f"{warning}." for warning in self.controller.warnings)
         if self.choice is None:
-            return ()
-        return (f"auto took {self.choice.policy}: {self.choice.why}.",)
+            return doubts
+        return (f"auto took {self.choice.policy}: {self.choice.why}.", *doubts)
 
     def taking(self, policy: str | None = None, compensate: bool | None = None) -> "Controlled":
         """The same with another `policy` [-], `auto` or one of `control.POLICIES`, or where
