@@ -13,8 +13,8 @@ $$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
   + \frac{\partial m}{\partial \varepsilon} \dot\varepsilon, \tag{K3}$$
 
 within what it can. A valve that follows its command with a time constant $\tau_v$, measurements
-that are late by $\theta$ and commands that are held for $\Delta t$ are in this loop as well, so that
-it needs
+that are late by $\theta$ and commands that are held for $\Delta t$ are in this loop as well, so
+that it needs
 
 $$\tau \ge 2 \left(\tau_v + \theta + \Delta t\right): \tag{K3a}$$
 
@@ -178,8 +178,11 @@ class Cascade(Module):
         demand = pulled + gains.force * missing + memory.force_integral
         force_integral = memory.force_integral + gains.force_integral * missing * dt
         change = jnp.where(memory.fresh > 0, (demand - memory.demand) / dt, 0.0)
-        # at first the mean of all changes: a filter that begins at zero would see a ramp too late
-        share = jnp.maximum(dt / (dt + _FILTER), self.every / jnp.maximum(memory.fresh, self.every))
+        share = dt / (dt + _FILTER)
+        if self.of == "force":
+            # at first the mean of all changes: a filter that begins at zero would see a ramp too
+            # late. Of a position the first changes are its error's, whose mean says nothing
+            share = jnp.maximum(share, self.every / jnp.maximum(memory.fresh, self.every))
         rate = memory.rate + (change - memory.rate) * share
 
         strains, speed = plant.strains(seen.position), plant.gains * seen.velocity

@@ -6,13 +6,23 @@ filled in turn; one that is recruited stays at its onset or above.
 
 - `orderly`: the plain inverse. The next unit is fed when those before it no longer suffice.
 - `threshold`: the same, and back only when the demand is lower by a band.
-- `hand_over`: begins while there is just reserve enough for the dip, (X3); the unit's ramp is held
+- `hand_over`: begins while there is just reserve enough for the dip, (X6); the unit's ramp is held
   back by the pressure that the one before it is short of.
 - `pre_charge`: as much earlier as the valve takes: the unit is parked at its onset before.
 - `fast_cross`: when those before no longer suffice, with its valve wide open up to the onset.
 
 Where the reserve is less than the dip when it is noticed, no crossing without one exists any more:
 the unit is fed when it must be. Back they go by the same rule, at a demand lower by the band.
+
+The reserve at which a hand-over begins is
+
+$$\rho = \rho_{near} + (1 + m) D + \dot F \left[s \max\left(\frac{p_d}{p_{on}} t_c, t_k\right)
+    + \tau \frac{D}{c\, P_s\, n_k F'_k}\right], \qquad
+  t_k = \int_{P_k}^{0.95 P_s} \frac{\mathrm{d}m_k}{\dot m_k}: \tag{X6}$$
+
+where the dip is deepest unit $k$ must have climbed, wide open, in $t_k$, as far as its valve still
+flows well, and what it lacks there, $\rho_{near}$, is never to be had in time. $m$ is a margin, $s$
+the valves' slack; the last term is how long the ramp is held by a unit $k$ that is late by $\tau$.
 
 **Source:** derived here.
 """
@@ -126,7 +136,8 @@ class InTurn(Module):
         reserve, dip = of(last, now.largest) - asked.force, of(next_, now.dip)
         rise = maximum(asked.rate, 0.0)
         # by as much the ramp is held while the unit before follows it
-        held = asked.lag * dip / of(last, now.slope) / (_SHORT * asked.supply)
+        slope = maximum(of(last, now.slope), 1e-12)  # the first has none before it
+        held = asked.lag * dip / slope / (_SHORT * asked.supply)
         deepest, end = ((SLACK * time + held) * rise for time in hand_over_times(now, last, next_))
         need = maximum(dip * (1 + _MARGIN) + deepest, end)
         need = need + of(last, now.near) + self.lead * rise * of(next_, now.time)

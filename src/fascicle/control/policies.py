@@ -111,7 +111,7 @@ def cascade(
     derived = gains.pressure_time is None
     settles = FASTEST if derived else gains.pressure_time
     settles = positive(settles, "pressure_time", "s")
-    gains = Gains(*map(np.float64, gains[:-1]), np.float64(settles))
+    gains = Gains(*map(np.float64, gains._replace(pressure_time=settles)))
     made = Cascade(
         plant, units, each, gains, np.float64(highest), np.float64(limit),
         plant.hysteresis if compensate else None,

@@ -213,6 +213,10 @@ class _Room(NamedTuple):
             kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
             what = "gas" if liquid else "liquid"
             raise place.refuse(("medium",), f"{name} is a {what}: take chamber = {kinds}.")
+        if liquid and not np.all(np.asarray(fluid.get("compliance", 0.0)) > 0):
+            rule = "must be there and positive for a liquid, which hardly gives way itself: write"
+            such = 'compliance = "2e-11 m^3/Pa", of bladder, hose and fittings of each motor unit.'
+            raise place.refuse(("compliance",), f"{rule} {such}")
         keys = ("room_pressure", "room_temperature")
         return cls(medium, {key: fluid[key] for key in keys if key in fluid})
 

@@ -233,6 +233,9 @@ def _class(name: str, part: Part, table: Mapping[str, Any], place: Place) -> typ
     if kind is None:
         known = ", ".join(part.kinds)
         raise place.refuse((name, part.by), f"missing, write {part.by} = one of {known}.")
+    if not isinstance(kind, str):
+        rule = f"must be a name in quotes, one of {', '.join(part.kinds)}."
+        raise place.refuse((name, part.by), rule)
     if kind not in part.kinds:
-        raise place.refuse((name, part.by), f"there is none{nearest(str(kind), part.kinds)}")
+        raise place.refuse((name, part.by), f"there is none{nearest(kind, part.kinds)}")
     return part.kinds[kind]

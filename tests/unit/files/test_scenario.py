@@ -1,5 +1,9 @@
 """Scenario files: what they say reaches the plant, and what can't be is refused by its key."""
 
+import re
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -7,6 +11,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle import fluid
 from fascicle.files import example_text, loads_scenario, scenarios
+from fascicle.files.scenario import scenario_of
 
 
 GAS, OIL, JOINT, DRY, PUMPED = map(
@@ -195,3 +200,38 @@ def test_a_scenario_is_no_muscle(tmp_path):
     path.write_text(GAS)
     with pytest.raises(ValueError, match=r"load: a scenario, not a muscle or bundle: `fascicle"):
         fs.files.loads(GAS)
+
+
+@pytest.mark.parametrize("kind", ["[]", "{}", "1", "true", '["constant"]'])
+@pytest.mark.parametrize(
+    ("table", "key", "name"),
+    [
+        ("load", "kind", "lift_gas"), ("fluid", "chamber", "lift_gas"),
+        ("supply", "kind", "lift_gas"), ("valve", "kind", "lift_gas"),
+        ("exhaust_valve", "kind", "lift_gas"), ("spool", "kind", "lift_gas"),
+        ("hysteresis", "kind", "joint_gait"), ("supply.pump", "kind", "supply_is_pumped"),
+        ("fluid", "medium", "lift_gas"), ("run", "law", "lift_gas"), ("run", "volume", "lift_gas"),
+        ("control", "policy", "ramp_hand_over"), ("", "bundle", "lift_gas"),
+        ("", "name", "lift_gas"),
+    ],
+)  # fmt: skip
+def test_a_kind_that_is_no_name_is_one_line(table, key, name, kind):
+    data = tomllib.loads(example_text(name))
+    section = data
+    for part in filter(None, table.split(".")):
+        section = section.setdefault(part, {})
+    section[key] = tomllib.loads(f"x = {kind}")["x"]
+    dotted = f"{table}.{key}".lstrip(".")
+    with pytest.raises(ValueError, match=rf"^x\.toml: {re.escape(dotted)}\b") as refused:
+        scenario_of(data, "x.toml", Path(), "x")
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "compliance", ["", 'compliance = "0 m^3/Pa"', 'compliance = ["0 m^3/Pa", "2e-11 m^3/Pa"]']
+)
+def test_a_liquid_that_doesnt_give_way_is_refused_beforehand(compliance):
+    text = re.sub(r"(?m)^compliance = .*$", compliance, example_text("lift_oil"))
+    with pytest.raises(ValueError, match=r"^x\.toml: fluid\.compliance") as refused:
+        loads_scenario(text, "x.toml")
+    assert 'write compliance = "2e-11 m^3/Pa"' in str(refused.value)

@@ -1,0 +1,99 @@
+"""What `crossing` promises of a fast ramp a policy holds, and a loop is as fast as its valves,
+measurements and samples let it.
+"""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fascicle import control, dynamics, fluid
+from fascicle.control import Gains
+
+
+SUPPLY, STRAIN, DT = 413.7e3, 0.2, 1e-3
+HELD = 0.1  # of the dip, a tenth: what docs and benchmarks call held
+
+
+def plant_of(bundle, conductance=1e-9, spool=None):
+    return dynamics.Plant(
+        bundle, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
+        fluid.Isothermal(), fluid.SonicValve(conductance, 0.3), spool=spool,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ramp(pair):
+    """From 0.1 to 3 times what the first unit holds."""
+    first = float(control.transition(pair, STRAIN).largest_force)
+
+    def ramp(duration):
+        return np.linspace(0.1, 3.0, round(duration / DT)) * first
+
+    return ramp
+
+
+def dip(plant, demand, policy="hand_over", **options):
+    """Drawdown of a run over the dip [-]."""
+    bundle = plant.bundles[0]
+    empty = float(bundle.motor_units[1].muscle.force(0.0, STRAIN))
+    begin = control.Branches.of(bundle).pressure(
+        np.array([demand[0] - empty, 0.0]), np.full(2, STRAIN)
+    )
+    controller = control.cascade(plant, policy, **options)
+    start = dynamics.rest(plant, [float(begin.pressure[0]), 0.0])
+    run = dynamics.simulate(plant, controller, demand, start=start, substeps=2)
+    worth = control.worth(controller, run, demand)
+    return worth.drawdown / worth.dip
+
+
+@pytest.mark.parametrize(
+    ("conductance", "duration"),
+    [
+        (1e-9, 0.7),
+        (1e-9, 1.0),
+        (5e-10, 2.0),
+        pytest.param(2e-9, 0.35, marks=pytest.mark.slow),
+        pytest.param(1e-9, 0.6, marks=pytest.mark.slow),
+        pytest.param(5e-10, 1.2, marks=pytest.mark.slow),
+    ],
+)
+def test_a_hand_over_that_is_promised_is_held(pair, ramp, conductance, duration):
+    plant, demand = plant_of(pair, conductance), ramp(duration)
+    chosen = control.choose(plant, demand, DT, "force")
+    assert chosen.crossings[0].found and chosen.policy in ("hand_over", "pre_charge")
+    assert dip(plant, demand, chosen.policy) < HELD
+
+
+def test_none_is_promised_where_valves_are_too_slow(pair, ramp):
+    plant, demand = plant_of(pair), ramp(0.35)
+    chosen = control.choose(plant, demand, DT, "force")
+    assert not chosen.crossings[0].found and "too slow" in chosen.why
+    assert dip(plant, demand) > HELD
+
+
+@pytest.mark.parametrize(
+    ("valve", "delay"), [(5e-3, 0.0), (20e-3, 0.0), (None, 10e-3), (5e-3, 5e-3)]
+)
+def test_pressures_settle_as_fast_as_what_is_late_allows(pair, ramp, valve, delay):
+    plant = plant_of(pair, spool=None if valve is None else fluid.Servovalve(valve))
+    controller = control.cascade(plant, "hand_over", delay=delay)
+    late = (valve or 0.0) + delay + DT
+    assert_allclose(controller.gains.pressure_time, 2 * late, rtol=1e-12)
+    assert controller.warnings == ()
+    assert dip(plant, ramp(4.0), delay=delay) < HELD
+
+
+def test_a_loop_that_is_faster_than_its_valves_is_warned_of(pair):
+    plant = plant_of(pair, spool=fluid.Servovalve(20e-3))
+    with pytest.warns(UserWarning, match="`pressure_time` of 0.003 s is too fast"):
+        hasty = control.cascade(plant, "hand_over", gains=Gains(pressure_time=3e-3))
+    assert len(hasty.warnings) == 1 and hasty.gains.pressure_time == 3e-3
+    slow = control.cascade(plant, "hand_over", gains=Gains(pressure_time=30e-3))
+    assert slow.warnings == () and slow.gains.pressure_time == 30e-3
+
+
+def test_where_nothing_is_late_it_is_as_fast_as_it_was(pair):
+    plain = control.cascade(plant_of(pair), "hand_over")
+    assert plain.gains.pressure_time == 3e-3
+    rare = control.cascade(plant_of(pair), "hand_over", sample_time=10e-3)
+    assert_allclose(rare.gains.pressure_time, 20e-3, rtol=1e-12)
