@@ -34,7 +34,7 @@ _MET = {"prediction": "holds", "input": "chosen", "definition": "by definition"}
 class Criterion:
     """A number of the model against a limit: it must be below, `<`, at most that, `≤`, above, `>`,
     or within `tolerance` of it, `=`. `quantity` says what it is, `ours` why this limit where the
-    paper gives none.
+    paper gives none, `scale` the size that the number is compared with where such a limit is zero.
     """
 
     quantity: str
@@ -44,6 +44,7 @@ class Criterion:
     unit: str = ""
     tolerance: float = 0.0
     ours: str = ""
+    scale: float = 0.0
 
     def __post_init__(self):
         if self.sign not in SIGNS:
@@ -65,7 +66,8 @@ class Criterion:
         """Whether the limit is ours and near the number, so that another one might decide
         otherwise.
         """
-        room, scale = abs(self.value - self.limit), abs(self.limit)
+        # a limit of zero has no size of its own
+        room, scale = abs(self.value - self.limit), self.scale or abs(self.limit)
         if self.sign == "=":
             room, scale = abs(self.tolerance - room), self.tolerance
         return bool(self.ours and room < _CLOSE * scale)

@@ -113,7 +113,8 @@ def test_after_collapse_is_judged_by_each_reading():
     """By `consistent` the resistance exceeds that at collapse; by no other reading does it."""
     readings = {one["key"]: one["readings"] for one in REPORTED["claims"]}
     assert readings["less_after_collapse"] == {
-        "consistent": False, "printed": True, "wood1958": True, "latex": True,
+        "consistent": False, "printed": True, "wood1958": True, "kim2021_series": True,
+        "latex": True, "megapascals": True,
     }  # fmt: skip
     muscle = setting.muscle("figure_6")
     reach = setting.tested(muscle)
@@ -127,6 +128,22 @@ def test_after_collapse_is_judged_by_each_reading():
         force = np.asarray(other.force(0.0, strain))
         assert float((force / force[0]).max()) == pytest.approx(worst, rel=1e-6)
     assert setting.muscle("figure_6").post_collapse.name == "derived"  # as before
+
+
+def test_no_collapse_hangs_on_the_readings_and_on_the_end_of_the_range():
+    """Margins of 0.005 and 0.003 of strain, in a range of 0.26 whose end is ours."""
+    for key in ("no_collapse_at_137_9_kpa", "no_collapse_above_137_9_kpa"):
+        (one,) = [claim for claim in REPORTED["claims"] if claim["key"] == key]
+        turned = [name for name, holds in one["readings"].items() if not holds]
+        assert turned == ["kim2021_series", "latex"]
+        assert [number["close"] for number in one["criteria"]] == [True]
+
+
+def test_table_1s_pressure_is_read_in_bar_or_in_megapascals():
+    slope = setting.muscle("slenderness_8").tuning.hinge_stiffness_slope
+    with setting.reading("megapascals"):
+        other = setting.muscle("slenderness_8").tuning.hinge_stiffness_slope
+    assert float(slope) == pytest.approx(0.87 / 1e5) and float(other) == pytest.approx(0.87 / 1e6)
 
 
 def test_what_is_computed_once_is_so_for_each_reading():

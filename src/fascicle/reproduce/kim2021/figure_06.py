@@ -113,6 +113,7 @@ def _collapse_claims(parts: Components, reach: float) -> tuple[Claim, ...]:
                 Criterion(
                     "strain from the end of the range to the collapse",
                     float(collapse[2]) - reach, ">", 0.0,
+                    scale=reach, ours=setting.RANGE_END,
                 ),
             ),
             model=f"Collapse at ε = {collapse[2]:.4f}; the range ends at {reach:.4f}. At 344.7 "

@@ -186,7 +186,7 @@ def _high_claim(muscles: list[Muscle], reach: float) -> Claim:
         criteria=(
             Criterion(
                 "strain from the end of the range to the earliest collapse",
-                min(collapses) - reach, ">", 0.0,
+                min(collapses) - reach, ">", 0.0, scale=reach, ours=setting.RANGE_END,
             ),
         ),
         model=f"The earliest collapse, from {_HIGHER[0] / 1e3:g} to {_HIGHER[-1] / 1e3:g} kPa: "

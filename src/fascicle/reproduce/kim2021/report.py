@@ -154,8 +154,9 @@ def _general(page: Page) -> None:
         "the identity for them.",
         "Every claim is judged by each reading that changes a force: after collapse `derived` (of "
         "every figure), `consistent` and `printed` [R10]; `wood1958`, the cube in (17) [R8]; "
-        "`latex`, C₁₀ and C₀₁ of Klute and Hannaford [R3]. Where a reading turns a verdict, that "
-        "is said.",
+        "`kim2021_series`, bladder and mesh of (16) as one column; `latex`, C₁₀ and C₀₁ of Klute "
+        "and Hannaford [R3]; `megapascals`, P in Table 1's factors [R14]. Where a reading turns a "
+        "verdict, that is said.",
         "Figs 1 and 11 are a sketch of a bundle and a photograph of the test bench: there is "
         "nothing to compute.",
         "This page holds its pictures and, as CSV, its data: a link below a figure saves them. The "

@@ -27,6 +27,7 @@ TABLE = np.linspace(0.0, 413.7e3, 13)  # Pa, of C1 and C2: every 5 psi, as teste
 HIGHEST = 413.7e3  # Pa, the largest pressure tested, and the supply's in sections 4.1 and 4.2
 UNIT_1 = 344.7e3  # Pa, motor unit 1 in section 6
 Function = TypeVar("Function", bound=Callable[..., Any])
+RANGE_END = "the range ends at the model's free strain at 413.7 kPa, our reading of section 5.3"
 UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
 
 
@@ -36,12 +37,20 @@ def _with_latex(muscle: Muscle) -> Muscle:
     return eqx.tree_at(lambda m: (m.material.c10, m.material.c01), muscle, numbers)
 
 
+def _in_megapascals(muscle: Muscle) -> Muscle:
+    """A muscle whose P in Table 1's factor on k_r is in MPa instead of bar [R14]."""
+    slope = muscle.tuning.hinge_stiffness_slope
+    return eqx.tree_at(lambda m: m.tuning.hinge_stiffness_slope, muscle, 0.1 * slope)
+
+
 READINGS: Mapping[str, Callable[[Muscle], Muscle]] = MappingProxyType({
     "derived": lambda muscle: muscle,  # of every figure
     "consistent": lambda muscle: muscle.replace(post_collapse="consistent"),  # [R10]
     "printed": lambda muscle: muscle.replace(post_collapse="printed"),
     "wood1958": lambda muscle: muscle.replace(collapse="wood1958"),  # [R8]
+    "kim2021_series": lambda muscle: muscle.replace(buckling="kim2021_series"),  # one column
     "latex": _with_latex,
+    "megapascals": _in_megapascals,
 })  # fmt: skip
 _READING: ContextVar[str] = ContextVar("reading", default="derived")
 
