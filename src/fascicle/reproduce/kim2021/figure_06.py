@@ -167,10 +167,12 @@ def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple
         np.unique(parts.strain[(parts.strain >= free) & (parts.strain <= reach)])
         for free in parts.free_strain
     ]
-    rises = [
-        -np.diff(np.interp(strain, parts.strain, row))
+    resistance = [
+        -np.interp(strain, parts.strain, row)
         for strain, row in zip(past, parts.straight_force, strict=True)
     ]
+    gains = [float(np.ptp(row)) if row.size else 0.0 for row in resistance]
+    slopes = [np.diff(row) / np.diff(strain) for strain, row in zip(past, resistance, strict=True)]
     return (
         Claim(
             key="conventional_resistance_keeps_rising",
@@ -181,14 +183,13 @@ def _straight_claims(parts: Components, reach: float, names: list[str]) -> tuple
             "past free strain",
             criteria=(
                 Criterion(
-                    "least rise from one strain of the grid to the next, four pressures",
-                    min((float(row.min()) for row in rises if row.size), default=np.nan),
+                    "least slope over strain, past the free strains of four pressures",
+                    min((float(row.min()) for row in slopes if row.size), default=np.nan),
                     ">", 0.0, "N",
                 ),
             ),
             model="From the free strain to the end of the range the tension law's resistance "
-            "rises at every step: by " + ", ".join(f"{row.sum():.1f}" for row in rises)
-            + " N in all at " + ", ".join(names) + ".",
+            f"rises by {', '.join(f'{x:.1f}' for x in gains)} N at {', '.join(names)}.",
         ),
         Claim(
             key="conventional_models_resist_much_more",
