@@ -14,12 +14,28 @@ from fascicle.cli import memory
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
 BEGIN = "from fascicle.cli import main\nprint('ready', flush=True)\nmain({arguments!r})"
+# stops at the line of standard error that begins so, until a signal comes: however slow or fast a
+# machine is, the command is still at work then
+HELD = """
+import sys, time
+write = sys.stderr.write
+
+def held(text):
+    write(text)
+    if text.startswith({line!r}):
+        time.sleep(3600)
+
+sys.stderr.write = held
+"""
 
 
-def started(folder, *arguments):
-    """A process that runs a command in `folder`, once it has begun."""
+def started(folder, *arguments, held_at=None):
+    """A process that runs a command in `folder`, once it has begun; it stops at the line of
+    standard error that begins with `held_at`.
+    """
+    begin = BEGIN.format(arguments=list(arguments))
     process = subprocess.Popen(
-        [sys.executable, "-c", BEGIN.format(arguments=list(arguments))],
+        [sys.executable, "-c", (HELD.format(line=held_at) if held_at else "") + begin],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -85,7 +101,7 @@ block = 16
 def test_control_c_in_a_sweep_is_a_line_and_the_sweep_goes_on(tmp_path, workers):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     (tmp_path / "task.toml").write_text(TASK)
-    process = started(tmp_path, "sweep", "task.toml", "--workers", workers)
+    process = started(tmp_path, "sweep", "task.toml", "--workers", workers, held_at="10 of 96")
     lines = [process.stderr.readline()]
     while not lines[-1].startswith("10 of 96"):
         lines.append(process.stderr.readline())

@@ -582,6 +582,16 @@ UNTIDY = """() => {
 }"""
 
 
+def laid_out(page):
+    """Wait until no figure moves from one frame to the next but one."""
+    before = None
+    while before != (now := [one.bounding_box() for one in page.locator(".bk-Figure").all()]):
+        before = now
+        page.evaluate(
+            "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        )
+
+
 def tabs_one_by_one(page):
     """Each tab's name, when it is shown and laid out; the data's without and with a record."""
     shown = {"Muscle": "solid", "Bundle": "bundle", "Reversal": "turns",
@@ -592,7 +602,7 @@ def tabs_one_by_one(page):
         else:
             page.get_by_text(tab, exact=True).first.click()
         source(page, name)
-        page.wait_for_timeout(300)  # until it is laid out
+        laid_out(page)
         yield tab
 
 
@@ -642,7 +652,7 @@ def test_the_muscle_is_as_large_as_its_curves(visit, tab):
             page.set_viewport_size({"width": width, "height": height})
             until(page, "([at, old]) => at.clientWidth > old + 50",
                                    arg=[figures.first.element_handle(), before])  # fmt: skip
-            page.wait_for_timeout(300)  # until the rest is laid out, too
+            laid_out(page)
         curves, stage = (one.bounding_box() for one in figures.all()[:2])
         assert stage["width"] == pytest.approx(curves["width"], abs=2)
         # the page is filled: what is left below the curves is their downloads
@@ -738,10 +748,9 @@ def test_a_bar_moves_while_chosen_constants_are_fitted(visit):
     page.get_by_role("button", name="Calibrate the muscle").click()
     page.get_by_role("progressbar").wait_for()
     moving = page.locator(".bar div")
-    places = [moving.bounding_box()["x"]]
-    page.wait_for_timeout(150)
-    places.append(moving.bounding_box()["x"])
-    assert places[0] != places[1]
+    place = moving.bounding_box()["x"]
+    until(page, "([bar, x]) => bar.getBoundingClientRect().x != x",
+                           arg=[moving.element_handle(), place])  # fmt: skip
     page.get_by_text("90 % interval").wait_for()
     page.get_by_role("progressbar").wait_for(state="hidden")
     assert page.get_by_text("outer radius", exact=True).count() >= 1

@@ -1,6 +1,7 @@
 """The issue of bad input: each is one line on stderr, exit code 2, nothing half written."""
 
 import errno
+import os
 
 import pytest
 
@@ -211,3 +212,71 @@ def test_what_lasts_is_told_on_a_terminal_and_nowhere_else(fascicle, monkeypatch
     monkeypatch.setattr(telling, "_told", [shown.append])
     code, _, _ = fascicle(*arguments, "--force")
     assert code == 0 and any(words in one for one in shown)
+
+
+def pipe(path):
+    os.mkfifo(path)
+
+
+def loop(path):
+    path.symlink_to(path)
+
+
+def device(path):
+    path.symlink_to("/dev/zero")
+
+
+READ = [
+    ["force", "{}"], ["free-strain", "{}"], ["bundle", "{}"], ["space", "{}"],
+    ["recruit", "{}", "--force", "1N", "--strain", "0.1"], ["efficiency", "{}"],
+    ["simulate", "{}"], ["simulate", "{}", "--compare"], ["record", "{}", "-o", "y.csv"],
+    ["calibrate", "{}", "-m", SIX], ["calibrate", "d.csv", "-m", "{}"], ["design", "{}"],
+    ["sweep", "{}", "--workers", "0"], ["export", "{}", "--c", "y"],
+    ["export", "{}", "--fmu", "y.fmu"], ["explore", "{}", "--no-show"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [pipe, loop, device])
+@pytest.mark.parametrize("command", READ, ids=lambda words: "-".join(words[:2]))
+def test_what_is_no_regular_file_is_not_read(fascicle, tmp_path, command, kind):
+    """A named pipe without a writer was waited for for ever."""
+    (tmp_path / "d.csv").write_text("pressure [kPa],strain,force [N]\n100,0.1,1\n")
+    kind(tmp_path / "x.toml")
+    code, _, err = fascicle(*(word.format("x.toml") for word in command))
+    assert code == 2 and err.count("\n") == 1 and "x.toml" in err, err
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["d.csv", "x.toml"]
+
+
+WRITTEN = [
+    ["force", SIX, "--out", "{}.csv"], ["force", SIX, "--out", "{}.zarr"],
+    ["force", SIX, "--csv={}"], ["force", SIX, "--plot", "{}.png"],
+    ["simulate", "lift_gas", "--report", "{}.html"], ["record", SIX, "-o", "{}"],
+    ["calibrate", "d.csv", "-m", SIX, "-o", "{}"], ["design", "t.toml", "-o", "{}"],
+    ["sweep", "t.toml", "--workers", "0", "-o", "{}"], ["init", "{}"],
+    ["sweep", "t.toml", "--workers", "0", "-o", "{}/inside"], ["reproduce", "kim2021", "-o", "{}"],
+    ["export", SIX, "--c", "{}"], ["export", SIX, "--table", "{}"],
+    ["export", SIX, "--fmu", "{}.fmu"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [pipe, loop])
+@pytest.mark.parametrize("command", WRITTEN, ids=lambda words: "-".join((words[0], words[-1])))
+def test_what_is_no_regular_file_or_folder_is_not_written(fascicle, tmp_path, command, kind):
+    pytest.importorskip("zarr", reason="needs the extra `sweep`")
+    (tmp_path / "d.csv").write_text("pressure [kPa],strain,force [N]\n100,0.1,1\n")
+    assert fascicle("init", "t.toml", "--task")[0] == 0
+    words = [word.format("x") for word in command]
+    name = words[-1].partition("=")[2] or words[-1].partition("/")[0]
+    kind(tmp_path / name)
+    before = sorted(tmp_path.iterdir())
+    code, out, err = fascicle(*words)
+    assert (code, out) == (2, "") and err.count("\n") == 1 and name in err, err
+    assert "kept" not in err  # nothing was begun
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_headers_beside_pipes_are_not_written(fascicle, tmp_path):
+    (tmp_path / "c").mkdir()
+    pipe(tmp_path / "c" / "muscle.h")
+    code, _, err = fascicle("export", SIX, "--table", "c")
+    assert code == 2 and "muscle.h" in err and err.count("\n") == 1

@@ -1,6 +1,7 @@
 """Nothing is lost: what isn't ours, or was changed since, is replaced by nobody unasked."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -48,6 +49,24 @@ def test_a_file_of_ours_is_replaced_until_it_is_changed(tmp_path):
     # what it held before is ours again
     path.write_text("again")
     write(path)
+
+
+def test_a_file_is_ours_however_soon_after_its_place_is_taken_a_run_is_stopped(
+    tmp_path, monkeypatch
+):
+    path, replace = tmp_path / "x.nc", Path.replace
+
+    def stopped(draft, target):
+        replace(draft, target)
+        raise KeyboardInterrupt
+
+    for text in ("one", "two"):
+        monkeypatch.setattr(Path, "replace", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            write(path, text)
+        monkeypatch.undo()
+        assert path.read_text() == text
+        ours.check_file(path)
 
 
 def test_a_copy_is_not_the_file_that_was_written(tmp_path):

@@ -60,6 +60,11 @@ class Store:
 
         **Raises:** `ValueError` where there are none to resume, another study's, or any other.
         """
+        for place in (folder, *folder.parents):
+            if place.is_symlink() and not place.exists():
+                raise ValueError(f"{folder}: {place} leads nowhere: name a new folder.")
+            if place != folder and place.exists() and not place.is_dir():
+                raise ValueError(f"{folder}: {place} is no folder: name a new one.")
         about = _read_about(folder)
         if about.get("study") == study.digest:
             if not resume:
