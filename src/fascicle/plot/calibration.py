@@ -314,7 +314,7 @@ _CLIPPED: dict[str, Any] = {"linestyle": "", "marker": "v", "markersize": 4.2,
 def _fit_legend(fitted: Fitted) -> list[Any]:
     handles: list[Any] = [Line2D([], [], **{**_MEASURED, "color": GRAY}, label="measured")]
     if np.any(fitted.censored):
-        label = "clipped: not above zero"
+        label = "clipped: not above it"
         handles.append(Line2D([], [], **_CLIPPED, markeredgecolor=GRAY, label=label))
     handles.append(Line2D([], [], color=GRAY, linewidth=1.0, label=fitted.label))
     if fitted.low is not None:

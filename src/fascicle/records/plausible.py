@@ -91,7 +91,10 @@ def check_force(
         rule = f"{_amount(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
         raise fault(row, column, f"{rule} needs {area:.2g} m² of cross section{least}")
     if np.max(force) <= 0 < -np.min(force):
-        return ('no reading pulls: if they do, write signs.force = "pushing positive"',)
+        return (
+            "no reading pulls: if they do, turn the sign with --push-positive, or with"
+            ' signs.force = "pushing positive"',
+        )
     return ()
 
 

@@ -160,8 +160,8 @@ def _untold(page: Page, made: Calibration) -> None:
     )
     if made.censored:
         lines.append(
-            f"Forces at {made.censored} clipped readings: each is known not to be above zero,"
-            " and no more."
+            f"Forces at {made.censored} clipped readings: each is known not to be above"
+            f" {made.floor}, and no more."
         )
     page.points(lines)
 

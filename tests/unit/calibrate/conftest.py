@@ -46,6 +46,7 @@ def straight():
         F = X @ truth + sigma * rng.normal(size=(levels, readings))
         P = 1e5 * np.arange(1, levels + 1)[:, None]
         clipped = np.zeros(F.shape, bool) if censored is None else censored
+        F = np.where(clipped, 0.0, F)  # as a gauge that clips at zero writes it
         data = Grid(
             jnp.asarray(P), jnp.zeros(F.shape), jnp.asarray(F), jnp.ones(F.shape),
             jnp.asarray(clipped),

@@ -135,3 +135,41 @@ def test_branches_that_are_one_have_no_loop():
     assert made.friction.law is None
     assert "No hysteresis loop" in hysteresis(made)
     assert "%" not in hysteresis(made)
+
+
+def test_many_readings_of_one_least_number_are_clipped_there():
+    made = sweeps([1e5, 2e5, 3e5, 4e5], [0.2, 0.25, 0.3, 0.35], noise=0.3)
+    floor = float(np.quantile(made.force, 0.1))
+    assert floor < 0
+    data = record(made.pressure, made.strain, np.maximum(made.force, floor), made.branch)
+    of = taken(data)
+    assert of.clipped == np.sum(made.force <= floor) > 20
+    assert f"{floor:.4g} N" in " ".join(of.words())
+    fitted = fit(data, MUSCLE, ("c10", "c01", "youngs_modulus_factor"))
+    # a clipped reading asks the law to be no higher: it is no force of exactly -8.74 N
+    assert fitted.rmse == pytest.approx(0.3, rel=0.15)
+
+
+def test_a_coarse_load_cell_has_no_floor():
+    made = sweeps([1e5, 2e5, 3e5, 4e5], [0.2, 0.25, 0.3, 0.35], noise=0.3)
+    assert taken(record(made.pressure, made.strain, np.round(made.force), made.branch)).clipped == 0
+
+
+@pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
+def test_another_buckling_law_is_named_for_residuals_past_the_free_strain(truth, model):
+    slender = fs.example("kim2021_figure_6")
+    gauge = fs.records.VirtualDynamometer(noise=0.003, samples=40)
+    data = gauge.record(slender.replace(buckling=truth), seed=1)
+    free = ("youngs_modulus_factor", "collapse_moment_factor")
+    made = fit(data, slender.replace(buckling=model), free)
+    assert f"`{truth}`" in made.causes[0].name
+    assert truth in made.causes[0].remedy
+    right = fit(data, slender.replace(buckling=truth), free)
+    assert not any("free strain" in cause.name for cause in right.causes)
+
+
+def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
+    made = sweeps([1e5, 2e5], [0.05, 0.1], noise=0.01)
+    with pytest.raises(ValueError, match="--push-positive") as refused:
+        fit(record(made.pressure, made.strain, -made.force), MUSCLE, ("c10", "c01"))
+    assert "\n" not in str(refused.value)

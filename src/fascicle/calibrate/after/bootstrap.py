@@ -88,8 +88,9 @@ def simulated(made: Calibration, rng: np.random.Generator) -> Grid:
     force = np.where(count > 0, made.conclusion.linear.force + errs + scatter, 0.0)
     if not np.any(data.censored):
         return replace(data, force=force)
-    clipped = (force <= 0) & (count > 0)
-    return replace(data, force=np.where(clipped, 0.0, force), censored=clipped)
+    floor = np.min(np.asarray(data.force)[np.asarray(data.censored)])  # the gauge's, zero mostly
+    clipped = (force <= floor) & (count > 0)
+    return replace(data, force=np.where(clipped, floor, force), censored=clipped)
 
 
 def fitted(made: Calibration, data: Grid) -> np.ndarray:

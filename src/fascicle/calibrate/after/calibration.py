@@ -18,7 +18,7 @@ from ...records.record import Record
 from ...units import pretty
 from ..data.grid import Grid, trimmed
 from ..data.readings import Readings
-from ..data.taking import Taken
+from ..data.taking import Taken, floor_of
 from ..problem.parameters import WEAK, Parameter, put, values
 from ..problem.residuals import Problem
 from ..problem.solving import Solutions
@@ -259,6 +259,11 @@ class Calibration:
     def censored(self) -> int:
         """Readings of these that only say "not above" [-]."""
         return self.taken.clipped
+
+    @property
+    def floor(self) -> str:
+        """Force at which readings are clipped, in words [-]."""
+        return floor_of(self.record)
 
     @property
     def rmse(self) -> float:

@@ -167,7 +167,7 @@ class _Target:
         data, every = problem.data, jnp.asarray(problem.center).at[self.chosen].set(z)
         mu = problem.force(every) + self.discrepancy @ errs
         square = problem.weight**2 * data.count * ((data.force - mu) / noise) ** 2
-        clipped = problem.weight**2 * log_ndtr(-mu * jnp.sqrt(data.count) / noise)
+        clipped = problem.weight**2 * log_ndtr((data.force - mu) * jnp.sqrt(data.count) / noise)
         likelihood = jnp.where(data.censored, clipped, -0.5 * square)
         prior = jnp.sum(((every - problem.center) / problem.deviation) ** 2)
         known = jnp.sum(curves**2) + jnp.sum(errs**2)

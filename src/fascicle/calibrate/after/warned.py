@@ -19,6 +19,7 @@ _CLEAR = 4.0  # deviations of a reading, from which a difference of two is told
 _TOLD = 3  # strains at which residuals' signs are told
 _CALIPERS = 0.1  # of a size: more than that nobody errs who measures it
 _TINY = 1e-12  # a chance below that is none: nobody's noise is so normal
+_NOTHING_PAST = ", so nothing past the free strain was measured there"
 _AFTER = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
 
 
@@ -47,8 +48,8 @@ def _reach(made: "Calibration") -> list[str]:
     past = used[: len(strain)] & (strain > made.free_strain[:, None] + 1e-9)
     if made.censored:
         lines.append(
-            f"{made.censored} readings are clipped at zero: they only say that the force was not"
-            " above it, so nothing past the free strain was measured there."
+            f"{made.censored} readings are clipped at {made.floor}: they only say that the force"
+            f" was not above it{_NOTHING_PAST if made.floor == 'zero' else ''}."
         )
     levels = used.any(axis=1)
     if np.sum(levels) == 1:

@@ -6,12 +6,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...records.record import UNKNOWN, Record
+from ...units import pretty
 from .grid import LONGEST, Gathered, Grid, gathered, trimmed
 
 
 TELLING = 5  # readings that push: as many as what resists has factors; fewer can't tell them
 _SMALL = 0.1  # of a level's largest force: what noise may be where a gauge reads none
 _NOISE = 0.02  # of the largest force, the same
+# a load cell's floor: so many readings, such a share of all, so many times as often as each of
+# the numbers next above it
+_FEWEST, _SHARE, _TIMES, _ABOVE = 5, 0.02, 4, 10
 _IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
 
 
@@ -73,7 +77,10 @@ class Taken:
         if not self.left_out:
             lines[0] += ", none left out"
         if self.clipped:
-            lines.append(f"{self.clipped} clipped: they only say that the force was not above zero")
+            floor = floor_of(self.record)
+            lines.append(
+                f"{self.clipped} clipped: they only say that the force was not above {floor}"
+            )
         if self.slack:
             lines.append(
                 f"{self.slack} of these are small forces past the strain from which the others of"
@@ -112,6 +119,9 @@ def taken(record: Record) -> Taken:
     """What of a `record` [-] is fitted: readings of a record in time that belong to sweeps, without
     the ramps between them.
     """
+    # a reading that the file calls clipped is clipped at zero, whatever number stands there
+    force = np.where(record.censored, 0.0, record.force)
+    record = replace(record, force=force, censored=record.censored | _at_floor(record))
     branches, ramps = _branches(record)
     read, left_out = len(record), {}
     if record.time is not None and 0 < np.sum(ramps) < len(record) / 2:
@@ -120,6 +130,25 @@ def taken(record: Record) -> Taken:
         record, branches = record.only(~ramps, note), branches[~ramps]
     record = replace(record, branch=branches)
     return Taken(record, gathered(record), read, left_out)
+
+
+def floor_of(record: Record) -> str:
+    """Force at which a `record` [-] is clipped, in words [-]: zero, or the gauge's floor."""
+    forces = np.unique(record.force[record.censored])
+    below = forces[forces != 0]
+    return pretty(float(below[0]), "force") if below.size else "zero"
+
+
+def _at_floor(record: Record) -> np.ndarray:
+    """Readings at the floor of the load cell [-]: many of exactly the least number, far more than
+    of those above it, which a coarse gauge would repeat as well.
+    """
+    values, counts = np.unique(record.force[~record.censored], return_counts=True)
+    if values.size < 2 or values[0] >= 0:  # zeros are the file's to explain
+        return np.zeros(len(record), dtype=bool)
+    most = np.max(counts[1 : 1 + _ABOVE])
+    many = max(_FEWEST, _SHARE * np.sum(counts), _TIMES * most)
+    return (record.force == values[0]) & ~record.censored & bool(counts[0] >= many)
 
 
 def pulling_of(of: Taken, longest: int = LONGEST) -> Taken:

@@ -19,6 +19,7 @@ from ...muscle import Muscle
 from ...muscle.fitted import OF_ENDS, remembering
 from ...muscle.tuning import Tuning
 from ...records.record import Record
+from ..after.buckling import other_buckling_law
 from ..after.calibration import Calibration
 from ..after.causes import causes, untold
 from ..after.discrepancy import from_trends, table, widening
@@ -168,6 +169,11 @@ def concluded(
         discrepancy=table(problem, left, seen),
         weights=search.weights,
     )
+    other = other_buckling_law(made)
+    if other is not None:
+        # what it explains is not the rubber's or the gauge's
+        less = tuple(cause for cause in made.causes if cause.share > other.share)
+        made = replace(made, causes=(other, *less))
     return replace(made, warned=warned(made))
 
 

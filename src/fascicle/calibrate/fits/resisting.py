@@ -41,7 +41,9 @@ def resisting(
     if names:
         label = ", ".join(names)
         tried += [(f"{label} {_AND}", (*names, *FACTOR_NAMES), False), (label, names, False)]
-    tried += [(f"{AS_GIVEN} {_AND}", FACTOR_NAMES, False), (AS_GIVEN, (), False)]
+    tried.append((f"{AS_GIVEN} {_AND}", FACTOR_NAMES, False))
+    if not names:
+        tried.append((AS_GIVEN, (), False))
     if set(given) - set(FACTOR_NAMES):  # a tuning has no place for what is known of constants
         tried = tried[1:3]
     trials, fits = [], []

@@ -22,6 +22,7 @@ from .tuned import problem_of
 
 
 STARTS = 4
+_NO_PULL = 0.02  # of the largest push: a smaller pull is the gauge's zero
 _PASSIVE = 1.0  # Pa, what a record of no pressure may read
 _FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
 
@@ -135,11 +136,13 @@ def _enough(of: Taken, free: Sequence[Parameter]) -> None:
         rule = f"{where}holds no force but 0 N"
         raise Refused("record", rule, None, "check the column of forces")
     # a passive muscle's may only push, but one under pressure was also measured where it pulls
-    if np.max(force) <= 0 and np.max(np.asarray(data.pressure)) > _PASSIVE:
+    # noise about zero may pull a little where all else pushes
+    if np.max(force) <= _NO_PULL * -np.min(force) and np.max(np.asarray(data.pressure)) > _PASSIVE:
         rule = f"{where}holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
         remedy = (
-            'is the sign flipped? Then write signs.force = "pushing positive" in the TOML beside'
-            " the file; else measure where it pulls, too"
+            "if the gauge reads a pull as negative, turn the sign with --push-positive, or with"
+            ' signs.force = "pushing positive" in the TOML beside the file; else measure where it'
+            " pulls, too"
         )
         raise Refused("record", rule, None, remedy)
 

@@ -1,10 +1,10 @@
 r"""How likely a record is by a law's forces, at the noise that suits it best.
 
-A measured force has a normal density about the law's, one that was clipped at zero the chance
-that it isn't above:
+A measured force has a normal density about the law's, one that was clipped the chance that it
+isn't above:
 
 $$-2 \ln L = \sum_{measured} \left[\ln \sigma^2 + n r^2/\sigma^2\right]
-  - 2 \sum_{clipped} \ln \Phi(-\sqrt n\, \mu/\sigma), \tag{C13}$$
+  - 2 \sum_{clipped} \ln \Phi(\sqrt n\, (F - \mu)/\sigma), \tag{C13}$$
 
 with $r$ what the law misses and $n$ how many readings are averaged; what is the same for all laws
 is left out. $\sigma$ is where that is least. All laws, those without physics too, are so judged on
@@ -32,7 +32,7 @@ def deviance(data: Grid, force: np.ndarray) -> float:
     measured = np.asarray(data.force)[used]
     n, top = measured.size, float(np.max(np.abs(measured), initial=1e-300))
     squares = float(np.sum(count[used] * (measured - force[used]) ** 2))
-    clipped = (np.sqrt(count) * force)[(count > 0) & ~used]
+    clipped = (np.sqrt(count) * (force - np.asarray(data.force)))[(count > 0) & ~used]
     alone = np.log(max(np.sqrt(squares / max(n, 1)), _FINEST * top))
 
     def at(log_noise: float) -> float:

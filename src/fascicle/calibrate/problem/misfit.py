@@ -4,9 +4,9 @@ A measured force $F$, the mean of $n$ readings that scatter by $\sigma$, leaves 
 
 $$r = \sqrt{n}\, \frac{F - \mu}{\sigma}, \tag{C1}$$
 
-a censored one, which only says that the force was not above zero,
+a censored one, which only says that the force was not above $F$ (zero, or the gauge's floor),
 
-$$r = \sqrt{-2 \ln \Phi(-\mu/\sigma)}, \tag{C2}$$
+$$r = \sqrt{-2 \ln \Phi((F - \mu)/\sigma)}, \tag{C2}$$
 
 so that half the sum of squares is the negative logarithm of the likelihood: nothing where
 the model pushes, and as much as any other deviation where it pulls. Each coordinate's
@@ -23,7 +23,7 @@ from scipy.special import erfcx, log_ndtr
 
 
 LOSSES = ("linear", "soft_l1", "cauchy")
-_SURE = 30.0  # deviations below zero, where a censored reading says nothing in float64
+_SURE = 30.0  # deviations below the limit, where a censored reading says nothing in float64
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Misfit:
         missed = (self.force - force) * scaled
         if not np.any(self.censored):
             return self.weight * missed, -self.weight * scaled
-        sure = np.minimum(-force * scaled, _SURE)
+        sure = np.minimum(missed, _SURE)
         likely = log_ndtr(sure)
         not_above = np.sqrt(-2 * likely)
         # what chance of a clipped reading is lost with each newton, over the residual

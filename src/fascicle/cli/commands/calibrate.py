@@ -93,6 +93,10 @@ Clipped = Annotated[
     bool,
     typer.Option("--clipped-at-zero", help="A force of exactly 0 means 0 or less."),
 ]
+PushPositive = Annotated[
+    bool,
+    typer.Option("--push-positive", help="The file's forces are positive where the muscle pushes."),
+]
 Fit = Annotated[
     str | None,
     _option(
@@ -179,6 +183,7 @@ def run(
     column: Column = None,
     header: Header = None,
     clipped_at_zero: Clipped = False,
+    push_positive: PushPositive = False,
     fit: Fit = None,
     prior: Prior = None,
     tension: Tension = None,
@@ -210,7 +215,7 @@ def run(
     )  # fmt: skip
     reading = Reading(
         data, rest_length, pairs(unit, "--unit"), pairs(column, "--column"), clipped_at_zero,
-        header,
+        header, push_positive,
     )  # fmt: skip
     search = Search(
         None if fit is None else [name.strip() for name in fit.split(",")],

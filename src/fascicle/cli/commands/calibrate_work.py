@@ -46,6 +46,7 @@ class Reading:
     columns: Mapping[str, str]
     clipped_at_zero: bool
     header: int | None = None
+    push_positive: bool = False
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,9 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         except Asked as error:
             raise ValueError(f"{error.before}{_option(error)}{error.after}") from None
         record = replace(record, notes=tuple(map(_as_typed, record.notes)))
+        if reading.push_positive:
+            turned = "forces read with the other sign (--push-positive)"
+            record = replace(record, force=-record.force, notes=(*record.notes, turned))
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
     if not assumed:
