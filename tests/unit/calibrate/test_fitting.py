@@ -348,7 +348,7 @@ def test_forces_that_are_all_zero_are_refused():
 def test_forces_that_never_pull_under_pressure_are_refused():
     record = clipped()
     flipped = replace(record, force=-np.abs(record.force), sources=(Source("d.csv", ""),))
-    told = "`record` of d.csv holds no force that pulls, the largest is 0 N: is the sign flipped"
+    told = "`record` of d.csv holds no force that pulls, the largest is 0 N: if the gauge reads"
     with pytest.raises(fs.Refused, match=told):
         fit(flipped, NOMINAL, NAMES)
     # without pressure it may be that only pushes were measured

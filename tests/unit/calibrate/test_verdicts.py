@@ -138,8 +138,8 @@ def test_branches_that_are_one_have_no_loop():
 
 
 def test_many_readings_of_one_least_number_are_clipped_there():
-    made = sweeps([1e5, 2e5, 3e5, 4e5], [0.2, 0.25, 0.3, 0.35], noise=0.3)
-    floor = float(np.quantile(made.force, 0.1))
+    made = sweeps([0.0, 5e4, 1e5, 2e5], [0.05, 0.3, 0.35, 0.4], noise=0.3)
+    floor = float(np.quantile(made.force, 0.2))
     assert floor < 0
     data = record(made.pressure, made.strain, np.maximum(made.force, floor), made.branch)
     of = taken(data)
@@ -151,7 +151,7 @@ def test_many_readings_of_one_least_number_are_clipped_there():
 
 
 def test_a_coarse_load_cell_has_no_floor():
-    made = sweeps([1e5, 2e5, 3e5, 4e5], [0.2, 0.25, 0.3, 0.35], noise=0.3)
+    made = sweeps([0.0, 5e4, 1e5, 2e5], [0.05, 0.3, 0.35, 0.4], noise=0.3)
     assert taken(record(made.pressure, made.strain, np.round(made.force), made.branch)).clipped == 0
 
 
