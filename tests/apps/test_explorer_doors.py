@@ -1,6 +1,8 @@
 """The explorer's server as strangers find it: over HTTP and websockets, without a browser."""
 
+import asyncio
 import http.client
+import json
 import os
 import re
 import signal
@@ -13,6 +15,9 @@ import pytest
 
 
 pytest.importorskip("panel")
+from tornado.websocket import websocket_connect
+
+
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 COMMAND = [sys.executable, "-m", "fascicle", "explore", "--no-show"]
 
@@ -115,6 +120,42 @@ def test_other_links_open_the_page(port, query):
 def test_no_module_is_imported_by_its_name_in_an_address(port):
     # `import this` prints: the server's output is looked at in the end
     assert get(port, "/components/this/x/css/y")[0] == 404
+
+
+PATCHES = (
+    {"events": [{"kind": "ModelChanged", "model": {"id": "none"}, "attr": "value", "new": 3}]},
+    {"events": [{"kind": "RootAdded", "model": {"id": "none"}}]},
+    {"events": [{"kind": "Nonsense\n\x1b[31m"}]},
+    {},
+    [],
+)
+
+
+async def send_patches(port):
+    """Open a page for each of the malformed patches, send it, and wait for the answer."""
+    for patch in PATCHES:
+        token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
+        url = f"ws://127.0.0.1:{port}/ws"
+        socket = await websocket_connect(url, subprotocols=["bokeh", token])
+        for _ in range(3):  # header, metadata and content of the greeting
+            await socket.read_message()
+        for part in ({"msgid": "1", "msgtype": "PATCH-DOC"}, {}, patch):
+            await socket.write_message(json.dumps(part))
+        answer = json.loads(await socket.read_message())
+        assert answer["msgtype"] == "ERROR"
+        socket.close()
+
+
+def test_malformed_patches_are_a_line_each_in_the_terminal():
+    process = started()
+    while not (found := re.search(r":(\d+)/", process.stdout.readline())):
+        assert process.poll() is None
+    asyncio.run(send_patches(int(found[1])))
+    process.send_signal(signal.SIGINT)
+    *lines, last = process.communicate(timeout=60)[0].splitlines()
+    assert last.startswith("stopped")
+    assert len(lines) == len(PATCHES)
+    assert all(line.isprintable() and "error" in line.lower() for line in lines)
 
 
 def children():

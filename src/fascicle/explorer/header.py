@@ -11,6 +11,7 @@ from ..core.tokens import TITLE
 from ..core.visible import visible
 from ..files import example, examples, loads
 from .parts.address import to_query
+from .parts.exports import output_stem
 from .parts.look import HEADED, NARROW, Look, widget_css
 from .parts.widgets import Message, button, choice
 from .state import SHOWN, Session, View, changed, view_of
@@ -48,7 +49,7 @@ class Header:
         # an empty file changes nothing but the name
         self._file.param.watch(self._open, ["value", "filename"])
         self._save = pn.widgets.FileDownload(
-            label="Save the file", callback=self._text, filename="muscle.toml",
+            label="Save the file", callback=self._text, filename=_file_name(session.view),
             stylesheets=css, width=130, margin=(22, 8, 4, 4),
         )  # fmt: skip
         self._units = {
@@ -95,6 +96,7 @@ class Header:
             f'<span style="color:var(--soft)">{_PURPOSE}</span>'
             f'<b style="margin-left:auto">{_safe(visible(view.name, 60))}</b></div>'
         )
+        self._save.filename = _file_name(view)
         self._example.value = view.name if view.name in examples() else _OTHER
         for kind, widget in self._units.items():
             widget.value = view.shown[kind]
@@ -155,6 +157,17 @@ class Header:
             query["theme"] = "dark" if self._look.dark else "default"
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
+
+
+def _file_name(view: View) -> str:
+    """Name of the file that a `view` is saved in [-]: not the one that it was opened from."""
+    if view.name in examples():
+        return f"{view.name}.toml"
+    name, changes, _ = view.name.partition(", changed")
+    # without a suffix, nothing of a name is one
+    stem = output_stem(name if name.endswith(".toml") else f"{name}.toml",
+                       "changed" if changes else "copy")  # fmt: skip
+    return f"{stem}.toml"
 
 
 def _decoded(raw: bytes, name: str) -> str:

@@ -3,14 +3,19 @@
 import asyncio
 import contextlib
 import errno
+import gc
 import logging
 import socket
 import warnings
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
+from panel.io.state import set_curdoc
+from tornado.ioloop import IOLoop
 
+from ..core.visible import visible
 from .guard import EVERYWHERE, LOOPBACK, guard, names_of
 from .layout import build, opening
 from .parts.address import from_query
@@ -24,6 +29,8 @@ PORT = 5006
 _TRIES = 20  # ports that are tried if the first is taken
 _MESSAGE = 16 * 2**20  # bytes of one message from a browser: an uploaded file and its coding
 _UNUSED = 15_000  # ms until a closed session is freed
+_BETWEEN = 1e-3  # s between two pages that are drawn: what waits on the loop has its turn
+_LINE = 300  # characters of a line in the terminal
 
 
 def serve(
@@ -47,8 +54,7 @@ def serve(
 
     **Raises:** `OSError` where it can't listen there.
     """
-    for name in ("bokeh", "tornado.access", "tornado.general"):
-        logging.getLogger(name).setLevel(logging.ERROR)
+    quiet_logs()
     with Stop(say) as stop, _loop() as loop, warnings.catch_warnings():
         # who reads the page is told there: the terminal is somebody else's
         warnings.simplefilter("ignore", UserWarning)
@@ -66,7 +72,13 @@ def serve(
         if show:
             loop.call_later(0.1, _open, url)
         stop.runs(loop)
-        loop.start()
+        # what is there before the first page is there to the end: no collection needs to look at it
+        gc.collect()
+        gc.freeze()
+        try:
+            loop.start()
+        finally:
+            gc.unfreeze()
         server.stop()
     say("stopped.")
 
@@ -75,12 +87,12 @@ def listening(view: View, host: str, port: int | None, loop: Any) -> tuple[Any, 
     """A server on a `loop` [-] and the port that it has [-]: where that is left open and somebody
     else was faster, the next free one. Other arguments as those of `serve`.
     """
-    left = _TRIES
+    left, queue = _TRIES, Openings()
     while True:
         chosen = free_port(host, port)
         try:
             server = pn.serve(
-                {"/": lambda: page(view)},
+                {"/": lambda: page(view, queue)},
                 port=chosen,
                 address=host,
                 # whose page may open a websocket is the guard's to say
@@ -104,8 +116,63 @@ def listening(view: View, host: str, port: int | None, loop: Any) -> tuple[Any, 
             return server, chosen
 
 
-def page(start: View) -> Any:
-    """The page of one visitor, as the address asks for it; `start` is what is shown else [-].
+class Openings:
+    """Pages that wait to be drawn: one after another, each sent before the next one is begun."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[tuple[Any, Callable[[], None]]] = deque()
+        self._busy = False
+
+    def add(self, doc: Any, fill: Callable[[], None]) -> None:
+        """Let `fill` [-] draw the page of a Bokeh document [-], once it is its turn."""
+        self._waiting.append((doc, fill))
+        if not self._busy:
+            self._busy = True
+            IOLoop.current().add_callback(self._run)
+
+    async def _run(self) -> None:
+        try:
+            while self._waiting:
+                doc, fill = self._waiting.popleft()
+                if doc.session_context and not doc.session_context.destroyed:
+                    with set_curdoc(doc):
+                        await doc.session_context.session.with_document_locked(_logged, fill)
+                # others' moves, and what was computed for the tab that was opened, come between
+                await asyncio.sleep(_BETWEEN)
+        finally:
+            self._busy = False
+
+
+def _logged(fill: Callable[[], None]) -> None:
+    try:
+        fill()
+    except Exception:  # whatever it is, the next visitor's page is drawn
+        logging.getLogger(__name__).exception("a page could not be drawn")
+
+
+def quiet_logs() -> None:
+    """Log of the web server: errors alone, a line each. Their text is whatever a visitor sent."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_OneLine())
+    log = logging.getLogger("bokeh")
+    log.handlers, log.propagate = [handler], False
+    for name in ("bokeh", "tornado.access", "tornado.general"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+
+
+class _OneLine(logging.Formatter):
+    """A record as one line, without its traceback."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = record.getMessage().split("\n", 1)[0]
+        error = record.exc_info[1] if record.exc_info else None
+        why = f": {type(error).__name__}: {error}" if error else ""
+        return visible(f"fascicle explorer: {text}{why}", _LINE)
+
+
+def page(start: View, queue: Openings) -> Any:
+    """The page of one visitor, as the address asks for it; `start` is what is shown else [-], and
+    `queue` holds the pages that wait to be drawn [-].
 
     It is empty until its browser is there: what asks for it and goes again costs nothing.
     """
@@ -124,8 +191,9 @@ def page(start: View) -> Any:
         asked = "theme" in query
         shell.objects = [build(Session(view, pn.io.unlocked), theme, refused, asked)]
 
-    attach(pn.state.curdoc, prefers="theme" not in query)
-    pn.state.onload(fill)
+    doc = pn.state.curdoc
+    attach(doc, prefers="theme" not in query)
+    pn.state.onload(lambda: queue.add(doc, fill))
     return shell
 
 
@@ -163,8 +231,6 @@ def _open(url: str) -> None:
 @contextlib.contextmanager
 def _loop() -> Any:
     """A loop of its own, the current one meanwhile."""
-    from tornado.ioloop import IOLoop
-
     inner = asyncio.new_event_loop()
     inner.set_exception_handler(_unless_closed)
     asyncio.set_event_loop(inner)

@@ -71,6 +71,23 @@ def test_a_refused_file_leaves_nothing_of_the_one_before(tab, raw, told):
     assert live(tab) == (True,) * 4 and not tab.message.text
 
 
+@pytest.mark.parametrize("name", ["data.csv", "muscle.toml.csv", "report.txt"])
+def test_downloads_are_named_after_the_record_and_never_as_it(tab, name):
+    sent(tab, GOOD, name)
+    stem = name.rpartition(".")[0]
+    names = [one.filename for one in (*tab._given, *tab._saves)]
+    assert len({*names, name}) == len(names) + 1
+    assert all(one.startswith(f"{stem}_") for one in names)
+    assert tab._export().stem == f"{stem}_comparison"
+
+
+def test_a_record_that_stretches_the_muscle_is_warned_of(tab):
+    sent(tab, GOOD + b"100,-0.019,60\n")
+    assert not tab.message.text
+    sent(tab, GOOD + b"100,-0.05,60\n")
+    assert "-0.05" in tab.message.text and live(tab) == (True,) * 4
+
+
 def test_a_field_that_cannot_be_leaves_the_record(tab):
     sent(tab, GOOD)
     tab._how.length.value = "nonsense"

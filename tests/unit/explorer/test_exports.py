@@ -4,6 +4,7 @@ import runpy
 import subprocess
 import sys
 import xml.etree.ElementTree as ET  # of our own pictures
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -83,9 +84,35 @@ def test_the_python_of_the_data_runs_beside_its_file(tuned, names, tmp_path, mon
         monkeypatch.setattr("fascicle.calibrate.fits.fitting.fit", lambda *_, **__: made)
         monkeypatch.setattr("fascicle.calibrate.fits.finding.find", lambda *_, **__: found)
     monkeypatch.chdir(tmp_path)
-    exec(compile(text, "data.py", "exec"), {})  # noqa: S102 what is tested
-    assert (tmp_path / "data.csv").read_bytes() == export.content("csv")
-    assert ET.parse(tmp_path / "data.svg").getroot().tag.endswith("svg")  # noqa: S314 ours
+    exec(compile(text, "mine_comparison.py", "exec"), {})  # noqa: S102 what is tested
+    made = tmp_path / "mine_comparison.csv"
+    assert made.read_bytes() == export.content("csv")
+    assert ET.parse(made.with_suffix(".svg")).getroot().tag.endswith("svg")  # noqa: S314 ours
+
+
+# what a record or a muscle may be called, our own outputs among them
+NAMES = ("data.csv", "muscle.csv", "data_comparison.csv", "my data (2).csv", "..csv", ".csv",
+         "a.b.csv", 'x"""\n{os}.csv', "../up.csv", "C:\\in\\mine.csv", "ärm.csv",
+         "data")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_script_writes_nothing_that_bears_the_name_of_its_record(name, tmp_path, monkeypatch):
+    export = data(VIEW.muscle, read(CSV, name, 0.127), None, name, Reading())
+    folder = tmp_path / "in"
+    folder.mkdir()
+    at = folder / Path(name.replace("\n", "")).name  # no folder has a line break in a name
+    at.write_bytes(CSV)
+    text = (
+        export.content("py").decode().replace(f"records.load({name!r}", f"records.load({at.name!r}")
+    )
+    monkeypatch.chdir(folder)
+    exec(compile(text, "script.py", "exec"), {})  # noqa: S102 what is tested
+    assert at.read_bytes() == CSV
+    made = {one.name for one in folder.iterdir()} - {at.name}
+    assert made == {f"{export.stem}.csv", f"{export.stem}.svg"}
+    assert not list(tmp_path.glob("*.csv"))
+    assert Path(name).stem.lower() != export.stem.lower()
 
 
 def test_pictures_and_datasets_parse(tmp_path):

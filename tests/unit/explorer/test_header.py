@@ -28,3 +28,15 @@ def test_an_empty_file_is_refused(header):
     header._file.param.update(value=None, filename="none.toml")  # as Panel tells of one
     assert "none.toml: the file is empty, 0 bytes." in header.message.text
     assert header._session.view is before
+
+
+def test_a_file_is_not_saved_under_the_name_that_it_was_opened_by(header):
+    assert header._save.filename == "kim2021_figure_6.toml"
+    muscle = header._session.view.muscle
+    for name in ("muscle.toml", "muscle_copy.toml", "my.muscle.toml", "odd name"):
+        header._session.become(view_of(muscle, name))
+        assert header._save.filename.endswith("_copy.toml") and header._save.filename != name
+        header._session.become(view_of(muscle, f"{name}, changed"))
+        assert header._save.filename.endswith("_changed.toml") and header._save.filename != name
+    header._session.become(view_of(muscle, "../muscle.toml"))
+    assert header._save.filename == "muscle_copy.toml"

@@ -30,6 +30,23 @@ def test_where_the_picture_is_all_there_is_nothing_is_said(tab):
     assert doubts(SIX, tab) == doubts(TUNED, tab) == []
 
 
+def test_a_radius_out_of_proportion_is_doubted_in_the_units_shown():
+    with pytest.warns(UserWarning, match="unusual"):  # of the radius, and of the proportions
+        wide = SIX.muscle.replace(outer_radius=1.0, wall_thickness=0.05)
+    for tab in ("muscle", "bundle", "reversal", "efficiency"):
+        (told,) = doubts(replace(SIX, muscle=wide), tab)
+        assert "127 mm" in told and "1000 mm" in told
+
+
+def test_muscles_that_plates_stretch_are_doubted():
+    short = SIX.muscle.replace(length=0.12)
+    units = (Unit(1), Unit(1, own=short))
+    for distance, number in ((0.127, 1), (0.1201, 0)):
+        view = replace(SIX, units=units, pressures=(1e5, 1e5), distance=distance)
+        assert len(doubts(view, "bundle")) == number
+        assert doubts(view, "muscle") == []
+
+
 def test_a_fit_at_another_length_is_doubted():
     fitted = remembering(fs.example("kim2021_slenderness_10"), 0.127, ends=False)
     assert doubts(replace(TUNED, muscle=fitted), "muscle") == []

@@ -1,6 +1,9 @@
-"""Ports that others have, or take at the last moment."""
+"""Ports that others have, pages in the order of their visitors, and what the log says."""
 
+import asyncio
+import logging
 import socket
+from types import SimpleNamespace
 
 import pytest
 from tornado.ioloop import IOLoop
@@ -44,3 +47,48 @@ def test_where_somebody_was_faster_the_next_port_is_taken(taken, monkeypatch):
 def test_a_port_that_was_asked_for_is_not_another(taken):
     with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {taken}"):
         server.free_port("127.0.0.1", taken)
+
+
+class Lock:
+    """A visitor's session: what was drawn is sent a while after."""
+
+    def __init__(self, name, events):
+        self.name, self.events = name, events
+
+    async def with_document_locked(self, draw, *arguments):
+        draw(*arguments)
+        await asyncio.sleep(0.01)  # the socket is slower than the loop
+        self.events.append(f"{self.name} sent")
+
+
+def test_a_page_is_sent_before_the_next_one_is_drawn(caplog):
+    events = []
+
+    def drawn(name):
+        events.append(f"{name} drawn")
+        if name == "second":
+            raise RuntimeError(name)
+
+    async def visit():
+        queue = server.Openings()
+        for name in ("first", "second", "gone", "last"):
+            session = Lock(name, events)
+            context = SimpleNamespace(session=session, destroyed=name == "gone")
+            doc = SimpleNamespace(session_context=context)
+            queue.add(doc, lambda name=name: drawn(name))
+        while "last sent" not in events:
+            await asyncio.sleep(0.01)
+
+    with caplog.at_level(logging.CRITICAL, "fascicle.explorer.server"):
+        asyncio.run(asyncio.wait_for(visit(), 30))
+    assert events == [
+        f"{name} {what}" for name in ("first", "second", "last") for what in ("drawn", "sent")
+    ]
+
+
+def test_an_error_of_the_web_server_is_one_line_that_shows_every_sign():
+    record = logging.LogRecord("bokeh", logging.ERROR, "", 1, "wrong\n message: %r", ("x" * 900,),
+                               (ValueError, ValueError("a\nb\x1b[31m"), None))  # fmt: skip
+    line = server._OneLine().format(record)
+    assert line.startswith("fascicle explorer: wrong: ValueError: a b") and "\x1b" not in line
+    assert "\n" not in line and "x" * 9 not in line

@@ -9,6 +9,7 @@ import numpy as np
 from ...calibrate.data.grid import level_of
 from ...core.domain import HIGHEST_PRESSURE
 from ...muscle import Muscle
+from ...muscle.entry import extension_message, lowest_of, lowest_strain
 from ...records import loads
 from ...records.asking import Asked
 from ...records.record import Record
@@ -147,7 +148,11 @@ def _over(text: str, name: str, given: Mapping[str, Any], length: float) -> Reco
 
 
 def suited(muscle: Muscle, record: Record) -> str:
-    """Why a `record` [-] can hardly be of this `muscle` [-], in words [-]; empty where it can."""
+    """Why a `record` [-] can hardly be of this `muscle` [-], or that it stretches it, in words
+    [-]; empty where there is nothing to say.
+    """
+    if stretched := extension_message(record.strain, lowest_strain(*lowest_of(muscle))):
+        return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:
         return "The record holds no pressure above zero: nothing of tension can be told from it."

@@ -6,6 +6,7 @@ written for a reader; it is never run here.
 """
 
 import io
+import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -209,7 +210,7 @@ def data(
 
     **Returns:** the export [-].
     """
-    shown = muscle if tuned is None else tuned
+    shown, stem = muscle if tuned is None else tuned, output_stem(name, "comparison")
     label = "the muscle" if tuned is None else "tuned"
     found = tuple(names) == (FOUND,)
     P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
@@ -237,7 +238,7 @@ def data(
     if tuned is None:
         tune = ""
     python = (
-        _head("data", "muscle", dumps(muscle), imports)
+        _head(stem, "muscle", dumps(muscle), imports)
         + f"""
 record = records.load({name!r}, {given})  # beside this script
 {tune}pressure = np.clip(record.pressure, 0.0, {HIGHEST_PRESSURE!r})
@@ -247,11 +248,11 @@ variables = {{
     "force": Variable(("reading",), record.force, "N"),
     "muscle": Variable(("reading",), np.asarray(muscle.force(pressure, record.strain)), "N"),
 }}
-write(variables, "data.csv")
-calibration.fit(beside(record, muscle, {label!r})).savefig("data.svg")
+write(variables, "{stem}.csv")
+calibration.fit(beside(record, muscle, {label!r})).savefig("{stem}.svg")
 """
     )
-    return Export("data", variables, lambda: plot_fit(beside(record, shown, label)), python)
+    return Export(stem, variables, lambda: plot_fit(beside(record, shown, label)), python)
 
 
 EXPORTS: Mapping[str, Callable[[View], Export]] = {
@@ -279,6 +280,21 @@ def downloads(look: Look, name: str, made: Callable[[], Export]) -> list[Any]:
 def _head(stem: str, what: str, toml: str, imports: str) -> str:
     # a file's text is data in the script: nothing in it may end the string it stands in
     return _HEAD.format(stem=stem, what=what, imports=imports, toml=escaped(toml))
+
+
+def output_stem(name: str, what: str) -> str:
+    """Name of an output without its suffix: never the name of the file that it comes from.
+
+    **Arguments:**
+
+    - `name`: of the file that was read [-].
+    - `what`: the output is of it, one word [-].
+
+    **Returns:** letters, digits, dots, dashes and underscores [-].
+    """
+    # the name is a visitor's: nothing in it may leave a string of the script, or a folder
+    stem = re.sub(r"[^\w.-]+", "_", Path(name.replace("\\", "/")).stem).strip(".-")
+    return f"{stem or 'file'}_{what}"
 
 
 def escaped(text: str) -> str:

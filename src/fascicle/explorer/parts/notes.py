@@ -2,12 +2,16 @@
 
 import numpy as np
 
+from ...bundle.plates import muscle_strain
+from ...core.limits import proportions_message
 from ...muscle import Muscle
+from ...muscle.entry import extension_message, lowest_of, lowest_strain
 from ...muscle.fitted import elsewhere
 from ...muscle.foreign import foreign
 from ...muscle.tension import TENSION_LAWS
 from ..curves.other_laws import is_tuned
 from ..state import View
+from .said import in_units
 from .widgets import factor, shown
 
 
@@ -54,7 +58,8 @@ def notes(view: View, tab: str) -> list[str]:
 
 def doubts(view: View, tab: str) -> list[str]:
     """Why what a tab shows may be wrong: constants of a muscle of another size, a fit at another
-    length, pressures above those that were measured.
+    length, pressures above those that were measured, a radius out of proportion to the length,
+    muscles that the plates stretch.
 
     **Arguments:** those of `notes` [-].
 
@@ -65,8 +70,16 @@ def doubts(view: View, tab: str) -> list[str]:
     said = [
         told
         for one in muscles
-        for told in (foreign(one), elsewhere(one), one.tuning.beyond(view.supply))
+        for told in (
+            foreign(one),
+            elsewhere(one),
+            one.tuning.beyond(view.supply),
+            in_units(proportions_message(one.length, one.outer_radius), view.shown),
+        )
     ]
+    if not alone and view.distance is not None:
+        said += [extension_message(muscle_strain(view.distance / one.length, 0.0),
+                                   lowest_strain(*lowest_of(one))) for one in muscles]  # fmt: skip
     if tab == "muscle":
         compared = (key.partition(":") for key in view.compared)
         laws = (TENSION_LAWS.get(name) for kind, _, name in compared if kind == "tension")

@@ -26,7 +26,7 @@ from ..curves.measured import (
     tuned_file,
 )
 from ..parts.background import Latest
-from ..parts.exports import Export, data, downloads
+from ..parts.exports import Export, data, downloads, output_stem
 from ..parts.look import (
     AFTER,
     ROLLED,
@@ -112,7 +112,7 @@ class DataView(Tab):
                 width=150, margin=(4, 8),
             )
             for label, name, made in (
-                ("Tuned muscle", "muscle.toml", self._tuned),
+                ("Tuned muscle", "tuned.toml", self._tuned),
                 ("Report", "report.html", lambda: io.BytesIO(self._report.encode())),
             )
         ]  # fmt: skip
@@ -179,11 +179,19 @@ class DataView(Tab):
 
     def _sent(self) -> None:
         if self._file.value or self._file.filename:
-            self._begin(self._file.value or b"", str(self._file.filename or "data.csv")[-60:])
+            self._begin(self._file.value or b"", str(self._file.filename or "record.csv")[-60:])
 
     def _begin(self, raw: bytes, name: str) -> None:
         """Open a file: nothing of an earlier record is left, whatever becomes of this one."""
         self._raw, self._name = raw, name
+        for what, widgets in (
+            ("comparison", self._given),
+            ("tuned", self._saves[:1]),
+            ("report", self._saves[1:]),
+        ):
+            for widget in widgets:
+                suffix = widget.filename.rpartition(".")[2]
+                widget.filename = f"{output_stem(name, what)}.{suffix}"
         self._how.offer(headers(raw, name))
         self._settle(None)
         self._notes.object = ""
