@@ -78,7 +78,7 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
     def left(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
-            pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)
+            pull = np.asarray(plant.muscles.force(pressures + 0.0 * eps, eps))
         stop = plant.load.stop
         stopped = stop.force(q, 0.0 * q)[0] if stop else 0.0
         return (

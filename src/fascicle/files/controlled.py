@@ -66,6 +66,9 @@ def controlled(file: Any, plant: Plant, dt: float, duration: float, place: Place
     }
     policy = given.pop("policy")
     at = place.inner("control", kind="part")
+    if given.get("delay", 0.0) > duration:
+        rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
+        raise at.refuse(("delay",), rule)
     options = {"gains": _gains(given, at), "dt": dt, **given}
     with at.naming():
         plain = cascade(plant, "orderly", of, **options)

@@ -53,7 +53,9 @@ if TYPE_CHECKING:
 
 _EXAMPLES = "examples"
 MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
-_MOST_STEPS = 2_000_000  # half a gigabyte of results
+_MOST_STEPS = 2_000_000
+# numbers of a run's results, a gigabyte: what two motor units make in as many steps
+_MOST_NUMBERS, _OF_A_STEP, _OF_A_UNIT = 128_000_000, 40, 12
 _DT = 1e-3  # s
 _GRID = 1e-6  # of a step, by which a time may miss one: rounding
 
@@ -175,7 +177,7 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
     if not np.subtract(*plant.way) < 0:
         rule = "leaves no way on which all muscles' strains are known: check its sizes."
         raise place.refuse(("load",), rule)
-    dt, duration = _times(run, place.inner("run", kind="part"))
+    dt, duration = _times(run, units, place.inner("run", kind="part"))
     schedule, notes, made = None, (), None
     if isinstance(data.get("control"), dict):
         from .controlled import checked_start, controlled  # a scenario without needs none of it
@@ -297,7 +299,7 @@ def _parts(
     return made
 
 
-def _times(run: Any, place: Place) -> tuple[float, float]:
+def _times(run: Any, units: int, place: Place) -> tuple[float, float]:
     dt, duration = _DT if run.dt is None else run.dt, run.duration
     for key, value, such in (("dt", dt, _DT), ("duration", duration, 10.0)):
         if value <= 0:
@@ -306,8 +308,10 @@ def _times(run: Any, place: Place) -> tuple[float, float]:
     if abs(steps - duration / dt) > _GRID * max(1, steps):
         shown = f"{max(steps, 1) * dt:.12g} s"
         raise place.refuse(("duration",), f"must be whole steps of {dt:g} s: take {shown}.")
-    if steps > _MOST_STEPS:
-        rule = f"makes {steps} steps of {dt:g} s, more than {_MOST_STEPS}: take a longer `dt`."
+    most = min(_MOST_STEPS, _MOST_NUMBERS // (_OF_A_STEP + _OF_A_UNIT * units))
+    if steps > most:
+        of = f" of {units} motor units" if most < _MOST_STEPS else ""
+        rule = f"makes {steps} steps of {dt:g} s{of}, more than {most}: take a longer `dt`."
         raise place.refuse(("duration",), rule)
     return dt, duration
 

@@ -10,12 +10,14 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import fluid
+from fascicle.dynamics.muscles import Exact
 from fascicle.files import example_text, loads_scenario, scenarios
 from fascicle.files.scenario import scenario_of
 
 
-GAS, OIL, JOINT, DRY, PUMPED = map(
-    example_text, ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped")
+GAS, OIL, JOINT, DRY, PUMPED, RAMP = map(
+    example_text,
+    ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped", "ramp_hand_over"),
 )
 
 
@@ -235,3 +237,24 @@ def test_a_liquid_that_doesnt_give_way_is_refused_beforehand(compliance):
     with pytest.raises(ValueError, match=r"^x\.toml: fluid\.compliance") as refused:
         loads_scenario(text, "x.toml")
     assert 'write compliance = "2e-11 m^3/Pa"' in str(refused.value)
+
+
+def test_what_cant_be_run_is_refused_beforehand():
+    rows = "[[bundle.motor_unit]]\ncount = 1\n" * 100
+    many = RAMP.replace("[[bundle.motor_unit]]\ncount = 1\n", rows, 1)
+    many = edited(many, ('["265 kPa", "0 kPa"]', '"0 kPa"'), ('"2 s"', '"500 s"'))
+    with pytest.raises(ValueError, match=r"^x\.toml: run\.duration = .* 1000000 steps of .* motor"):
+        loads_scenario(many, "x.toml")
+    late = edited(RAMP, ('sample_time = "1 ms"', 'sample_time = "1 ms"\ndelay = "1e5 s"'))
+    with pytest.raises(ValueError, match=r"^x\.toml: control\.delay = .* at most the run's 2 s"):
+        loads_scenario(late, "x.toml")
+
+
+def test_at_rest_the_exact_law_is_asked_for_its_force_alone(monkeypatch):
+    plant = loads_scenario(edited(GAS, ('dt = "1 ms"', 'dt = "1 ms"\nvolume = "geometric"'))).plant
+    units = [unit.muscle for unit in plant.bundles[0].motor_units]
+    exact = Exact.of(units, 5e5, plant.muscles.strains)
+    P, strain = np.array([[1e5, 2e5], [0.0, 4e5]]), np.array([0.05, 0.1])
+    of_units = [[m.force(p, e) for m, p, e in zip(units, row, strain, strict=True)] for row in P]
+    monkeypatch.setattr(Exact, "at", None)  # whose integral takes a hundred times as long
+    assert_allclose(exact.force(P, strain), of_units, rtol=1e-12)
