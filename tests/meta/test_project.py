@@ -20,7 +20,7 @@ def test_the_core_install_is_small():
     names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
     assert names == {
         "jax", "equinox", "jaxtyping", "diffrax", "numpy", "scipy", "pandas", "pydantic", "pint",
-        "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4", "matplotlib",
+        "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4", "matplotlib", "wrapt",
     }  # fmt: skip
 
 
