@@ -113,6 +113,18 @@ def test_a_tuning_is_told_in_the_units_shown():
     assert "modulus" not in told and "β" not in told
 
 
+def test_a_transition_rate_that_was_not_fitted_is_not_said_to_be_tuned():
+    """A fit writes the muscle's own rate into its tuning."""
+    own = float(SIX.muscle.transition_rate)
+    beside = fs.Tuning(collapse_moment_factor=0.8, transition_rate=own)
+    assert "β" not in tuned(SIX.muscle.replace(tuning=beside), "kPa")
+    assert "0.8" in tuned(SIX.muscle.replace(tuning=beside), "kPa")
+    alone = fs.Tuning(transition_rate=own)
+    assert tuned(SIX.muscle.replace(tuning=alone), "kPa") == ""
+    other = fs.Tuning(transition_rate=2 * own)
+    assert f"β = {2 * own:g}" in tuned(SIX.muscle.replace(tuning=other), "kPa")
+
+
 def test_a_tuning_is_said_above_the_muscle():
     for name, there in (("kim2021_figure_6", False), ("kim2021_bundle_1_4", True)):
         tab = MuscleView(Session(view_of(fs.example(name), name)), LIGHT)

@@ -98,13 +98,17 @@ def tuned(muscle: Muscle, unit: str) -> str:
         if by != 1 or rise:
             rises = f"({by:.4g} + {rise * factor(unit, 'pressure'):.3g} per {unit})"
             said.append(f"{called} × {rises if rise else f'{by:.4g}'}")
-    if tuning.transition_rate is not None:
-        said.append(f"transition rate β = {float(tuning.transition_rate):.4g}")
+    # a fit writes down the muscle's own beside what it has fitted
+    rate = muscle.transition_rate if tuning.transition_rate is None else tuning.transition_rate
+    if float(rate) != float(muscle.transition_rate):
+        said.append(f"transition rate β = {float(rate):.4g}")
     if (rows := tuning.pressures.shape[-1]) > 1:
         last = shown(float(tuning.pressures[-1]), unit, "pressure", 4)
         said.append(f"C₁ and C₂ in {rows} rows up to {last}")
     if tuning.dead_band:
         said.append(f"dead band {shown(float(tuning.dead_band), unit, 'pressure', 4)}")
+    if not said:
+        return ""
     return (
         f"This muscle is tuned: {', '.join(said)}. Choose `untuned` below"
         " Compare with to see it without."

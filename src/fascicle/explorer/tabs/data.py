@@ -190,7 +190,7 @@ class DataView(Tab):
             ("report", self._saves[1:]),
         ):
             for widget in widgets:
-                suffix = widget.filename.rpartition(".")[2]
+                suffix = str(widget.filename).rpartition(".")[2]
                 widget.filename = f"{output_stem(name, what)}.{suffix}"
         self._how.offer(headers(raw, name))
         self._settle(None)
