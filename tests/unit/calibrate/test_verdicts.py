@@ -173,3 +173,12 @@ def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
     with pytest.raises(ValueError, match="--push-positive") as refused:
         fit(record(made.pressure, made.strain, -made.force), MUSCLE, ("c10", "c01"))
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high"), [(36.08, 36.08, 36.08), (1.004, 0.6, 1.0045), (9.996, 9.9958, 15.0)]
+)
+def test_a_printed_end_beside_the_value_is_not_past_it(value, low, high):
+    shown, interval = Estimate("x", "number", "", value, low, high, value, 1.0, True).texts()
+    ends = [float(end) for end in interval.split(" to ")]
+    assert ends[0] <= float(shown) <= ends[1]

@@ -59,8 +59,12 @@ class Estimate:
         size = max(abs(self.value), abs(self.low), abs(self.high))
         digits = 3 if not 0 < width < size else 2 + math.ceil(math.log10(size / width))
         digits = min(max(digits, 3), _MOST_DIGITS)
+        several = max(digits, 4)
+        # an end nearer than half of its last digit, once rounded, may lie past the value
+        if min(self.value - self.low, self.high - self.value) < 5 * 10.0**-digits * size:
+            digits = several
         low, high = (pretty(x, self.dimension, digits) for x in (self.low, self.high))
-        return pretty(self.value, self.dimension, max(digits, 4)), f"{low} to {high}"
+        return pretty(self.value, self.dimension, several), f"{low} to {high}"
 
     @property
     def verdict(self) -> str:
