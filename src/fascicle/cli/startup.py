@@ -6,6 +6,7 @@ import sys
 import warnings
 from pathlib import Path
 
+from ..core.xla_flags import enable_whole_loops
 from .garbage import uncollected
 from .interrupts import at_once
 from .problems import UserError
@@ -18,6 +19,7 @@ def prepare() -> None:
     A command evaluates a few thousand points: starting a GPU would take longer than that.
     `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` keeps nothing on disk.
     """
+    enable_whole_loops()
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on stderr
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

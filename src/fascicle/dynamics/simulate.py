@@ -18,7 +18,6 @@ from ..core.checks import concrete, positive
 from ..core.modules import numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
-from ..core.whole import whole
 from ..fluid import checked_commands
 from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
@@ -104,7 +103,7 @@ def simulate(
         count = np.int64(steps)
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], _room(steps) - steps, axis=0)])
     numbered = plant, given, memory, inputs, begin, np.float64(dt), count
-    every, commands, last = whole(_run, numbered, ((fixed, kind), int(substeps)))
+    every, commands, last = _run(*numbered, (fixed, kind), int(substeps))
     at_work = jnp
     if known:
         every, commands, last = numbers((every, commands, last))
@@ -145,6 +144,7 @@ def _driven(
     return _Held(), (), plant.checked(rows)
 
 
+@partial(jax.jit, static_argnames=("fixed", "substeps"))
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,

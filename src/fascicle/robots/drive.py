@@ -352,14 +352,14 @@ class Drive(Module):
         places = {actuator: side for side, actuator in enumerate(self.actuators)}
         first = min(places)  # MuJoCo asks in this order
         kind = model.actuator_gaintype.copy()
+        before = mujoco.get_mjcb_act_gain()
         begun: list[Any] = []
         pulls: list[Any] = []
 
         def gain(of: Any, at: Any, actuator: int) -> float:
-            del of
             side = places.get(actuator)
             if side is None:
-                return 0.0
+                return 0.0 if before is None else before(of, at, actuator)
             if actuator == first:
                 lengths = at.actuator_length[list(self.actuators)].copy()
                 after, pulls[:] = self.act(fluid, lengths, command, model.opt.timestep)
@@ -372,7 +372,7 @@ class Drive(Module):
         try:
             mujoco.mj_step(model, data)
         finally:
-            mujoco.set_mjcb_act_gain(None)
+            mujoco.set_mjcb_act_gain(before)
             model.actuator_gaintype[:] = kind
         self._check(*begun[0])  # the first stage is where the step begins
         return begun[0][1]

@@ -1,7 +1,6 @@
 """`fascicle simulate`: a bundle driven in time, and where the energy went."""
 
 import datetime as dt
-import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -67,8 +66,6 @@ Compensate = Annotated[
     ),
 ]
 _DISTRUSTED = 1
-# of arrays up to so many bytes; what has been set is respected
-LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"
 _EVENTS = 20  # that are printed
 _ROUNDED = 1e-14  # of a balance's largest term: what rounding makes of a zero
 
@@ -94,8 +91,6 @@ def run(
     _check(report, overwrite)
     if compare and policy is not None:
         raise UserError("--compare runs every policy: leave out --policy.")
-    # a loop as one function of machine code, not a task for each of its operations
-    os.environ.setdefault("XLA_FLAGS", LOOPS)
     with telling("reading the scenario") as tell:
         read = read_scenario(scenario)
         if policy is not None or compensate is not None:
