@@ -25,7 +25,6 @@ from ..bundle.bundle import Bundle
 from ..bundle.own import supply_of
 from ..core.arrays import library, maximum, minimum, sqrt, where
 from ..core.modules import Module
-from ..core.once import traced_once
 from ..core.roots import guarded
 from ..core.types import Numbers, Values, Whole
 from ..dynamics.muscles import Tables
@@ -104,7 +103,6 @@ class Branches(Module):
         """Force of one muscle of each unit [N] at a `pressure` [Pa] and `strain` [-]."""
         return self.muscles.at(pressure, strain).force
 
-    @traced_once
     def onset(self, strain: Numbers) -> Numbers:
         """$p_{on}$ [Pa] at a `strain` [-]: the top where no pressure up to it gains."""
         j, w, which = self._column(strain)
@@ -134,7 +132,6 @@ class Branches(Module):
         depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
         return depth, at
 
-    @traced_once
     def pressure(self, force: Numbers, strain: Numbers) -> Found:
         """The inverse, (K1).
 

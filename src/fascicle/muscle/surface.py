@@ -19,6 +19,7 @@ sucks; beyond the ends in strain, too.
 """
 
 import math
+import pickle
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -30,9 +31,7 @@ from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.dual import Dual
 from ..core.modules import Module
-from ..core.once import traced_once
 from ..core.refused import Refused
-from ..core.same import Same
 from ..core.types import Batch, Numbers, Values
 from .coenergy import coenergy_at_rest
 from .entry import lowest_of, lowest_strain
@@ -106,7 +105,7 @@ class UnitSurface(Module):
         rows, columns = _shape(shape)
         strain = _strains(muscle, strains, columns)
         roots = np.linspace(0.0, math.sqrt(top), rows)
-        return _table(Same((muscle, roots, strain)))
+        return _table(pickle.dumps((muscle, roots, strain)))
 
     @property
     def highest_pressure(self) -> Batch:
@@ -163,7 +162,6 @@ class UnitSurface(Module):
         return P, within(strain, low, high, "strain", "-", why, closed, more)
 
 
-@traced_once
 def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
     """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
@@ -229,9 +227,11 @@ class _Nodes(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have the same muscles
-def _table(of: Same) -> UnitSurface:
-    """The table of a muscle at these roots of pressure [√Pa] and strains [-]."""
-    muscle, roots, strain = of.tree
+def _table(content: bytes) -> UnitSurface:
+    """The table of a muscle at roots of pressure [√Pa] and strains [-]; `content`: these three as
+    bytes, so that equal muscles share a table.
+    """
+    muscle, roots, strain = pickle.loads(content)  # noqa: S301 written two functions above
     with np.errstate(all="ignore"):  # of branches that aren't taken
         nodes = _tabulated(muscle, roots**2, strain)
     made = partial(

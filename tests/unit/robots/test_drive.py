@@ -58,6 +58,21 @@ def test_runge_kutta_asks_at_each_stage(elbow, energy):
     assert np.abs(off).max() < 1e-6
 
 
+def test_a_gain_callback_of_the_user_stays(elbow):
+    model, data, drive = elbow(integrator="RK4")
+
+    def gain(model, data, actuator):
+        del model, data, actuator
+        return 0.0
+
+    mujoco.set_mjcb_act_gain(gain)
+    try:
+        drive.step(model, data, drive.start(model, data, HELD), HELD)
+        assert mujoco.get_mjcb_act_gain() is gain
+    finally:
+        mujoco.set_mjcb_act_gain(None)
+
+
 @pytest.mark.parametrize("integrator", ["Euler", pytest.param("RK4", marks=pytest.mark.slow)])
 def test_a_pull_of_the_step_before_pumps(integrator, elbow, energy):
     # forbidden, and why: a drive that did so would fail the two tests above by a factor of hundreds
