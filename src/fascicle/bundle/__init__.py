@@ -26,11 +26,5 @@ _HOMES = {
     "reversal": "",
     "schemes": "",
 }
-_WENT = {
-    "curves": "bundle.recruit.curves",
-    "free": "bundle.recruit.free",
-    "inverse": "bundle.recruit.inverse",
-    "levels": "bundle.recruit.levels",
-}
 
-__getattr__, __dir__ = lazily(__name__, _HOMES, _WENT)
+__getattr__, __dir__ = lazily(__name__, _HOMES)

@@ -234,6 +234,76 @@ class Bundle(Module):
         F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
         return self._sought(_strain_at, P, F)
 
+    def recruit(self, force: Values, strain: Values, **options: Any) -> Any:
+        """Which state and pressures give a force at a strain, equation (B9).
+
+        **Arguments:**
+
+        - `force`: the demanded pulling force [N].
+        - `strain`: the bundle's contraction [-]; broadcasts against `force`.
+        - `options`: as of `fascicle.recruitment.recruit`, such as `scheme` or `prefer`.
+
+        **Returns:** `Recruited`: pressures [Pa], state, force [N], status and all solutions.
+
+        **Raises:** `ValueError` for values off the domain, and for no supply pressure.
+        """
+        from .recruitment import recruit
+
+        return recruit(self, force, strain, **options)
+
+    def workspace(self, **options: Any) -> Any:
+        """The force-strain region of every recruitment state.
+
+        **Arguments:** `options`: as of `fascicle.recruitment.space`, such as `levels` [Pa] or
+        `strain` [-].
+
+        **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
+
+        **Raises:** `ValueError` where no supply pressure is known or a value is off.
+        """
+        from .recruitment import space
+
+        return space(self, **options)
+
+    def reversal(self, unit: int = 2, **options: Any) -> Any:
+        """Where the free strain turns as a unit's pressure rises from zero to the supply's.
+
+        **Arguments:**
+
+        - `unit`: which unit's pressure rises, counted from 1.
+        - `options`: as of `fascicle.reversal.reversal`: `supply_pressure` [Pa], `resistance`.
+
+        **Returns:** a `Reversal`: pressure [Pa], strains and depth [-].
+
+        **Raises:** `ValueError` for a unit that doesn't exist, and for no supply pressure.
+        """
+        from .reversal import reversal
+
+        return reversal(self, unit, **options)
+
+    def efficiency_map(self, *arguments: Any, **options: Any) -> Any:
+        """Efficiency over the force-strain space.
+
+        **Arguments:** as of `fascicle.energetics.efficiency_map` after the bundle.
+
+        **Returns:** its map: forces [N], strains and efficiencies [-].
+
+        **Raises:** `ValueError` for values off the domain, and for no supply pressure.
+        """
+        return from_above("energetics.efficiency.efficiency_map")(self, *arguments, **options)
+
+    def average_efficiency(self, *arguments: Any, **options: Any) -> Any:
+        """Average efficiency over the force-strain space.
+
+        **Arguments:** as of `fascicle.energetics.average_efficiency` after the bundle, such as
+        `path`.
+
+        **Returns:** efficiency [-].
+
+        **Raises:** `ValueError` for values off the domain, and for no supply pressure.
+        """
+        return from_above("energetics.efficiency.average_efficiency")(self, *arguments, **options)
+
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
     ) -> Any:

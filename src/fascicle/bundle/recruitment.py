@@ -10,32 +10,27 @@ from a force to the pressures that give it.
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from ..core.arrays import given, library
+from ..core.arrays import given, where
 from ..core.checks import as_given, concrete, finite, one_of
-from ..core.evaluate import COMPILE_ABOVE, at_rest, evaluate, traced
 from ..core.refused import Refused
+from ..core.roots import guarded, still
 from ..core.shapes import common
 from ..core.types import Numbers, Values
 from ..core.written import in_si
-from .alike import unlike
+from .at import pressurized
 from .bundle import Bundle
+from .callback import called_back
+from .inverse import PART, REACHED, ROOM, Curves, Recruited, Solutions, freed, recruited
 from .own import scheme_used, supply_of
-from .recruit.carried import carried
-from .recruit.curves import Bank, bank
-from .recruit.free import freed
-from .recruit.inverse import Recruited, Solutions, recruited
-from .recruit.one import one
 from .schemes import AbstractScheme, scheme_of
 from .space import Overlap, Space, overlap, space
-from .states import states_of
+from .states import States, states_of
 from .volumes import unit_volume_change
 
 
@@ -51,9 +46,7 @@ __all__ = [
 ]
 
 PREFERENCES = ("efficiency", "nearest")
-_PART, _LARGE_PART = 2**12, 2**16  # demands at once, where a law is compiled for them the second
 _SETS = 2**22  # of a set of units and a demand at once: some 0.2 GB
-LOOKS = 8  # points of a muscle's law that a demand takes of each unit, about
 
 
 def pressures_of(
@@ -142,113 +135,165 @@ def recruit(
         now = bundle._pressures(present)
     before = {} if now is None else {"present": np.shape(now)[:-1]}
     common(force=np.shape(F), strain=np.shape(eps), **before)
-    points = int(np.size(F) * np.size(eps)) * LOOKS * len(bundle.motor_units)
-    arrays = (F, eps, P) if now is None else (F, eps, P, now)
+    arrays = (F, eps) if now is None else (F, eps, now)
     static = (scheme, bool(resistance))
-    plain = bundle.is_numpy and given(*arrays)  # soon told
-    if plain or (rest := at_rest(bundle, *arrays)) is None:
-        return evaluate(_in_parts, bundle, *arrays, points=points, static=static)
-    found = evaluate(_in_parts, *rest, points=points, static=static)
-    points = 2 * np.size(found.pressures)  # a force, and its slope
-    return traced(_carried, bundle, *arrays[:3], found, points=points, static=static)
+    if bundle.is_numpy and given(P, *arrays):
+        return _solved(bundle, P, *arrays, *static)
+    return _traced(bundle, P, *arrays, static=static)
 
 
-def _in_parts(bundle: Bundle, *arguments: Any) -> Recruited:
-    """Many demands of NumPy's, part by part, so that they fit into memory."""
+def _solved(bundle: Bundle, supply: Any, *arguments: Any) -> Recruited:
+    """Demands of NumPy's, part by part, so that they fit into memory."""
     *arrays, scheme, resistance = arguments
-    force, strain, supply, *present = arrays
+    force, strain, *present = arrays
+    units = len(bundle.motor_units)
     shape = np.broadcast_shapes(
         np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
     )
-    at_work, units = library(*arrays), len(bundle.motor_units)
-    flat = {"force": force, "strain": strain}
     flat = {
-        key: (x if np.shape(x) == shape else at_work.broadcast_to(x, shape)).reshape(-1)
-        for key, x in flat.items()
+        key: np.broadcast_to(x, shape).reshape(-1) + 0.0
+        for key, x in (("force", force), ("strain", strain))
     }
     for now in present:
-        flat["present"] = at_work.broadcast_to(now, (*shape, units)).reshape(-1, units)
-    curves = _bank(bundle, supply, scheme, resistance)
-    count = flat["force"].size
-    step = max(1, count)
-    if at_work is np and bundle.is_numpy:
-        many = step * LOOKS * units > COMPILE_ABOVE
-        step = _LARGE_PART if many else _PART
-        curves = curves.for_many() if many else curves
-    states = states_of(scheme, units)
-    search: Callable[..., Recruited] = partial(recruited, states=states)
-    if states.independent:
-        alike = unlike(bundle.motor_units)[1]
-        sets, owner = states.sets(alike)
-        search = partial(freed, sets=sets, owner=owner, alike=alike)
-        if at_work is np:
+        flat["present"] = np.broadcast_to(now, (*shape, units)).reshape(-1, units)
+    states, count = states_of(scheme, units), flat["force"].size
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        curves = _curves(bundle, float(supply), states, resistance)
+        search: Callable[..., Recruited] = partial(recruited, curves, states=states)
+        step = PART
+        if states.independent:
+            sets, owner = states.sets(curves.kind)
+            search = partial(freed, curves, sets=sets, owner=owner)
             step = max(1, min(step, _SETS // sets.size))
-    if states.independent or not states.nested:
-        # what each unit takes in decides which of them are fed
-        flat["taken"] = unit_volume_change(bundle, flat["strain"])
-    found = one(curves, **flat, states=states) if count == 1 and "taken" not in flat else None
-    parts = (
-        [found]
-        if found is not None
-        else [
-            search(curves, **{key: x[start : start + step] for key, x in flat.items()})
+        if states.independent or not states.nested:
+            # what each unit takes in decides which of them are fed
+            flat["taken"] = unit_volume_change(bundle, flat["strain"])
+        parts = [
+            search(**{key: x[start : start + step] for key, x in flat.items()})
             for start in range(0, max(1, count), step)
         ]
-    )
     whole = parts[0] if len(parts) == 1 else _joined(parts)
-    if shape != (count,):
-        whole = jax.tree.map(lambda leaf: leaf.reshape((*shape, *leaf.shape[1:])), whole)
-    if at_work is np and bundle.is_numpy:
-        return whole
-    return _carried(bundle, force, strain, supply, whole, scheme, resistance)
+    return _each(whole, lambda x: x.reshape((*shape, *x.shape[1:]))[()])
 
 
-def _carried(
-    bundle: Bundle, force: Any, strain: Any, supply: Any, found: Recruited, *static: Any
-) -> Recruited:
-    """What was found without derivatives, with them."""
-    scheme, resistance = static
-    at_work, units = library(force, strain, found.unit), len(bundle.motor_units)
-    states = states_of(scheme, units)
-    throttled = np.arange(units) == found.unit[..., None] - 1
-    if not states.independent:
-        throttled = at_work.asarray(states.throttled)[found.state - 1]
-    F, eps = (at_work.broadcast_to(x, found.state.shape) for x in (force, strain))
-    return carried(bundle, F, eps, supply, found, throttled, resistance)
+def _each(found: Any, function: Callable[[Any], Any]) -> Any:
+    """`function` of every array of what was `found`."""
+    if isinstance(found, tuple):
+        return type(found)(*(_each(x, function) for x in found))
+    return function(found)
 
 
 def _joined(parts: list[Recruited]) -> Recruited:
     slots = max(part.solutions.state.shape[1] for part in parts)
-    wide = []
-    for part in parts:
-        more = ((0, 0), (0, slots - part.solutions.state.shape[1]))
-        fills = (np.nan, 0, False)
-        padded = (
-            np.pad(x, more, constant_values=fill)
-            for x, fill in zip(part.solutions, fills, strict=True)
-        )
-        wide.append(part._replace(solutions=Solutions(*padded)))
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *wide)
+    wide = [part._replace(solutions=_wide(part.solutions, slots)) for part in parts]
+    solutions = Solutions(*map(np.concatenate, zip(*(x.solutions for x in wide), strict=True)))
+    rest = (part._replace(solutions=part.count) for part in wide)
+    whole = Recruited(*map(np.concatenate, zip(*rest, strict=True)))
+    return whole._replace(solutions=solutions)
 
 
-def _bank(bundle: Bundle, supply: Numbers, scheme: AbstractScheme, resistance: bool) -> Bank:
+def _wide(solutions: Solutions, slots: int) -> Solutions:
+    """The same with room for so many `slots` [-] on the last axis."""
+    size = np.shape(solutions.state)[-1]
+    more = [(0, 0)] * (np.ndim(solutions.state) - 1) + [(0, max(slots - size, 0))]
+    fills = (np.nan, 0, False)
+    return Solutions(*(
+        np.pad(x, more, constant_values=fill)[..., :slots]
+        for x, fill in zip(solutions, fills, strict=True)
+    ))  # fmt: skip
+
+
+def _curves(bundle: Bundle, supply: float, states: States, resistance: bool) -> Curves:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
-    key = (scheme, resistance)
-    kept = bundle.store.setdefault("banks", {})
-    if bundle.is_numpy and given(supply) and (known := kept.get(key)) and known[0] == supply:
-        return known[1]
-    muscles = [unit.muscle for unit in bundle.motor_units]
-    few, places = unlike(muscles)
-    counts = [unit.count for unit in bundle.motor_units]
-    states = states_of(scheme, len(muscles))
-    rows = [muscles[i] for i in few]
-    made = bank(rows, counts, places, bundle.plate_distance, supply, states, resistance)
-    if bundle.is_numpy and given(supply):
-        kept[key] = (supply, made)
-    return made
+    kept, key = bundle.store.setdefault("curves", {}), (states.scheme, resistance)
+    known = kept.get(key)
+    if known is None or known[0] != supply or known[1] is not states:
+        kept[key] = known = (supply, states, Curves(bundle, supply, states, resistance))
+    return known[2]
+
+
+def _traced(bundle: Bundle, supply: Any, *arrays: Any, static: tuple) -> Recruited:
+    """Demands of which JAX has some number: found by NumPy, and carried by JAX."""
+    import jax
+    import jax.numpy as jnp
+
+    scheme, _ = static
+    states, units = states_of(scheme, len(bundle.motor_units)), len(bundle.motor_units)
+    force, strain, *present = arrays
+    shape = np.broadcast_shapes(
+        np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
+    )
+    force, strain = (jnp.broadcast_to(x, shape) for x in (force, strain))
+    present = [jnp.broadcast_to(now, (*shape, units)) for now in present]
+    slots = 1 if states.independent else ROOM * states.size + 2
+
+    def answer(single: tuple, *arrays: Any) -> Recruited:
+        found = _solved(*single, *arrays, *static)
+        if states.independent:
+            return found
+        return found._replace(solutions=_wide(found.solutions, slots))
+
+    number = jax.ShapeDtypeStruct(shape, float)
+    whole, mark = (jax.ShapeDtypeStruct(shape, kind) for kind in (int, bool))
+    rows = ((*shape, slots), (*shape, units))
+    shapes = Recruited(
+        jax.ShapeDtypeStruct(rows[1], float), whole, number, whole, mark,
+        Solutions(*(jax.ShapeDtypeStruct(rows[0], kind) for kind in (float, int, bool))),
+        whole, whole,
+    )  # fmt: skip
+    found = called_back(answer, shapes, *still(((bundle, supply), force, strain, *present)))
+    return _carry(*static)(bundle, force, strain, supply, found)
+
+
+@cache
+def _carry(scheme: AbstractScheme, resistance: bool) -> Callable[..., Recruited]:
+    import jax
+
+    return jax.jit(partial(_carried, scheme=scheme, resistance=resistance))
+
+
+def _carried(
+    bundle: Bundle,
+    force: Any,
+    strain: Any,
+    supply: Any,
+    found: Recruited,
+    scheme: AbstractScheme,
+    resistance: bool,
+) -> Recruited:
+    r"""What was found without derivatives, with them: one step of Newton's from the root of (B9),
+
+    $$\mathrm{d}p = (\mathrm{d}F_d - \mathrm{d}F|_p)/(\partial F/\partial p), \tag{B12}$$
+
+    where $p$ is what the throttled units share. The others stay at their share of the supply, which
+    also holds of those throttled where the demand wasn't reached.
+    """
+    import jax
+
+    units, states = len(bundle.motor_units), states_of(scheme, len(bundle.motor_units))
+    throttled = np.arange(units) == found.unit[..., None] - 1
+    if not states.independent:
+        throttled = jax.numpy.asarray(states.throttled)[found.state - 1]
+
+    def total(bundle: Bundle, pressures: Any, strain: Any) -> Any:
+        forces, _ = pressurized(bundle, pressures).unit_forces(strain)
+        return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
+
+    P = found.pressures / still(supply) * supply
+    given_force = total(bundle, P, strain)
+    fixed, eps = still((bundle, strain))
+    slope = jax.jvp(lambda p: total(fixed, p, eps), (still(P),), (1.0 * throttled,))[1]
+    reached = found.status == REACHED
+    moves = reached & (slope != 0)
+    short = where(moves, force - given_force, 0.0)
+    step = (short - still(short)) / guarded(moves, slope)
+    return found._replace(
+        pressures=P + where(throttled, step[..., None], 0.0),
+        force=where(reached, force + still(found.force - force), given_force),
+    )
 
 
 def _supply(bundle: Bundle, supply: Values) -> Numbers:
     supply = bundle.supply_pressure if supply is None else supply
     # a traced one can't be looked at, nor made a float
-    return np.float64(supply_of(bundle, supply)) if concrete(supply) else jnp.asarray(supply)
+    return np.float64(supply_of(bundle, supply)) if concrete(supply) else supply

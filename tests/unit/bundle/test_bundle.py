@@ -246,3 +246,16 @@ def test_bundles_are_equal_by_what_they_are():
     others = [made(3), made(supply=3e5), made(supply=None), made(scheme="batch"), made(length=0.13)]
     for unlike in (*others, fs.Bundle(one.motor_units[:1], 4e5), one.motor_units[0], "x"):
         assert (one == unlike) is False and (one != unlike) is True
+
+
+def test_methods_answer_as_the_functions_do():
+    made = fs.example("kim2021_bundle_1_4")
+    one, other = made.recruit(50.0, 0.1, scheme="batch"), fs.recruitment.recruit
+    assert_allclose(one.pressures, other(made, 50.0, 0.1, scheme="batch").pressures)
+    assert_allclose(made.workspace(levels=3).high, fs.recruitment.space(made, levels=3).high)
+    assert made.reversal(2) == fs.reversal.reversal(made, 2)
+    average = fs.energetics.average_efficiency(made, path="isobaric")
+    assert made.average_efficiency(path="isobaric") == average
+    strain = np.linspace(0.05, 0.1, 3)
+    maps = (made.efficiency_map(strain=strain), fs.energetics.efficiency_map(made, strain=strain))
+    assert_allclose(maps[0].efficiency, maps[1].efficiency)

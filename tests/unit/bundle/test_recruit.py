@@ -9,8 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle import recruitment
-from fascicle.bundle.recruit import curves, kinds
+from fascicle.bundle import inverse, recruitment
 from fascicle.bundle.recruitment import pressures_of, recruit
 from unlike import SUPPLY, random_bundle
 
@@ -105,14 +104,9 @@ def test_many_are_answered_as_few_are(monkeypatch, scheme):
     one = three(3, scheme)
     force, strain = demands(4, one, 60)
     few = recruit(one, force, strain)
-    compiled = []
-    law = kinds.compiled
-    monkeypatch.setattr(kinds, "compiled", lambda *x: compiled.append(x) or law(*x))
-    monkeypatch.setattr(curves, "_FEW", 10)
-    monkeypatch.setattr(recruitment, "COMPILE_ABOVE", 100)
-    monkeypatch.setattr(recruitment, "_LARGE_PART", 40)
+    monkeypatch.setattr(inverse, "FEW", 0)  # cells are selected by a table
+    monkeypatch.setattr(recruitment, "PART", 7)
     many = recruit(one, force, strain)
-    assert compiled
     for x, y in zip(jax.tree.leaves(few), jax.tree.leaves(many), strict=True):
         # where the nearest force is a turn's, its level is known to the root of rounding
         assert_allclose(x, y, rtol=1e-12, atol=1e-6 * SUPPLY)

@@ -11,9 +11,6 @@ import fascicle
 
 # documented in version 0.1.0, and where they are now
 MOVED = {
-    "bundle.curves.Bank": "bundle.recruit.curves",
-    "bundle.inverse.Recruited": "bundle.recruit.inverse",
-    "bundle.inverse.Solutions": "bundle.recruit.inverse",
     "calibrate.comparing.Row": "calibrate.fits.comparing",
     "calibrate.discrepancy.from_trends": "calibrate.after.discrepancy",
     "calibrate.discrepancy.sizes": "calibrate.after.discrepancy",

@@ -1,1 +1,0 @@
-"""The inverse: the states and pressures that give a force at a strain."""
