@@ -241,15 +241,13 @@ class Bundle(Module):
 
         - `force`: the demanded pulling force [N].
         - `strain`: the bundle's contraction [-]; broadcasts against `force`.
-        - `options`: as of `fascicle.recruitment.recruit`, such as `scheme` or `prefer`.
+        - `options`: as of `fascicle.recruitment.recruit`, such as `scheme` or `prefer` [-].
 
         **Returns:** `Recruited`: pressures [Pa], state, force [N], status and all solutions.
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        from .recruitment import recruit
-
-        return recruit(self, force, strain, **options)
+        return from_above("bundle.recruitment.recruit")(self, force, strain, **options)
 
     def workspace(self, **options: Any) -> Any:
         """The force-strain region of every recruitment state.
@@ -261,30 +259,27 @@ class Bundle(Module):
 
         **Raises:** `ValueError` where no supply pressure is known or a value is off.
         """
-        from .recruitment import space
-
-        return space(self, **options)
+        return from_above("bundle.recruitment.space")(self, **options)
 
     def reversal(self, unit: int = 2, **options: Any) -> Any:
         """Where the free strain turns as a unit's pressure rises from zero to the supply's.
 
         **Arguments:**
 
-        - `unit`: which unit's pressure rises, counted from 1.
-        - `options`: as of `fascicle.reversal.reversal`: `supply_pressure` [Pa], `resistance`.
+        - `unit`: which unit's pressure rises [-], counted from 1.
+        - `options`: as of `fascicle.reversal.reversal`: `supply_pressure` [Pa], `resistance` [-].
 
         **Returns:** a `Reversal`: pressure [Pa], strains and depth [-].
 
         **Raises:** `ValueError` for a unit that doesn't exist, and for no supply pressure.
         """
-        from .reversal import reversal
-
-        return reversal(self, unit, **options)
+        return from_above("bundle.reversal.reversal")(self, unit, **options)
 
     def efficiency_map(self, *arguments: Any, **options: Any) -> Any:
         """Efficiency over the force-strain space.
 
-        **Arguments:** as of `fascicle.energetics.efficiency_map` after the bundle.
+        **Arguments:** `arguments`, `options`: as of `fascicle.energetics.efficiency_map` after the
+        bundle, such as `path` [-].
 
         **Returns:** its map: forces [N], strains and efficiencies [-].
 
@@ -295,8 +290,8 @@ class Bundle(Module):
     def average_efficiency(self, *arguments: Any, **options: Any) -> Any:
         """Average efficiency over the force-strain space.
 
-        **Arguments:** as of `fascicle.energetics.average_efficiency` after the bundle, such as
-        `path`.
+        **Arguments:** `arguments`, `options`: as of `fascicle.energetics.average_efficiency` after
+        the bundle, such as `path` [-].
 
         **Returns:** efficiency [-].
 

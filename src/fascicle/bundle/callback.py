@@ -25,37 +25,20 @@ def called_back(function: Callable[..., Any], shapes: Any, single: Any, *arrays:
 
     def answer(*values: Any) -> Any:
         values = tuple(map(np.asarray, values))
-        ahead = [x.shape[: x.ndim - n] for x, n in zip(values, own, strict=True)]
-        batch = np.broadcast_shapes(*ahead)
-        several = np.broadcast_shapes(*ahead[: len(leaves)])
-        count = int(np.prod(several))
-        full = [
-            np.broadcast_to(x, (*batch, *x.shape[len(front) :]))
-            for x, front in zip(values, ahead, strict=True)
-        ]
-        if count == 1:  # one bundle, whatever it is asked
-            one = [
-                x.reshape(x.shape[len(front) :]) for x, front in zip(values, ahead, strict=False)
-            ][: len(leaves)]
-            return _plain(function(jax.tree.unflatten(structure, one), *full[len(leaves) :]))
-        results = [
-            jax.tree.leaves(
-                _plain(
-                    function(
-                        jax.tree.unflatten(structure, [x[i] for x in full[: len(leaves)]]),
-                        *(x[i] for x in full[len(leaves) :]),
-                    )
-                )
-            )
-            for i in np.ndindex(batch)
-        ]
-        stacked = [np.reshape(x, (*batch, *np.shape(x[0]))) for x in zip(*results, strict=True)]
-        return jax.tree.unflatten(jax.tree.structure(shapes), stacked)
+        fronts = [x.shape[: x.ndim - n] for x, n in zip(values, own, strict=True)]
+        batch, several = (
+            np.broadcast_shapes(*some) for some in (fronts, fronts[: len(leaves)] or [()])
+        )
+        tails = [x.shape[len(front) :] for x, front in zip(values, fronts, strict=True)]
+        asked = [np.broadcast_to(x, (*batch, *tail)) for x, tail in zip(values, tails, strict=True)]
+        if np.prod(several) == 1:  # one module, whatever it is asked
+            one = [x.reshape(tail) for x, tail in zip(values[: len(leaves)], tails, strict=False)]
+            found = function(jax.tree.unflatten(structure, one), *asked[len(leaves) :])
+            return jax.tree.map(np.asarray, found)
+        rows = []
+        for i in np.ndindex(batch):
+            module = jax.tree.unflatten(structure, [x[i] for x in asked[: len(leaves)]])
+            rows.append(function(module, *(x[i] for x in asked[len(leaves) :])))
+        return jax.tree.map(lambda *x: np.reshape(x, (*batch, *np.shape(x[0]))), *rows)
 
     return jax.pure_callback(answer, shapes, *leaves, *arrays, vmap_method="expand_dims")
-
-
-def _plain(result: Any) -> Any:
-    if isinstance(result, tuple):
-        return type(result)(*map(_plain, result))
-    return np.asarray(result)

@@ -360,16 +360,10 @@ def solve(curves: Curves, force: np.ndarray, strain: np.ndarray, which: Any = No
     reached[owner[lane]] = True
 
     nearest_state, nearest = np.zeros(demands, int), np.zeros(demands)
-    some = np.flatnonzero(~reached[owner])
-    for start in range(0, len(some), PART):
-        part = some[start : start + PART]
-        # whole demands: a lane's slack is the nearest node of all its demand's lanes
-        last = owner[part[-1]]
-        part = some[(owner[some] >= owner[part[0]]) & (owner[some] <= last)]
-        if start and part[0] < some[start]:
-            part = part[owner[part] > owner[some[start - 1]]]
-        if not len(part):
-            continue
+    each, lost = (curves.states if which is None else 1), np.flatnonzero(~reached)
+    step = max(1, PART // each)
+    for start in range(0, len(lost), step):
+        part = (lost[start : start + step, None] * each + np.arange(each)).reshape(-1)
         few = lanes.of(part)
         more, at, points = _search(few, every[: len(part)], None)
         lane, level = np.append(lane, part[more]), np.append(level, at)
@@ -508,10 +502,10 @@ def _bracketed(residual: Residual, low: Any, high: Any) -> tuple[Any, Any, Any]:
         return low, high, every > 0
     ends = (residual(every, low), residual(every, high))
     real = (ends[0] > 0) != (ends[1] > 0)
-    some = np.flatnonzero(real)
+    some, (f_low, f_high) = np.flatnonzero(real), ends
     left, right = low.copy(), high.copy()
     left[some], right[some] = _root(
-        lambda i, x: residual(some[i], x), low[some], high[some], *(x[some] for x in ends), -1.0
+        lambda i, x: residual(some[i], x), low[some], high[some], f_low[some], f_high[some], -1.0
     )[2:]
     return left, right, real
 

@@ -23,6 +23,7 @@ from ..core.roots import guarded, still
 from ..core.shapes import common
 from ..core.types import Numbers, Values
 from ..core.written import in_si
+from .alike import unlike
 from .at import pressurized
 from .bundle import Bundle
 from .callback import called_back
@@ -150,7 +151,7 @@ def _solved(bundle: Bundle, supply: Any, *arguments: Any) -> Recruited:
     shape = np.broadcast_shapes(
         np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
     )
-    flat = {
+    flat: dict[str, Any] = {
         key: np.broadcast_to(x, shape).reshape(-1) + 0.0
         for key, x in (("force", force), ("strain", strain))
     }
@@ -162,7 +163,7 @@ def _solved(bundle: Bundle, supply: Any, *arguments: Any) -> Recruited:
         search: Callable[..., Recruited] = partial(recruited, curves, states=states)
         step = PART
         if states.independent:
-            sets, owner = states.sets(curves.kind)
+            sets, owner = states.sets(unlike(bundle.motor_units)[1])
             search = partial(freed, curves, sets=sets, owner=owner)
             step = max(1, min(step, _SETS // sets.size))
         if states.independent or not states.nested:
@@ -187,9 +188,9 @@ def _joined(parts: list[Recruited]) -> Recruited:
     slots = max(part.solutions.state.shape[1] for part in parts)
     wide = [part._replace(solutions=_wide(part.solutions, slots)) for part in parts]
     solutions = Solutions(*map(np.concatenate, zip(*(x.solutions for x in wide), strict=True)))
-    rest = (part._replace(solutions=part.count) for part in wide)
-    whole = Recruited(*map(np.concatenate, zip(*rest, strict=True)))
-    return whole._replace(solutions=solutions)
+    names = [name for name in Recruited._fields if name != "solutions"]
+    rest = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return Recruited(solutions=solutions, **rest)
 
 
 def _wide(solutions: Solutions, slots: int) -> Solutions:
