@@ -21,10 +21,14 @@ def called_back(function: Callable[..., Any], shapes: Any, single: Any, *arrays:
     import jax
 
     leaves, structure = jax.tree.flatten(single)
+    # in single precision results are, too; the search itself is not
+    shapes = jax.tree.map(
+        lambda x: jax.ShapeDtypeStruct(x.shape, jax.dtypes.canonicalize_dtype(x.dtype)), shapes
+    )
     own = [np.ndim(x) for x in (*leaves, *arrays)]
 
     def answer(*values: Any) -> Any:
-        values = tuple(map(np.asarray, values))
+        values = [np.asarray(x, float if x.dtype.kind == "f" else None) for x in values]
         fronts = [x.shape[: x.ndim - n] for x, n in zip(values, own, strict=True)]
         batch, several = (
             np.broadcast_shapes(*some) for some in (fronts, fronts[: len(leaves)] or [()])
@@ -34,11 +38,13 @@ def called_back(function: Callable[..., Any], shapes: Any, single: Any, *arrays:
         if np.prod(several) == 1:  # one module, whatever it is asked
             one = [x.reshape(tail) for x, tail in zip(values[: len(leaves)], tails, strict=False)]
             found = function(jax.tree.unflatten(structure, one), *asked[len(leaves) :])
-            return jax.tree.map(np.asarray, found)
+            return jax.tree.map(lambda x, like: np.asarray(x, like.dtype), found, shapes)
         rows = []
         for i in np.ndindex(batch):
             module = jax.tree.unflatten(structure, [x[i] for x in asked[: len(leaves)]])
             rows.append(function(module, *(x[i] for x in asked[len(leaves) :])))
-        return jax.tree.map(lambda *x: np.reshape(x, (*batch, *np.shape(x[0]))), *rows)
+        return jax.tree.map(
+            lambda like, *x: np.reshape(x, (*batch, *like.shape)).astype(like.dtype), shapes, *rows
+        )
 
     return jax.pure_callback(answer, shapes, *leaves, *arrays, vmap_method="expand_dims")
