@@ -91,7 +91,7 @@ def test_the_last_start_is_the_criterions_where_the_first_valve_is_fast():
     begin, rate = 4.0, 10.0
     path = control.Path.of([0, 4], [begin, begin + 4 * rate], 0.2)
     valves = [control.GasValves(1.0), control.GasValves(1e-3)]
-    found = control.crossing(bundle, path, valves)
+    found = control.crossing(bundle, path, valves, slack=1.0)
     t_c = oracle.gas_time(pair, 0.2, 1e-3)
     assert_allclose(found.time, t_c, rtol=1e-5)
     assert_allclose(found.end - found.start, t_c, rtol=1e-4)

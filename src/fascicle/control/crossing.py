@@ -132,7 +132,12 @@ def hand_over_time(
 
 
 def crossing(
-    bundle: Bundle, path: Path, valves: Any, unit: int = 2, supply_pressure: Values = None
+    bundle: Bundle,
+    path: Path,
+    valves: Any,
+    unit: int = 2,
+    supply_pressure: Values = None,
+    slack: float = SLACK,
 ) -> Crossing:
     """The latest hand-over to a unit without a dip, along a path of demand.
 
@@ -143,6 +148,8 @@ def crossing(
     - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit [-].
     - `unit`: that is recruited [-], counted from 1.
     - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
+    - `slack`: factor on the valves' time [-]: 1 is the criterion itself, where a ramp at the
+      valves' limit leaves a controller nothing to correct with.
 
     **Returns:** a `Crossing` [s]; where there is none, its `reason` says why.
 
@@ -153,7 +160,7 @@ def crossing(
     supply = supply_of(bundle, supply_pressure)
     each = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
-    along = _Along(bundle, unit, supply, path, each)
+    along = _Along(bundle, unit, supply, path, each, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
     F, at = along.demand(t)
     reserve = at.largest_force - F
@@ -204,8 +211,10 @@ class _Along:
         supply: float,
         path: Path,
         valves: tuple[AbstractValves, ...],
+        slack: float,
     ):
         self.path, self.k, self.supply, self.valves = path, unit - 1, supply, valves
+        self.slack = slack
         self.ratios = bundle.ratios
         key = "control.branches", supply
         if key not in bundle.store:
@@ -236,7 +245,7 @@ class _Along:
             ok, held = self._held(np.minimum(t + took, last), share)
             if before:
                 each = [
-                    SLACK * np.maximum(now - was, 0.0) / np.maximum(flow, _NO_FLOW)
+                    self.slack * np.maximum(now - was, 0.0) / np.maximum(flow, _NO_FLOW)
                     for (now, flow), (was, _) in zip(held, before, strict=True)
                 ]
                 took = np.maximum(*each)
