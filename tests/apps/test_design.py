@@ -283,7 +283,7 @@ def test_the_template_does_its_task(fascicle, tmp_path, example):
         ("at_most = 3", "at_most = 0", "the space is empty"),
         ("{ at_most = 3 }", '{ atmost = 3 }', "write at_least or at_most"),
         ("{ at_most = 3 }", "{ at_least = 3, at_most = 2 }", "nothing can be both"),
-        ("muscles = [4]", "muscles = [31]", "`muscles` must lie in [1, 20], got 31"),
+        ("muscles = [4]", "muscles = [131]", "`muscles` must lie in [1, 100], got 131"),
         ("muscles = [4]", 'splits = ["1+x"]', "written like '1+4'"),
         ("slenderness_10", "slenderness_1", "did you mean 'kim2021_slenderness_10'"),
         ("slenderness_10", "bundle_1_4", "is a bundle: name a muscle"),
