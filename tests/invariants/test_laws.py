@@ -3,7 +3,6 @@
 Values are NumPy's, slopes JAX's: one compiled function a combination of laws.
 """
 
-import math
 from dataclasses import fields
 from inspect import signature
 
@@ -16,8 +15,6 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate.problem.parameters import PARAMETERS
-from fascicle.core.dual import Dual
-from fascicle.core.spelled import SpellingError, spelled
 from fascicle.muscle import LAWS
 from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS
@@ -155,24 +152,6 @@ def slopes(muscles, pressure, strain):
     elastica's are followed as a user's program has them.
     """
     return COMPILED[muscles.buckling.name == "elastica"](muscles, pressure, strain)
-
-
-def slopes_at_once(muscles, pressure, strain):
-    """The same by NumPy."""
-    leaves, form = jax.tree.flatten((muscles, pressure, strain))
-    widths = [math.prod(np.shape(leaf)[1:]) for leaf in leaves]
-    seeded, done = [], 0
-    for leaf, width in zip(leaves, widths, strict=True):
-        own = np.zeros((width, sum(widths)))
-        own[:, done : done + width] = np.eye(width)
-        seeded.append(
-            Dual(leaf, np.broadcast_to(own, (len(leaf), *own.shape)).reshape(*leaf.shape, -1))
-        )
-        done += width
-    own, P, eps = jax.tree.unflatten(form, seeded)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        force, _ = own.law.at(P).force(eps)
-    return force.value, force.slopes
 
 
 def exempt(laws, pressure):
@@ -410,36 +389,6 @@ def test_bent_states_balance_in_a_batch(past, random_muscles, random_points):
 
 def response(muscle, pressure, strain):
     return muscle.law.at(pressure).response(strain)
-
-
-# their single points take more operations than are spelled out
-LONG = ("elastica", "kim2021_series")
-
-
-@pytest.mark.parametrize("laws", COMBINATIONS, ids=named)
-def test_python_s_numbers_give_the_same_as_numpy(laws, drawn):
-    """One source, spelled out: at random points and at every kink and on both sides of it."""
-    muscles, P, eps = drawn(33, laws, N // 50)
-    first = jax.tree.map(lambda x: x[0], muscles)
-    if getattr(laws["buckling"], "name", laws["buckling"]) in LONG:
-        with pytest.raises(SpellingError, match="operations"):
-            spelled(response, first, 2)
-        return
-    _, kinks, _, _ = at(muscles, P, eps)
-    places = [eps]
-    for kink in kinks.T:
-        there = np.isfinite(kink) & (kink < 0.6 - 1e-9)
-        places += [np.where(there, kink + side, eps) for side in (-1e-9, 0.0, 1e-9)]
-    for strain in places:
-        by_numpy, _, _, _ = at(muscles, P, strain)
-        size = np.abs(by_numpy.mesh) + np.abs(by_numpy.bladder) + np.abs(by_numpy.bending) + 1
-        for i in range(len(P)):
-            one = spelled(response, jax.tree.map(lambda x, i=i: x[i], muscles), 2)
-            found = one(float(P[i]), float(strain[i]))
-            # the same operations: NumPy's exponential may round its last bit another way
-            assert abs(found.force - by_numpy.force[i]) <= 1e-13 * size[i]
-            assert found.region == by_numpy.region[i] or strain is not eps
-            assert found.several == by_numpy.several[i] or strain is not eps
 
 
 @compiled

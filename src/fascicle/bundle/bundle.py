@@ -17,13 +17,11 @@ each one's is, and the bundle is told the distance at rest.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
 
-import math
 from collections.abc import Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
 import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -37,7 +35,6 @@ from ..core.modules import Module, kept, renewed
 from ..core.refused import Refused
 from ..core.shapes import common
 from ..core.sheet import printed
-from ..core.tiles import rows
 from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.written import is_written
 from ..muscle import Muscle
@@ -176,9 +173,8 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         P, eps = self._pressures(pressures), self._strain(strain)
-        shape = self._shape(pressures=P, strain=eps)
-        points = math.prod(shape) * len(self.motor_units)
-        forces = self._evaluated(_unit_forces, points, P, eps, shape=shape)
+        self._shape(pressures=P, strain=eps)
+        forces = evaluate(_unit_forces, self, P, eps)
         # outside what is compiled, so that one compilation serves both
         return forces if resistance else where(forces > 0, forces, 0.0)
 
@@ -196,7 +192,7 @@ class Bundle(Module):
         """
         P = self._pressures(pressures)
         if not resistance:
-            return self._evaluated(_free_strain, 0, P, static=(False,))
+            return evaluate(_free_strain, self, P, static=(False,))
         return self._sought(_free_strain, P, static=(True,))
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
@@ -214,7 +210,7 @@ class Bundle(Module):
         """
         P = self._pressures(pressures)
         if not resistance:
-            return self._evaluated(_equilibria, 0, P, static=(False,))
+            return evaluate(_equilibria, self, P, static=(False,))
         return self._sought(_equilibria, P, static=(True,))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
@@ -372,34 +368,13 @@ class Bundle(Module):
         self._shape(**dict(zip(("pressures", "force"), arrays, strict=False)))
         rest = at_rest(self, *arrays)
         if rest is None:
-            return self._evaluated(law, 0, *arrays, static=static)
+            return evaluate(law, self, *arrays, static=static)
         bundle, *at_once = rest
         found = bundle._sought(law, *at_once, static=static)
         many = isinstance(found, Equilibria)
         strain = found.strain if many else found[..., None]
-        points = 2 * np.size(strain) * len(self.motor_units)  # two steps carry them
-        strain = evaluate(_carried, self, strain, *arrays, points=points)
+        strain = evaluate(_carried, self, strain, *arrays)
         return found._replace(strain=strain) if many else strain[..., 0]
-
-    def _evaluated(
-        self,
-        law: Any,
-        points: int,
-        *arrays: Numbers,
-        shape: tuple | None = None,
-        static: tuple = (),
-    ) -> Any:
-        P = arrays[0]
-        shape = np.shape(P)[:-1] if shape is None else shape
-
-        def cut(function: Any, part: Module, pressures: PerUnit, *strain: Numbers) -> Any:
-            flat = np.broadcast_to(pressures, (*shape, pressures.shape[-1]))
-            more = (np.broadcast_to(x, shape).reshape(-1) for x in strain)
-            found = rows(function, part, flat.reshape(-1, flat.shape[-1]), *more)
-            return jax.tree.map(lambda x: x.reshape((*shape, *x.shape[1:])), found)
-
-        whole = None if self._batch else cut
-        return evaluate(law, self, *arrays, points=points, cut=whole, static=static)
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:

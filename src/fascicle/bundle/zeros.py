@@ -7,27 +7,22 @@ beyond the largest free strain, with some a unit may pull again. Other forces ar
 where a muscle's fibers are straight.
 """
 
-from collections import Counter
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import isfinite, library, maximum, minimum, where
-from ..core.evaluate import compiled
 from ..core.roots import finished, searched, still
-from ..core.tiles import rows
-from ..core.types import AnyArray, Numbers, PerUnit
+from ..core.types import AnyArray, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
-from .first import APART, INSET, LANES, MANY, First, first
+from .first import APART, INSET, LANES, first
 from .lanes import Lanes
 from .lists import put, ranked
 
 
-_SEARCHED: Counter = Counter()  # zeros, times units, for each kind of bundle
 _MOST_LANES = 2**12  # searches at once
 _PAIRS = 2**16  # of units in all of them, which take a search's memory and time: 0.2 GB
 
@@ -190,33 +185,12 @@ def first_zero(lanes: Lanes) -> Float[AnyArray, " lane"]:
         return _smallest(zeros(lanes))
     count, units = lanes.pressures.shape
     strain, sure = np.zeros(count), np.zeros(count, bool)
-    # laws with an onset of their own take a compiler twice as long, and NumPy as long as it
-    if (
-        lanes.single
-        and _often(lanes.bundle, count * units)
-        and len(lanes.of(slice(1)).live.turns) == 1
-    ):
-        found = rows(compiled(_first), lanes.bundle, lanes.pressures)
-        strain, sure = map(np.array, found)
-    step, left = max(1, LANES // units), np.flatnonzero(~sure)
-    for some in (left[start : start + step] for start in range(0, len(left), step)):
+    step = max(1, LANES // units)
+    for some in (slice(start, start + step) for start in range(0, count, step)):
         strain[some], sure[some] = first(lanes.of(some).live)
     if not np.all(sure):
         strain[~sure] = _smallest(zeros(lanes.of(~sure)))
     return strain
-
-
-def _often(bundle: Any, searched: int) -> bool:
-    """Whether so many zeros are `searched` of such bundles by now [-], times units, that compiling
-    a search would have taken no longer.
-    """
-    kind = jax.tree.structure(bundle)
-    _SEARCHED[kind] += searched
-    return _SEARCHED[kind] > MANY
-
-
-def _first(bundle: Any, pressures: PerUnit) -> First:
-    return first(Lanes(bundle, pressures).live)
 
 
 def _smallest(found: Zeros) -> Any:

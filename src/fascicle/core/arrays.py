@@ -13,8 +13,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .dual import Dual
-
 
 _PLAIN = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
 _TRUTHS = frozenset({bool, np.bool_})
@@ -193,7 +191,7 @@ def spread(x: Any) -> Any:
     """`x` with a new last axis, along which a table goes."""
     if type(x) in _OTHERS:
         return x
-    return (x if isinstance(x, Dual) else library(x).asarray(x))[..., None]
+    return library(x).asarray(x)[..., None]
 
 
 def along_table(x: Any) -> Any:

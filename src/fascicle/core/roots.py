@@ -6,9 +6,7 @@ first makes $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$, and each step doubles
 that are right. So no iteration is ever differentiated, and a law stays a pure function.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -18,7 +16,6 @@ import numpy as np
 from jax import lax
 
 from .arrays import absolute, both, either, library, maximum, minimum, where
-from .dual import Dual
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -30,8 +27,6 @@ _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to r
 _NEVER_MOVES = frozenset({float, np.float64, np.ndarray})  # looked at before any tree is
 
 Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
-Watch = Callable[[Callable, BatchLike, BatchLike, BatchLike, int], Batch]
-_WATCH: ContextVar[Watch | None] = ContextVar("watch", default=None)
 
 
 def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
@@ -75,36 +70,6 @@ def searched(
     right, else to 1e-7. `soon`: how many steps are mostly enough, which compiled code then tries
     without a loop.
     """
-    watch = _WATCH.get()
-    if watch is None:
-        return _found(residual, theta, low, high, start, soon)
-    at_once = _WATCH.set(None)  # what is searched for on the way of a search isn't told
-    try:
-        return watch(partial(_found, residual, theta, low, high), low, high, start, soon)
-    finally:
-        _WATCH.reset(at_once)
-
-
-@contextmanager
-def watched(watch: Watch) -> Iterator[None]:
-    """Every search inside is given to `watch` [-], with its bracket, its start and how many steps
-    are mostly enough, to be called with a start and that number.
-    """
-    before = _WATCH.set(watch)
-    try:
-        yield
-    finally:
-        _WATCH.reset(before)
-
-
-def _found(
-    residual: Residual,
-    theta: Any,
-    low: BatchLike,
-    high: BatchLike,
-    start: BatchLike,
-    soon: int,
-) -> Batch:
     at_work = library(low, high, start)
     if at_work is np:
         # what is asked about may still be JAX's
@@ -249,8 +214,6 @@ def still(values: Any) -> Any:
 
 
 def _stopped(x: Any) -> Any:
-    if isinstance(x, Dual):
-        return x.value
     at_work = library(x)
     if at_work is np:
         return x

@@ -50,8 +50,7 @@ def unit_work_along(
     stops = np.concatenate([[0.0], np.asarray(eps, float), even])
     widest = float(np.max(np.diff(np.sort(stops)), initial=0.0))
     static = (int(np.size(eps)), _FEW if widest <= _NARROW else _MANY, bool(resistance))
-    points = int(np.size(P)) * len(stops) * static[1]
-    return evaluate(_along, bundle, P, stops, points=points, static=static)
+    return evaluate(_along, bundle, P, stops, static=static)
 
 
 def _along(

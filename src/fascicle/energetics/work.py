@@ -13,7 +13,6 @@ muscle's volume is taken at its own strain.
 smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-import numpy as np
 
 from ..bundle.at import pressurized
 from ..bundle.bundle import Bundle
@@ -22,7 +21,7 @@ from ..core.arrays import library
 from ..core.evaluate import evaluate
 from ..core.types import Batch, Numbers, PerUnit, Values
 from ..core.written import in_si
-from ..muscle.coenergy import EVALUATIONS, contraction_work
+from ..muscle.coenergy import contraction_work
 from ..muscle.piecewise import Pressurized
 
 
@@ -59,8 +58,7 @@ def unit_work(
     **Returns:** works [J], motor units on the last axis.
     """
     P, eps = bundle._pressures(pressures), bundle._strain(strain)
-    points = int(np.size(P) * np.size(eps)) * EVALUATIONS
-    return evaluate(_unit_work, bundle, P, eps, points=points, static=(bool(resistance),))
+    return evaluate(_unit_work, bundle, P, eps, static=(bool(resistance),))
 
 
 def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:

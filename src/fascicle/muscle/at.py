@@ -13,11 +13,9 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 
-from ..core.checks import concrete
-from ..core.evaluate import COMPILE_ABOVE, compiled, evaluate
-from ..core.modules import Module, numbers
+from ..core.evaluate import evaluate
+from ..core.modules import Module
 from ..core.types import Batch, Values
 from .column import Centerline
 from .entry import centerline_points, points_of, strained
@@ -128,8 +126,8 @@ class AtPressure(Module):
         eps = strained(strain, tension.bladder.braid.angle, tension.stretch)
         if self._of_jax:
             eps = jnp.asarray(eps)
-        points = points_of(self.pressure, eps)
-        return evaluate(law, self, eps, points=points, static=static)
+        points_of(self.pressure, eps)
+        return evaluate(law, self, eps, static=static)
 
     def _given(self, found: Batch) -> Batch:
         """What was `found`, in the library that the pressure came from."""
@@ -139,12 +137,7 @@ class AtPressure(Module):
 def at_pressure(muscle: Muscle, pressure: Batch) -> AtPressure:
     """A `muscle` [-] at a checked `pressure` [Pa]."""
     of_jax = isinstance(pressure, jax.Array)
-    few = np.size(pressure) <= COMPILE_ABOVE
-    if not (muscle.is_numpy and concrete(pressure) and few):
-        return AtPressure(pressure, compiled(_state)(muscle, pressure), of_jax)
-    at_hand = numbers(pressure)
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        return AtPressure(at_hand, numbers(_state(muscle, at_hand)), of_jax)
+    return AtPressure(pressure, evaluate(_state, muscle, pressure), of_jax)
 
 
 def _state(muscle: Muscle, pressure: Batch) -> Pressurized:

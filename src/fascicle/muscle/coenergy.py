@@ -24,10 +24,11 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import minimum, nodes, stack, total, where
-from ..core.derived import along
 from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
 
@@ -36,7 +37,6 @@ Muscle = Any  # the class, which imports this
 
 # between two kinks a force is smooth: 16 points leave 1e-11 of the volume, 8 leave 1e-8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
-EVALUATIONS = 4 * len(_NODES)  # of the force, with its slope in pressure, for one volume
 
 
 def contraction_work(
@@ -78,7 +78,7 @@ def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch
         done = contraction_work(at, strain)
         return done + coenergy_at_rest(at) if muscle.ends.gives else done
 
-    P = pressure + 0.0 * strain
-    swept = along(work, np.asarray(P) if isinstance(P, np.generic) else P, np.ones(np.shape(P)))
+    P = jnp.asarray(pressure + 0.0 * strain)
+    _, swept = jax.jvp(work, (P,), (jnp.ones_like(P),))
     _, swollen = muscle.law.tension.rest(P)
     return muscle.braid.volume(0.0) - muscle.bladder.volume + swollen + swept

@@ -9,23 +9,27 @@ are checked once, and the law is evaluated, at once or compiled.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import jax
+import numpy as np
+
+from ..core.arrays import given
 from ..core.checks import concrete
-from ..core.evaluate import evaluate
+from ..core.chunks import map_in_chunks
+from ..core.evaluate import compiled, evaluate
 from ..core.lazy import from_above
 from ..core.limits import size, slender
 from ..core.modules import Module, kept
-from ..core.outermost import Outermost
 from ..core.refused import Refused
 from ..core.sheet import printed
-from ..core.tiles import fields
 from ..core.types import Batch, Values
 from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
 from .buckling import AbstractBuckling
-from .coenergy import EVALUATIONS, conjugate_volume_of
+from .coenergy import conjugate_volume_of
 from .collapse import AbstractCollapse
 from .column import Centerline
 from .ends import AbstractEnds
@@ -311,7 +315,10 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(conjugate_volume_of, *checked(self, pressure, strain), at_once=False)
+        arrays = checked(self, pressure, strain)
+        points_of(*arrays, muscles=batch_of(self))
+        volume = compiled(conjugate_volume_of)(self, *arrays)  # a derivative of the force, by JAX
+        return np.asarray(volume)[()] if self.is_numpy and given(*arrays) else volume
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
@@ -380,16 +387,15 @@ class Muscle(Module):
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
         """
-        return Outermost(force_of, self)
+        return jax.jit(partial(force_of, self))
 
-    def _evaluated(
-        self, law: Callable, *arrays: Batch, static: tuple = (), at_once: bool = True
-    ) -> Any:
+    def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
+        points_of(*arrays, muscles=() if self._is_single else batch_of(self))
+        evaluated = partial(evaluate, law, self, static=static)
         # rows of muscles, and whatever has one argument, are too few to be cut
-        cut = fields if len(arrays) == 2 and self._is_single and not static else None
-        points = points_of(*arrays, muscles=() if self._is_single else batch_of(self))
-        points *= 1 if at_once else EVALUATIONS
-        return evaluate(law, self, *arrays, points=points, cut=cut, static=static, at_once=at_once)
+        if len(arrays) == 2 and self._is_single and not static and given(*arrays):
+            return map_in_chunks(evaluated, *arrays)
+        return evaluated(*arrays)
 
     @kept
     def _is_single(self) -> bool:

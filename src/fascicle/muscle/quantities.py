@@ -3,75 +3,22 @@
 They stand in a module, since what was compiled for a function is found again by its identity.
 """
 
-import math
-from collections.abc import Callable
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ..core.arrays import library
-from ..core.blocks import in_blocks
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.guided import guided, lines
 from ..core.types import Batch
 from .column import Centerline
-from .laws import LAWS
-from .piecewise import Pressurized, Response
+from .piecewise import Response
 
 
 Muscle = Any  # the class, which imports this
-_MANY = 10_000  # pressures for which it pays to know how roots go with pressure
-_FIELD = 16  # strains a pressure from which on its roots are solved for ahead of all blocks
 
 
 def force_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """Pulling force [N] at `pressure` [Pa] and `strain` [-]; of many points block by block."""
-    whole = muscle.tuning.pressures.ndim > 1  # a table for each muscle isn't cut
-    if whole or library(pressure, strain) is not jnp:
-        return _force(muscle, pressure, strain)
-    ours, tables = _ours(muscle), tables_of(muscle)
-
-    def cut(part: Any, force: Callable, *arrays: Batch) -> Batch:
-        """`force` of a `part` and `arrays`, the part's rows cut as these are."""
-        leaves, tree = jax.tree.flatten(part)
-        columns = _rows(part, tables)
-        if columns and not ours:  # somebody's own law may hold rows that aren't of muscles
-            return force(part, *arrays)
-
-        def one(*blocks: Batch) -> Batch:
-            some = dict(zip(columns, blocks, strict=False))
-            own = tree.unflatten([some.get(i, x) for i, x in enumerate(leaves)])
-            return force(own, *blocks[len(columns) :])
-
-        return in_blocks(one, *(leaves[i] for i in columns), *arrays)
-
-    shape = np.shape(pressure)
-    points = math.prod(np.broadcast_shapes(shape, np.shape(strain)))
-    if ours and math.prod(shape) * _FIELD <= points:
-        at = muscle.law.at(pressure)
-        # a law may keep more than a number for each pressure
-        if all(np.shape(x) in ((), shape) or id(x) in tables for x in jax.tree.leaves(at)):
-            return cut(at, _force_at, strain)
-    if math.prod(shape) < _MANY or not muscle.is_numpy or rows_of(muscle):
-        return cut(muscle, _force, pressure, strain)
-    known = lines(muscle.law.at, HIGHEST_PRESSURE)
-
-    def force(own: Muscle, pressure: Batch, strain: Batch) -> Batch:
-        with guided(known, pressure, HIGHEST_PRESSURE):
-            at = own.law.at(pressure)
-        return _force_at(at, strain)
-
-    return cut(muscle, force, pressure, strain)
-
-
-def _force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    return _force_at(muscle.law.at(pressure), strain)
-
-
-def _force_at(at: Pressurized, strain: Batch) -> Batch:
-    return at.force(strain)[0]
+    """Pulling force [N] at `pressure` [Pa] and `strain` [-]."""
+    return muscle.law.at(pressure).force(strain)[0]
 
 
 def rows_of(muscle: Muscle) -> list[int]:
@@ -99,10 +46,6 @@ def tables_of(muscle: Muscle) -> set[int]:
 def _rows(part: Any, tables: set[int]) -> list[int]:
     leaves = enumerate(jax.tree.leaves(part))
     return [i for i, leaf in leaves if np.ndim(leaf) and id(leaf) not in tables]
-
-
-def _ours(muscle: Muscle) -> bool:
-    return all(type(getattr(muscle, kind)) in known.values() for kind, known in LAWS.items())
 
 
 def stiffness_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:

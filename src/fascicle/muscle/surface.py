@@ -24,12 +24,14 @@ from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import library, maximum, minimum, sqrt, where
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.dual import Dual
+from ..core.evaluate import compiled
 from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
@@ -246,41 +248,46 @@ def _table(content: bytes) -> UnitSurface:
 
 def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
-    at: Pressurized = muscle.law.at(Dual(pressure, np.ones((len(pressure), 1))))
-    kinks = [*at.kinks, *muscle.law.buckling.folds(at.column)]
-    grid = [Dual(np.full(len(pressure), x), np.zeros((1, 1))) for x in strain]
-    low, high = strain[0], strain[-1]
-    inside = [np.minimum(np.maximum(kink, low), high) for kink in kinks]
-    stops: Any = np.stack([*grid, *inside])  # [stop, pressure]
-    order = np.argsort(stops.value, axis=0, kind="stable")
-    stops = np.take_along_axis(stops, order, axis=0)
-
-    middle, half = (stops[1:] + stops[:-1]) / 2, (stops[1:] - stops[:-1]) / 2
-    node = _NODES[:, None, None]
-    force, _ = at.force((middle + half * node).reshape((-1, len(pressure))))
-    parts = (half * _WEIGHTS[:, None, None]).reshape(force.shape) * force
-    # of each stretch, value and slope in pressure, and from there on
-    work, swept = (
-        np.concatenate([np.zeros((1, len(pressure))), np.cumsum(np.sum(x.reshape(
-            len(_NODES), -1, len(pressure)), axis=0), axis=0)])
-        for x in (parts.value, parts.slopes[..., 0])
-    )  # fmt: skip
-    back = np.argsort(order, axis=0, kind="stable")[: len(strain)]
-    L0 = float(muscle.length)
-    work, swept = (L0 * np.take_along_axis(x, back, axis=0).T for x in (work, swept))
-    rest = int(np.argmin(np.abs(strain)))
-    begun: Any = coenergy_at_rest(at) + 0.0 * at.column.pressure
-    pull, _ = at.force(np.stack(grid))
-    empty = float(muscle.volume(0.0))
-    gained, swollen = muscle.law.tension.rest(pressure)
-    gained = (gained + begun.value)[:, None]
-    swollen = (swollen + begun.slopes[:, 0])[:, None]
-    return _Nodes(
-        coenergy=pressure[:, None] * empty + gained + work - work[:, rest, None],
-        by_strain=L0 * pull.value.T,
-        by_pressure=empty + swollen + swept - swept[:, rest, None],
-        by_both=L0 * pull.slopes[..., 0].T,
+    values, slopes = compiled(_integrated)(muscle, pressure, strain)
+    (gained, work, pull), (swollen, swept, pull_slope) = (
+        map(np.asarray, x) for x in (values, slopes)
     )
+    L0 = float(muscle.length)
+    empty = float(muscle.volume(0.0))
+    stored, stored_slope = muscle.law.tension.rest(pressure)
+    gained, swollen = (gained + stored)[:, None], (swollen + stored_slope)[:, None]
+    return _Nodes(
+        coenergy=pressure[:, None] * empty + gained + L0 * work.T,
+        by_strain=L0 * pull.T,
+        by_pressure=empty + swollen + L0 * swept.T,
+        by_both=L0 * pull_slope.T,
+    )
+
+
+def _integrated(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
+    """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
+    pressures last; and their slopes in pressure.
+    """
+
+    def of_pressure(pressure: Batch) -> tuple[Batch, Batch, Batch]:
+        at: Pressurized = muscle.law.at(pressure)
+        kinks = [*at.kinks, *muscle.law.buckling.folds(at.column)]
+        low, high = strain[0], strain[-1]
+        inside = [minimum(maximum(kink, low), high) for kink in kinks]
+        grid = jnp.broadcast_to(strain[:, None], (len(strain), len(pressure)))
+        stops = jnp.concatenate([grid, jnp.stack(jnp.broadcast_arrays(*inside))])
+        order = jnp.argsort(stops, axis=0)
+        stops = jnp.take_along_axis(stops, order, axis=0)
+        middle, half = (stops[1:] + stops[:-1]) / 2, (stops[1:] - stops[:-1]) / 2
+        force, _ = at.force((middle + half * _NODES[:, None, None]).reshape((-1, len(pressure))))
+        parts = half * jnp.sum(force.reshape((-1, *half.shape)) * _WEIGHTS[:, None, None], axis=0)
+        sums = jnp.concatenate([jnp.zeros((1, len(pressure))), jnp.cumsum(parts, axis=0)])
+        back = jnp.argsort(order, axis=0)[: len(strain)]
+        work = jnp.take_along_axis(sums, back, axis=0)
+        work = work - work[jnp.argmin(jnp.abs(strain))]
+        return coenergy_at_rest(at) + 0.0 * pressure, work, at.force(grid)[0]
+
+    return jax.jvp(of_pressure, (pressure,), (jnp.ones_like(pressure),))
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:

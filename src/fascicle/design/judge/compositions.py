@@ -11,12 +11,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ...bundle.states import common
-from ...core.evaluate import COMPILE_ABOVE
 from ...core.types import Numbers
 from ...muscle.piecewise import Pressurized
 from ..space.rows import Rows
 from .first_zero import first_push, share
-from .forces import Resolution, run
+from .forces import COMPILE_ABOVE, Resolution, run
 
 
 _TOGETHER = 8  # muscles of one call: with more their forces leave the cache

@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float
 
 from ...core.apart import apart
 from ...core.arrays import maximum, minimum, most, nodes, stack, where
-from ...core.evaluate import COMPILE_ABOVE, compiled
+from ...core.evaluate import compiled
 from ...core.types import Numbers
 from ...muscle import Muscle
 from ...muscle.column import ROUNDING
@@ -26,6 +26,8 @@ from ..space.rows import Rows
 from .outcome import Demand
 
 
+# points of a muscle's law: NumPy takes some 2 µs for each, compiling it a second
+COMPILE_ABOVE = 200_000
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache
 
 

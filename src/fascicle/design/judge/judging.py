@@ -13,13 +13,13 @@ from jaxtyping import Bool, Float, Int
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import extends
-from ...core.evaluate import COMPILE_ABOVE
 from ...core.modules import numbers
 from ...core.refused import Refused
 from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows
 from ..space.task import Task
+from .forces import COMPILE_ABOVE
 from .objectives import check_turns, known, needs
 from .outcome import Demand, states_for
 from .shared import Prepared, all_prepared, shared_objectives

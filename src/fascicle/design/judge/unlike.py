@@ -13,12 +13,11 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Float
 
-from ...core.evaluate import COMPILE_ABOVE
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
 from ..space.rows import Rows
 from .every_level import at_every_level
-from .forces import UNLIKE, Resolution, Table, filled_up, run, tabulated
+from .forces import COMPILE_ABOVE, UNLIKE, Resolution, Table, filled_up, run, tabulated
 from .kernel import Unlike, outcome
 from .objectives import judged
 from .outcome import Demand, Outcome, states_for
