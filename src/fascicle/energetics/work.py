@@ -13,7 +13,6 @@ muscle's volume is taken at its own strain.
 smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-
 from ..bundle.at import pressurized
 from ..bundle.bundle import Bundle
 from ..bundle.volumes import unit_volume_change

@@ -1,4 +1,4 @@
-"""Forces at many pressures, in blocks and guided: NumPy's, which does neither."""
+"""Forces at many pressures and strains: in chunks by NumPy, compiled by JAX."""
 
 import math
 
@@ -9,8 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.core import blocks
-from fascicle.muscle import quantities
+from fascicle.core import chunks
 from fascicle.muscle.quantities import force_of
 
 
@@ -28,9 +27,8 @@ MUSCLES = {
 
 @pytest.fixture(autouse=True)
 def few(monkeypatch):
-    """Few are many."""
-    monkeypatch.setattr(blocks, "_POINTS", 512)
-    monkeypatch.setattr(quantities, "_MANY", 100)
+    """Few points are many."""
+    monkeypatch.setattr(chunks, "_CHUNK", 512)
 
 
 def test_one_of_them_collapses_at_some_pressures_alone():

@@ -26,7 +26,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...core.arrays import library, nodes, over, total, where
-from ...core.dual import Dual
 from ...core.roots import still
 from ...core.types import Batch
 
@@ -118,21 +117,7 @@ def states(oval: Oval) -> States:
     begun = at_work.broadcast_to(at_work.asarray(first), (1, *shape, 3 + _SINES))
     rows = at_work.concatenate([begun, rows])
     sines = at_work.moveaxis(rows[..., 3:], -1, 1)
-    if at_work is jnp:
-        return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
-    if not any(isinstance(number, Dual) for number in oval):
-        return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
-    by = np.stack([_tangents(np, P, state) for state in x])  # one node's Jacobians are large
-    slopes = _moved(x, by, w)
-    slopes = np.concatenate([np.zeros((1, *slopes.shape[1:])), slopes])
-    # each number moves with what it depends on, to first order
-    moved = [x - h for x, h in zip(oval, here, strict=True)]
-
-    def of(i: int) -> Batch:
-        parts = (slopes[..., i, p] * step for p, step in enumerate(moved))
-        return sum(parts, rows[..., i])
-
-    return States(of(0), of(1), of(2), sines)
+    return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
 
 
 @lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again
@@ -227,11 +212,6 @@ def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
     return x + by[..., -1] * STEP, (x, by)
 
 
-def _tangents(at_work: Any, P: Any, x: Any) -> Any:
-    """How a state moves with the four numbers and with the shortening, on the last axis."""
-    return at_work.linalg.solve(_jacobian(at_work, P, x), _by_numbers(at_work, P, x))
-
-
 def _moves(at_work: Any, move: Any, x: Any) -> Any:
     """Whether a `move` is no rounding of a state `x` yet."""
     size = at_work.max(at_work.abs(x), axis=-1, keepdims=True)
@@ -271,18 +251,6 @@ def _kept(at_work: Any, x: Any, w: Any) -> Any:
         2 * np.pi * at_work.sum(x[..., :_SINES], axis=-1, keepdims=True) / root,
         x[..., :_SINES] / np.arange(1, _SINES + 1) / root,
     ], axis=-1)  # fmt: skip
-
-
-def _moved(x: Any, by: Any, w: Any) -> Any:
-    """How load, bow and bend of states `x` at shortenings `w` move with the four numbers."""
-    basis, root = _basis(), np.sqrt(w)
-    off = basis.weight * np.cos(x[..., :_SINES] @ basis.S.T) @ basis.S  # by the sines
-    sines = by[..., :_SINES, :-1]
-    return np.stack([
-        -by[..., -1, :-1],
-        np.sum(off[..., None] * sines, axis=-2) / root,
-        2 * np.pi * np.sum(sines, axis=-2) / root,
-    ], axis=-2)  # fmt: skip
 
 
 class _Section(NamedTuple):
