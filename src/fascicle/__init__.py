@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
-    from .core.refused import Refused as Refused
+    from .core.refused import InvalidInputError as InvalidInputError
     from .files import example as example
     from .files import examples as examples
     from .files import load as load
@@ -52,10 +52,10 @@ if TYPE_CHECKING:
 _HOMES = {
     "Bundle": "bundle",
     "Constant": "muscle",
+    "InvalidInputError": "core.refused",
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
-    "Refused": "core.refused",
     "Switch": "muscle",
     "Tuning": "muscle",
     "UnitSurface": "muscle",
@@ -85,10 +85,10 @@ _HOMES = {
 __all__ = [
     "Bundle",
     "Constant",
+    "InvalidInputError",
     "MooneyRivlin",
     "MotorUnit",
     "Muscle",
-    "Refused",
     "Switch",
     "Tuning",
     "UnitSurface",
@@ -128,8 +128,20 @@ _WENT = {"describe": "files"} | {
 _found, __dir__ = lazily(__name__, {**_HOMES, "__version__": ""}, _WENT)
 
 
+# names of the last release, and what they are called now
+_RENAMED = {"Refused": "InvalidInputError"}
+
+
 def __getattr__(name: str) -> object:
-    return _version() if name == "__version__" else _found(name)
+    if name == "__version__":
+        return _version()
+    if name in _RENAMED:
+        import warnings
+
+        message = f"`fascicle.{name}` is now `fascicle.{_RENAMED[name]}`."
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return _found(_RENAMED[name])
+    return _found(name)
 
 
 def _version() -> str:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-import jax
 import numpy as np
 
 from ..core.arrays import library
+from ..core.tree import tree_leaves, tree_replace, tree_structure
 from ..muscle import Muscle
 from ..muscle.quantities import batch_of, tables_of
 
@@ -17,8 +17,8 @@ def stacked(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
     """
     alike: dict[Any, list[int]] = {}
     for i, muscle in enumerate(muscles):
-        leaves, structure = jax.tree.flatten(muscle)
-        alike.setdefault((structure, tuple(map(np.shape, leaves))), []).append(i)
+        key = tree_structure(muscle), tuple(map(np.shape, tree_leaves(muscle)))
+        alike.setdefault(key, []).append(i)
     return [(tuple(places), _row([muscles[i] for i in places])) for places in alike.values()]
 
 
@@ -26,13 +26,13 @@ def taken(muscle: Muscle, places: Any) -> Muscle:
     """Of a row of muscles those at `places` [-]; a single one stays as it is."""
     if np.ndim(muscle.length) == 0:
         return muscle
-    leaves, structure = jax.tree.flatten(muscle)
+    leaves = tree_leaves(muscle)
     rows = _are_tables(muscle, leaves)
     some = [
         leaf[..., places, :] if row else leaf[..., places]
         for leaf, row in zip(leaves, rows, strict=True)
     ]
-    return jax.tree.unflatten(structure, some)
+    return tree_replace(muscle, some)
 
 
 def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
@@ -53,13 +53,13 @@ def _row(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
     if all(muscle is first for muscle in muscles) and not batch_of(first):
         return first
-    leaves, structure = jax.tree.flatten(first)
-    rows = zip(*map(jax.tree.leaves, muscles), strict=True)
+    leaves = tree_leaves(first)
+    rows = zip(*map(tree_leaves, muscles), strict=True)
     joined = [
         library(*row).stack(row, axis=-2 if table else -1)
         for row, table in zip(rows, _are_tables(first, leaves), strict=True)
     ]
-    return jax.tree.unflatten(structure, joined)
+    return tree_replace(first, joined)
 
 
 def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:

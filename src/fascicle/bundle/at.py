@@ -6,11 +6,11 @@ Units whose muscles have the same laws are one row of muscles, evaluated at once
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 
 from ..core.arrays import least, library, spread, stack
 from ..core.domain import LARGEST_STRAIN
+from ..core.tree import tree_map
 from ..core.types import Numbers, PerUnit, Whole
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
@@ -42,7 +42,7 @@ class Pressurized(NamedTuple):
 
     def of(self, lane: Any) -> "Pressurized":
         """Those of the lanes [-] that are asked for, where lanes are the last axis but two."""
-        return jax.tree.map(lambda x: x if np.ndim(x) < 3 else x[..., lane, :, :], self)
+        return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., lane, :, :], self)
 
     def each(self, function: Callable[[MusclesAtPressures], Any]) -> Any:
         """`function` of one muscle of every unit, units on the last axis."""

@@ -17,28 +17,39 @@ each one's is, and the bundle is told the distance at rest.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 6.
 """
 
-from collections.abc import Sequence
-from functools import reduce
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial, reduce
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import library, where
-from ..core.checks import as_given, concrete, finite, within
+from ..core.checks import as_given, concrete, finite, one_of, within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..core.evaluate import at_rest, evaluate
 from ..core.lazy import from_above
 from ..core.limits import pressed, whole
-from ..core.modules import Module, kept, renewed
+from ..core.missing import require
+from ..core.modules import Module, renewed, static
 from ..core.refused import Refused
 from ..core.shapes import common
 from ..core.sheet import printed
-from ..core.types import AnyArray, Batch, IntBatch, Numbers, PerUnit, Values, Whole
+from ..core.types import (
+    AnyArray,
+    Batch,
+    Bool,
+    Float,
+    Int,
+    IntBatch,
+    Numbers,
+    PerUnit,
+    Values,
+    Whole,
+)
 from ..core.written import is_written
 from ..muscle import Muscle
 from ..muscle.entry import EXTENSION_WARNED, above, lowest_of, lowest_strain
+from ..muscle.muscle import BACKENDS
 from .alike import stacked
 from .at import pressurized
 from .lanes import batch, laned
@@ -84,7 +95,7 @@ class Bundle(Module):
 
     motor_units: tuple[MotorUnit, ...]
     supply_pressure: Batch | None
-    scheme: AbstractScheme = eqx.field(static=True)
+    scheme: AbstractScheme = static()
     plate_distance: Batch | None
 
     def __init__(
@@ -114,9 +125,8 @@ class Bundle(Module):
                 raise Refused("motor_units", "must hold MotorUnit objects", unit)
         self.motor_units = units
         self.plate_distance = plate_distance(length, [unit.muscle for unit in units])
-        self.supply_pressure = None
-        if supply_pressure is not None:
-            self.supply_pressure = _pressure(supply_pressure, "supply_pressure")
+        known = supply_pressure is not None
+        self.supply_pressure = _pressure(supply_pressure, "supply_pressure") if known else None
         self.scheme = scheme_of(scheme)
 
     @property
@@ -125,7 +135,7 @@ class Bundle(Module):
         common = self.motor_units[0].muscle.length
         return common if self.plate_distance is None else self.plate_distance
 
-    @kept
+    @cached_property
     def ratios(self) -> Numbers | None:
         """$L/L_i$ [-] of each motor unit, on the last axis; `None` where all are 1."""
         if self.plate_distance is None:
@@ -133,12 +143,12 @@ class Bundle(Module):
         L = self.plate_distance
         return _joined([L / unit.muscle.length for unit in self.motor_units])
 
-    @kept
+    @cached_property
     def counts(self) -> Whole:
         """Muscles in each motor unit [-], on the last axis."""
         return _joined([unit.count for unit in self.motor_units])
 
-    @kept
+    @cached_property
     def rows(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
         """The units of the same laws, their muscles as one [-], which are computed at once."""
         return tuple(stacked([unit.muscle for unit in self.motor_units]))
@@ -312,6 +322,24 @@ class Bundle(Module):
         """
         return from_above("plot.objects.of_bundle")(self, pressures, strains, resistance)
 
+    def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
+        """The force alone as a bare function, with this bundle held constant and nothing checked.
+
+        **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
+        points and their slopes (`with_slopes`) [-].
+
+        **Returns:** a function of the units' pressures [Pa] and the strain [-] that gives the
+        force [N].
+
+        **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
+        """
+        if one_of(backend, BACKENDS, "backend") == "casadi":
+            return from_above("export.point_function.bundle_function")(self)
+        require("jax", "jax", "a function compiled by JAX")
+        from ..core.jax_backend import jit
+
+        return jit(partial(_force, self))
+
     def replace(self, **changes: Any) -> "Bundle":
         """The same bundle, but for some of its arguments.
 
@@ -356,7 +384,7 @@ class Bundle(Module):
             common(muscles=self._batch, pressures=shape)
         return shape
 
-    @kept
+    @cached_property
     def _batch(self) -> tuple[int, ...]:
         """The shape of a row of bundles [-]."""
         return batch(self)
@@ -375,6 +403,10 @@ class Bundle(Module):
         strain = found.strain if many else found[..., None]
         strain = evaluate(_carried, self, strain, *arrays)
         return found._replace(strain=strain) if many else strain[..., 0]
+
+
+def _force(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
+    return pressurized(bundle, pressures).force(strain)[0]
 
 
 def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:

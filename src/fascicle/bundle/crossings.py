@@ -11,10 +11,9 @@ that is missed lies in a dip shallower than that cubic's error, of fourth order 
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import library, maximum, minimum, running_most, sqrt, where
-from ..core.types import AnyArray, Numbers
+from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from .lists import listed, worked
 
 

@@ -6,11 +6,11 @@ time, so each lane takes its own bundle along.
 
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 
 from ..core.arrays import library
 from ..core.shapes import common
+from ..core.tree import tree_leaves, tree_map
 from ..core.types import Numbers, PerUnit
 from ..muscle.quantities import batch_of, tables_of
 from .at import Pressurized, pressurized
@@ -27,12 +27,12 @@ class Lanes(NamedTuple):
     @property
     def at_once(self) -> bool:
         """Whether they are NumPy's [-]."""
-        return library(self.pressures, *jax.tree.leaves(self.bundle)) is np
+        return library(self.pressures, *tree_leaves(self.bundle)) is np
 
     @property
     def single(self) -> bool:
         """Whether they are of one bundle [-]."""
-        return not any(map(_is_row, jax.tree.leaves(self.bundle)))
+        return not any(map(_is_row, tree_leaves(self.bundle)))
 
     @property
     def live(self) -> Pressurized:
@@ -43,7 +43,7 @@ class Lanes(NamedTuple):
         """Those lanes [-] that are asked for."""
         bundle = self.bundle
         if not self.single:
-            bundle = jax.tree.map(lambda x: x[which] if _is_row(x) else x, bundle)
+            bundle = tree_map(lambda x: x[which] if _is_row(x) else x, bundle)
         return Lanes(bundle, self.pressures[which])
 
 
@@ -79,7 +79,7 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
             return leaf
         return library(leaf).broadcast_to(leaf, (*shape, *own)).reshape(-1, 1, *own)
 
-    return Lanes(jax.tree.map(row, bundle), each), shape
+    return Lanes(tree_map(row, bundle), each), shape
 
 
 def _is_row(leaf: Any) -> bool:

@@ -7,12 +7,10 @@ blocks up to the last entry, so that cost follows what there is, not what there 
 from collections.abc import Callable
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
 from ..core.arrays import library
+from ..core.tree import tree_leaves, tree_map
 from ..core.types import BoolBatch
 
 
@@ -26,6 +24,8 @@ def listed(marks: BoolBatch, room: int) -> tuple[tuple[Any, ...], Any]:
     if library(marks) is np:
         places = np.nonzero(marks)
         return places, len(places[0])
+    from ..core.jax_backend import jnp
+
     total = jnp.minimum(jnp.sum(marks), room)
     return jnp.nonzero(marks, size=room, fill_value=0), total
 
@@ -34,9 +34,11 @@ def worked(function: Callable[..., tuple], total: Any, *entries: Any) -> tuple:
     """`function` of the first `total` of the `entries`, arrays with a first axis for them; zeros
     for the rest.
     """
-    leaves = jax.tree.leaves(entries)
+    leaves = tree_leaves(entries)
     if library(*leaves) is np:
         return function(*entries)
+    from ..core.jax_backend import eval_shape, jnp, lax
+
     size = leaves[0].shape[0]
     # a block waits for its slowest entry: small ones for few, where a step's own cost allows
     block = min(size, max(_LEAST_BLOCK, min(size // 16, _LARGEST_BLOCK)))
@@ -45,14 +47,14 @@ def worked(function: Callable[..., tuple], total: Any, *entries: Any) -> tuple:
         done, results = state
         # the last block reaches back over the one before it
         start = jnp.minimum(done, size - block)
-        some = jax.tree.map(lambda x: lax.dynamic_slice_in_dim(x, start, block), entries)
+        some = tree_map(lambda x: lax.dynamic_slice_in_dim(x, start, block), entries)
         results = tuple(
             lax.dynamic_update_slice_in_dim(result, new, start, 0)
             for result, new in zip(results, function(*some), strict=True)
         )
         return done + block, results
 
-    part = jax.eval_shape(function, *jax.tree.map(lambda x: x[:block], entries))
+    part = eval_shape(function, *tree_map(lambda x: x[:block], entries))
     results = tuple(jnp.zeros((size, *one.shape[1:]), one.dtype) for one in part)
     return lax.while_loop(lambda state: state[0] < total, step, (jnp.zeros((), int), results))[1]
 
@@ -66,6 +68,8 @@ def ranked(owner: Any, total: Any, owners: int) -> tuple[Any, Any]:
     if at_work is np:
         count = np.bincount(owner, minlength=owners)
     else:
+        from ..core.jax_backend import jnp
+
         count = jnp.zeros(owners, int).at[owner].add((place < total).astype(int))
     return place - (at_work.cumsum(count) - count)[owner], count
 
@@ -79,6 +83,8 @@ def put(fill: Any, shape: tuple[int, int], where: tuple[Any, Any], values: Any, 
         table, inside = np.full(shape, fill), column < shape[1]
         table[row[inside], column[inside]] = values[inside]
         return table
+    from ..core.jax_backend import jnp
+
     column = jnp.where(jnp.arange(len(row)) < total, column, shape[1])
     return jnp.full(shape, fill).at[row, column].set(values, mode="drop")
 
@@ -106,6 +112,8 @@ def repeated(
             for whole, new in zip(state, step(n, entry, here), strict=True):
                 whole[open_ones] = new
         return state
+
+    from ..core.jax_backend import jnp, lax
 
     def one(carry: tuple) -> tuple:
         n, state = carry

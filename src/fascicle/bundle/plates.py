@@ -13,10 +13,9 @@ straight as long as another one isn't pulled.
 from collections.abc import Sequence
 from functools import reduce
 
-import jax.numpy as jnp
 import numpy as np
 
-from ..core.checks import as_given, concrete, within
+from ..core.checks import as_given, concrete, traced_floats, within
 from ..core.domain import LARGEST_STRAIN
 from ..core.limits import size
 from ..core.refused import Refused
@@ -79,7 +78,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
     **Raises:** `ValueError` for a concrete strain at which a muscle's own is off the domain.
     """
     if not concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
-        return jnp.asarray(strain, dtype=float)
+        return traced_floats(strain)
     low: Batch = np.float64(-np.inf)
     high: Batch = np.float64(np.inf)
     for muscle in muscles:

@@ -14,14 +14,13 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from ..core.arrays import given, where
 from ..core.checks import as_given, concrete, finite, one_of
 from ..core.refused import Refused
 from ..core.roots import guarded, still
 from ..core.shapes import common
-from ..core.types import Numbers, Values
+from ..core.types import Float, Numbers, Values
 from ..core.written import in_si
 from .alike import unlike
 from .at import pressurized

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from ..core.checks import within
 from ..core.refused import Refused
 from ..core.sheet import printed
-from ..core.types import Values
+from ..core.types import Float, Values
 from .bundle import Bundle
 from .own import supply_of
 from .plates import muscle_strain

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float
 
 from ..core.checks import within
 from ..core.sheet import printed
-from ..core.types import Values
+from ..core.types import Float, Values
 from ..core.written import in_si, is_written
 from .bundle import Bundle
 from .own import scheme_used, supply_of

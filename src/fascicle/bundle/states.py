@@ -17,11 +17,10 @@ from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int
 
 from ..core.arrays import library, maximum, minimum, where
 from ..core.refused import Refused
-from ..core.types import Numbers
+from ..core.types import Bool, Int, Numbers
 from .schemes import AbstractScheme
 
 

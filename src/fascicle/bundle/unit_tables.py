@@ -1,8 +1,8 @@
 """Forces of a bundle's units at every throttled level, equal units computed once."""
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from ..core.types import Float, Int
 from .alike import unlike
 from .bundle import Bundle
 

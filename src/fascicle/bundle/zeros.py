@@ -11,11 +11,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ..core.arrays import isfinite, library, maximum, minimum, where
 from ..core.roots import finished, searched, still
-from ..core.types import AnyArray, Numbers
+from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
 from .first import APART, INSET, LANES, first

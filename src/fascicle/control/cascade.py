@@ -30,14 +30,13 @@ or a delay.
 
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
 from ..core.arrays import library, maximum, minimum, where
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..dynamics.hysteresis import AbstractHysteresis
@@ -103,9 +102,9 @@ class Cascade(Module):
     friction: AbstractHysteresis | None
     co_contraction: Batch
     dt: Batch
-    of: str = eqx.field(static=True)
-    delay: int = eqx.field(static=True)
-    every: int = eqx.field(static=True)
+    of: str = static()
+    delay: int = static()
+    every: int = static()
 
     @property
     def lateness(self) -> float:

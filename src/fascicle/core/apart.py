@@ -9,15 +9,14 @@ slower. A GPU merges otherwise, and is left to it.
 from collections.abc import Callable
 from typing import Any
 
-import jax
-import jax.numpy as jnp
-from jax.experimental.xla_metadata import set_xla_metadata
-
-from .arrays import library
+from .arrays import imported_jax, is_jax_array
 
 
 def apart(function: Callable[..., Any], *arrays: Any) -> Any:
     """What a `function` of `arrays` [any unit] gives [any unit], computed apart."""
-    if library(*arrays) is not jnp or jax.default_backend() != "cpu":
+    jax = imported_jax()
+    if not any(map(is_jax_array, arrays)) or jax.default_backend() != "cpu":
         return function(*arrays)
+    from jax.experimental.xla_metadata import set_xla_metadata
+
     return set_xla_metadata(jax.jit(function)(*arrays), inlineable="false")

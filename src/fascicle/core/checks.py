@@ -8,12 +8,9 @@ import difflib
 import math
 from collections.abc import Iterable
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
 
-from .arrays import FLOATS
+from .arrays import FLOATS, as_jax, imported_jax, is_jax_array
 from .refused import Refused
 from .types import Batch, Values
 from .written import in_si
@@ -39,8 +36,8 @@ def within(
     if single and type(high) is not np.ndarray and low < value < high:
         return np.float64(value + 0.0)  # a single good one, soon
     value = in_si(value, name, unit)
-    if not concrete(value):
-        return jnp.asarray(value, dtype=float)
+    if not is_concrete(value):
+        return traced_floats(value)
     x = _numeric(value, name, unit)
     # written so that NaN is refused too
     above = (x >= low) if closed[0] else (x > low)
@@ -60,8 +57,8 @@ def positive(value: Values, name: str, unit: str, remedy: str = "") -> Batch:
     says what to do.
     """
     value = in_si(value, name, unit)
-    if not concrete(value):
-        return jnp.asarray(value, dtype=float)
+    if not is_concrete(value):
+        return traced_floats(value)
     x = _numeric(value, name, unit)
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
@@ -77,7 +74,7 @@ def finite(value: Values, name: str, unit: str) -> Batch:
 
 def as_given(value: Values, checked: Batch) -> Batch:
     """What was `checked` of a `value`, in the library that the value came from."""
-    return jnp.asarray(checked) if isinstance(value, jax.Array) else checked
+    return as_jax(checked) if is_jax_array(value) else checked
 
 
 def one_of(name: str, choices: Iterable[str], what: str) -> str:
@@ -91,9 +88,20 @@ def one_of(name: str, choices: Iterable[str], what: str) -> str:
     raise Refused(what, f"{name!r} is unknown", name, remedy, shown="")
 
 
-def concrete(*values: Values) -> bool:
+def is_concrete(*values: Values) -> bool:
     """Whether none of `values` is traced, nor holds what is, so that they can be looked at."""
-    return not any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(values))
+    jax = imported_jax()
+    if jax is None:
+        return True
+    return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(values))
+
+
+concrete = is_concrete  # a name that modules not yet renamed use
+
+
+def traced_floats(value: Values) -> Batch:
+    """A traced `value` [any unit] as JAX's floats."""
+    return imported_jax().numpy.asarray(value, dtype=float)
 
 
 def _shown(unit: str) -> str:

@@ -15,12 +15,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import equinox as eqx
-
 from ..units import DIMENSIONS
 from .arrays import exp, expm1, log, log1p, where
 from .checks import finite, one_of, positive
 from .limits import Range, plausible
+from .modules import record, static
 from .types import Batch, Values
 
 
@@ -112,11 +111,11 @@ class Constant:
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its constant."""
         left_out: dict[str, Any] = {} if self.default is None else {"default": self.default}
-        return eqx.field(converter=self.checked, metadata={"constant": self}, **left_out)
+        return record(converter=self.checked, constant=self, **left_out)
 
     def told(self) -> Any:
         """A field [-] that its class checks itself, and tells of its constant."""
-        return eqx.field(metadata={"constant": self})
+        return record(constant=self)
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,4 @@ class Switch:
 
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its switch."""
-        return eqx.field(
-            converter=self.checked, static=True, default=self.options[0],
-            metadata={"switch": self},
-        )  # fmt: skip
+        return static(default=self.options[0], converter=self.checked, switch=self)

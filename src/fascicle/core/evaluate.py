@@ -1,14 +1,12 @@
 """Evaluate a law with NumPy or with JAX: the types of its arguments alone decide."""
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
-import jax
 import numpy as np
 
-from .arrays import given
-from .checks import concrete
+from .arrays import is_numpy
+from .checks import is_concrete
 from .modules import Module, numbers
 from .roots import still
 
@@ -25,16 +23,12 @@ def evaluate(law: Callable[..., Any], part: Module, *arrays: Any, static: tuple 
 
     **Returns:** what the law gives [SI]: NumPy's where all arguments are NumPy's, else JAX's.
     """
-    if not (part.is_numpy and given(*arrays)):
+    if not (part.is_numpy and is_numpy(*arrays)):
+        from .jax_backend import compiled
+
         return compiled(law, static)(part, *arrays)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return _numpy(law(part, *arrays, *static))
-
-
-@cache
-def compiled(law: Callable[..., Any], static: tuple = ()) -> Any:
-    """A `law` [-] compiled by JAX, with its `static` arguments [-] bound."""
-    return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
 
 
 def at_rest(*things: Any) -> tuple | None:
@@ -44,7 +38,7 @@ def at_rest(*things: Any) -> tuple | None:
 
     **Returns:** them without derivatives [SI].
     """
-    if concrete(things) or not concrete(stopped := still(things)):
+    if is_concrete(things) or not is_concrete(stopped := still(things)):
         return None
     return numbers(stopped)
 

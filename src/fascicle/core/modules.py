@@ -1,118 +1,167 @@
-"""Modules whose methods are plain ones, and what they keep.
+"""Modules: frozen records of numbers, arrays and other modules, which JAX treats as pytrees.
 
-Equinox binds a module's methods as modules, so that they can be passed as arrays are. That
-takes 50 µs a call, more than a law does, and `jax.jit` can't hash what it binds, as it hashes
-by the arrays. Bound as Python binds them, methods cost nothing and compile as they are:
-`jax.jit(muscle.force)`.
-
-What a module works out about itself is kept beside its attributes: among them, it would be part
-of its structure, by which modules are compared and compiled functions are found again.
+A `Module` is a dataclass whose fields are set once. Each class registers itself with JAX when JAX
+is imported, before fascicle or after, by whomever; without JAX it is a dataclass and no more.
+What a module works out about itself (`functools.cached_property`) is no part of its structure.
 """
 
+import sys
+from abc import ABC
 from collections.abc import Callable
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
+from functools import cached_property
 from inspect import signature
-from typing import Any, Generic, TypeVar, overload
+from types import ModuleType
+from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-import equinox as eqx
-import jax
 import numpy as np
+import wrapt
 
-from .arrays import given
-from .checks import concrete, one_of
+from .arrays import is_jax_array, is_numpy
+from .checks import is_concrete, one_of
+from .tree import field_names, rebuild, tree_leaves, tree_map, tree_structure
 
 
-Value = TypeVar("Value")
 _FEW = 8  # numbers that a line shows
+_CLASSES: list[type] = []
 
 
-class kept(property, Generic[Value]):  # noqa: N801 as `property` is written
-    """A property of a module that is worked out once."""
-
-    def __init__(self, function: Callable[[Any], Value]):
-        """**Arguments:** `function`: of the module [-]."""
-        super().__init__(function)
-
-    @overload
-    def __get__(self, module: None, kind: type | None = None) -> "kept[Value]": ...
-
-    @overload
-    def __get__(self, module: "Module", kind: type | None = None) -> Value: ...
-
-    def __get__(self, module: "Module | None", kind: type | None = None) -> "Value | kept[Value]":
-        """The property of a `module` of that `kind` [-]."""
-        if module is None:
-            return self
-        store = module.store
-        if self not in store:
-            store[self] = super().__get__(module, kind)
-        return store[self]
+def static(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
+    """A field that is part of a module's structure, such as the name of a law [-]."""
+    return record(default=default, converter=converter, static=True, **metadata)
 
 
-class Module(eqx.Module):
-    """An `equinox` module with plain methods."""
+def record(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
+    """A field of a module.
 
-    __slots__ = ("_store",)
-    __getattribute__ = object.__getattribute__
+    **Arguments:**
 
-    @property
-    def store(self) -> dict:
-        """What it has worked out about itself [-]; no part of it, and not copied with it."""
-        try:
-            return self._store
-        except AttributeError:
-            object.__setattr__(self, "_store", {})
-            return self._store
+    - `default`: its value where it is left out [any unit].
+    - `converter`: checks a value as it is set, and returns it as numbers [-].
+    - `metadata`: what else is known of it [-].
 
-    def __getstate__(self) -> dict:
-        """What is copied and pickled: its attributes."""
-        return dict(self.__dict__)
+    **Returns:** the field [-].
+    """
+    if converter is not None:
+        metadata["converter"] = converter
+    return field(default=default, metadata=metadata)
 
-    def __eq__(self, other: object) -> bool:
-        """Whether it has the same structure and the same numbers, NumPy's or JAX's. Traced ones
-        can't be looked at: they are equal to themselves alone.
-        """
-        if self is other:
-            return True
-        (ours, structure), (theirs, of_other) = jax.tree.flatten(self), jax.tree.flatten(other)
-        return structure == of_other and all(map(_same, ours, theirs))
 
-    def __hash__(self) -> int:
-        """The same for what is equal."""
-        leaves, structure = jax.tree.flatten(self)
-        return hash((structure, *(_told(leaf) for leaf in leaves)))
+@dataclass_transform(field_specifiers=(static, record, field))
+class Module(ABC):  # noqa: B024 its subclasses have the abstract methods
+    """A frozen record of numbers, arrays and other modules."""
 
-    def __repr__(self) -> str:
-        """Its fields with their numbers; traced ones have none."""
-        return listed(self) if concrete(self) else super().__repr__()
+    is_fascicle_module: ClassVar[bool] = True
+    _converters: ClassVar[dict[str, Callable]] = {}
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        inherited = next(k for k in cls.__mro__ if "__init__" in vars(k))
+        written = inherited is not object and not vars(inherited).get("_generated_init", False)
+        dataclass(eq=False, repr=False, init=not written)(cls)
+        cls._generated_init = not written
+        # a class variable that a subclass makes a field must not keep its place among the fields
+        own = {one.name for one in fields(cls)}
+        for name in set(cls.__dataclass_fields__) - own:
+            del cls.__dataclass_fields__[name]
+        cls._converters = {
+            one.name: one.metadata["converter"]
+            for one in fields(cls)
+            if one.metadata.get("converter") is not None
+        }
+        _CLASSES.append(cls)
+        if (jax := sys.modules.get("jax")) is not None and hasattr(jax, "jit"):
+            _register(cls, jax)
+
+    def __post_init__(self) -> None:
+        # a check of all fields together is inherited
+        for kind in reversed(type(self).__mro__):
+            if "__check_init__" in vars(kind):
+                vars(kind)["__check_init__"](self)
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Fields are set once, as it is made."""
-        try:
-            super().__setattr__(name, value)
-        except FrozenInstanceError:
+        if name in self.__dict__ or name not in type(self).__dataclass_fields__:
             kind = type(self).__name__
             remedy = "make another one"
             if hasattr(self, "replace") and name in signature(type(self)).parameters:
                 remedy = f"write {kind.lower()} = {kind.lower()}.replace({name}=…)"
             raise FrozenInstanceError(
                 f"`{name}` can't be set, a {kind} stays as it was made: {remedy}."
-            ) from None
+            )
+        converter = self._converters.get(name)
+        self.__dict__[name] = value if converter is None else converter(value)
 
-    @kept
+    def __delattr__(self, name: str) -> None:
+        raise FrozenInstanceError(f"`{name}` can't be deleted.")
+
+    @property
+    def store(self) -> dict:
+        """What it remembers [-]; no part of it, and not copied with it."""
+        return self.__dict__.setdefault("_store", {})
+
+    def __getstate__(self) -> dict:
+        """What is copied and pickled: its fields."""
+        return {one.name: self.__dict__[one.name] for one in fields(self)}
+
+    def __setstate__(self, state: dict) -> None:
+        self.__dict__.update(state)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it has the same structure and the same numbers, NumPy's or JAX's. Traced ones
+        can't be looked at: they are equal to themselves alone.
+        """
+        return self is other or _equal(self, other)
+
+    def __hash__(self) -> int:
+        """The same for what is equal."""
+        return hash((tree_structure(self), *map(_key, tree_leaves(self))))
+
+    def __repr__(self) -> str:
+        """Its fields with their numbers; traced ones have none."""
+        return listed(self)
+
+    @cached_property
     def is_numpy(self) -> bool:
         """Whether it holds NumPy's numbers and arrays alone [-]."""
-        return given(*jax.tree.leaves(self))
+        return is_numpy(*tree_leaves(self))
 
 
 def listed(module: Module) -> str:
     """The fields of a `module` [-] with their numbers, in one line [-]."""
-    shown = (f"{field.name}={_shown(getattr(module, field.name))}" for field in fields(module))
+    shown = (f"{one.name}={_shown(getattr(module, one.name))}" for one in fields(module))
     return f"{type(module).__name__}({', '.join(shown)})"
 
 
+@wrapt.when_imported("jax")
+def _jax_was_imported(jax: ModuleType) -> None:
+    for kind in _CLASSES:
+        _register(kind, jax)
+
+
+def _register(kind: type, jax: Any) -> None:
+    dynamic, structure = field_names(kind)
+    keys = [jax.tree_util.GetAttrKey(name) for name in dynamic]
+
+    def flatten(module: Any) -> tuple[tuple, tuple]:
+        values = module.__dict__
+        return tuple(values.get(n) for n in dynamic), tuple(values.get(n) for n in structure)
+
+    def flatten_with_keys(module: Any) -> tuple[tuple, tuple]:
+        leaves, aux = flatten(module)
+        return tuple(zip(keys, leaves, strict=True)), aux
+
+    def unflatten(aux: tuple, leaves: Any) -> Any:
+        # leaves may be tracers, so nothing is checked again
+        return rebuild(
+            kind, dict(zip(dynamic, leaves, strict=True)) | dict(zip(structure, aux, strict=True))
+        )
+
+    jax.tree_util.register_pytree_with_keys(kind, flatten_with_keys, unflatten, flatten)
+
+
 def _shown(value: Any) -> str:
-    if not (given(value) or isinstance(value, jax.Array)):
+    if not is_concrete(value) or not (is_numpy(value) or is_jax_array(value)):
         return repr(value)
     x = np.asarray(value)
     if x.size > _FEW:
@@ -120,13 +169,19 @@ def _shown(value: Any) -> str:
     return repr(x.tolist())
 
 
-def _same(one: Any, other: Any) -> bool:
-    return one is other or (concrete(one, other) and np.array_equal(one, other))
+def _equal(module: Any, other: Any) -> bool:
+    return tree_structure(module) == tree_structure(other) and all(
+        map(_equal_leaves, tree_leaves(module), tree_leaves(other))
+    )
 
 
-def _told(leaf: Any) -> Any:
+def _equal_leaves(leaf: Any, other: Any) -> bool:
+    return leaf is other or (is_concrete(leaf, other) and np.array_equal(leaf, other))
+
+
+def _key(leaf: Any) -> Any:
     """What is equal, and can be looked up, where numbers are."""
-    return tuple(np.ravel(leaf).tolist()) if concrete(leaf) else id(leaf)
+    return tuple(np.ravel(leaf).tolist()) if is_concrete(leaf) else id(leaf)
 
 
 Tree = TypeVar("Tree")
@@ -135,7 +190,13 @@ Kind = TypeVar("Kind", bound=Module)
 
 def numbers(tree: Tree) -> Tree:
     """The same `tree` of modules and arrays [-] with NumPy's numbers and arrays alone."""
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[()], tree)
+    return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
+
+
+def with_fields(module: Kind, **values: Any) -> Kind:
+    """The same `module` [-] with other `values` of some fields [SI], not checked again."""
+    own = {one.name: getattr(module, one.name) for one in fields(module)}
+    return rebuild(type(module), own | values)
 
 
 def renewed(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:

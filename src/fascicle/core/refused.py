@@ -4,7 +4,7 @@ from numbers import Number
 from typing import Any
 
 
-class Refused(ValueError):  # noqa: N818 a public name, in the words of the field
+class InvalidInputError(ValueError):
     """A value that breaks a rule, for people in a line, for programs in its fields.
 
     - `argument`: what the value was given for [-].
@@ -37,3 +37,6 @@ class Refused(ValueError):  # noqa: N818 a public name, in the words of the fiel
     def __reduce__(self) -> tuple[Any, ...]:
         # a worker's refusal comes back whole
         return type(self), (self.argument, self.rule, self.value, self.remedy, self._shown)
+
+
+Refused = InvalidInputError  # its former name, in modules not yet renamed

@@ -1,4 +1,4 @@
-r"""Roots, elementwise, in whatever array library is at work.
+r"""Roots, elementwise, in the array library of their arguments.
 
 A root is searched for with the slope that its residual gives, and without any derivative.
 Two Newton steps from it, $x - f/f'$, carry every derivative up to the third: at the root the
@@ -10,12 +10,20 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
-from .arrays import absolute, both, either, library, maximum, minimum, where
+from .arrays import (
+    absolute,
+    array_namespace,
+    both,
+    either,
+    imported_jax,
+    is_jax_array,
+    maximum,
+    minimum,
+    where,
+)
+from .tree import tree_map
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -70,21 +78,24 @@ def searched(
     right, else to 1e-7. `soon`: how many steps are mostly enough, which compiled code then tries
     without a loop.
     """
-    at_work = library(low, high, start)
-    if at_work is np:
+    xp = array_namespace(low, high, start)
+    if xp is np:
         # what is asked about may still be JAX's
         first = residual(theta, start)
-        at_work = library(*first)
-        if at_work is np:
+        xp = array_namespace(*first)
+        if xp is np:
             return _searched(residual, theta, low, high, start, first)
-    if at_work is jnp:
-        return _searched_compiled(residual, theta, low, high, start, soon)
-    if hasattr(at_work, "searched"):
-        return at_work.searched(partial(residual, theta), low, high, start)
+    jax = imported_jax()
+    if jax is not None and xp is jax.numpy:
+        from .jax_backend import search_root
+
+        return search_root(residual, theta, low, high, start, soon)
+    if hasattr(xp, "searched"):
+        return xp.searched(partial(residual, theta), low, high, start)
     state = begun(low, high, start)
     for _ in range(_WRITTEN_OUT):
         state = stepped(state, *residual(theta, state.x))
-    return at_work.still(state.x)
+    return xp.still(state.x)
 
 
 def finished(residual: Residual, theta: Any, x: Batch) -> Batch:
@@ -155,66 +166,21 @@ def _searched(
     return search.x
 
 
-def _searched_compiled(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike, soon: int
-) -> Batch:
-    shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
-    low, high, start = (
-        jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
-    )
-    state = begun(low, high, start)
-    if soon:
-        x, ended = _by_newton(residual, theta, low, high, start, soon)
-        state = state._replace(x=where(ended, x, start), ended=ended)
-
-    def step(state: tuple) -> tuple:
-        n, search = state
-        return n + 1, stepped(search, *residual(theta, search.x))
-
-    def keep_going(state: tuple) -> BoolBatch:
-        n, search = state
-        return (n < STEPS) & ~jnp.all(search.ended)
-
-    return lax.while_loop(keep_going, step, (0, state))[1].x
-
-
-def _by_newton(
-    residual: Residual, theta: Any, low: Batch, high: Batch, start: Batch, steps: int
-) -> tuple[Batch, BoolBatch]:
-    """Where a search would be after so many steps, and whether all were Newton's, and it ended.
-
-    A search is five numbers a point, and a compiler computes each with all that they share.
-    Newton's steps alone are one number: it goes out of the bracket, and stays there, where the
-    search would have done anything else: halved steps on a falling residual don't leave the
-    bracket of signs.
-    """
-    lost = high + 1.0
-
-    def step(_: Any, state: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
-        before, x = state
-        value, slope = residual(theta, x)
-        step = -value / guarded(slope != 0, slope)
-        new, length = x + step, absolute(step)
-        halved = either(length < 0.5 * absolute(x - before), length <= (1 + absolute(x)) * _TINY)
-        inside = both(both(new >= low, new <= high), x <= high)
-        sloped = both(slope < 0, slope > -np.inf)
-        return x, where(both(both(sloped, inside), halved), new, lost)
-
-    before, x = lax.fori_loop(0, steps, step, (begun(low, high, start).before, start))
-    return x, both(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)
-
-
 def still(values: Any) -> Any:
     """The same `values`, a tree of arrays, without derivatives."""
     if type(values) in _NEVER_MOVES:
         return values
     if type(values) is tuple:
         return tuple(map(still, values))
-    return jax.tree.map(_stopped, values)
+    return tree_map(_stopped, values)
 
 
 def _stopped(x: Any) -> Any:
-    at_work = library(x)
-    if at_work is np:
+    xp = array_namespace(x)
+    if xp is np:
         return x
-    return lax.stop_gradient(x) if at_work is jnp else at_work.still(x)
+    if is_jax_array(x):
+        from .jax_backend import stop_gradient
+
+        return stop_gradient(x)
+    return xp.still(x)

@@ -1,35 +1,23 @@
 """Shape vocabulary. `*#batch`: any batch shape, broadcasting like NumPy.
 
-An `AnyArray` is NumPy's or JAX's, as are single numbers; a `Symbol` is of a library that writes
-code. `Numbers`, `Whole` and `Marks` are of any shape. `Values` is what a caller hands in: a
+An `AnyArray` is NumPy's or JAX's, as are single numbers, or a symbol of a library that writes code.
+`Numbers`, `Whole` and `Marks` are of any shape. `Values` is what a caller hands in: a
 number, an array or nested lists; `checks` looks at it.
 """
 
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
-
-from jaxtyping import ArrayLike, Bool, Float, Int, Real
+from typing import Annotated, Any
 
 
-if TYPE_CHECKING:  # no type checker knows yet what arrays of several libraries have in common
-    AnyArray = Symbol = Any
-else:
-    AnyArray = ArrayLike
+# a shape in words, for people: no type checker knows what arrays of several libraries share
+Bool = Float = Int = Real = Annotated
+AnyArray = Any
 
-    @runtime_checkable
-    class Symbol(Protocol):
-        """A symbolic array."""
-
-        def is_symbolic(self) -> bool:
-            """Whether it is a bare name [-]."""
-            ...
-
-
-BatchLike = Real[AnyArray, "*#batch"] | Symbol
-Batch = Float[AnyArray, "*#batch"] | Symbol
-IntBatch = Int[AnyArray, "*#batch"] | Symbol
-BoolBatch = Bool[AnyArray, "*#batch"] | Symbol
-Numbers = Float[AnyArray, "..."] | Symbol
-Whole = Int[AnyArray, "..."] | Symbol
-Marks = Bool[AnyArray, "..."] | Symbol
-PerUnit = Float[AnyArray, "*#points unit"] | Symbol
+BatchLike = Real[AnyArray, "*#batch"]
+Batch = Float[AnyArray, "*#batch"]
+IntBatch = Int[AnyArray, "*#batch"]
+BoolBatch = Bool[AnyArray, "*#batch"]
+Numbers = Float[AnyArray, "..."]
+Whole = Int[AnyArray, "..."]
+Marks = Bool[AnyArray, "..."]
+PerUnit = Float[AnyArray, "*#points unit"]
 Values = Any

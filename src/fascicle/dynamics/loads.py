@@ -18,13 +18,12 @@ and likewise at the low end, so that no event has to be found.
 import abc
 from typing import Any, ClassVar
 
-import equinox as eqx
 import numpy as np
 
 from ..core.arrays import cos, maximum, sin, where
 from ..core.checks import concrete, finite, positive, within
 from ..core.limits import Range, plausible
-from ..core.modules import Module
+from ..core.modules import Module, record
 from ..core.refused import Refused
 from ..core.types import Batch, BoolBatch, Values
 
@@ -39,28 +38,28 @@ def _above(name: str, unit: str) -> Any:
     def checked(value: Values) -> Batch:
         return positive(value, name, unit)
 
-    return eqx.field(converter=checked)
+    return record(converter=checked)
 
 
 def _from_zero(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, 0.0, np.inf, name, unit, closed=(True, False))
 
-    return eqx.field(converter=checked, default=default)
+    return record(converter=checked, default=default)
 
 
 def _any(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return finite(value, name, unit)
 
-    return eqx.field(converter=checked, default=default)
+    return record(converter=checked, default=default)
 
 
 def _end(name: str, default: float) -> Any:
     def checked(value: Values) -> Batch:
         return within(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
 
-    return eqx.field(converter=checked, default=default)
+    return record(converter=checked, default=default)
 
 
 # m or rad: a damper that took hold at once would be a jump of force, which no step resolves
@@ -116,9 +115,9 @@ class AbstractLoad(Module):
     given [-].
     """
 
-    unit: eqx.AbstractClassVar[str]
-    moved: eqx.AbstractClassVar[bool]
-    stop: eqx.AbstractVar[Stop | None]
+    unit: ClassVar[str]
+    moved: ClassVar[bool]
+    stop: ClassVar[Stop | None]
 
     @property
     @abc.abstractmethod
@@ -159,7 +158,7 @@ class AbstractFreeLoad(AbstractLoad):
     """A load that moves as forces tell it, with a damper of its own."""
 
     moved: ClassVar[bool] = False
-    damping: eqx.AbstractVar[Batch]
+    damping: ClassVar[Batch]
 
     @property
     def damper(self) -> Batch:

@@ -9,7 +9,6 @@ import abc
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from ..bundle.alike import stacked, unlike
 from ..core.arrays import maximum, minimum, where
 from ..core.checks import concrete
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.types import Numbers
 from ..muscle import Muscle
 from ..muscle.braid import Braid
@@ -121,7 +120,7 @@ class Exact(AbstractMuscles):
     """
 
     groups: tuple[Muscle, ...]
-    places: tuple[tuple[int, ...], ...] = eqx.field(static=True)
+    places: tuple[tuple[int, ...], ...] = static()
     ends: tuple[Numbers, Numbers]
     top: Numbers
 

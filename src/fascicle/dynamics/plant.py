@@ -15,14 +15,13 @@ muscles of a unit are alike.
 from collections.abc import Sequence
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from ..bundle.bundle import Bundle
 from ..core.arrays import library
 from ..core.checks import one_of
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Whole
 from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
@@ -60,7 +59,7 @@ class Plant(Module):
     counts: Numbers
     lengths: Numbers
     distances: Numbers
-    sides: tuple[int, ...] = eqx.field(static=True)
+    sides: tuple[int, ...] = static()
 
     def __init__(
         self,

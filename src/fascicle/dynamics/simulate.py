@@ -8,14 +8,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
 from ..core.checks import concrete, positive
-from ..core.modules import numbers
+from ..core.modules import Module, numbers
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from ..fluid import checked_commands
@@ -29,6 +28,9 @@ from .schedule import Controller, Measurement, Schedule
 from .seen import STATUS, Seen, looked_at
 from .state import State
 from .stepping import Course, set_right, substep
+
+
+_NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
 
 
 _NEWTON = 8  # a state that is given may be off
@@ -96,8 +98,8 @@ def simulate(
         raise Refused(name, "must have a row for each step", 0, shown="none")
     # numbers that a controller holds may be differentiated; all else about it is fixed
     leaves, kind = jax.tree.flatten(act)
-    fixed = tuple(None if eqx.is_array_like(x) else x for x in leaves)
-    given = [x if eqx.is_array_like(x) else None for x in leaves]
+    fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
+    given = [x if isinstance(x, _NUMBERS) else None for x in leaves]
     known, steps, count = concrete((plant, given, memory, inputs, begin)), len(inputs), None
     if known:  # so that another length mostly compiles nothing
         count = np.int64(steps)
@@ -123,7 +125,7 @@ def simulate(
     )
 
 
-class _Held(eqx.Module):
+class _Held(Module):
     """No controller: the reference is what is commanded."""
 
 

@@ -15,7 +15,6 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from ..bundle import Bundle
 from ..bundle.own import scheme_used, supply_of
@@ -26,7 +25,7 @@ from ..bundle.volumes import unit_volume_change
 from ..core.checks import finite, one_of
 from ..core.refused import Refused
 from ..core.sheet import Sheet, printed, short, spread_over
-from ..core.types import Values
+from ..core.types import Float, Int, Values
 from .paths import unit_work_along
 
 

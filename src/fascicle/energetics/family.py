@@ -7,11 +7,11 @@ $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent mo
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 """
 
-import equinox as eqx
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import AbstractScheme
+from ..core.modules import with_fields
 from ..core.refused import Refused
 from ..core.types import Values
 from ..muscle import Muscle
@@ -39,5 +39,5 @@ def constant_cross_section(
     if units < 1:
         raise Refused("units", "must be at least 1", units)
     sizes = (muscle.outer_radius / np.sqrt(units), muscle.wall_thickness / np.sqrt(units))
-    thin = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
+    thin = with_fields(muscle, outer_radius=sizes[0], wall_thickness=sizes[1])
     return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)

@@ -14,13 +14,12 @@ with 4 where no piece is wider than 1/250.
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from ..bundle.at import pressurized
 from ..bundle.bundle import Bundle
 from ..core.arrays import library, maximum, minimum, nodes, total, where
 from ..core.evaluate import evaluate
-from ..core.types import AnyArray, Numbers, Values
+from ..core.types import AnyArray, Float, Numbers, Values
 from ..muscle.piecewise import Pressurized
 
 

@@ -2,8 +2,6 @@
 
 import os
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ..calibrate.problem.parameters import named, put
@@ -32,4 +30,6 @@ def drawn(path: str | os.PathLike[str], draws: int = 1000, seed: int = 0) -> Mus
     # put in their own order, which needn't be that of the names in the file
     order = [list(told["coordinate_names"]).index(one.name) for one in parameters]
     z = np.random.default_rng(seed).multivariate_normal(center, covariance, draws)[:, order]
-    return jax.vmap(lambda row: put(parameters, muscle, row))(jnp.asarray(z))
+    import jax
+
+    return jax.vmap(lambda row: put(parameters, muscle, row))(jax.numpy.asarray(z))

@@ -8,12 +8,12 @@ wasn't fitted, and stood in the muscle that the fit began with, is left as it wa
 import warnings
 from collections.abc import Iterable
 
-import jax
 import numpy as np
 
 from ..calibrate.after.calibration import Calibration
 from ..calibrate.problem.parameters import of_muscle
 from ..core.domain import HIGHEST_PRESSURE
+from ..core.tree import tree_leaves, tree_replace
 from ..muscle import Muscle
 from ..muscle.fitted import carried
 from ..units import DIMENSIONS, exact, parse, pretty
@@ -69,9 +69,9 @@ def _moved(made: Calibration, rounded: Muscle) -> float | None:
 
 
 def _rounded(muscle: Muscle, given: set[float], digits: int) -> Muscle:
-    leaves, kind = jax.tree.flatten(muscle)
+    leaves = tree_leaves(muscle)
     shorter = [_shorter(leaf, given, digits) for leaf in leaves]
-    found: Muscle = jax.tree.unflatten(kind, shorter)
+    found: Muscle = tree_replace(muscle, shorter)
     angle = float(muscle.braid_angle)
     if angle in given:
         return found
@@ -89,6 +89,6 @@ def _shorter(leaf: object, given: set[float], digits: int) -> object:
 
 
 def _numbers(muscle: Muscle) -> Iterable[float]:
-    for leaf in jax.tree.leaves(muscle):
+    for leaf in tree_leaves(muscle):
         if np.asarray(leaf).dtype.kind == "f":
             yield from np.asarray(leaf).ravel().tolist()

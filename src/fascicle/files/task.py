@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import equinox as eqx
 from pydantic import ValidationError
 
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
 from ..core.checks import one_of
+from ..core.modules import with_fields
 from ..core.refused import Refused
 from ..design.judge.allowed import Limit, checked
 from ..design.judge.objectives import OBJECTIVES, known
@@ -275,7 +275,7 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
             raise Refused("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
             law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
-            found = eqx.tree_at(lambda m: m.buckling, found, law())
+            found = with_fields(found, buckling=law())
         return found
 
 

@@ -15,8 +15,6 @@ volume, so that a volume that moves with the pressure can be taken to the other 
 import abc
 from typing import Any, ClassVar, NamedTuple
 
-import equinox as eqx
-
 from ..core.arrays import library
 from ..core.limits import Range
 from ..core.modules import Module
@@ -47,11 +45,11 @@ class AbstractChamber(Module):
     - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close [-].
     """
 
-    dead_volume: eqx.AbstractVar[Batch]
-    room_pressure: eqx.AbstractVar[Batch]
-    names: eqx.AbstractClassVar[tuple[str, ...]]
-    units: eqx.AbstractClassVar[tuple[str, ...]]
-    physical: eqx.AbstractClassVar[bool]
+    dead_volume: ClassVar[Batch]
+    room_pressure: ClassVar[Batch]
+    names: ClassVar[tuple[str, ...]]
+    units: ClassVar[tuple[str, ...]]
+    physical: ClassVar[bool]
 
     @property
     def count(self) -> int:

@@ -6,11 +6,11 @@ gauge pressures save where a name says `absolute`; the room's own, `room_pressur
 
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from ..core.checks import as_given, concrete, positive, within
 from ..core.limits import Range, plausible
+from ..core.modules import record
 from ..core.refused import Refused
 from ..core.types import Batch, Values
 
@@ -31,7 +31,7 @@ def above_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any
     def checked(value: Values) -> Batch:
         return plausible(positive(value, name, known.unit, remedy), name, known)
 
-    return eqx.field(converter=checked, **default)
+    return record(converter=checked, **default)
 
 
 def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
@@ -44,7 +44,7 @@ def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
         x = within(value, 0.0, np.inf, name, known.unit, closed=closed, remedy=remedy)
         return plausible(x, name, known)
 
-    return eqx.field(converter=checked, **default)
+    return record(converter=checked, **default)
 
 
 def between(
@@ -62,7 +62,7 @@ def between(
     def checked(value: Values) -> Batch:
         return within(value, low, high, name, "-", "", closed, remedy)
 
-    return eqx.field(converter=checked, **default)
+    return record(converter=checked, **default)
 
 
 def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
@@ -76,7 +76,7 @@ def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
         known = " or ".join(f"`{kind.__name__}`" for kind in kinds)
         raise Refused(name, f"must be {known}", value, shown=f"`{type(value).__name__}`")
 
-    return eqx.field(converter=checked, **default)
+    return record(converter=checked, **default)
 
 
 def room_pressure() -> Any:
@@ -95,7 +95,7 @@ def room_pressure() -> Any:
             )
         return plausible(x, "room_pressure", _ROOM)
 
-    return eqx.field(converter=checked, default=ROOM_PRESSURE)
+    return record(converter=checked, default=ROOM_PRESSURE)
 
 
 def temperature(name: str = "room_temperature") -> Any:

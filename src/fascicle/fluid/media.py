@@ -20,12 +20,10 @@ $h$ is what a kilogram brings along as it streams, $e$ what it keeps at rest.
 **Source:** Bejan (2016), Advanced Engineering Thermodynamics, for exergies; constants beside them.
 """
 
-import equinox as eqx
-
 from ..core.arrays import absolute as size_of
 from ..core.arrays import exp, expm1, log, no, where
 from ..core.limits import Range
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike
 from .entry import above_zero
@@ -44,7 +42,7 @@ class Gas(Module):
     heat_capacity_ratio: Batch = above_zero(
         "heat_capacity_ratio", Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0)
     )
-    source: str = eqx.field(static=True, default="")
+    source: str = static(default="")
 
     @property
     def c_p(self) -> Batch:
@@ -131,7 +129,7 @@ class Liquid(Module):
     )
     bulk_modulus: Batch = above_zero("bulk_modulus", Range("Pa", 1e5, 1e8, 1e10, 1e12))
     vapor_pressure: Batch = above_zero("vapor_pressure", Range("Pa", 1e-12, 1e-6, 2e4, 1e6))
-    source: str = eqx.field(static=True, default="")
+    source: str = static(default="")
 
     def density(self, pressure: BatchLike) -> Batch:
         """Density $\\rho$ [kg/m³] at gauge `pressure` [Pa]."""

@@ -27,13 +27,12 @@ ports' even spacing and linear openings are ours.
 import abc
 from typing import Any, ClassVar, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from ..core.arrays import maximum, minimum
 from ..core.checks import within
 from ..core.limits import Range
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from .entry import above_zero, between
@@ -131,7 +130,7 @@ class OrderlyValve(AbstractSpool):
     """
 
     source: ClassVar[str] = "Vemula, Kim, Mazzoleni and Bryant (2022)"
-    units: int = eqx.field(static=True)
+    units: int = static()
     time_constant: Batch = above_zero("time_constant", _TIME)
     overlap: Batch = between("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 

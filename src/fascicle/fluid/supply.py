@@ -8,12 +8,11 @@ $R T_a \ln(p_s/p_a)$ (`Gas.flow_exergy`), one of liquid the energy $h(P_s)$ (`Li
 import abc
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from ..core.checks import concrete, positive
 from ..core.limits import Range, plausible
-from ..core.modules import Module
+from ..core.modules import Module, record
 from ..core.refused import Refused
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 
@@ -89,4 +88,4 @@ def supply_pressure() -> Any:
                 raise Refused("pressure", rule, bad, "raise it", shown=f"{bad:g} Pa")
         return plausible(positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
 
-    return eqx.field(converter=checked)
+    return record(converter=checked)

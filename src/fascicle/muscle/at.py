@@ -10,12 +10,9 @@ finds them; forces and shapes at any strain are closed forms from there.
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-
+from ..core.arrays import as_jax, is_jax_array
 from ..core.evaluate import evaluate
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.types import Batch, Values
 from .column import Centerline
 from .entry import centerline_points, points_of, strained
@@ -34,7 +31,7 @@ class AtPressure(Module):
 
     pressure: Batch
     state: Pressurized
-    _of_jax: bool = eqx.field(static=True)
+    _of_jax: bool = static()
 
     @property
     def free_strain(self) -> Batch:
@@ -125,18 +122,18 @@ class AtPressure(Module):
         tension = self.state.law.tension
         eps = strained(strain, tension.bladder.braid.angle, tension.stretch)
         if self._of_jax:
-            eps = jnp.asarray(eps)
+            eps = as_jax(eps)
         points_of(self.pressure, eps)
         return evaluate(law, self, eps, static=static)
 
     def _given(self, found: Batch) -> Batch:
         """What was `found`, in the library that the pressure came from."""
-        return jnp.asarray(found) if self._of_jax else found
+        return as_jax(found) if self._of_jax else found
 
 
 def at_pressure(muscle: Muscle, pressure: Batch) -> AtPressure:
     """A `muscle` [-] at a checked `pressure` [Pa]."""
-    of_jax = isinstance(pressure, jax.Array)
+    of_jax = is_jax_array(pressure)
     return AtPressure(pressure, evaluate(_state, muscle, pressure), of_jax)
 
 

@@ -24,8 +24,6 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import minimum, nodes, stack, total, where
@@ -70,15 +68,22 @@ def coenergy_at_rest(muscle: Pressurized) -> Batch:
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
 
 
-def conjugate_volume_of(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2)."""
+def conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
+    from ..core.jax_backend import compiled
+
+    return compiled(_conjugate_volume)(muscle, pressure, strain)
+
+
+def _conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    from ..core.jax_backend import derivative
 
     def work(P: Batch) -> Batch:
         at = muscle.law.at(P)
         done = contraction_work(at, strain)
         return done + coenergy_at_rest(at) if muscle.ends.gives else done
 
-    P = jnp.asarray(pressure + 0.0 * strain)
-    _, swept = jax.jvp(work, (P,), (jnp.ones_like(P),))
+    P = pressure + 0.0 * strain
+    _, swept = derivative(work, P)
     _, swollen = muscle.law.tension.rest(P)
     return muscle.braid.volume(0.0) - muscle.bladder.volume + swollen + swept

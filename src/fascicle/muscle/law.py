@@ -12,8 +12,6 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
-import equinox as eqx
-
 from ..core.constant import Constant, Switch
 from ..core.modules import Module
 from ..core.refused import Refused
@@ -40,7 +38,7 @@ class AbstractLaw(Declared):
     year, where it was published.
     """
 
-    name: eqx.AbstractClassVar[str]
+    name: ClassVar[str]
     title: ClassVar[str] = ""
     source: ClassVar[str] = ""
 

@@ -9,19 +9,19 @@ are checked once, and the law is evaluated, at once or compiled.
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
-import jax
 import numpy as np
 
-from ..core.arrays import given
-from ..core.checks import concrete
+from ..core.arrays import is_numpy
+from ..core.checks import is_concrete, one_of
 from ..core.chunks import map_in_chunks
-from ..core.evaluate import compiled, evaluate
+from ..core.evaluate import evaluate
 from ..core.lazy import from_above
 from ..core.limits import size, slender
-from ..core.modules import Module, kept
+from ..core.missing import require
+from ..core.modules import Module
 from ..core.refused import Refused
 from ..core.sheet import printed
 from ..core.types import Batch, Values
@@ -29,7 +29,7 @@ from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
 from .buckling import AbstractBuckling
-from .coenergy import conjugate_volume_of
+from .coenergy import conjugate_volume
 from .collapse import AbstractCollapse
 from .column import Centerline
 from .ends import AbstractEnds
@@ -73,6 +73,9 @@ from .tension import AbstractTension
 from .tuning import TunedTension, Tuning
 
 
+BACKENDS = ("jax", "casadi")  # of a compiled force
+
+
 @printed(sheet, line)
 class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
@@ -110,7 +113,7 @@ class Muscle(Module):
         self.outer_radius = size(outer_radius, "outer_radius")
         self.wall_thickness = size(wall_thickness, "wall_thickness")
         self.braid_angle = contracting(braid_angle)
-        if concrete(self.outer_radius, self.wall_thickness):
+        if is_concrete(self.outer_radius, self.wall_thickness):
             thinner(self.wall_thickness, self.outer_radius)
         slender(self.length, self.outer_radius)
         self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
@@ -177,17 +180,17 @@ class Muscle(Module):
         """
         return replaced(self, changes)
 
-    @kept
+    @cached_property
     def braid(self) -> Braid:
         """The braid at rest [-]."""
         return Braid(self.length, self.outer_radius, self.braid_angle)
 
-    @kept
+    @cached_property
     def bladder(self) -> Bladder:
         """The bladder inside it [-]."""
         return Bladder(self.braid, self.wall_thickness, self.material)
 
-    @kept
+    @cached_property
     def law(self) -> Piecewise:
         """Equation (27) for its parts [-]: elementwise, and nothing checked."""
         pull = TunedTension(self.tension, self.bladder, self.tuning, self.ends)
@@ -317,8 +320,8 @@ class Muscle(Module):
         """
         arrays = checked(self, pressure, strain)
         points_of(*arrays, muscles=batch_of(self))
-        volume = compiled(conjugate_volume_of)(self, *arrays)  # a derivative of the force, by JAX
-        return np.asarray(volume)[()] if self.is_numpy and given(*arrays) else volume
+        volume = conjugate_volume(self, *arrays)
+        return np.asarray(volume)[()] if self.is_numpy and is_numpy(*arrays) else volume
 
     def radius(self, strain: Values) -> Batch:
         """Outer radius while straight.
@@ -382,22 +385,32 @@ class Muscle(Module):
         """
         return from_above("plot.objects.of_muscle")(self, pressures, strains, components)
 
-    def compile(self) -> Callable[[Values, Values], Batch]:
-        """The force alone, with this muscle held constant and nothing checked.
+    def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
+        """The force alone as a bare function, with this muscle held constant and nothing checked.
+
+        **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
+        points, some 30 µs each, and their slopes (`with_slopes`) [-].
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
+
+        **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
         """
-        return jax.jit(partial(force_of, self))
+        if one_of(backend, BACKENDS, "backend") == "casadi":
+            return from_above("export.point_function.muscle_function")(self)
+        require("jax", "jax", "a function compiled by JAX")
+        from ..core.jax_backend import jit
+
+        return jit(partial(force_of, self))
 
     def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
         points_of(*arrays, muscles=() if self._is_single else batch_of(self))
         evaluated = partial(evaluate, law, self, static=static)
         # rows of muscles, and whatever has one argument, are too few to be cut
-        if len(arrays) == 2 and self._is_single and not static and given(*arrays):
+        if len(arrays) == 2 and self._is_single and not static and is_numpy(*arrays):
             return map_in_chunks(evaluated, *arrays)
         return evaluated(*arrays)
 
-    @kept
+    @cached_property
     def _is_single(self) -> bool:
         """Whether it is one muscle, rather than rows of it [-]."""
         return self.tuning.pressures.ndim == 1 and not rows_of(self)

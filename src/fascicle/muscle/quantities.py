@@ -5,9 +5,9 @@ They stand in a module, since what was compiled for a function is found again by
 
 from typing import Any
 
-import jax
 import numpy as np
 
+from ..core.tree import tree_leaves
 from ..core.types import Batch
 from .column import Centerline
 from .piecewise import Response
@@ -31,7 +31,7 @@ def batch_of(muscle: Muscle) -> tuple[int, ...]:
     own that are none.
     """
     tables = tables_of(muscle)
-    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in jax.tree.leaves(muscle))
+    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in tree_leaves(muscle))
     try:
         return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
     except ValueError:
@@ -44,7 +44,7 @@ def tables_of(muscle: Muscle) -> set[int]:
 
 
 def _rows(part: Any, tables: set[int]) -> list[int]:
-    leaves = enumerate(jax.tree.leaves(part))
+    leaves = enumerate(tree_leaves(part))
     return [i for i, leaf in leaves if np.ndim(leaf) and id(leaf) not in tables]
 
 

@@ -23,16 +23,12 @@ import pickle
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import library, maximum, minimum, sqrt, where
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.evaluate import compiled
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from .coenergy import coenergy_at_rest
@@ -75,7 +71,7 @@ class UnitSurface(Module):
     root_step: Batch
     strains: tuple[Batch, Batch]
     rest_length: Batch
-    errors: tuple[float, float, float] = eqx.field(static=True)
+    errors: tuple[float, float, float] = static()
 
     @classmethod
     def tabulate(
@@ -248,6 +244,8 @@ def _table(content: bytes) -> UnitSurface:
 
 def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
+    from ..core.jax_backend import compiled
+
     values, slopes = compiled(_integrated)(muscle, pressure, strain)
     (gained, work, pull), (swollen, swept, pull_slope) = (
         map(np.asarray, x) for x in (values, slopes)
@@ -268,6 +266,7 @@ def _integrated(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, 
     """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
     pressures last; and their slopes in pressure.
     """
+    from ..core.jax_backend import derivative, jnp
 
     def of_pressure(pressure: Batch) -> tuple[Batch, Batch, Batch]:
         at: Pressurized = muscle.law.at(pressure)
@@ -287,7 +286,7 @@ def _integrated(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, 
         work = work - work[jnp.argmin(jnp.abs(strain))]
         return coenergy_at_rest(at) + 0.0 * pressure, work, at.force(grid)[0]
 
-    return jax.jvp(of_pressure, (pressure,), (jnp.ones_like(pressure),))
+    return derivative(of_pressure, pressure)
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:

@@ -25,17 +25,15 @@ and slope are finite there, the slope that of $P > P_d$.
 
 import warnings
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from ..core.arrays import along_table, spread, where
-from ..core.checks import concrete, finite, within
+from ..core.arrays import along_table, array_namespace, spread, where
+from ..core.checks import finite, is_concrete, within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.limits import plausible, signed, size
 from ..core.modules import Module
 from ..core.refused import Refused
-from ..core.types import AnyArray, Batch, BatchLike, Symbol, Values
+from ..core.types import AnyArray, Batch, BatchLike, Float, Values
 from ..core.written import in_si
 from .bladder import Bladder
 from .ends.ends_law import AbstractEnds
@@ -43,7 +41,7 @@ from .ends.rigid import Rigid
 from .tension.tension_law import AbstractTension, Pull
 
 
-Rows = Float[AnyArray, "*#muscles row"] | Symbol
+Rows = Float[AnyArray, "*#muscles row"]
 
 
 class Tuning(Module):
@@ -97,7 +95,7 @@ class Tuning(Module):
         self.dead_band = within(
             dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
         )
-        if concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
+        if is_concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
             highest = self.hinge_stiffness_at(HIGHEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
                 raise Refused(
@@ -118,7 +116,9 @@ class Tuning(Module):
         """That a `pressure` [Pa] is above the table's last row, which holds from there on [-];
         empty where it isn't.
         """
-        if self.pressures.shape[-1] < 2 or not concrete(self.pressures, self.dead_band, pressure):
+        if self.pressures.shape[-1] < 2 or not is_concrete(
+            self.pressures, self.dead_band, pressure
+        ):
             return ""
         last = np.max(np.asarray(self.pressures)) + np.max(np.asarray(self.dead_band))
         # a row's own pressure, written in other units, may come back a rounding higher
@@ -211,7 +211,7 @@ class TunedTension(Module):
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with its row at zero pressure, checked where its values can be seen."""
     pressures, c1 = in_si(pressures, "pressures", "Pa"), in_si(c1, "c1", "N")
-    at_work = np if concrete(pressures, c1, c2) else jnp
+    at_work = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
     P, rows1, rows2 = (
         at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)
     )
@@ -222,12 +222,12 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
             (P.size, rows1.size, rows2.size),
             shown=f"{P.size}, {rows1.size} and {rows2.size} entries",
         )
-    seen = P.size and concrete(pressures)
+    seen = P.size and is_concrete(pressures)
     if seen and (finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
         raise Refused(
             "pressures", "must rise from 0 Pa or above", P.tolist(), shown=f"{P.tolist()} Pa"
         )
-    if P.size and concrete(c1, c2):
+    if P.size and is_concrete(c1, c2):
         signed(c1, "c1")
         size(c2, "c2")
         if seen and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):

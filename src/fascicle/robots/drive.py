@@ -21,14 +21,13 @@ import difflib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from ..core.arrays import library
 from ..core.checks import concrete, within
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.modules import Module
+from ..core.modules import Module, static
 from ..core.refused import Refused
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Plant, State
@@ -76,9 +75,9 @@ class Drive(Module):
     plant: Plant
     rest_lengths: Numbers
     members: Numbers
-    actuators: tuple[int, ...] = eqx.field(static=True)
-    tendons: tuple[str, ...] = eqx.field(static=True)
-    valved: bool = eqx.field(static=True)
+    actuators: tuple[int, ...] = static()
+    tendons: tuple[str, ...] = static()
+    valved: bool = static()
 
     @classmethod
     def of(

@@ -2,18 +2,19 @@
 
 import copy
 import pickle
+from functools import cached_property
 
 import jax
 import numpy as np
 
 import fascicle as fs
-from fascicle.core.modules import Module, kept
+from fascicle.core.modules import Module
 
 
 class Counted(Module):
     size: float
 
-    @kept
+    @cached_property
     def square(self):
         """Its square."""
         seen.append(self.size)

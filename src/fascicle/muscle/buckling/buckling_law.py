@@ -26,7 +26,6 @@ shears by $\gamma$ holds less by $1 - \cos\gamma$. `shear="engesser"` asks for i
 import abc
 from typing import Any, ClassVar, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from ...core.constant import SHARE, Constant, Switch
@@ -82,7 +81,7 @@ class AbstractBuckling(AbstractLaw):
     collapses: ClassVar[bool] = True
     symbolic: ClassVar[bool] = True
 
-    braid_share: eqx.AbstractVar[Batch]
+    braid_share: ClassVar[Batch]
 
     def solved(self, column: Column) -> Column:
         """The `column` [-] with its stiffness, (B2) and (S1), and its `branch` [-]."""

@@ -21,8 +21,6 @@ from the same equations.
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ...core.arrays import library, nodes, over, total, where
@@ -96,7 +94,6 @@ def states(oval: Oval) -> States:
     """All states of columns with that `oval` section [-], nodes first."""
     here = Oval(*(still(x) for x in oval))
     at_work: Any = library(*here)
-    at_work = jnp if at_work is jnp else np
     shape = np.broadcast_shapes(*(np.shape(x) for x in here))
     numbers = [at_work.broadcast_to(at_work.asarray(x, dtype=float), shape) for x in here]
     P = at_work.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
@@ -104,11 +101,11 @@ def states(oval: Oval) -> States:
     if at_work is np:
         x = _solved(P.tobytes()).reshape(_NODES - 1, *shape, -1)
     else:
-        x, _ = _follow(jnp, P)
-        P = jnp.stack([jnp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
+        x, _ = _follow(at_work, P)
+        P = at_work.stack([at_work.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
         for _ in range(2):  # each doubles the order to which derivatives are right
-            value, slopes = _gradient(jnp, P, x, w), _jacobian(jnp, P, x)
-            x = x - jnp.linalg.solve(slopes, value[..., None])[..., 0]
+            value, slopes = _gradient(at_work, P, x, w), _jacobian(at_work, P, x)
+            x = x - at_work.linalg.solve(slopes, value[..., None])[..., 0]
     rows = _kept(at_work, x, w)
     # the straight column: Euler's load, and bows that grow as the root of w
     first = np.zeros(3 + _SINES)
@@ -193,8 +190,10 @@ def _follow(at_work: Any, P: Any) -> tuple[Any, Any]:
     start = np.zeros(_SINES + _COSINES + 1)
     start[0], start[-1] = 2 * np.sqrt(w[0]), -4 * np.pi**2 * (1 + w[0] / 2)
     x = at_work.broadcast_to(at_work.asarray(start), (*shape, start.size))
-    if at_work is jnp:
-        done = jax.lax.scan(lambda x, w: _next(jnp, P, x, w), x, jnp.asarray(w))[1]
+    if at_work is not np:
+        from ...core.jax_backend import lax
+
+        done = lax.scan(lambda x, w: _next(at_work, P, x, w), x, at_work.asarray(w))[1]
         return done[0], done[1]
     rows = []
     for shortening in w:
@@ -233,8 +232,10 @@ def _newton(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
         return (i < _STEPS) & at_work.any(_moves(at_work, move, x))
 
     state = step(0, x)
-    if at_work is jnp:
-        state = jax.lax.while_loop(on, lambda state: step(*state[:2]), state)
+    if at_work is not np:
+        from ...core.jax_backend import lax
+
+        state = lax.while_loop(on, lambda state: step(*state[:2]), state)
     else:
         while on(state):
             state = step(*state[:2])

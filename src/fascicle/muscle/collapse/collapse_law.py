@@ -10,8 +10,8 @@ factor on the moment after Wielgosz and Thomas (2002), who use π/4.
 """
 
 import abc
+from typing import ClassVar
 
-import equinox as eqx
 import numpy as np
 
 from ...core.arrays import sqrt
@@ -32,7 +32,7 @@ FACTOR = Constant(
 class AbstractCollapse(AbstractLaw):
     """A moment at which a pressurized tube collapses; `factor` [-] is on top of it."""
 
-    factor: eqx.AbstractVar[Batch]
+    factor: ClassVar[Batch]
 
     @abc.abstractmethod
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:

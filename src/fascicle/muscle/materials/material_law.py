@@ -5,9 +5,7 @@ what the wall stores when it is stretched.
 """
 
 import abc
-from typing import NamedTuple
-
-import equinox as eqx
+from typing import ClassVar, NamedTuple
 
 from ...core.types import Batch, BatchLike
 from ..law import Declared
@@ -28,8 +26,8 @@ class Slopes(NamedTuple):
 class AbstractMaterial(Declared):
     """A wall material: an energy for stretching, a modulus and a ratio for bending."""
 
-    youngs_modulus: eqx.AbstractVar[Batch]
-    poisson_ratio: eqx.AbstractVar[Batch]
+    youngs_modulus: ClassVar[Batch]
+    poisson_ratio: ClassVar[Batch]
 
     @abc.abstractmethod
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:

@@ -16,8 +16,8 @@ $$F = -F_c + (F(\varepsilon_c) + F_c) e^{-\beta (\varepsilon - \varepsilon_c)}. 
 """
 
 import abc
+from typing import ClassVar
 
-import equinox as eqx
 import numpy as np
 
 from ...core.arrays import cos, minimum, spread, sqrt
@@ -35,7 +35,7 @@ def hinge_moment(bladder: Bladder, youngs_modulus: BatchLike) -> Batch:
 class AbstractPostCollapse(AbstractLaw):
     """A reading of (25): two clamped halves and a hinge that push the ends apart."""
 
-    slope_factor: eqx.AbstractClassVar[float]
+    slope_factor: ClassVar[float]
 
     @abc.abstractmethod
     def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:

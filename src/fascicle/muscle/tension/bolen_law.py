@@ -17,8 +17,6 @@ was at hand.
 
 from typing import ClassVar
 
-import equinox as eqx
-
 from ...core.arrays import arctan, exp, where
 from ...core.constant import POSITIVE, Constant, from_zero
 from ...core.types import Batch, BatchLike
@@ -61,13 +59,13 @@ class AbstractBolen(AbstractTension):
     conservative: ClassVar[bool] = False
     linear_in_pressure: ClassVar[bool] = True
 
-    bladder_share: eqx.AbstractVar[Batch]
-    bladder_rate: eqx.AbstractVar[Batch]
-    pressure_rate: eqx.AbstractVar[Batch]
-    largest_strain: eqx.AbstractVar[Batch]
-    force_scale: eqx.AbstractVar[Batch]
-    length_scale: eqx.AbstractVar[Batch]
-    end_length: eqx.AbstractVar[Batch]
+    bladder_share: ClassVar[Batch]
+    bladder_rate: ClassVar[Batch]
+    pressure_rate: ClassVar[Batch]
+    largest_strain: ClassVar[Batch]
+    force_scale: ClassVar[Batch]
+    length_scale: ClassVar[Batch]
+    end_length: ClassVar[Batch]
 
     def largest_force(self, length: BatchLike) -> Batch:
         """$F_m$ [N] of a muscle of `length` [m]."""

@@ -23,7 +23,6 @@ University; the paper itself wasn't at hand.
 
 from typing import ClassVar
 
-import equinox as eqx
 import numpy as np
 
 from ...core.arrays import minimum, sin, sqrt, tan, where
@@ -62,11 +61,11 @@ class AbstractMartens(AbstractTension):
     conservative: ClassVar[bool] = False
     linear_in_pressure: ClassVar[bool] = True
 
-    modulus_0: eqx.AbstractVar[Batch]
-    modulus_1: eqx.AbstractVar[Batch]
-    modulus_2: eqx.AbstractVar[Batch]
-    modulus_3: eqx.AbstractVar[Batch]
-    angle_correction: eqx.AbstractVar[Batch]
+    modulus_0: ClassVar[Batch]
+    modulus_1: ClassVar[Batch]
+    modulus_2: ClassVar[Batch]
+    modulus_3: ClassVar[Batch]
+    angle_correction: ClassVar[Batch]
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and wall force [N], equation (MB)."""

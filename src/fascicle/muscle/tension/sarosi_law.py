@@ -16,8 +16,6 @@ Robotics laboratory, Portland State University; the papers themselves weren't at
 
 from typing import ClassVar
 
-import equinox as eqx
-
 from ...core.arrays import exp
 from ...core.constant import Constant, signed
 from ...core.types import Batch, BatchLike
@@ -54,12 +52,12 @@ class AbstractSarosi(AbstractTension):
     linear_in_pressure: ClassVar[bool] = True
     free: ClassVar[tuple[str, ...]] = tuple(_SIX)
 
-    exponential_slope: eqx.AbstractVar[Batch]
-    exponential_force: eqx.AbstractVar[Batch]
-    exponent: eqx.AbstractVar[Batch]
-    strain_slope: eqx.AbstractVar[Batch]
-    pressure_slope: eqx.AbstractVar[Batch]
-    force_offset: eqx.AbstractVar[Batch]
+    exponential_slope: ClassVar[Batch]
+    exponential_force: ClassVar[Batch]
+    exponent: ClassVar[Batch]
+    strain_slope: ClassVar[Batch]
+    pressure_slope: ClassVar[Batch]
+    force_offset: ClassVar[Batch]
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
         """What grows with pressure, and the rest [N], equation (S)."""

@@ -17,8 +17,6 @@ import abc
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
-import equinox as eqx
-
 from ...core.arrays import cos, maximum, minimum, sqrt
 from ...core.domain import HIGHEST_PRESSURE
 from ...core.roots import root
@@ -61,7 +59,7 @@ class AbstractTension(AbstractLaw):
     `made_diameter` and `made_length`: that muscle's nominal ones [m], where the source says them.
     """
 
-    conservative: eqx.AbstractVar[bool]
+    conservative: ClassVar[bool]
     linear_in_pressure: ClassVar[bool] = False
     stretches: ClassVar[bool] = False
     free: ClassVar[tuple[str, ...]] = ()

@@ -1,0 +1,110 @@
+"""The force at single points as a bare function, compiled by CasADi in a tenth of a second."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..bundle import Bundle
+from ..bundle.plates import muscle_strain
+from ..core.missing import require
+from ..muscle import Muscle
+
+
+class PointFunction:
+    """Force at single points: nothing is checked, and one thread at a time may call it."""
+
+    def __init__(self, name: str, inputs: Sequence[Any], force: Any, slopes: Sequence[Any]):
+        """**Arguments:**
+
+        - `name`: of the function [-].
+        - `inputs`: symbols of pressure or pressures [Pa] and strain [-].
+        - `force`: expression of the force [N].
+        - `slopes`: expressions of its derivatives by the inputs [N/Pa, N].
+        """
+        import casadi as ca
+
+        self._arguments = [np.zeros(x.numel()) for x in inputs]
+        self._force = _bound(ca.Function(name, inputs, [force]), self._arguments)
+        self._all = _bound(
+            ca.Function(name, inputs, [force, *map(ca.densify, slopes)]), self._arguments
+        )
+
+    def __call__(self, pressure: float | Sequence[float], strain: float) -> float:
+        """The force.
+
+        **Arguments:**
+
+        - `pressure`: gauge pressure $P$ [Pa]; of a bundle one for each motor unit.
+        - `strain`: contraction $\\varepsilon$ [-].
+
+        **Returns:** force $F$ [N].
+        """
+        self._arguments[0][:] = pressure
+        self._arguments[1][0] = strain
+        run, (force,), *_ = self._force
+        run()
+        return float(force[0])
+
+    def with_slopes(
+        self, pressure: float | Sequence[float], strain: float
+    ) -> tuple[float, np.ndarray, float]:
+        """The force with its derivatives.
+
+        **Arguments:** those of the call.
+
+        **Returns:** force $F$ [N], its derivatives by the pressures [N/Pa] and by strain [N].
+        """
+        self._arguments[0][:] = pressure
+        self._arguments[1][0] = strain
+        run, (force, by_pressure, by_strain), *_ = self._all
+        run()
+        return float(force[0]), by_pressure.copy(), float(by_strain[0])
+
+
+def muscle_function(muscle: Muscle) -> PointFunction:
+    """The force of a `muscle` [-] at single points."""
+    ca, functions = _casadi()
+    pressure, strain = ca.SX.sym("P"), ca.SX.sym("eps")
+    force, by_strain = muscle.law.at(pressure).force(strain)
+    slopes = (ca.jacobian(force, pressure), by_strain)
+    force, *slopes = functions.resolved(force, *slopes)
+    return PointFunction("muscle_force", [pressure, strain], force, slopes)
+
+
+def bundle_function(bundle: Bundle) -> PointFunction:
+    """The force of a `bundle` [-] at single points."""
+    ca, functions = _casadi()
+    pressures, strain = ca.SX.sym("P", len(bundle.motor_units)), ca.SX.sym("eps")
+    total, by_pressure, by_strain = ca.SX(0), [], ca.SX(0)
+    for i, unit in enumerate(bundle.motor_units):
+        ratio = None if bundle.ratios is None else float(bundle.ratios[i])
+        own = strain if ratio is None else muscle_strain(ratio, strain)
+        force, slope = unit.muscle.law.at(pressures[i]).force(own)
+        count = float(unit.count)
+        total = total + count * force
+        by_pressure.append(count * ca.jacobian(force, pressures)[i])
+        by_strain = by_strain + count * slope * (1.0 if ratio is None else ratio)
+    slopes = ca.vertcat(*by_pressure), by_strain
+    force, *slopes = functions.resolved(total, *slopes)
+    return PointFunction("bundle_force", [pressures, strain], force, slopes)
+
+
+def _casadi() -> tuple[Any, Any]:
+    require("casadi", "export", "a function compiled by CasADi")
+    import casadi as ca
+
+    from .symbols import symbols
+
+    return ca, symbols()
+
+
+def _bound(function: Any, arguments: list[np.ndarray]) -> tuple[Callable[[], None], list, Any, Any]:
+    """A call of a `function` [-] on arrays that stay where they are, and its results there."""
+    buffer, run = function.buffer()
+    results = [np.zeros(function.sparsity_out(i).nnz()) for i in range(function.n_out())]
+    for i, x in enumerate(arguments):
+        buffer.set_arg(i, memoryview(x))
+    for i, x in enumerate(results):
+        buffer.set_res(i, memoryview(x))
+    return run, results, function, buffer  # these two must live as long as the call
