@@ -5,6 +5,9 @@ import os
 import sys
 import warnings
 from pathlib import Path
+from typing import Any
+
+import wrapt
 
 from ..core.xla_flags import enable_whole_loops
 from .garbage import uncollected
@@ -26,28 +29,28 @@ def prepare() -> None:
     warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
     with telling("loading the laws"), uncollected():
         _load()
-    folder = cache_folder()
-    if folder is not None:
-        import jax
-
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        # below this, reading the file costs as much as compiling
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
 def _load() -> None:
-    """Import JAX and all laws."""
-    with at_once():
-        import jax
-
-    if not os.environ.get("JAX_PLATFORMS"):
-        jax.config.update("jax_platforms", "cpu")
-    elif os.environ["JAX_PLATFORMS"] != "cpu":  # which is always there, and takes time to start
+    """Import all laws, and have JAX configured if anything imports it."""
+    if os.environ.get("JAX_PLATFORMS", "cpu") not in ("", "cpu"):
+        with at_once():
+            import jax  # noqa: F401 a device that is asked for is looked for now
         _check_platforms()
+    wrapt.register_post_import_hook(_configure, "jax")
     with at_once():
         from ..core.limits import pascals_meant
         from ..files import reading  # noqa: F401 and with it all laws
     pascals_meant()  # options and files have their units
+
+
+def _configure(jax: Any) -> None:
+    if not os.environ.get("JAX_PLATFORMS"):
+        jax.config.update("jax_platforms", "cpu")  # always there; others take time to start
+    if (folder := cache_folder()) is not None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        # below this, reading the file costs as much as compiling
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
 def _check_platforms() -> None:

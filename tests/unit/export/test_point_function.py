@@ -20,7 +20,7 @@ def test_a_muscle_is_its_own(buckling):
     assert_allclose(found, muscle.force(pressure, strain), rtol=1e-10, atol=1e-10)
     F, by_pressure, by_strain = force.with_slopes(2e5, 0.1)
     h = 1.0  # Pa: a millionth of the domain, where differences are good to 1e-9
-    assert F == force(2e5, 0.1)
+    assert force(2e5, 0.1) == F
     ahead, behind = muscle.force(2e5 + h, 0.1), muscle.force(2e5 - h, 0.1)
     assert_allclose(by_pressure, [(ahead - behind) / (2 * h)], rtol=1e-7)
     assert_allclose(by_strain, -muscle.stiffness(2e5, 0.1) * muscle.length, rtol=1e-10)

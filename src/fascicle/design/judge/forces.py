@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float
 
 from ...core.apart import apart
 from ...core.arrays import maximum, minimum, most, nodes, stack, where
-from ...core.evaluate import compiled
+from ...core.jax_backend import compiled
 from ...core.types import Numbers
 from ...muscle import Muscle
 from ...muscle.column import ROUNDING
