@@ -28,10 +28,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ..core.sheet import printed
-from ..core.types import AnyArray, Numbers
+from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from .plates import muscle_strain
 from .printing import recruited_sheet, solutions_sheet
 from .states import States

@@ -66,7 +66,7 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 
 
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
-_OURS = ("fascicle", "jaxtyping")  # the latter stands between where tests check annotations
+_OURS = ("fascicle",)
 _said_to_be_faint: list[float] = []
 _BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
 # length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
