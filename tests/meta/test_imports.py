@@ -1,14 +1,20 @@
-"""What an import costs: the laws load JAX and its kin alone, the help not even that."""
+"""What an import costs: laws and the commands for them load no JAX."""
 
 import json
 import subprocess
 import sys
+
+import pytest
 
 
 HEAVY = {
     "dask", "fascicle.cli", "IPython", "matplotlib", "moocore", "netCDF4", "pandas", "panel",
     "pint", "plotly", "pydantic", "rich", "scipy", "tomlkit", "typer", "xarray", "zarr",
 }  # fmt: skip
+
+
+WITHOUT = {"jax", "jaxlib", "equinox", "diffrax", "jaxtyping"}
+BUNDLE, MUSCLE = "kim2021_bundle_1_4", "kim2021_figure_6"
 
 
 def loaded(statements: str) -> set[str]:
@@ -32,7 +38,28 @@ def test_the_laws_load_no_files_results_or_pictures():
         "fs.Bundle([fs.MotorUnit(m)]).force([1e5], 0.1)"
     )
     assert not modules & HEAVY
-    assert "jax" in modules
+    assert not modules & WITHOUT
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("force", MUSCLE, "--pressure", "200kPa", "--strain", "0.1"),
+        ("free-strain", MUSCLE, "--pressure", "200kPa"),
+        ("bundle", BUNDLE, "--pressure", "300kPa,100kPa", "--strain", "0.1"),
+        ("recruit", BUNDLE, "--force", "60N", "--strain", "0.1"),
+        ("space", BUNDLE),
+        ("efficiency", BUNDLE),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_command_for_laws_loads_no_jax(arguments):
+    modules = loaded(
+        "from fascicle.cli import main\n"
+        f"try:\n    main({list(arguments)!r})\n"
+        "except SystemExit as end:\n    assert end.code in (0, None)\n"
+    )
+    assert not modules & WITHOUT
 
 
 def test_help_loads_no_jax():

@@ -75,5 +75,5 @@ def test_a_bundle_draws_its_space_or_its_units():
     assert BUNDLE.plot().axes[0].get_xlabel() == "Contraction ε [–]"
     labels = BUNDLE.plot(["50 psi", 0.0]).axes[0].get_legend_handles_labels()[1]
     assert labels[-1] == "bundle" and labels[0].startswith("unit 1: 1 × 344.7")
-    with pytest.raises(fs.Refused, match="has no supply pressure"):
+    with pytest.raises(fs.InvalidInputError, match="has no supply pressure"):
         BUNDLE.replace(supply_pressure=None).plot()

@@ -109,11 +109,15 @@ def test_compiled_rows_are_the_same():
 )
 def test_what_takes_one_bundle_says_so(ask):
     units = BUNDLES["angles"](slice(None))
-    with pytest.raises(fs.Refused, match=r"^`bundle` must be a single one here, got rows of"):
+    with pytest.raises(
+        fs.InvalidInputError, match=r"^`bundle` must be a single one here, got rows of"
+    ):
         ask(fs.Bundle(units, supply_pressure=300e3))
 
 
 def test_rows_that_are_not_as_long_are_named():
     units = [fs.MotorUnit(MUSCLE.replace(braid_angle=ANGLES[:n, 0])) for n in (2, 3)]
-    with pytest.raises(fs.Refused, match=r"^`motor unit 2` must broadcast against `motor unit 1`"):
+    with pytest.raises(
+        fs.InvalidInputError, match=r"^`motor unit 2` must broadcast against `motor unit 1`"
+    ):
         fs.Bundle(units).force([1e5, 1e5], 0.1)

@@ -338,10 +338,12 @@ def test_fewer_readings_than_parameters_are_refused():
 def test_forces_that_are_all_zero_are_refused():
     record = clipped()
     nothing = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
-    with pytest.raises(fs.Refused, match="`record` holds no force but 0 N: check the column"):
+    with pytest.raises(
+        fs.InvalidInputError, match="`record` holds no force but 0 N: check the column"
+    ):
         fit(nothing, NOMINAL, NAMES)
     told = "`record` of d.csv holds no force but 0 N"
-    with pytest.raises(fs.Refused, match=told):
+    with pytest.raises(fs.InvalidInputError, match=told):
         fit(replace(nothing, sources=(Source("d.csv", ""),)), NOMINAL, NAMES)
 
 
@@ -349,7 +351,7 @@ def test_forces_that_never_pull_under_pressure_are_refused():
     record = clipped()
     flipped = replace(record, force=-np.abs(record.force), sources=(Source("d.csv", ""),))
     told = "`record` of d.csv holds no force that pulls, the largest is 0 N: if the gauge reads"
-    with pytest.raises(fs.Refused, match=told):
+    with pytest.raises(fs.InvalidInputError, match=told):
         fit(flipped, NOMINAL, NAMES)
     # without pressure it may be that only pushes were measured
     still = Record.of(0.0, flipped.strain, flipped.force - 1.0, rest_length=0.127)

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 import fascicle as fs
-from fascicle import Refused, units
+from fascicle import InvalidInputError, units
 from fascicle.core.refused import Refused as Base
 from fascicle.files.places import Place
 
 
 def refused(run):
-    with pytest.raises(Refused) as caught:
+    with pytest.raises(InvalidInputError) as caught:
         run()
     return caught.value
 
@@ -83,3 +83,9 @@ def test_whoever_names_an_argument_says_it_in_a_field():
                 if str(getattr(text, "value", "")).startswith("`"):
                     found.append(f"{path.name}:{node.lineno}")
     assert not found
+
+
+def test_the_former_name_warns():
+    with pytest.warns(DeprecationWarning, match="InvalidInputError"):
+        former = fs.Refused
+    assert former is InvalidInputError

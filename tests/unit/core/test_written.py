@@ -128,7 +128,7 @@ def test_strains_and_forces_are_taken_with_theirs():
     ],
 )
 def test_another_quantity_is_refused_in_a_line(ask, words):
-    with pytest.raises(fs.Refused, match=words) as refused:
+    with pytest.raises(fs.InvalidInputError, match=words) as refused:
         ask()
     assert "\n" not in str(refused.value)
 

@@ -104,13 +104,13 @@ CASES = [
 
 @pytest.mark.parametrize(("made", "line"), CASES, ids=range(len(CASES)))
 def test_refused_in_a_line(made, line):
-    with pytest.raises(fs.Refused) as caught:
+    with pytest.raises(fs.InvalidInputError) as caught:
         made()
     assert str(caught.value) == line
 
 
 def test_one_bad_number_of_many_is_enough():
-    with pytest.raises(fs.Refused, match=r"`b` must lie in \(0, 1\), got 1.5"):
+    with pytest.raises(fs.InvalidInputError, match=r"`b` must lie in \(0, 1\), got 1.5"):
         fluid.SonicValve(1e-8, np.array([0.3, 1.5]))
 
 

@@ -115,5 +115,5 @@ def test_plots_have_labelled_axes_and_as_many_curves_as_pressures():
     assert len(MUSCLE.plot().axes[0].lines) == 6  # five, and zero force
     assert len(MUSCLE.plot([1e5, 2e5], components=True).axes) >= 2
     assert plot.to_bytes(figure, "png")[:4] == b"\x89PNG"
-    with pytest.raises(fs.Refused, match="must be a single one"):
+    with pytest.raises(fs.InvalidInputError, match="must be a single one"):
         MUSCLE.replace(outer_radius=[5e-3, 6e-3]).plot()

@@ -238,13 +238,13 @@ def test_outside_of_the_table_there_is_no_pull(elbow, bundle, name, stretch):
     """It held the table's edge there, in silence."""
     drive = elbow()[2]
     lengths = drive.rest_lengths + np.array([0.0, stretch * float(bundle.length)])
-    with pytest.raises(fs.Refused) as told:
+    with pytest.raises(fs.InvalidInputError) as told:
         getattr(drive, name)(HELD, lengths)
     assert told.value.argument == "tendon" and "extensor" in str(told.value)
     rows = np.stack([drive.rest_lengths, lengths])
-    with pytest.raises(fs.Refused, match="extensor"):
+    with pytest.raises(fs.InvalidInputError, match="extensor"):
         getattr(drive, name)(np.tile(HELD, (2, 1)), rows)
-    with pytest.raises(fs.Refused, match="`pressures` must lie in"):
+    with pytest.raises(fs.InvalidInputError, match="`pressures` must lie in"):
         getattr(drive, name)(np.array([9e5, 0.0]), drive.rest_lengths)
     assert np.isfinite(getattr(drive, name)(HELD, drive.rest_lengths)).all()
 
@@ -260,11 +260,11 @@ def test_a_prefixed_model_is_told_apart(bundle):
     world = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
     world.worldbody.add_frame().attach_body(arm.worldbody.first_body(), "left_", "")
     model = world.compile()
-    with pytest.raises(fs.Refused) as told:
+    with pytest.raises(fs.InvalidInputError) as told:
         Drive.of(model, [one])
     assert told.value.argument == "attached"
     assert "actuator='left_flexor_bundle'" in told.value.remedy
     drive = Drive.of(model, [one._replace(actuator="left_flexor_bundle", tendon="left_flexor")])
     assert drive.actuators == (0,)
-    with pytest.raises(fs.Refused, match="it has left_flexor_bundle"):
+    with pytest.raises(fs.InvalidInputError, match="it has left_flexor_bundle"):
         Drive.of(model, [one._replace(actuator="zzz")])
