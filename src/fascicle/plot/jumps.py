@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float
 
 from ..bundle.reversal import Reversal
+from ..core.types import Float
 
 
 Curve = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]

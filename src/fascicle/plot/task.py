@@ -1,10 +1,10 @@
 """A bundle's force-strain space with what is demanded of it."""
 
 import numpy as np
-from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
 
 from ..bundle.space import Overlap, Space
+from ..core.types import Bool, Float
 from .space import draw_space
 from .style import BLACK, SINGLE, VERMILION, new_figure, styled
 

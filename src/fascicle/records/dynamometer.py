@@ -25,12 +25,11 @@ from dataclasses import dataclass, fields
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
 from ..core.refused import Refused
-from ..core.types import Batch, BatchLike, Values
+from ..core.types import Batch, BatchLike, Bool, Float, Int, Values
 from ..core.written import in_si
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes

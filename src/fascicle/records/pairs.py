@@ -17,12 +17,11 @@ from dataclasses import dataclass
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Float
 
 from ..bundle import Bundle, MotorUnit
 from ..core.checks import within
 from ..core.domain import HIGHEST_PRESSURE
-from ..core.types import Values
+from ..core.types import Float, Values
 from ..muscle import Muscle
 from .fabrication import Scatter
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float
 
-from ...core.types import AnyArray
+from ...core.types import AnyArray, Bool, Float
 from ...records.record import Record
 
 

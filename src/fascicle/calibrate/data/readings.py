@@ -28,10 +28,9 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from ...core.roots import guarded
-from ...core.types import AnyArray
+from ...core.types import AnyArray, Float
 from ...muscle import Muscle
 from .grid import Grid
 from .pulling import force_of, free_strain_at, strain_of, tension_of, untuned

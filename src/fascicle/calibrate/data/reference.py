@@ -10,12 +10,11 @@ published are of a Festo DMSP-20-200N.
 """
 
 import numpy as np
-from jaxtyping import Float
 from scipy.optimize import least_squares
 from scipy.special import log_ndtr
 
 from ...core.arrays import exp
-from ...core.types import AnyArray
+from ...core.types import AnyArray, Float
 from .grid import Grid
 
 

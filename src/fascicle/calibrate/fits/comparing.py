@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
-from ...core.types import AnyArray
+from ...core.types import AnyArray, Float
 from ...muscle import Muscle
 from ...muscle.foreign import as_wide
 from ...muscle.laws import LAWS

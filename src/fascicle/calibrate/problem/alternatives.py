@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from jaxtyping import Float
 
-from ...core.types import AnyArray, Batch, BatchLike
+from ...core.types import AnyArray, Batch, BatchLike, Float
 from ...muscle.bladder import Bladder
 from ...muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
 from ...muscle.column import Column

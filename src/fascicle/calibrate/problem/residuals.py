@@ -5,10 +5,9 @@ Coordinates give a muscle and its forces; `misfit` says what readings and priors
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float
 
 from ...core.arrays import where
-from ...core.types import AnyArray
+from ...core.types import AnyArray, Bool, Float
 from ...muscle import Muscle
 from ..data.grid import Grid, Table
 from ..data.pulling import tension_of

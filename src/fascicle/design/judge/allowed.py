@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from ...core.checks import one_of
 from ...core.refused import Refused
+from ...core.types import Bool, Float
 from .objectives import OBJECTIVES
 
 

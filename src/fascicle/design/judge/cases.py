@@ -21,11 +21,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import states_of
 from ...core.domain import LARGEST_STRAIN
+from ...core.types import Bool, Float, Int
 from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows

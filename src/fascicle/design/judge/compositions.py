@@ -8,10 +8,9 @@ and there alone, levels are told apart.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from ...bundle.states import common
-from ...core.types import Numbers
+from ...core.types import Float, Int, Numbers
 from ...muscle.piecewise import Pressurized
 from ..space.rows import Rows
 from .first_zero import first_push, share

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jax import Array
 
 from ...bundle.schemes import Orderly
 from ...bundle.states import States, common, states_of
-from ...core.types import Numbers, Whole
+from ...core.types import Float, Numbers, Whole
 from ..space.rows import Rows
 from .first_zero import first_push, share
 from .forces import Resolution, Table, sizes_at

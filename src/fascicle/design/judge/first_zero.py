@@ -1,9 +1,7 @@
 """The first strain at which a force over even strains vanishes, linear between two of them."""
 
-from jaxtyping import Float, Int
-
 from ...core.arrays import library, minimum, where
-from ...core.types import AnyArray, Numbers
+from ...core.types import AnyArray, Float, Int, Numbers
 
 
 def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:

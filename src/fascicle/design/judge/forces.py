@@ -13,12 +13,11 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
 
 from ...core.apart import apart
 from ...core.arrays import maximum, minimum, most, nodes, stack, where
 from ...core.jax_backend import compiled
-from ...core.types import Numbers
+from ...core.types import Bool, Float, Numbers
 from ...muscle import Muscle
 from ...muscle.column import ROUNDING
 from ...muscle.piecewise import Piecewise, Pressurized

@@ -9,12 +9,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import extends
 from ...core.modules import numbers
 from ...core.refused import Refused
+from ...core.types import Bool, Float, Int
 from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows

@@ -9,11 +9,10 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool
 
 from ...bundle.states import States
 from ...core.arrays import library, maximum, where
-from ...core.types import Numbers, Whole
+from ...core.types import Bool, Numbers, Whole
 from ..space.packing import bowed_diameter
 from .forces import Table
 from .outcome import Demand, Outcome, existing, laid, states_for, visited

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
 
+from ...core.types import Bool, Float
 from .allowed import Limit, Limits, Values, within_limits
 from .objectives import known
 from .outcome import MET

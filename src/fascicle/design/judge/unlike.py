@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jax import lax
-from jaxtyping import Array, Float
+from jax import Array, lax
 
-from ...core.types import Numbers, Whole
+from ...core.types import Float, Numbers, Whole
 from ...muscle import Muscle
 from ..space.rows import Rows
 from .every_level import at_every_level

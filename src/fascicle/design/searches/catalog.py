@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from ...core.types import Float, Int
 from ...muscle import Muscle
 from ..judge.allowed import Values
 from ..space.designs import Designs

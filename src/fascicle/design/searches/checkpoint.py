@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
 from ...core.atomic import replace_whole
 from ...core.input_file import read_bytes
+from ...core.types import Float
 from ..judge.judging import Values
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
+from ...core.types import Bool, Float, Int
 from ..judge.allowed import Limit, Limits, checked, within_limits
 from ..judge.judging import Values, evaluate
 from ..judge.reach import SHARES, demanding, others, reaching, recorded

@@ -16,9 +16,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from ...core.refused import Refused
+from ...core.types import Float
 from ..judge.allowed import Limits, checked, within_limits
 from ..judge.judging import Values, evaluate, of_one_number, sizes_of
 from ..judge.objectives import needs

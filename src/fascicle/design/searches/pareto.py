@@ -13,9 +13,9 @@ Both are computed by moocore (López-Ibáñez and others).
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from ...core.refused import Refused
+from ...core.types import Bool, Float
 
 
 Matrix = Float[np.ndarray, "design objective"]

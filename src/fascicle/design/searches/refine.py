@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jax import Array
 
 from ...core.checks import one_of
 from ...core.refused import Refused
+from ...core.types import Float
 from ...muscle import Muscle
 from ..judge.forces import UNLIKE
 from ..judge.judging import evaluate, size_of

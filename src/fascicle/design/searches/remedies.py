@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Float
 
 from ...core.domain import HIGHEST_PRESSURE
+from ...core.types import Float
 from ..judge.allowed import Limits
 from ..judge.cases import Bench
 from ..judge.judging import evaluate

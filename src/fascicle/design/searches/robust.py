@@ -15,11 +15,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
-from jaxtyping import Array, Bool, Float
+from jax import Array, lax
 
 from ...core.refused import Refused
-from ...core.types import Values
+from ...core.types import Bool, Float, Values
 from ...muscle import Muscle
 from ...records.fabrication import Scatter
 from ..judge.allowed import Limits, within_limits

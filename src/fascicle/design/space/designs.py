@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from ...bundle import Bundle, MotorUnit
 from ...bundle.volumes import told_by_strain
 from ...core.modules import numbers
 from ...core.refused import Refused
+from ...core.types import Float, Int
 from ...muscle import Muscle
 from .rows import sized
 from .splits import label

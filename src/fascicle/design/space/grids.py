@@ -17,11 +17,11 @@ from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import Float, Int
 
 from ...core.checks import one_of, within
 from ...core.limits import RANGES, plausible
 from ...core.refused import Refused
+from ...core.types import Float, Int
 from ...muscle import Muscle
 from ...units import pretty
 from .designs import Designs, of_sizes

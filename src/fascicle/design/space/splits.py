@@ -13,9 +13,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int
 
 from ...core.refused import Refused
+from ...core.types import Int
 
 
 MOST_MUSCLES, MOST_SPLITS = 100, 2_000_000  # of a bundle whose splits are enumerated, and of these

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from ...bundle.schemes import AbstractScheme, Orderly, scheme_of
 from ...core.checks import one_of, within
 from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ...core.limits import plausible
 from ...core.refused import Refused
+from ...core.types import Float
 
 
 _LONGEST_STROKE = 10.0  # m
