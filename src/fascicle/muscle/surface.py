@@ -19,7 +19,6 @@ sucks; beyond the ends in strain, too.
 """
 
 import math
-import pickle
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -103,7 +102,7 @@ class UnitSurface(Module):
         rows, columns = _shape(shape)
         strain = _strains(muscle, strains, columns)
         roots = np.linspace(0.0, math.sqrt(top), rows)
-        return _table(pickle.dumps((muscle, roots, strain)))
+        return _table(muscle, tuple(roots.tolist()), tuple(strain.tolist()))
 
     @property
     def highest_pressure(self) -> Batch:
@@ -225,11 +224,13 @@ class _Nodes(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have the same muscles
-def _table(content: bytes) -> UnitSurface:
-    """The table of a muscle at roots of pressure [√Pa] and strains [-]; `content`: these three as
-    bytes, so that equal muscles share a table.
+def _table(
+    muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
+) -> UnitSurface:
+    """The table of a `muscle` [-] at roots of pressure [√Pa] and strains [-]; equal muscles share
+    a table.
     """
-    muscle, roots, strain = pickle.loads(content)  # noqa: S301 written two functions above
+    roots, strain = np.array(root_pressures), np.array(strains)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         nodes = _tabulated(muscle, roots**2, strain)
     made = partial(
