@@ -74,7 +74,7 @@ bench: $(STAMP)
 # extras that nothing uses yet stay out, so that set-up is quick
 lock:
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-		--extra docs --extra dev --extra posterior --extra explorer --extra sweep --extra design --extra export --extra robots \
+		--extra docs --extra dev --extra all \
 		--output-file requirements.lock pyproject.toml
 
 clean:

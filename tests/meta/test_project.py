@@ -18,10 +18,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 def test_the_core_install_is_small():
     names = {re.split(r"[><=\[]", d)[0] for d in PROJECT["dependencies"]}
-    assert names == {
-        "jax", "equinox", "jaxtyping", "diffrax", "numpy", "scipy", "pandas", "pydantic", "pint",
-        "tomlkit", "typer", "rich", "moocore", "xarray", "netcdf4", "matplotlib", "wrapt",
-    }  # fmt: skip
+    assert names == {"numpy", "scipy", "wrapt", "pydantic", "pint", "tomlkit", "typer", "rich"}
 
 
 def imported() -> set[str]:
@@ -51,7 +48,7 @@ def test_what_is_imported_is_declared_and_the_core_imported():
         if name not in ("dev", "docs")
     }
     assert found - core - extras - {"distributed"} == set()  # dask's extra brings its own
-    assert core - found == {"netcdf4"}  # which xarray imports
+    assert core <= found
 
 
 def test_the_version_is_one_number():

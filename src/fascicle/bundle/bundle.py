@@ -335,7 +335,7 @@ class Bundle(Module):
         """
         if one_of(backend, BACKENDS, "backend") == "casadi":
             return from_above("export.point_function.bundle_function")(self)
-        require("jax", "jax", "a function compiled by JAX")
+        require("jax")
         from ..core.jax_backend import jit
 
         return jit(partial(_force, self))

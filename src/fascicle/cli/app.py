@@ -17,6 +17,7 @@ from typing import Annotated
 import typer
 
 from ..core.input_file import watch_inputs
+from ..core.missing import MissingExtraError, missing_extra
 from ..core.visible import visible
 from .commands.bundle import run as bundle
 from .commands.calibrate import WithNames
@@ -173,6 +174,8 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             code, message = 2, misnamed(arguments, mistyped) or mistyped
         elif memory := too_large(error):
             code, message = 2, memory
+        elif missing := error if isinstance(error, MissingExtraError) else missing_extra(error):
+            code, message = 2, str(missing)
         elif os.environ.get("FASCICLE_TRACEBACK", "") not in ("", "0"):
             raise
         else:

@@ -42,9 +42,9 @@ def lazily(
 
     def found(name: str) -> Any:
         if homes.get(name):
-            return getattr(importlib.import_module(f".{homes[name]}", package), name)
+            return getattr(_imported(f".{homes[name]}", package), name)
         if name in homes or f"{package}.{name}" in old:
-            return importlib.import_module(f".{name}", package)
+            return _imported(f".{name}", package)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return found, lambda: sorted({*vars(sys.modules[package]), *homes})
@@ -55,7 +55,7 @@ def from_above(name: str) -> Any:
     method hands on to it, and only then is it loaded.
     """
     module, _, inside = name.rpartition(".")
-    return getattr(importlib.import_module(f"fascicle.{module}"), inside)
+    return getattr(_imported(f".{module}", "fascicle"), inside)
 
 
 class _Lent:
@@ -87,6 +87,16 @@ def _home(name: str) -> str:
         if name == lent or name.startswith(f"{lent}."):
             return home + name.removeprefix(lent)
     return ""
+
+
+def _imported(name: str, package: str) -> ModuleType:
+    """A module, or in one line which extra it needs."""
+    try:
+        return importlib.import_module(name, package)
+    except ModuleNotFoundError as error:
+        from .missing import missing_extra
+
+        raise missing_extra(error) or error from None
 
 
 class _Successors:

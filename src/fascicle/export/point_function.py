@@ -91,7 +91,7 @@ def bundle_function(bundle: Bundle) -> PointFunction:
 
 
 def _casadi() -> tuple[Any, Any]:
-    require("casadi", "export", "a function compiled by CasADi")
+    require("casadi")
     import casadi as ca
 
     from .symbols import symbols

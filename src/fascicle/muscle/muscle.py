@@ -397,7 +397,7 @@ class Muscle(Module):
         """
         if one_of(backend, BACKENDS, "backend") == "casadi":
             return from_above("export.point_function.muscle_function")(self)
-        require("jax", "jax", "a function compiled by JAX")
+        require("jax")
         from ..core.jax_backend import jit
 
         return jit(partial(force_of, self))

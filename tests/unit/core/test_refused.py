@@ -58,7 +58,7 @@ def test_lines_are_one_sentence():
 
 @pytest.mark.parametrize("again", [copy.copy, lambda x: pickle.loads(pickle.dumps(x))])  # noqa: S301
 def test_a_workers_refusal_comes_back_whole(again):
-    made = Refused("length", "must be short", 3.0, "cut it", shown="3 m")
+    made = InvalidInputError("length", "must be short", 3.0, "cut it", shown="3 m")
     other = again(made)
     assert str(other) == str(made) == "`length` must be short, got 3 m: cut it."
     assert vars(other) == vars(made)
@@ -68,7 +68,7 @@ def test_a_file_names_the_key_by_the_field_not_by_the_words():
     place = Place("m.toml", {"muscle": {"length": "1 m"}}, ("muscle",), "muscle")
     named = r"^m.toml: muscle.length = \"1 m\": `length` is odd\.$"
     with pytest.raises(ValueError, match=named), place.naming():
-        raise Refused("length", "is odd", None)
+        raise InvalidInputError("length", "is odd", None)
     with pytest.raises(ValueError, match=r"^m.toml: muscle: `length` is what"), place.naming():
         raise ValueError("`length` is what somebody else's words begin with.")
 
