@@ -7,7 +7,7 @@ WORKERS ?= 2
 # some hundred processes begin in the tests: what one of them compiles, the next finds
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: setup reproduce picture test lint types layers unit browser docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit core browser docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -34,7 +34,7 @@ picture: reproduce browser
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
 test: lint
-	$(MAKE) --jobs=4 layers types unit docs QUIET=-q
+	$(MAKE) --jobs=4 layers types unit core docs QUIET=-q
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -58,6 +58,20 @@ browser:
 
 unit: $(STAMP) browser
 	OPENBLAS_NUM_THREADS=1 $(KEEPING) $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+
+# NumPy and the core's dependencies alone, as `pip install fascicle` brings them: tests that need
+# no more run here, too
+CORE := .venv-core
+$(CORE)/.installed: requirements.lock pyproject.toml $(STAMP)
+	test -x $(CORE)/bin/python || $(BIN)/python -m venv --without-pip $(CORE)
+	sed 's/ *\\$$//; /^ *--hash/d' requirements.lock > $(CORE)/versions.txt
+	VIRTUAL_ENV=$(CURDIR)/$(CORE) $(BIN)/uv pip install --quiet --compile-bytecode --constraint $(CORE)/versions.txt \
+		numpy scipy wrapt pydantic pint tomlkit typer rich pytest hypothesis
+	touch $@
+
+core: $(CORE)/.installed
+	PYTHONPATH=src OPENBLAS_NUM_THREADS=1 $(CORE)/bin/python -m pytest -q -p no:cacheprovider \
+		tests/unit/core tests/unit/muscle tests/unit/bundle
 
 # compiled as a user's programs are, where `unit` spares the compiler
 slow: $(STAMP)

@@ -2,7 +2,9 @@
 
 import gc
 import os
+import re
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 
@@ -27,6 +29,19 @@ gc.set_threshold(50_000, 10, 10)
 _folder = compile_in_a_hurry(Path(__file__).parents[1])
 # what commands remember of files that they wrote isn't the user's own
 os.environ["XDG_STATE_HOME"] = str(_folder.parent / "state")
+
+
+_EXTRA = re.compile(
+    r"^\s*(?:import|from) (?:jax|equinox|diffrax|xarray|pandas|matplotlib|casadi)\b", re.MULTILINE
+)
+_CORE_ALONE = find_spec("jax") is None
+
+
+def pytest_ignore_collect(collection_path):
+    """Where the core is installed alone, files of tests that need an extra stay out."""
+    if _CORE_ALONE and collection_path.suffix == ".py":
+        return bool(_EXTRA.search(collection_path.read_text(encoding="utf-8"))) or None
+    return None
 
 
 def pytest_collection_finish():

@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..core.arrays import minimum, nodes, stack, total, where
+from ..core.missing import require
 from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
 
@@ -70,6 +71,7 @@ def coenergy_at_rest(muscle: Pressurized) -> Batch:
 
 def conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
+    require("jax")
     from ..core.jax_backend import compiled
 
     return compiled(_conjugate_volume)(muscle, pressure, strain)
