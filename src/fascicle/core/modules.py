@@ -51,6 +51,7 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
 class Module(ABC):  # noqa: B024 its subclasses have the abstract methods
     """A frozen record of numbers, arrays and other modules."""
 
+    __dataclass_fields__: ClassVar[dict[str, Any]]
     is_fascicle_module: ClassVar[bool] = True
     _converters: ClassVar[dict[str, Callable]] = {}
 
@@ -105,7 +106,7 @@ class Module(ABC):  # noqa: B024 its subclasses have the abstract methods
         return {one.name: self.__dict__[one.name] for one in fields(self)}
 
     def __setstate__(self, state: dict) -> None:
-        self.__dict__.update(state)
+        vars(self).update(state)
 
     def __eq__(self, other: object) -> bool:
         """Whether it has the same structure and the same numbers, NumPy's or JAX's. Traced ones

@@ -104,7 +104,7 @@ def _bound(function: Any, arguments: list[np.ndarray]) -> tuple[Callable[[], Non
     buffer, run = function.buffer()
     results = [np.zeros(function.sparsity_out(i).nnz()) for i in range(function.n_out())]
     for i, x in enumerate(arguments):
-        buffer.set_arg(i, memoryview(x))
+        buffer.set_arg(i, x.data)
     for i, x in enumerate(results):
-        buffer.set_res(i, memoryview(x))
+        buffer.set_res(i, x.data)
     return run, results, function, buffer  # these two must live as long as the call
