@@ -48,7 +48,7 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
 
 @dataclass_transform(field_specifiers=(static, record, field))
-class Module(ABC):  # noqa: B024 its subclasses have the abstract methods
+class Module(ABC):
     """A frozen record of numbers, arrays and other modules."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
