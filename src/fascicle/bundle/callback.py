@@ -28,15 +28,17 @@ def called_back(function: Callable[..., Any], shapes: Any, single: Any, *arrays:
     own = [np.ndim(x) for x in (*leaves, *arrays)]
 
     def answer(*values: Any) -> Any:
-        values = [np.asarray(x, float if x.dtype.kind == "f" else None) for x in values]
-        fronts = [x.shape[: x.ndim - n] for x, n in zip(values, own, strict=True)]
+        numbers = [np.asarray(x, float if x.dtype.kind == "f" else None) for x in values]
+        fronts = [x.shape[: x.ndim - n] for x, n in zip(numbers, own, strict=True)]
         batch, several = (
             np.broadcast_shapes(*some) for some in (fronts, fronts[: len(leaves)] or [()])
         )
-        tails = [x.shape[len(front) :] for x, front in zip(values, fronts, strict=True)]
-        asked = [np.broadcast_to(x, (*batch, *tail)) for x, tail in zip(values, tails, strict=True)]
+        tails = [x.shape[len(front) :] for x, front in zip(numbers, fronts, strict=True)]
+        asked = [
+            np.broadcast_to(x, (*batch, *tail)) for x, tail in zip(numbers, tails, strict=True)
+        ]
         if np.prod(several) == 1:  # one module, whatever it is asked
-            one = [x.reshape(tail) for x, tail in zip(values[: len(leaves)], tails, strict=False)]
+            one = [x.reshape(tail) for x, tail in zip(numbers[: len(leaves)], tails, strict=False)]
             found = function(jax.tree.unflatten(structure, one), *asked[len(leaves) :])
             return jax.tree.map(lambda x, like: np.asarray(x, like.dtype), found, shapes)
         rows = []

@@ -6,6 +6,7 @@ batched and differentiated as its caller asks. Other libraries (symbols, from wh
 written) are made known by `register`.
 """
 
+import importlib
 import sys
 from math import isnan
 from typing import Any
@@ -36,6 +37,11 @@ def array_namespace(*values: Any) -> Any:
         if is_jax_array(value):
             xp = sys.modules["jax.numpy"]
     return xp
+
+
+def jax_backend() -> Any:
+    """The JAX side of the core [-], loaded where it is first needed."""
+    return importlib.import_module("fascicle.core.jax_backend")
 
 
 def imported_jax() -> Any:
@@ -227,7 +233,5 @@ def stack(rows: Any) -> Any:
 def running_most(x: Any, axis: int) -> Any:
     """The largest so far, along an axis."""
     if is_jax_array(x):
-        from .jax_backend import cummax
-
-        return cummax(x, axis)
+        return jax_backend().cummax(x, axis)
     return np.maximum.accumulate(x, axis)

@@ -47,7 +47,7 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
     return field(default=default, metadata=metadata)
 
 
-@dataclass_transform(field_specifiers=(static, record, field))
+@dataclass_transform(eq_default=False, field_specifiers=(static, record, field))
 class Module(ABC):
     """A frozen record of numbers, arrays and other modules."""
 
@@ -91,7 +91,7 @@ class Module(ABC):
                 f"`{name}` can't be set, a {kind} stays as it was made: {remedy}."
             )
         converter = self._converters.get(name)
-        self.__dict__[name] = value if converter is None else converter(value)
+        vars(self)[name] = value if converter is None else converter(value)
 
     def __delattr__(self, name: str) -> None:
         raise FrozenInstanceError(f"`{name}` can't be deleted.")
@@ -99,7 +99,7 @@ class Module(ABC):
     @property
     def store(self) -> dict:
         """What it remembers [-]; no part of it, and not copied with it."""
-        return self.__dict__.setdefault("_store", {})
+        return vars(self).setdefault("_store", {})
 
     def __getstate__(self) -> dict:
         """What is copied and pickled: its fields."""

@@ -19,6 +19,7 @@ from .arrays import (
     either,
     imported_jax,
     is_jax_array,
+    jax_backend,
     maximum,
     minimum,
     where,
@@ -87,9 +88,7 @@ def searched(
             return _searched(residual, theta, low, high, start, first)
     jax = imported_jax()
     if jax is not None and xp is jax.numpy:
-        from .jax_backend import search_root
-
-        return search_root(residual, theta, low, high, start, soon)
+        return jax_backend().search_root(residual, theta, low, high, start, soon)
     if hasattr(xp, "searched"):
         return xp.searched(partial(residual, theta), low, high, start)
     state = begun(low, high, start)
@@ -180,7 +179,5 @@ def _stopped(x: Any) -> Any:
     if xp is np:
         return x
     if is_jax_array(x):
-        from .jax_backend import stop_gradient
-
-        return stop_gradient(x)
+        return jax_backend().stop_gradient(x)
     return xp.still(x)

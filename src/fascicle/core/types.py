@@ -5,11 +5,14 @@ An `AnyArray` is NumPy's or JAX's, as are single numbers, or a symbol of a libra
 number, an array or nested lists; `checks` looks at it.
 """
 
-from typing import Annotated, Any
-
-
 # a shape in words, for people: no type checker knows what arrays of several libraries share
-Bool = Float = Int = Real = Annotated
+from typing import Annotated as Bool
+from typing import Annotated as Float
+from typing import Annotated as Int
+from typing import Annotated as Real
+from typing import Any
+
+
 AnyArray = Any
 
 BatchLike = Real[AnyArray, "*#batch"]

@@ -56,7 +56,9 @@ class Slid(NamedTuple):
 
 
 class AbstractHysteresis(Module):
-    """Friction of one muscle against its contraction."""
+    """Friction of one muscle against its contraction; `stiffness` [N/m] of those that have one."""
+
+    stiffness: ClassVar[Any]
 
     @property
     @abc.abstractmethod

@@ -43,6 +43,7 @@ class AbstractChamber(Module):
     - `room_pressure`: absolute [Pa].
     - `names`, `units`: of the state's numbers, and `count`, how many there are [-].
     - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close [-].
+    - `gas` and `room_temperature` [K] of a gas, `liquid` of a liquid [-].
     """
 
     dead_volume: ClassVar[Batch]
@@ -50,6 +51,9 @@ class AbstractChamber(Module):
     names: ClassVar[tuple[str, ...]]
     units: ClassVar[tuple[str, ...]]
     physical: ClassVar[bool]
+    gas: ClassVar[Any]
+    room_temperature: ClassVar[Batch]
+    liquid: ClassVar[Any]
 
     @property
     def count(self) -> int:
