@@ -34,7 +34,7 @@ muscles are told: Chou and Hannaford (1996).
 """
 
 import abc
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
