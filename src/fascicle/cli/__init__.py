@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from .garbage import uncollected
 from .interrupts import at_once
 
 
@@ -11,7 +10,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     **Arguments:** `arguments`: those of the command line [-]; left out, the process's own.
     """
-    with at_once(), uncollected():
+    with at_once():
         from .app import main as run
 
     run(arguments)

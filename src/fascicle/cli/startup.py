@@ -10,7 +10,6 @@ from typing import Any
 import wrapt
 
 from ..core.xla_flags import enable_whole_loops
-from .garbage import uncollected
 from .interrupts import at_once
 from .problems import UserError
 from .telling import telling
@@ -27,7 +26,7 @@ def prepare() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
-    with telling("loading the laws"), uncollected():
+    with telling("loading the laws"):
         _load()
 
 

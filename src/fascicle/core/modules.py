@@ -162,7 +162,9 @@ def _register(kind: type, jax: Any) -> None:
 
 
 def _shown(value: Any) -> str:
-    if not is_concrete(value) or not (is_numpy(value) or is_jax_array(value)):
+    if is_jax_array(value) and not is_concrete(value):
+        return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
+    if not (is_numpy(value) or is_jax_array(value)):
         return repr(value)
     x = np.asarray(value)
     if x.size > _FEW:

@@ -84,7 +84,7 @@ def test_traced_ones_print_without_numbers():
         return muscle.force(1e5, 0.1)
 
     force(MUSCLE)
-    assert "length=f64[]" in seen[0] and seen[0] == seen[1] and "<pre>" in seen[2]
+    assert "length=float64[]" in seen[0] and seen[0] == seen[1] and "<pre>" in seen[2]
     assert seen[3].startswith("Response(force=")
 
 
