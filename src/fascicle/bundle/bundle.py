@@ -48,7 +48,7 @@ from ..core.types import (
 )
 from ..core.written import is_written
 from ..muscle import Muscle
-from ..muscle.entry import EXTENSION_WARNED, above, lowest_of, lowest_strain
+from ..muscle.entry import above, lowest_of, lowest_strain
 from ..muscle.muscle import BACKENDS
 from .alike import stacked
 from .at import pressurized
@@ -353,7 +353,7 @@ class Bundle(Module):
 
     def _strain(self, strain: Values) -> Batch:
         single = isinstance(strain, float) and self.plate_distance is None
-        if single and -EXTENSION_WARNED <= strain <= LARGEST_STRAIN:
+        if single and 0.0 <= strain <= LARGEST_STRAIN:
             return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:

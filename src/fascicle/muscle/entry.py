@@ -63,7 +63,7 @@ def good_point(muscle: Any, pressure: Values, strain: Values) -> bool:
         return False
     rows = muscle.tuning.pressures
     measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
-    inside = -EXTENSION_WARNED <= strain <= LARGEST_STRAIN
+    inside = 0.0 <= strain <= LARGEST_STRAIN  # where an extension ends depends on the braid
     told = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
     return bool(measured and inside and told)
 

@@ -30,7 +30,8 @@ def test_stiff_fibers_are_today_s_to_the_bit(buckling):
     assert np.array_equal(limit.free_strain(PRESSURE), rigid.free_strain(PRESSURE))
     assert np.array_equal(limit.stiffness(PRESSURE, STRAIN), rigid.stiffness(PRESSURE, STRAIN))
     swept = [m.conjugate_volume(PRESSURE[1:4], STRAIN[::8]) for m in (limit, rigid)]
-    assert np.array_equal(*swept)
+    # compiled by JAX: two programs of the same numbers, which round differently
+    assert_allclose(*swept, rtol=1e-13, atol=1e-18)
 
 
 def test_it_goes_there_as_one_over_the_stiffness():
