@@ -48,7 +48,7 @@ from ..core.types import (
 )
 from ..core.written import is_written
 from ..muscle import Muscle
-from ..muscle.entry import above, lowest_of, lowest_strain
+from ..muscle.entry import lowest_of, lowest_strain, validate_strain
 from ..muscle.muscle import BACKENDS
 from .alike import stacked
 from .at import pressurized
@@ -360,7 +360,9 @@ class Bundle(Module):
             return within_reach(strain, self.plate_distance, muscles)
         # a muscle that stands for several units needn't be asked again
         once = {id(muscle): muscle for muscle in muscles}.values()
-        return above(strain, reduce(np.maximum, [lowest_strain(*lowest_of(m)) for m in once]))
+        return validate_strain(
+            strain, reduce(np.maximum, [lowest_strain(*lowest_of(m)) for m in once])
+        )
 
     def _pressures(self, pressures: Values) -> PerUnit:
         P, n = _pressure(pressures), len(self.motor_units)

@@ -15,15 +15,13 @@ from functools import reduce
 
 import numpy as np
 
-from ..core.checks import as_given, concrete, traced_floats, within
+from ..core.checks import concrete, traced_floats
 from ..core.domain import LARGEST_STRAIN
 from ..core.limits import size
 from ..core.refused import Refused
-from ..core.shapes import common
 from ..core.types import Batch, Values
-from ..core.written import in_si
 from ..muscle import Muscle
-from ..muscle.entry import lowest_of, lowest_strain, warn_extension
+from ..muscle.entry import lowest_of, lowest_strain, validate_strain
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -86,13 +84,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
         straight = lowest_strain(*lowest_of(muscle))
         low = np.maximum(low, plate_strain(ratio, straight))
         high = np.minimum(high, plate_strain(ratio, LARGEST_STRAIN))
-    why = "(every muscle in its domain, seen from the plates)"
-    if np.ndim(low):
-        strain = in_si(strain, "strain", "-")
-        common(muscles=np.shape(low), strain=np.shape(strain))
-    checked = within(strain, low, high, "strain", "-", why, (False, True))
-    warn_extension(checked, low)
-    return as_given(strain, checked)
+    return validate_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
 
 
 def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:

@@ -5,7 +5,6 @@ is imported, before fascicle or after, by whomever; without JAX it is a dataclas
 What a module works out about itself (`functools.cached_property`) is no part of its structure.
 """
 
-import sys
 from abc import ABC
 from collections.abc import Callable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
@@ -17,7 +16,7 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 import numpy as np
 import wrapt
 
-from .arrays import is_jax_array, is_numpy
+from .arrays import imported_jax, is_jax_array, is_numpy
 from .checks import is_concrete, one_of
 from .tree import field_names, rebuild, tree_leaves, tree_map, tree_structure
 
@@ -71,7 +70,7 @@ class Module(ABC):
             if one.metadata.get("converter") is not None
         }
         _CLASSES.append(cls)
-        if (jax := sys.modules.get("jax")) is not None and hasattr(jax, "jit"):
+        if (jax := imported_jax()) is not None:
             _register(cls, jax)
 
     def __post_init__(self) -> None:

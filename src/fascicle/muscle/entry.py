@@ -104,16 +104,32 @@ def strained(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     """A strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: its own strain
     over the ends' [-]. Warns of an extension.
     """
-    return above(value, lowest_strain(braid_angle, stretch))
+    return validate_strain(value, lowest_strain(braid_angle, stretch))
 
 
-def above(value: Values, low: Batch) -> Batch:
-    """A strain [-] above the `low` one at which fibers are straight [-]. Warns of an extension."""
-    why = "(fibers straight at the lower end)"
+def validate_strain(
+    value: Values,
+    low: Batch,
+    high: Batch = LARGEST_STRAIN,
+    why: str = "(fibers straight at the lower end)",
+) -> Batch:
+    """Return a strain as a float array, refusing it outside its domain, and warn of an extension.
+
+    **Arguments:**
+
+    - `value`: contraction [-].
+    - `low`: strain at which fibers are straight [-], one or one for each muscle of a row.
+    - `high`: largest strain [-].
+    - `why`: reason of the limits, in words [-].
+
+    **Returns:** the strain [-].
+
+    **Raises:** `ValueError` for a concrete strain outside.
+    """
     if np.ndim(low):
         value = in_si(value, "strain", "-")
         common(muscles=np.shape(low), strain=np.shape(value))
-    strain = within(value, low, LARGEST_STRAIN, "strain", "-", why, (False, True))
+    strain = within(value, low, high, "strain", "-", why, (False, True))
     warn_extension(strain, low)
     return as_given(value, strain)
 

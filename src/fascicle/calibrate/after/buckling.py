@@ -55,22 +55,22 @@ def other_buckling_law(made: "Calibration") -> Cause | None:
         parameters = named(list(_FACTORS), muscle)
         start = np.asarray(coordinates(parameters, muscle))
 
-        def missed(z: np.ndarray) -> np.ndarray:
-            away = np.clip(z, start - _FARTHEST, start + _FARTHEST)
-            law = put(parameters, muscle, away)
+        def residuals(z: np.ndarray) -> np.ndarray:
+            bounded = np.clip(z, start - _FARTHEST, start + _FARTHEST)
+            law = put(parameters, muscle, bounded)
             return np.nan_to_num(force - np.asarray(law.force(pressure, strain[places])), nan=1e9)
 
-        return 2 * least_squares(missed, start, max_nfev=_CALLS).cost / force.size
+        return 2 * least_squares(residuals, start, max_nfev=_CALLS).cost / force.size
 
-    own = str(made.muscle.buckling.name)
-    errs = {name: squares(made.muscle.replace(buckling=name)) for name in _LAWS if name != own}
+    others = [name for name in _LAWS if name != made.muscle.buckling.name]
+    mean_squares = {name: squares(made.muscle.replace(buckling=name)) for name in others}
     present = float(np.mean(errors[places] ** 2))
-    best = min(errs, key=errs.__getitem__)
-    share = 1 - errs[best] / min(squares(made.muscle), present)
+    best = min(mean_squares, key=mean_squares.__getitem__)
+    share = 1 - mean_squares[best] / min(squares(made.muscle), present)
     if share < _WORTH:
         return None
     return Cause(
-        f"the law past the free strain: `{best}` errs by {np.sqrt(errs[best]):.3g} N there",
+        f"the law past the free strain: `{best}` errs by {np.sqrt(mean_squares[best]):.3g} N there",
         f"fit with `--buckling {best}`",
         float(share),
     )

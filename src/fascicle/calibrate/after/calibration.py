@@ -174,7 +174,7 @@ class Calibration:
         quick, boots = estimates(self.problem, self.coordinates, self.covariance), self.bootstrapped
         if boots is None:
             ends = {profile.name: profile for profile in self.profiles}
-            return tuple(_profiled(one, ends.get(one.name)) for one in quick)
+            return tuple(_with_profile(one, ends.get(one.name)) for one in quick)
         known = np.std(boots.coordinates, axis=0) < KNOWN
         return tuple(
             replace(one, low=float(low), high=float(high),
@@ -363,7 +363,7 @@ class Profile:
     known: bool = False
 
 
-def _profiled(estimate: Estimate, profile: Profile | None) -> Estimate:
+def _with_profile(estimate: Estimate, profile: Profile | None) -> Estimate:
     """An `estimate` with the ends of its `profile` [SI unit], as far as that has any."""
     if profile is None or not (np.isfinite(profile.low) or np.isfinite(profile.high)):
         return estimate

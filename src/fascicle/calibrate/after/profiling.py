@@ -27,6 +27,7 @@ from .warned import warned
 
 
 CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
+_POINTS, _REACH = 11, 3.0  # of a profile, where nobody says otherwise
 
 
 def with_profiles(made: Calibration) -> Calibration:
@@ -44,25 +45,34 @@ def with_profiles(made: Calibration) -> Calibration:
 
 
 def profiles(
-    made: Calibration, points: int = 11, reach: float = 3.0, names: Collection[str] | None = None
+    made: Calibration,
+    points: int = _POINTS,
+    reach: float = _REACH,
+    names: Collection[str] | None = None,
 ) -> tuple[Profile, ...]:
     """The profile of each parameter of a calibration.
 
     **Arguments:**
 
-    - `made`: the calibration [-].
-    - `names`: of these parameters [-]; left out, all.
+    - `made`: the calibration [-]; profiles that it has already are not computed again.
     - `points`: at how many places each is held [-], odd.
     - `reach`: how far on either side [-], in standard deviations.
+    - `names`: of these parameters [-]; left out, all.
 
     **Returns:** the profiles in the order of the parameters [-].
     """
     steps = np.linspace(-reach, reach, points)
     # readings are held, and residuals taken for noise: as much more unsure as the fit is of it
     share = np.diag(made.from_noise) / np.diag(made.covariance)
+    same_places = (points, reach) == (_POINTS, _REACH)
+    walked = {one.name: one for one in made.profiles} if same_places else {}
     out = []
     for i, name in enumerate(made.names):
-        if names is None or name in names:
+        if names is not None and name not in names:
+            continue
+        if name in walked:
+            out.append(walked[name])
+        else:
             value, coordinate, rise = _walk(made, i, steps)
             rise = rise * share[i]
             span = np.ptp(_ends(coordinate, rise))
