@@ -71,7 +71,7 @@ $(CORE)/.installed: requirements.lock pyproject.toml $(STAMP)
 
 core: $(CORE)/.installed
 	PYTHONPATH=src OPENBLAS_NUM_THREADS=1 $(CORE)/bin/python -m pytest -q -p no:cacheprovider \
-		tests/unit/core --ignore=tests/unit/core/test_lazy.py  # which loads every package
+		tests/unit/core tests/unit/io --ignore=tests/unit/core/test_lazy.py  # which loads every package
 
 # compiled as a user's programs are, where `unit` spares the compiler
 slow: $(STAMP)

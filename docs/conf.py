@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from fascicle.core.tokens import DARK, LIGHT, MONO, SANS, Colors
+from fascicle.plot.theme import DARK, LIGHT, MONO, SANS, Colors
 
 
 HERE = Path(__file__).parent

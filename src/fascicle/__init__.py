@@ -6,8 +6,8 @@ fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE
 it, and be warned once.
 """
 
-from .core.float64 import enable_float64
-from .core.lazy import lazily
+from .core.jax_settings import enable_float64
+from .core.lazy import attach_lazy
 
 
 enable_float64()
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .bundle import recruitment as recruitment
     from .bundle import reversal as reversal
     from .bundle import schemes as schemes
-    from .core.refused import InvalidInputError as InvalidInputError
+    from .core.errors import InvalidInputError as InvalidInputError
     from .files import example as example
     from .files import examples as examples
     from .files import load as load
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Bundle": "bundle",
     "Constant": "muscle",
-    "InvalidInputError": "core.refused",
+    "InvalidInputError": "core.errors",
     "MooneyRivlin": "muscle",
     "MotorUnit": "bundle",
     "Muscle": "muscle",
@@ -119,13 +119,13 @@ __all__ = [
 _WENT = {"describe": "files"} | {
     f"describe.{old}": new
     for old, new in {
-        "atomic": "core.atomic",
+        "atomic": "io.atomic",
         "calibrated": "files.calibrated",
         "results": "results.labelled",
     }.items()
 }
 
-_found, __dir__ = lazily(__name__, {**_HOMES, "__version__": ""}, _WENT)
+_found, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": ""}, _WENT)
 
 
 # names of the last release, and what they are called now

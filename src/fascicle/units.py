@@ -19,7 +19,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from .core.refused import Refused
+from .core.errors import InvalidInputError
 
 
 MAX_POINTS = 100_000  # of one list or range: a slip in a step must not fill the memory
@@ -199,11 +199,11 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
     name, values = name or dimension, []
     if not text.strip():
         remedy = f"give a value, such as {_EXAMPLES[dimension]}"
-        raise Refused(name, "has nothing but an empty entry", text, remedy, shown="")
+        raise InvalidInputError(name, "has nothing but an empty entry", text, remedy, shown="")
     for entry in text.split(","):
         if not entry.strip():
             rule = f"has an empty entry in {_quote(text)}"
-            raise Refused(name, rule, text, "drop the comma", shown="")
+            raise InvalidInputError(name, rule, text, "drop the comma", shown="")
         if ":" in entry:
             values += _range(entry, dimension, name)
         else:
@@ -272,9 +272,9 @@ def figures(value: float, digits: int = 4) -> str:
 def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
     kind, example = DIMENSIONS[dimension], _EXAMPLES[dimension]
 
-    def refused(shown: str, remedy: str = "") -> Refused:
+    def refused(shown: str, remedy: str = "") -> InvalidInputError:
         rule = f'must be {kind.article}, such as "{example}"'
-        return Refused(name, rule, text, remedy, shown=shown)
+        return InvalidInputError(name, rule, text, remedy, shown=shown)
 
     if isinstance(text, int | float) and not isinstance(text, bool) and kind.unitless:
         text = repr(text)
@@ -359,16 +359,18 @@ def _registry() -> Any:
 def _range(text: str, dimension: str, name: str) -> list[float]:
     parts = text.split(":")
     if len(parts) != 3:
-        raise Refused(
+        raise InvalidInputError(
             name, f"has the range {_quote(text)}", text, "write start:stop:step", shown=""
         )
     start, stop, step = (Fraction(_exact(part, dimension, name)) for part in parts)
     if step == 0:
-        raise Refused(
+        raise InvalidInputError(
             name, f"has the range {_quote(text)}", text, "its step must not be 0", shown=""
         )
     if (stop - start) * step < 0:
-        raise Refused(name, f"has the range {_quote(text)}", text, "its step leads away", shown="")
+        raise InvalidInputError(
+            name, f"has the range {_quote(text)}", text, "its step leads away", shown=""
+        )
     count = (stop - start) / step
     if count > MAX_POINTS:
         raise _too_many(text, name)
@@ -380,7 +382,7 @@ def _range(text: str, dimension: str, name: str) -> list[float]:
 
 def _too_many(text: str, name: str) -> ValueError:
     rule = f"has more than {MAX_POINTS} values in {_quote(text)}"
-    return Refused(name, rule, text, "take fewer", shown="")
+    return InvalidInputError(name, rule, text, "take fewer", shown="")
 
 
 def _quote(value: Any) -> str:

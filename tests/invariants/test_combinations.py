@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.muscle import LAWS
 
 
@@ -29,7 +29,7 @@ def drawn(rng, kind):
             given[one.name] = low * (high / low) ** rng.random() if wide else rng.uniform(low, high)
     try:
         return law(**given)
-    except Refused:  # each can be, but not all of them together
+    except InvalidInputError:  # each can be, but not all of them together
         return law()
 
 

@@ -15,7 +15,7 @@ LAW = '''"""A toy: the ideal law with a loss that grows with strain, and frictio
 
 from typing import ClassVar
 
-from ...core.constant import POSITIVE, Constant, signed
+from ...core.parameters import POSITIVE, Constant, symmetric_scale
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
@@ -33,7 +33,7 @@ class Toy2026(AbstractTension):
         "loss", "k_l", "number", (1e-3, 0.01, 10.0, 100.0), POSITIVE, 0.5, "that grows with strain"
     ).field()
     friction: Batch = Constant(
-        "friction", "p_f", "pressure", (-1e5, -1e4, 1e4, 1e5), signed(1e3), 0.0, "of the threads"
+        "friction", "p_f", "pressure", (-1e5, -1e4, 1e4, 1e5), symmetric_scale(1e3), 0.0, "of the threads"
     ).field()
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
@@ -56,7 +56,7 @@ OTHERS = {
 
 from typing import ClassVar
 
-from ...core.constant import POSITIVE, Constant
+from ...core.parameters import POSITIVE, Constant
 from ...core.types import Batch
 from .kim2021 import Kim2021
 
@@ -75,7 +75,7 @@ class ToyBow(Kim2021):
 
 from typing import ClassVar
 
-from ...core.constant import POSITIVE, Constant
+from ...core.parameters import POSITIVE, Constant
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .collapse_law import FACTOR, AbstractCollapse

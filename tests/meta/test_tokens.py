@@ -1,4 +1,4 @@
-"""Colors, typeface and spacing stand in one file, `core.tokens`; text can be read where it is."""
+"""Colors, typeface and spacing stand in one file, `plot.theme`; text can be read where it is."""
 
 import ast
 import re
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fascicle
-from fascicle.core import tokens
+from fascicle.plot import theme as tokens
 
 
 SOURCE = Path(fascicle.__file__).parent
@@ -46,7 +46,7 @@ def test_no_module_writes_a_color_or_typeface(folder):
     found = {
         path.name: several
         for path in folder.rglob("*.py")
-        if path.name != "tokens.py"
+        if path.name != "theme.py"
         and (several := [one for text in strings(path) for one in written(text)])
     }
     assert found == {}

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 import fascicle
+import fascicle.results
 from fascicle.muscle import LAWS
 from fascicle.muscle.column import Centerline
 from fascicle.muscle.muscle import Response

@@ -5,7 +5,7 @@ Names are looked up when they are asked for, so that the command line's help loa
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -27,4 +27,4 @@ _HOMES = {
     "schemes": "",
 }
 
-__getattr__, __dir__ = lazily(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

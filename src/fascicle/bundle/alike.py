@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import library
-from ..core.tree import tree_leaves, tree_replace, tree_structure
+from ..core.array_namespace import array_namespace
+from ..core.module import tree_leaves, tree_replace, tree_structure
 from ..muscle import Muscle
 from ..muscle.quantities import batch_of, tables_of
 
@@ -56,7 +56,7 @@ def _row(muscles: list[Muscle]) -> Muscle:
     leaves = tree_leaves(first)
     rows = zip(*map(tree_leaves, muscles), strict=True)
     joined = [
-        library(*row).stack(row, axis=-2 if table else -1)
+        array_namespace(*row).stack(row, axis=-2 if table else -1)
         for row, table in zip(rows, _are_tables(first, leaves), strict=True)
     ]
     return tree_replace(first, joined)

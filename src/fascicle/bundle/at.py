@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import least, library, spread, stack
-from ..core.domain import LARGEST_STRAIN
-from ..core.tree import tree_map
+from ..core.array_namespace import add_table_axis, array_namespace, min_nodes, stack
+from ..core.module import tree_map
 from ..core.types import Numbers, PerUnit, Whole
+from ..core.validation import LARGEST_STRAIN
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
 
@@ -32,13 +32,13 @@ class Pressurized(NamedTuple):
         if self.ratios is None:
             return LARGEST_STRAIN
         seen = plate_strain(self.ratios, LARGEST_STRAIN)
-        return library(seen).min(seen, axis=-1)
+        return array_namespace(seen).min(seen, axis=-1)
 
     @property
     def nearest(self) -> Numbers:
         """The strain of the bundle [-] at which the fibers of one of its muscles are straight."""
         straight = self._seen(self.each(_straight))
-        return library(straight).max(straight, axis=-1)
+        return array_namespace(straight).max(straight, axis=-1)
 
     def of(self, lane: Any) -> "Pressurized":
         """Those of the lanes [-] that are asked for, where lanes are the last axis but two."""
@@ -52,7 +52,7 @@ class Pressurized(NamedTuple):
         """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
         units on the last axis.
         """
-        return self._along(function, *(spread(strain) for strain in strains))
+        return self._along(function, *(add_table_axis(strain) for strain in strains))
 
     @property
     def kinks(self) -> Numbers:
@@ -71,7 +71,7 @@ class Pressurized(NamedTuple):
     def fold(self) -> Numbers:
         """The least strain of the bundle [-] past which a force may jump; inf where none does."""
         folds = self._seen(self.each(_fold))
-        return library(folds).min(folds, axis=-1)
+        return array_namespace(folds).min(folds, axis=-1)
 
     @property
     def free_strains(self) -> Numbers:
@@ -80,7 +80,7 @@ class Pressurized(NamedTuple):
 
     def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
-        return self.forces_apart(spread(strain))
+        return self.forces_apart(add_table_axis(strain))
 
     def forces_apart(self, strains: Numbers) -> tuple[Numbers, Numbers]:
         """The same, each unit at one of the `strains` of the bundle [-] on the last axis."""
@@ -92,7 +92,7 @@ class Pressurized(NamedTuple):
     def force(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of all units [N] at `strain` [-], (B1), and its slope in strain [N]."""
         forces, slopes = self.unit_forces(strain)
-        total = library(forces).sum
+        total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 
     def _along(self, function: Callable[..., Any], *strains: Numbers) -> Any:
@@ -114,7 +114,7 @@ class Pressurized(NamedTuple):
         if len(values) == 1:
             return values[0]
         order = np.argsort([i for places in self.places for i in places])
-        at_work, shapes = library(*values), {np.shape(value)[:-1] for value in values}
+        at_work, shapes = array_namespace(*values), {np.shape(value)[:-1] for value in values}
         if len(shapes) > 1:  # some units are rows of muscles, others aren't
             shape = np.broadcast_shapes(*shapes)
             values = [at_work.broadcast_to(x, (*shape, x.shape[-1])) for x in values]
@@ -136,4 +136,4 @@ def _straight(muscle: MusclesAtPressures) -> Numbers:
 
 def _fold(muscle: MusclesAtPressures) -> Numbers:
     none = np.inf + 0.0 * muscle.column.free_strain
-    return least(stack([none, *muscle.law.buckling.folds(muscle.column)]))
+    return min_nodes(stack([none, *muscle.law.buckling.folds(muscle.column)]))

@@ -23,17 +23,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, where
-from ..core.checks import as_given, concrete, finite, one_of, within
-from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.evaluate import at_rest, evaluate
-from ..core.lazy import from_above
-from ..core.limits import pressed, whole
-from ..core.missing import require
-from ..core.modules import Module, renewed, static
-from ..core.refused import Refused
-from ..core.shapes import common
-from ..core.sheet import printed
+from ..core.array_namespace import array_namespace, where
+from ..core.errors import InvalidInputError, require
+from ..core.lazy import import_late
+from ..core.module import Module, evaluate, primal_numpy, replace_checked, static
 from ..core.types import (
     AnyArray,
     Batch,
@@ -46,10 +39,23 @@ from ..core.types import (
     Values,
     Whole,
 )
-from ..core.written import is_written
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    LARGEST_STRAIN,
+    broadcast_shape,
+    check_choice,
+    check_count,
+    check_finite,
+    check_interval,
+    has_units,
+    is_concrete,
+    match_array_type,
+    warn_pressure_units,
+)
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain, validate_strain
 from ..muscle.muscle import BACKENDS
+from ..repr_table import with_table_repr
 from .alike import stacked
 from .at import pressurized
 from .lanes import batch, laned
@@ -59,7 +65,7 @@ from .schemes import AbstractScheme, scheme_of
 from .zeros import carried, first_zero, loaded, zeros
 
 
-@printed(unit_sheet, unit_line)
+@with_table_repr(unit_sheet, unit_line)
 class MotorUnit(Module):
     """`count` equal muscles at one pressure, the smallest part that is activated."""
 
@@ -69,12 +75,12 @@ class MotorUnit(Module):
     def __init__(self, muscle: Muscle, count: Values = 1):
         """**Arguments:** `muscle` [-]; `count`: how many of it [-], a whole number ≥ 1."""
         if not isinstance(muscle, Muscle):
-            raise Refused("muscle", "must be a Muscle", muscle)
-        whole(count, "count")
-        self.muscle, self.count = muscle, np.asarray(count)[()] if concrete(count) else count
+            raise InvalidInputError("muscle", "must be a Muscle", muscle)
+        check_count(count, "count")
+        self.muscle, self.count = muscle, np.asarray(count)[()] if is_concrete(count) else count
 
 
-@printed(equilibria_sheet)
+@with_table_repr(equilibria_sheet)
 class Equilibria(NamedTuple):
     """Strains of zero force, rising along the last axis, which ends in NaN where there
     are fewer. `stable`: the force falls with strain there. `count`: how many there are.
@@ -85,7 +91,7 @@ class Equilibria(NamedTuple):
     count: Int[AnyArray, "*#points"]
 
 
-@printed(sheet, line)
+@with_table_repr(sheet, line)
 class Bundle(Module):
     """Motor units between rigid plates, in the order in which they are recruited.
 
@@ -119,10 +125,12 @@ class Bundle(Module):
         """
         units = tuple(motor_units)
         if not units:
-            raise Refused("motor_units", "must hold at least one motor unit", None, shown="none")
+            raise InvalidInputError(
+                "motor_units", "must hold at least one motor unit", None, shown="none"
+            )
         for unit in units:
             if not isinstance(unit, MotorUnit):
-                raise Refused("motor_units", "must hold MotorUnit objects", unit)
+                raise InvalidInputError("motor_units", "must hold MotorUnit objects", unit)
         self.motor_units = units
         self.plate_distance = plate_distance(length, [unit.muscle for unit in units])
         known = supply_pressure is not None
@@ -132,8 +140,8 @@ class Bundle(Module):
     @property
     def length(self) -> Batch:
         """Length at rest $L$ [m], between the plates."""
-        common = self.motor_units[0].muscle.length
-        return common if self.plate_distance is None else self.plate_distance
+        broadcast_shape = self.motor_units[0].muscle.length
+        return broadcast_shape if self.plate_distance is None else self.plate_distance
 
     @cached_property
     def ratios(self) -> Numbers | None:
@@ -167,7 +175,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
         forces = self.unit_forces(pressures, strain, resistance)
-        return library(forces).sum(forces, axis=-1)
+        return array_namespace(forces).sum(forces, axis=-1)
 
     def unit_forces(self, pressures: Values, strain: Values, resistance: bool = True) -> PerUnit:
         """Pulling force of each motor unit, its muscles together.
@@ -237,7 +245,10 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
         """
-        F, P = as_given(force, finite(force, "force", "N")), self._pressures(pressures)
+        F, P = (
+            match_array_type(force, check_finite(force, "force", "N")),
+            self._pressures(pressures),
+        )
         return self._sought(_strain_at, P, F)
 
     def recruit(self, force: Values, strain: Values, **options: Any) -> Any:
@@ -253,7 +264,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return from_above("bundle.recruitment.recruit")(self, force, strain, **options)
+        return import_late("bundle.recruitment.recruit")(self, force, strain, **options)
 
     def workspace(self, **options: Any) -> Any:
         """The force-strain region of every recruitment state.
@@ -265,7 +276,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` where no supply pressure is known or a value is off.
         """
-        return from_above("bundle.recruitment.space")(self, **options)
+        return import_late("bundle.recruitment.space")(self, **options)
 
     def reversal(self, unit: int = 2, **options: Any) -> Any:
         """Where the free strain turns as a unit's pressure rises from zero to the supply's.
@@ -279,7 +290,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for a unit that doesn't exist, and for no supply pressure.
         """
-        return from_above("bundle.reversal.reversal")(self, unit, **options)
+        return import_late("bundle.reversal.reversal")(self, unit, **options)
 
     def efficiency_map(self, *arguments: Any, **options: Any) -> Any:
         """Efficiency over the force-strain space.
@@ -291,7 +302,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return from_above("energetics.efficiency.efficiency_map")(self, *arguments, **options)
+        return import_late("energetics.efficiency.efficiency_map")(self, *arguments, **options)
 
     def average_efficiency(self, *arguments: Any, **options: Any) -> Any:
         """Average efficiency over the force-strain space.
@@ -303,7 +314,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return from_above("energetics.efficiency.average_efficiency")(self, *arguments, **options)
+        return import_late("energetics.efficiency.average_efficiency")(self, *arguments, **options)
 
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
@@ -320,7 +331,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError` where there are neither pressures nor a supply's.
         """
-        return from_above("plot.objects.of_bundle")(self, pressures, strains, resistance)
+        return import_late("plot.objects.of_bundle")(self, pressures, strains, resistance)
 
     def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
         """The force alone as a bare function, with this bundle held constant and nothing checked.
@@ -333,8 +344,8 @@ class Bundle(Module):
 
         **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
         """
-        if one_of(backend, BACKENDS, "backend") == "casadi":
-            return from_above("export.point_function.bundle_function")(self)
+        if check_choice(backend, BACKENDS, "backend") == "casadi":
+            return import_late("export.point_function.bundle_function")(self)
         require("jax")
         from ..core.jax_backend import jit
 
@@ -349,7 +360,7 @@ class Bundle(Module):
 
         **Raises:** `ValueError`, one line, for unknown names and for what a bundle can't be.
         """
-        return renewed(self, changes, length=self.plate_distance)
+        return replace_checked(self, changes, length=self.plate_distance)
 
     def _strain(self, strain: Values) -> Batch:
         single = isinstance(strain, float) and self.plate_distance is None
@@ -368,7 +379,7 @@ class Bundle(Module):
         P, n = _pressure(pressures), len(self.motor_units)
         if P.ndim == 0 or P.shape[-1] != n:
             got = "a single pressure" if P.ndim == 0 else f"{P.shape[-1]}"
-            raise Refused(
+            raise InvalidInputError(
                 "pressures",
                 f"must hold one pressure for each of the {n} motor units on the last axis",
                 P.shape[-1] if P.ndim else 1,
@@ -381,9 +392,9 @@ class Bundle(Module):
     def _shape(self, pressures: PerUnit, **others: Numbers) -> tuple[int, ...]:
         """The shape that these have together [-], less the units' axis and rows of bundles."""
         shapes = {name: np.shape(x) for name, x in others.items()}
-        shape = common(pressures=np.shape(pressures)[:-1], **shapes)
+        shape = broadcast_shape(pressures=np.shape(pressures)[:-1], **shapes)
         if self._batch:
-            common(muscles=self._batch, pressures=shape)
+            broadcast_shape(muscles=self._batch, pressures=shape)
         return shape
 
     @cached_property
@@ -396,7 +407,7 @@ class Bundle(Module):
         derivatives are asked for, which the strains found then carry.
         """
         self._shape(**dict(zip(("pressures", "force"), arrays, strict=False)))
-        rest = at_rest(self, *arrays)
+        rest = primal_numpy(self, *arrays)
         if rest is None:
             return evaluate(law, self, *arrays, static=static)
         bundle, *at_once = rest
@@ -418,7 +429,7 @@ def _unit_forces(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers
 def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Numbers:
     if not resistance:
         free = pressurized(bundle, pressures).free_strains
-        return library(free).max(free, axis=-1)
+        return array_namespace(free).max(free, axis=-1)
     lanes, shape = laned(bundle, pressures)
     return first_zero(lanes).reshape(shape)
 
@@ -427,7 +438,7 @@ def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilib
     if not resistance:
         strain = _free_strain(bundle, pressures, False)[..., None]
         there = strain > -np.inf
-        return Equilibria(strain, there, library(there).sum(there, axis=-1))
+        return Equilibria(strain, there, array_namespace(there).sum(there, axis=-1))
     lanes, shape = laned(bundle, pressures)
     found = zeros(lanes)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
@@ -435,7 +446,7 @@ def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilib
 
 def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria:
     lanes, shape = laned(bundle, pressures, force)
-    load = library(force).broadcast_to(force, shape).reshape(-1)
+    load = array_namespace(force).broadcast_to(force, shape).reshape(-1)
     found = loaded(lanes, load)
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
 
@@ -443,18 +454,18 @@ def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria
 def _carried(bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0) -> Numbers:
     """Strains that were found without derivatives [-], zeros last, with them."""
     lanes, shape = laned(bundle, pressures, force)
-    load = library(force).broadcast_to(force, shape).reshape(-1, 1)
+    load = array_namespace(force).broadcast_to(force, shape).reshape(-1, 1)
     return carried(lanes.live, load, strain.reshape(*load.shape[:1], -1)).reshape(strain.shape)
 
 
 def _joined(values: list[Any]) -> Any:
     """One for each unit, on the last axis."""
-    at_work = library(*values)
+    at_work = array_namespace(*values)
     return at_work.stack(at_work.broadcast_arrays(*values), axis=-1)
 
 
 def _pressure(value: Values, name: str = "pressures") -> Batch:
-    checked = within(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
-    if not is_written(value):
-        pressed(checked)
-    return as_given(value, checked)
+    checked = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    if not has_units(value):
+        warn_pressure_units(checked)
+    return match_array_type(value, checked)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ..core.arrays import library, maximum, minimum, running_most, sqrt, where
+from ..core.array_namespace import array_namespace, maximum, minimum, running_max, sqrt, where
 from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from .lists import listed, worked
 
@@ -103,7 +103,7 @@ def sides(curves: Curves, ends: Ends, inset: Numbers) -> Sides:
 
     **Returns:** the stretches [any unit].
     """
-    at_work = library(ends)
+    at_work = array_namespace(ends)
     a, b = ends[:, :-1], ends[:, 1:]
     step = inset * (b - a)
     # the first and the last end have no other side
@@ -132,7 +132,7 @@ def cut(curves: Curves, stretches: Sides, marks: Bool[AnyArray, "lane stretch"])
 
     def look(lane: Any, *of: Listed) -> tuple[Numbers, Numbers]:
         low, high, v_low, v_high, s_low, s_high, after, v_after = of
-        at_work = library(low)
+        at_work = array_namespace(low)
         x = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CELLS + 1)
         value, slope = (at_work.sum(y, axis=-1) for y in curves.terms(lane, x[:, 1:-1]))
         value, slope = (
@@ -179,8 +179,8 @@ def following(real: Bool[AnyArray, "lane stretch"]) -> Int[AnyArray, "lane stret
     """Place of the next stretch that is `real` [-]; as many as there are where none is."""
     count = real.shape[1]
     places = where(real, np.arange(count), count)[:, ::-1]
-    ahead = -running_most(-places, 1)[:, ::-1]
-    at_work = library(real)
+    ahead = -running_max(-places, 1)[:, ::-1]
+    at_work = array_namespace(real)
     return at_work.concatenate([ahead[:, 1:], 0 * ahead[:, :1] + count], axis=1)
 
 
@@ -188,7 +188,7 @@ def _seen(curves: Curves, low: Numbers, high: Numbers, real: Any) -> Any:
     """Values of the terms at the two sides of each stretch, and their slopes [any unit]; zeros for
     those without a width, but a curve's first and last.
     """
-    at_work, count = library(low), low.shape[1]
+    at_work, count = array_namespace(low), low.shape[1]
     if at_work is not np:
         found = curves.terms(np.arange(len(low)), at_work.concatenate([low, high], axis=1))
         return tuple((one[:, :count], one[:, count:]) for one in found)
@@ -202,7 +202,7 @@ def _seen(curves: Curves, low: Numbers, high: Numbers, real: Any) -> Any:
 
 
 def _interleaved(ends: Numbers, between: Numbers, after: Numbers) -> Numbers:
-    at_work = library(ends, between)
+    at_work = array_namespace(ends, between)
     pairs = at_work.stack([ends[:, :-1], between], axis=-1).reshape(len(ends), 2 * CELLS)
     return at_work.concatenate([pairs, ends[:, -1:], after], axis=1)
 

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.apart import apart
-from ..core.arrays import absolute, library, maximum, minimum, where
+from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
 from ..core.roots import guarded
 from ..core.types import Marks, Numbers, Whole
 from .at import Pressurized
@@ -52,7 +52,7 @@ def first(here: Pressurized) -> First:
 
     **Returns:** a strain for each lane [-], and whether it is sure.
     """
-    at_work = library(here.free_strains)
+    at_work = array_namespace(here.free_strains)
     free, *turns = (kink[:, 0] for kink in (here.free_strains, *here.turns))
     low, top = at_work.min(free, axis=1), at_work.max(free, axis=1)
     ends = minimum(at_work.concatenate([free, *turns], axis=1), top[:, None])
@@ -91,7 +91,7 @@ def _halved(here: Pressurized, ends: Numbers) -> tuple[Numbers, Numbers]:
         return state[1] - state[0] <= 1
 
     count = ends.shape[1]
-    none = library(ends).zeros(len(ends), int)
+    none = array_namespace(ends).zeros(len(ends), int)
     entries = (_lanes(ends), ends)
     pulls, pushes = repeated(step, entries, (none, none + count - 1), ended, count)
     return _picked(ends, pulls), _picked(ends, pushes)
@@ -108,7 +108,7 @@ def _pulls(
     unit's last kink to the next one's. `seen`: forces of its units and their slopes [N] at `high`,
     behind it, at `low` and at their `kinks`.
     """
-    at_work = library(low)
+    at_work = array_namespace(low)
 
     def proved(lane: Any, stops: Numbers, begun: tuple[Numbers, Numbers]) -> Marks:
         force, slope = (
@@ -167,7 +167,7 @@ def _met(here: Pressurized, sides: Numbers, force: Numbers, slope: Numbers) -> N
     low, high = sides.T
     # from the side whose tangent meets zero sooner
     steps = where(slope < 0, -force / guarded(slope < 0, slope), np.inf)
-    near = library(steps).argmin(absolute(steps), axis=1)
+    near = array_namespace(steps).argmin(absolute(steps), axis=1)
     start = minimum(maximum(_picked(sides + steps, near), low), high)
     state = (low, high, start, 2 * (high - low), low > high)
     return repeated(step, (_lanes(low),), state, ended, _STEPS)[2]
@@ -180,9 +180,9 @@ def _force(here: Pressurized, lane: Any, strain: Numbers) -> tuple[Numbers, ...]
 
 def _lanes(x: Numbers) -> Any:
     """All lanes of `x`: listed by NumPy, which leaves some out as they end."""
-    return np.arange(len(x)) if library(x) is np else slice(None)
+    return np.arange(len(x)) if array_namespace(x) is np else slice(None)
 
 
 def _picked(x: Numbers, column: Whole) -> Numbers:
     """What each row of `x` has in one `column` [-]."""
-    return library(x).take_along_axis(x, column[:, None], axis=1)[:, 0]
+    return array_namespace(x).take_along_axis(x, column[:, None], axis=1)[:, 0]

@@ -29,8 +29,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.sheet import printed
 from ..core.types import AnyArray, Bool, Float, Int, Numbers
+from ..repr_table import with_table_repr
 from .plates import muscle_strain
 from .printing import recruited_sheet, solutions_sheet
 from .states import States
@@ -53,7 +53,7 @@ _BEYOND = 1e3  # times the forces at both ends: no muscle gives as much
 Residual = Callable[[Any, Any], Any]
 
 
-@printed(solutions_sheet)
+@with_table_repr(solutions_sheet)
 class Solutions(NamedTuple):
     """All solutions on the last axis, by state and pressure: the throttled `pressure` [Pa],
     the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
@@ -64,7 +64,7 @@ class Solutions(NamedTuple):
     stable: Bool[AnyArray, "*points solution"]
 
 
-@printed(recruited_sheet)
+@with_table_repr(recruited_sheet)
 class Recruited(NamedTuple):
     """What to do for a demanded force. `pressures` [Pa], units on the last axis; `state`,
     counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library
-from ..core.shapes import common
-from ..core.tree import tree_leaves, tree_map
+from ..core.array_namespace import array_namespace
+from ..core.module import tree_leaves, tree_map
 from ..core.types import Numbers, PerUnit
+from ..core.validation import broadcast_shape
 from ..muscle.quantities import batch_of, tables_of
 from .at import Pressurized, pressurized
 
@@ -27,7 +27,7 @@ class Lanes(NamedTuple):
     @property
     def at_once(self) -> bool:
         """Whether they are NumPy's [-]."""
-        return library(self.pressures, *tree_leaves(self.bundle)) is np
+        return array_namespace(self.pressures, *tree_leaves(self.bundle)) is np
 
     @property
     def single(self) -> bool:
@@ -52,7 +52,7 @@ def batch(bundle: Any) -> tuple[int, ...]:
     shapes = {"length": np.shape(bundle.plate_distance)}
     for i, unit in enumerate(bundle.motor_units, start=1):
         shapes |= {f"motor unit {i}": batch_of(unit.muscle), f"count {i}": np.shape(unit.count)}
-    return common(**shapes)
+    return broadcast_shape(**shapes)
 
 
 def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tuple[int, ...]]:
@@ -68,7 +68,7 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
     """
     rows, units = bundle._batch, np.shape(pressures)[-1]
     shape = np.broadcast_shapes(rows, np.shape(pressures)[:-1], *map(np.shape, others))
-    each = library(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
+    each = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
     if not rows:
         return Lanes(bundle, each), shape
     tables = set().union(*(tables_of(unit.muscle) for unit in bundle.motor_units))
@@ -77,7 +77,7 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
         own = np.shape(leaf)[-1:] if id(leaf) in tables else ()
         if np.ndim(leaf) == len(own):
             return leaf
-        return library(leaf).broadcast_to(leaf, (*shape, *own)).reshape(-1, 1, *own)
+        return array_namespace(leaf).broadcast_to(leaf, (*shape, *own)).reshape(-1, 1, *own)
 
     return Lanes(tree_map(row, bundle), each), shape
 

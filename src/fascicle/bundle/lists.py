@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import library
-from ..core.tree import tree_leaves, tree_map
+from ..core.array_namespace import array_namespace
+from ..core.module import tree_leaves, tree_map
 from ..core.types import BoolBatch
 
 
@@ -21,7 +21,7 @@ def listed(marks: BoolBatch, room: int) -> tuple[tuple[Any, ...], Any]:
     """Indices of what is marked, in order, and how many there are [-], no more than `room` [-]
     of them where compiled.
     """
-    if library(marks) is np:
+    if array_namespace(marks) is np:
         places = np.nonzero(marks)
         return places, len(places[0])
     from ..core.jax_backend import jnp
@@ -35,7 +35,7 @@ def worked(function: Callable[..., tuple], total: Any, *entries: Any) -> tuple:
     for the rest.
     """
     leaves = tree_leaves(entries)
-    if library(*leaves) is np:
+    if array_namespace(*leaves) is np:
         return function(*entries)
     from ..core.jax_backend import eval_shape, jnp, lax
 
@@ -63,7 +63,7 @@ def ranked(owner: Any, total: Any, owners: int) -> tuple[Any, Any]:
     """For each entry of a list its rank among those of its `owner` [-], where these come in
     order, and how many each owner has [-].
     """
-    at_work = library(owner)
+    at_work = array_namespace(owner)
     place = at_work.arange(len(owner))
     if at_work is np:
         count = np.bincount(owner, minlength=owners)
@@ -79,7 +79,7 @@ def put(fill: Any, shape: tuple[int, int], where: tuple[Any, Any], values: Any, 
     `fill` elsewhere; what lies outside is left out.
     """
     row, column = where
-    if library(values) is np:
+    if array_namespace(values) is np:
         table, inside = np.full(shape, fill), column < shape[1]
         table[row[inside], column[inside]] = values[inside]
         return table
@@ -99,7 +99,7 @@ def repeated(
     """`state` after a `step` of all `entries`, again and again until each has `ended`, at `most` so
     often; entries that have ended stay as they are, and cost nothing where not compiled.
     """
-    if library(*state) is np:
+    if array_namespace(*state) is np:
         state = tuple(np.array(one) for one in state)
         open_ones = np.arange(len(state[0]))
         for n in range(most):

@@ -2,11 +2,9 @@
 
 from typing import Any
 
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.limits import plausible
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible
 from .bundle import Bundle
 from .schemes import AbstractScheme, scheme_of
 
@@ -39,19 +37,23 @@ def supply_of(bundle: Bundle, supply_pressure: Values = None) -> float:
     _single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     if supply is None:
-        raise Refused(
+        raise InvalidInputError(
             "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
         )
-    P = within(supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True))
-    return float(plausible(P, "supply_pressure"))
+    P = check_interval(
+        supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True)
+    )
+    return float(check_plausible(P, "supply_pressure"))
 
 
 def _single(bundle: Any) -> None:
     if not isinstance(bundle, Bundle):
         remedy = "make one of it: fs.Bundle([fs.MotorUnit(muscle)])"
-        raise Refused("bundle", "must be a Bundle", bundle, remedy, shown=type(bundle).__name__)
+        raise InvalidInputError(
+            "bundle", "must be a Bundle", bundle, remedy, shown=type(bundle).__name__
+        )
     if shape := bundle._batch:
-        raise Refused(
+        raise InvalidInputError(
             "bundle",
             "must be a single one here",
             None,

@@ -15,11 +15,9 @@ from functools import reduce
 
 import numpy as np
 
-from ..core.checks import concrete, traced_floats
-from ..core.domain import LARGEST_STRAIN
-from ..core.limits import size
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
+from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain, validate_strain
 
@@ -49,15 +47,15 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
     """
     lengths = [muscle.length for muscle in muscles]
     if length is None:
-        if concrete(*lengths):
+        if is_concrete(*lengths):
             _equal(lengths)
         return None
-    L = size(length, "length")
-    if not concrete(L, *lengths):
+    L = check_size(length, "length")
+    if not is_concrete(L, *lengths):
         return L
     if all(np.array_equal(np.broadcast_arrays(L, one)[0], one) for one in lengths):
         return None
-    if concrete(*(muscle.braid_angle for muscle in muscles)):
+    if is_concrete(*(muscle.braid_angle for muscle in muscles)):
         _reachable(L, muscles)
     return L
 
@@ -75,7 +73,7 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
 
     **Raises:** `ValueError` for a concrete strain at which a muscle's own is off the domain.
     """
-    if not concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
+    if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return traced_floats(strain)
     low: Batch = np.float64(-np.inf)
     high: Batch = np.float64(np.inf)
@@ -93,7 +91,7 @@ def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:
     for i, muscle in enumerate(muscles, start=1):
         straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
         if np.any(longest >= straight):
-            raise Refused(
+            raise InvalidInputError(
                 "length",
                 f"and the muscles' must stay below {float(np.min(straight)):g} m, where unit {i}'s"
                 " fibers are straight",
@@ -107,7 +105,7 @@ def _equal(lengths: Sequence[Batch]) -> None:
     first = np.asarray(lengths[0])
     for i, length in enumerate(lengths[1:], start=2):
         if not np.allclose(length, first, rtol=1e-9, atol=0):
-            raise Refused(
+            raise InvalidInputError(
                 "motor_units",
                 "must hold muscles of one length, or `length` say how far apart the plates are at"
                 " rest, in m",

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.sheet import Sheet, short, sized, spread_over
 from ..muscle.laws import LAWS, said
 from ..muscle.printing import material, tuned, words
+from ..repr_table import ReprTable, format_number, format_range, title_with_shape
 from ..units import exact, pretty
 
 
@@ -17,7 +17,7 @@ _MOST = 8  # demands that a line names
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
 
 
-def sheet(bundle: Any) -> Sheet:
+def sheet(bundle: Any) -> ReprTable:
     """A bundle's motor units, and the supply and scheme that it knows.
 
     **Arguments:** `bundle`: it [-].
@@ -26,10 +26,10 @@ def sheet(bundle: Any) -> Sheet:
     """
     supply, units = bundle.supply_pressure, bundle.motor_units
     facts = [
-        ("length", spread_over(bundle.length, _in("length"))),
+        ("length", format_range(bundle.length, _in("length"))),
         (
             "supply pressure",
-            "not given" if supply is None else spread_over(supply, _in("pressure")),
+            "not given" if supply is None else format_range(supply, _in("pressure")),
         ),
         ("scheme", bundle.scheme.name),
         ("material", _each(material(unit.muscle.material) for unit in units)),
@@ -39,16 +39,18 @@ def sheet(bundle: Any) -> Sheet:
     rows = [
         [
             str(number),
-            spread_over(unit.count, lambda n: f"{n:.0f}"),
+            format_range(unit.count, lambda n: f"{n:.0f}"),
             *(
-                spread_over(getattr(unit.muscle, name), _in(dimension))
+                format_range(getattr(unit.muscle, name), _in(dimension))
                 for name, dimension in _SIZES
             ),
         ]
         for number, unit in enumerate(units, start=1)
     ]
     heads = ("motor unit", "muscles", "length", "outer radius", "wall thickness", "braid angle")
-    return Sheet(f"Bundle of {len(units)} motor unit{'s' * (len(units) > 1)}", facts, heads, rows)
+    return ReprTable(
+        f"Bundle of {len(units)} motor unit{'s' * (len(units) > 1)}", facts, heads, rows
+    )
 
 
 def line(bundle: Any) -> str:
@@ -67,15 +69,15 @@ def unit_line(unit: Any) -> str:
     return f"MotorUnit({unit.muscle!r}, count={np.asarray(unit.count).tolist()!r})"
 
 
-def unit_sheet(unit: Any) -> Sheet:
+def unit_sheet(unit: Any) -> ReprTable:
     """A motor `unit`: its muscle, and how many of it [-]."""
     from ..muscle.printing import sheet as of_muscle
 
-    count = spread_over(unit.count, lambda n: f"{n:.0f}")
+    count = format_range(unit.count, lambda n: f"{n:.0f}")
     return of_muscle(unit.muscle)._replace(title=f"Motor unit of {count} × the muscle")
 
 
-def equilibria_sheet(found: Any) -> Sheet:
+def equilibria_sheet(found: Any) -> ReprTable:
     """Strains of an equilibrium that was `found`, and which of them are stable [-]."""
     strains = np.asarray(found.strain).reshape(-1, np.shape(found.strain)[-1])
     firm = np.asarray(found.stable).reshape(strains.shape)
@@ -93,17 +95,20 @@ def equilibria_sheet(found: Any) -> Sheet:
     ]
     unstable = np.any(np.isfinite(strains) & ~firm)
     notes = ["u: unstable, the force rises with strain there"] if unstable else []
-    return Sheet(sized("Equilibria", found.count), (), ("point", "strains"), rows, notes)
+    return ReprTable(
+        title_with_shape("Equilibria", found.count), (), ("point", "strains"), rows, notes
+    )
 
 
-def recruited_sheet(found: Any) -> Sheet:
+def recruited_sheet(found: Any) -> ReprTable:
     """What to do for each demand that was looked for and `found` [-]."""
     units = np.shape(found.pressures)[-1]
     pressures = np.reshape(found.pressures, (-1, units))
     columns = (found.force, found.state, found.count, found.status, found.stable)
     rows = [
         [
-            short(force), str(state), *(short(p / 1e3) for p in row), str(count), _STATUS[status],
+            format_number(force), str(state), *(format_number(p / 1e3) for p in row),
+            str(count), _STATUS[status],
             "yes" if stable else "no",
         ]
         for row, force, state, count, status, stable in zip(
@@ -117,15 +122,15 @@ def recruited_sheet(found: Any) -> Sheet:
         notes.append("where a demand isn't reached: the nearest force that is")
     if np.any(np.asarray(found.count) > 1):
         notes.append("of several solutions the first; `.solutions` holds all of them")
-    return Sheet(sized("Recruited", found.force), (), heads, rows, notes)
+    return ReprTable(title_with_shape("Recruited", found.force), (), heads, rows, notes)
 
 
-def solutions_sheet(found: Any) -> Sheet:
+def solutions_sheet(found: Any) -> ReprTable:
     """All pressures and states that were `found`, a row for each [-]."""
     width = np.shape(found.pressure)[-1]
     columns = [np.reshape(x, (-1, width)) for x in found]
     rows = [
-        [str(number), str(state), short(pressure / 1e3), "yes" if stable else "no"]
+        [str(number), str(state), format_number(pressure / 1e3), "yes" if stable else "no"]
         for number, each in enumerate(zip(*columns, strict=True), start=1)
         for pressure, state, stable in zip(*each, strict=True)
         if state
@@ -138,28 +143,30 @@ def solutions_sheet(found: Any) -> Sheet:
         which = "any" if every and len(none) > 1 else ", ".join(none[:_MOST])
         more = "" if every or len(none) <= _MOST else f" and {len(none) - _MOST} more"
         notes = [f"none for demand {which}{more}: it can't be reached"]
-    return Sheet(f"Solutions, {len(rows)}", (), heads, rows, notes)
+    return ReprTable(f"Solutions, {len(rows)}", (), heads, rows, notes)
 
 
-def space_sheet(found: Any) -> Sheet:
+def space_sheet(found: Any) -> ReprTable:
     """What each recruitment state of the space that was `found` reaches [-]."""
     facts = [
         ("scheme", found.scheme),
         ("supply pressure", _in("pressure")(found.supply_pressure)),
-        ("throttled to", spread_over(found.level, _in("pressure"))),
-        ("strains", spread_over(found.strain, _of)),
+        ("throttled to", format_range(found.level, _in("pressure"))),
+        ("strains", format_range(found.strain, _of)),
     ]
     rows = []
     for state, high in enumerate(found.high, start=1):
         pulls = found.strain[high > -_ROUNDING * np.max(high)]
-        rows.append([str(state), short(np.max(high)), _of(np.max(pulls, initial=0.0))])
-    return Sheet("Force-strain space", facts, ("state", "largest force N", "pulls to strain"), rows)
+        rows.append([str(state), format_number(np.max(high)), _of(np.max(pulls, initial=0.0))])
+    return ReprTable(
+        "Force-strain space", facts, ("state", "largest force N", "pulls to strain"), rows
+    )
 
 
-def reversal_sheet(found: Any) -> Sheet:
+def reversal_sheet(found: Any) -> ReprTable:
     """Where a free strain turns, as it was `found` [-]."""
     if found.depth == 0:
-        return Sheet(
+        return ReprTable(
             "Reversal: none, the free strain never falls", [("initial", _of(found.initial))]
         )
     facts = [
@@ -168,7 +175,7 @@ def reversal_sheet(found: Any) -> Sheet:
         ("depth", _of(found.depth)),
         ("jump", "yes, it turns at one" if found.jump else "no"),
     ]
-    return Sheet("Reversal of the free strain", facts)
+    return ReprTable("Reversal of the free strain", facts)
 
 
 _SIZES = (

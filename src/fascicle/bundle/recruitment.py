@@ -15,13 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import given, where
-from ..core.checks import as_given, concrete, finite, one_of
-from ..core.refused import Refused
-from ..core.roots import guarded, still
-from ..core.shapes import common
+from ..core.array_namespace import is_numpy, where
+from ..core.errors import InvalidInputError
+from ..core.roots import guarded, stop_gradient
 from ..core.types import Float, Numbers, Values
-from ..core.written import in_si
+from ..core.validation import (
+    broadcast_shape,
+    check_choice,
+    check_finite,
+    is_concrete,
+    match_array_type,
+    to_si,
+)
 from .alike import unlike
 from .at import pressurized
 from .bundle import Bundle
@@ -74,10 +79,10 @@ def pressures_of(
     """
     states = states_of(scheme_of(scheme), units)
     if not 1 <= state <= states.size:
-        raise Refused("state", f"must lie in [1, {states.size}]", state)
+        raise InvalidInputError("state", f"must lie in [1, {states.size}]", state)
     throttled, full = states.throttled[state - 1], states.full[state - 1]
-    level = np.asarray(in_si(level, "level", "Pa"), dtype=float)[..., None]
-    supply = float(in_si(supply_pressure, "supply_pressure", "Pa"))
+    level = np.asarray(to_si(level, "level", "Pa"), dtype=float)[..., None]
+    supply = float(to_si(supply_pressure, "supply_pressure", "Pa"))
     return np.where(throttled, level, np.where(full, supply, 0.0))
 
 
@@ -113,20 +118,20 @@ def recruit(
     "nearest" without `present`.
     """
     scheme = scheme_used(bundle, scheme)
-    one_of(prefer, PREFERENCES, "prefer")
-    F, eps = as_given(force, finite(force, "force", "N")), bundle._strain(strain)
+    check_choice(prefer, PREFERENCES, "prefer")
+    F, eps = match_array_type(force, check_finite(force, "force", "N")), bundle._strain(strain)
     P = _supply(bundle, supply)
     now = None
     if prefer == "nearest":
         if scheme.independent:
-            raise Refused(
+            raise InvalidInputError(
                 "prefer",
                 f"must be 'efficiency' with scheme {scheme.name!r}",
                 prefer,
                 "its units' pressures are free, so what is nearest isn't one of a few solutions",
             )
         if present is None:
-            raise Refused(
+            raise InvalidInputError(
                 "present",
                 "must be given in Pa with `prefer` 'nearest'",
                 None,
@@ -134,10 +139,10 @@ def recruit(
             )
         now = bundle._pressures(present)
     before = {} if now is None else {"present": np.shape(now)[:-1]}
-    common(force=np.shape(F), strain=np.shape(eps), **before)
+    broadcast_shape(force=np.shape(F), strain=np.shape(eps), **before)
     arrays = (F, eps) if now is None else (F, eps, now)
     static = (scheme, bool(resistance))
-    if bundle.is_numpy and given(P, *arrays):
+    if bundle.is_numpy and is_numpy(P, *arrays):
         return _solved(bundle, P, *arrays, *static)
     return _traced(bundle, P, *arrays, static=static)
 
@@ -241,7 +246,7 @@ def _traced(bundle: Bundle, supply: Any, *arrays: Any, static: tuple) -> Recruit
         Solutions(*(jax.ShapeDtypeStruct(rows[0], kind) for kind in (float, int, bool))),
         whole, whole,
     )  # fmt: skip
-    found = called_back(answer, shapes, *still(((bundle, supply), force, strain, *present)))
+    found = called_back(answer, shapes, *stop_gradient(((bundle, supply), force, strain, *present)))
     return _carry(*static)(bundle, force, strain, supply, found)
 
 
@@ -279,21 +284,21 @@ def _carried(
         forces, _ = pressurized(bundle, pressures).unit_forces(strain)
         return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
 
-    P = found.pressures / still(supply) * supply
+    P = found.pressures / stop_gradient(supply) * supply
     given_force = total(bundle, P, strain)
-    fixed, eps = still((bundle, strain))
-    slope = jax.jvp(lambda p: total(fixed, p, eps), (still(P),), (1.0 * throttled,))[1]
+    fixed, eps = stop_gradient((bundle, strain))
+    slope = jax.jvp(lambda p: total(fixed, p, eps), (stop_gradient(P),), (1.0 * throttled,))[1]
     reached = found.status == REACHED
     moves = reached & (slope != 0)
     short = where(moves, force - given_force, 0.0)
-    step = (short - still(short)) / guarded(moves, slope)
+    step = (short - stop_gradient(short)) / guarded(moves, slope)
     return found._replace(
         pressures=P + where(throttled, step[..., None], 0.0),
-        force=where(reached, force + still(found.force - force), given_force),
+        force=where(reached, force + stop_gradient(found.force - force), given_force),
     )
 
 
 def _supply(bundle: Bundle, supply: Values) -> Numbers:
     supply = bundle.supply_pressure if supply is None else supply
     # a traced one can't be looked at, nor made a float
-    return np.float64(supply_of(bundle, supply)) if concrete(supply) else supply
+    return np.float64(supply_of(bundle, supply)) if is_concrete(supply) else supply

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import within
-from ..core.refused import Refused
-from ..core.sheet import printed
+from ..core.errors import InvalidInputError
 from ..core.types import Float, Values
+from ..core.validation import check_interval
+from ..repr_table import with_table_repr
 from .bundle import Bundle
 from .own import supply_of
 from .plates import muscle_strain
@@ -30,7 +30,7 @@ _GRID = 129  # pressures at which the fall and the onset are looked for, again a
 _ZOOMS = 6  # each narrows the bracket 64 times: to the last bits of a pressure
 
 
-@printed(reversal_sheet)
+@with_table_repr(reversal_sheet)
 @dataclass(frozen=True)
 class Reversal:
     """`pressure` [Pa] at the turn, `free_strain` [-] there and at no pressure (`initial`),
@@ -125,7 +125,7 @@ def onset_pressure(
     """
     supply, unit = supply_of(bundle, supply_pressure), _counted(bundle, unit)
     muscle = bundle.motor_units[unit - 1].muscle
-    eps = float(within(strain, -np.inf, np.inf, "strain", "-"))
+    eps = float(check_interval(strain, -np.inf, np.inf, "strain", "-"))
     if bundle.ratios is not None:
         eps = float(muscle_strain(bundle.ratios[..., unit - 1], bundle._strain(eps)))
 
@@ -149,7 +149,9 @@ def _counted(bundle: Bundle, unit: Any) -> int:
     """Which unit of the bundle it is [-], counted from 1."""
     units = len(bundle.motor_units)
     if not isinstance(unit, int | np.integer):
-        raise Refused("unit", "must be a whole number, counted from 1", unit, shown=repr(unit))
+        raise InvalidInputError(
+            "unit", "must be a whole number, counted from 1", unit, shown=repr(unit)
+        )
     if not 1 <= unit <= units:
-        raise Refused("unit", f"must lie in [1, {units}]", unit)
+        raise InvalidInputError("unit", f"must lie in [1, {units}]", unit)
     return int(unit)

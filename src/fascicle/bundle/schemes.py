@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple, TypeVar
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 
 
 class State(NamedTuple):
@@ -81,7 +81,7 @@ def register(kind: type[Kind]) -> type[Kind]:
     """
     known = SCHEMES.get(kind.name)
     if known is not None and type(known) is not kind:
-        raise Refused(
+        raise InvalidInputError(
             "name",
             f"{kind.name!r} is another scheme's",
             kind.name,
@@ -142,17 +142,19 @@ def scheme_of(
     """
     if isinstance(scheme, AbstractScheme):
         return scheme
-    from ..core.checks import one_of  # brings JAX, which the command line's help does without
+    from ..core.validation import (
+        check_choice,  # brings JAX, which the command line's help does without
+    )
 
     if isinstance(scheme, type):
-        raise Refused(
+        raise InvalidInputError(
             what,
             "takes a name or an object",
             scheme,
             f"write {scheme.__name__}()",
             shown=f"the class {scheme.__name__}",
         )
-    return SCHEMES[one_of(scheme, SCHEMES, what)]
+    return SCHEMES[check_choice(scheme, SCHEMES, what)]
 
 
 def name_of(scheme: AbstractScheme) -> str:
@@ -165,7 +167,7 @@ def name_of(scheme: AbstractScheme) -> str:
     **Raises:** `ValueError` for a scheme by object that no file can name.
     """
     if SCHEMES.get(scheme.name) != scheme:
-        raise Refused(
+        raise InvalidInputError(
             "scheme",
             f"{scheme.name!r} is an object of Python's, which files can't tell",
             scheme,

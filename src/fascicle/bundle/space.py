@@ -15,10 +15,9 @@ from itertools import combinations
 
 import numpy as np
 
-from ..core.checks import within
-from ..core.sheet import printed
 from ..core.types import Float, Values
-from ..core.written import in_si, is_written
+from ..core.validation import check_interval, has_units, to_si
+from ..repr_table import with_table_repr
 from .bundle import Bundle
 from .own import scheme_used, supply_of
 from .printing import space_sheet
@@ -31,7 +30,7 @@ _LEVELS = 241  # pressures over which a region's edges are taken
 Forces = Float[np.ndarray, "state strain"]
 
 
-@printed(space_sheet)
+@with_table_repr(space_sheet)
 @dataclass(frozen=True)
 class Space:
     """Force-strain space of a bundle: curves at constant pressure, and regions.
@@ -110,15 +109,15 @@ def space(
     """
     supply = supply_of(bundle, supply_pressure)
     scheme = scheme_used(bundle, scheme)
-    if is_written(levels):
-        levels = np.atleast_1d(in_si(levels, "levels", "Pa"))
+    if has_units(levels):
+        levels = np.atleast_1d(to_si(levels, "levels", "Pa"))
     if np.ndim(levels) == 0:
         levels = np.linspace(0.0, supply, int(levels))
-    levels = np.asarray(within(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
+    levels = np.asarray(check_interval(levels, 0.0, supply, "levels", "Pa", closed=(True, True)))
     if strain is None:
         full = np.full(len(bundle.motor_units), supply)
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
-    strain = np.asarray(in_si(strain, "strain", "-"), dtype=float)
+    strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
     fine = np.linspace(0.0, supply, _LEVELS)
     states = states_of(scheme, len(bundle.motor_units))
     region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, maximum, minimum, where
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.errors import InvalidInputError
 from ..core.types import Bool, Int, Numbers
 from .schemes import AbstractScheme
 
@@ -135,7 +135,7 @@ class States(NamedTuple):
 
         **Returns:** pressures [Pa].
         """
-        at_work = library(state, level, supply)
+        at_work = array_namespace(state, level, supply)
         full, throttled = (at_work.asarray(x)[state] for x in (self.full, self.throttled))
         P = at_work.asarray(level * supply)[..., None]
         return where(full, supply, where(throttled, P, 0.0))
@@ -164,13 +164,13 @@ class States(NamedTuple):
         **Returns:** sums [SI], states on a new first axis.
         """
         every = self._joint(throttled) + self.held(off, full)
-        return library(every).moveaxis(every, -1, 0)
+        return array_namespace(every).moveaxis(every, -1, 0)
 
     def edges(self, throttled: Numbers, off: Numbers, full: Numbers) -> tuple[Numbers, Numbers]:
         """Least and largest of every state; arguments as of `sums` [SI], without levels in
         what is returned [SI].
         """
-        at_work, held = library(throttled, off, full), self.held(off, full)
+        at_work, held = array_namespace(throttled, off, full), self.held(off, full)
         found = []
         for pick in (at_work.min, at_work.max):
             if self.independent:
@@ -205,7 +205,7 @@ class States(NamedTuple):
                 of_kind.setdefault(kinds[unit], []).append(unit)
             count = prod(len(units) + 1 for units in of_kind.values())
             if count - 1 > most:
-                raise Refused(
+                raise InvalidInputError(
                     "scheme",
                     f"{self.scheme!r} has {count - 1} sets of motor units that may be fed,"
                     f" and {most} at most can be looked at",
@@ -259,7 +259,7 @@ def states_of(scheme: AbstractScheme, units: int) -> States:
     """
     found = list(scheme.states(units))
     if not found:
-        raise Refused(
+        raise InvalidInputError(
             "scheme", f"{scheme.name!r} has no state for {units} motor units", scheme, shown=""
         )
     masks = np.zeros((2, len(found), units), bool)
@@ -268,10 +268,14 @@ def states_of(scheme: AbstractScheme, units: int) -> States:
         every = full + throttled
         if not throttled or len(set(every)) < len(every):
             rule = f"{scheme.name!r} must throttle a unit in state {k + 1}, and name each once"
-            raise Refused("scheme", rule, state, shown=f"full {full} and throttled {throttled}")
+            raise InvalidInputError(
+                "scheme", rule, state, shown=f"full {full} and throttled {throttled}"
+            )
         if any(not 0 <= unit < units for unit in every):
             rule = f"{scheme.name!r} must name units of 0 to {units - 1} in state {k + 1}"
-            raise Refused("scheme", rule, state, shown=f"full {full} and throttled {throttled}")
+            raise InvalidInputError(
+                "scheme", rule, state, shown=f"full {full} and throttled {throttled}"
+            )
         masks[0, k, full], masks[1, k, throttled] = True, True
     return States(masks[0], masks[1], scheme.independent, scheme.name)
 

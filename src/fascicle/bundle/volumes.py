@@ -5,10 +5,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..core.arrays import library
-from ..core.checks import concrete
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace
+from ..core.errors import InvalidInputError
 from ..core.types import PerUnit, Values
+from ..core.validation import is_concrete
 from ..muscle import Muscle
 from .bundle import Bundle
 from .plates import muscle_strain
@@ -26,8 +26,8 @@ def told_by_strain(muscles: Iterable[Muscle]) -> None:
                 stacklevel=3,
             )
         give = muscle.ends.compliance
-        if concrete(give) and np.any(np.asarray(give) > 0):
-            raise Refused(
+        if is_concrete(give) and np.any(np.asarray(give) > 0):
+            raise InvalidInputError(
                 "end_compliance",
                 "must be 0 where strain alone says what fluid a muscle takes in, as for"
                 " efficiencies, designs and the least fluid",
@@ -61,4 +61,4 @@ def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
         unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
         for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
     ]
-    return library(*taken).stack(taken, axis=-1)
+    return array_namespace(*taken).stack(taken, axis=-1)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import isfinite, library, maximum, minimum, where
-from ..core.roots import finished, searched, still
+from ..core.array_namespace import array_namespace, isfinite, maximum, minimum, where
+from ..core.roots import find_root, refine_root, stop_gradient
 from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from .at import Pressurized
 from .crossings import Cut, changes, cut, sides
@@ -64,7 +64,7 @@ class _Loaded(NamedTuple):
     def terms(self, lane: Any, strain: Any) -> tuple[Any, Any]:
         """Forces of the units, the load's among them [N], and their slopes [N]."""
         force, slope = self.units.terms(lane, strain)
-        at_work, held = library(force, self.load), -self.load[lane][:, None, None]
+        at_work, held = array_namespace(force, self.load), -self.load[lane][:, None, None]
         held = at_work.broadcast_to(held, (*force.shape[:-1], 1))
         pairs = ((force, held), (slope, 0.0 * held))
         return tuple(at_work.concatenate(pair, axis=-1) for pair in pairs)
@@ -100,7 +100,7 @@ def loaded(lanes: Lanes, load: Float[AnyArray, " lane"]) -> Zeros:
 def _in_blocks(search: Callable[..., Zeros], lanes: Lanes, *load: Numbers) -> Zeros:
     count, units = lanes.pressures.shape
     step = together(units)
-    if not lanes.at_once or library(*load) is not np or count <= step:
+    if not lanes.at_once or array_namespace(*load) is not np or count <= step:
         return search(lanes, *load)
     blocks = (slice(start, start + step) for start in range(0, count, step))
     parts = [search(lanes.of(block), *(x[block] for x in load)) for block in blocks]
@@ -109,7 +109,7 @@ def _in_blocks(search: Callable[..., Zeros], lanes: Lanes, *load: Numbers) -> Ze
 
 def _zeros(lanes: Lanes) -> Zeros:
     live = lanes.live
-    here = still(live)
+    here = stop_gradient(live)
     low, largest, ends = _ends(here)
     units = _Units(here)
     stretches = sides(units, ends, INSET)
@@ -128,7 +128,7 @@ def _zeros(lanes: Lanes) -> Zeros:
 
 def _loaded(lanes: Lanes, load: Any) -> Zeros:
     live = lanes.live
-    here, held = still((live, load))
+    here, held = stop_gradient((live, load))
     curves = _Loaded(_Units(here), held)
     stretches = sides(curves, _all_ends(here), INSET)
     looked = cut(curves, stretches, stretches.may_cross)
@@ -149,10 +149,10 @@ def _solved(
     theta = (live.of(found.lane), sense, load[found.lane][:, None])
     bracket = (found.low[:, None], found.high[:, None])
     middle = 0.5 * (bracket[0] + bracket[1])
-    strain = searched(_falling, *still((theta, *bracket, middle)))
+    strain = find_root(_falling, *stop_gradient((theta, *bracket, middle)))
     if settled is not None:
         strain = settled(found.lane, found.low, strain[:, 0])[:, None]
-    strain = finished(_falling, theta, strain)[:, 0]
+    strain = refine_root(_falling, theta, strain)[:, 0]
     rank, count = ranked(found.lane, found.total, lanes)
     table = ((lanes, most), (found.lane, rank))
     return Zeros(
@@ -175,7 +175,7 @@ def carried(live: Pressurized, load: Numbers, strain: Numbers) -> Numbers:
     """
     there = isfinite(strain)
     theta, x = (live, 1.0, load), where(there, strain, 0.0)
-    return where(there, finished(_falling, theta, x), strain)
+    return where(there, refine_root(_falling, theta, x), strain)
 
 
 def first_zero(lanes: Lanes) -> Float[AnyArray, " lane"]:
@@ -199,7 +199,7 @@ def _smallest(found: Zeros) -> Any:
 def _ends(here: Pressurized) -> tuple[Any, Any, Any]:
     """The least and the largest free strain of each lane [-], and the ends of its stretches."""
     free = here.free_strains
-    at_work = library(free)
+    at_work = array_namespace(free)
     low, largest = at_work.min(free, axis=-1), at_work.max(free, axis=-1)
     top = maximum(here.farthest + 0.0 * low, largest)
     kinks = minimum(maximum(here.kinks, low[..., None]), top[..., None])
@@ -209,7 +209,7 @@ def _ends(here: Pressurized) -> tuple[Any, Any, Any]:
 
 def _all_ends(here: Pressurized) -> Any:
     """The ends of each lane's stretches [-] from straight fibers to the end of the domain."""
-    at_work = library(here.free_strains)
+    at_work = array_namespace(here.free_strains)
     none = 0.0 * here.free_strains[..., 0]
     bottom, top = here.nearest + none, here.farthest + none
     kinks = minimum(maximum(here.kinks, bottom[..., None]), top[..., None])

@@ -16,9 +16,9 @@ from typing import Annotated
 
 import typer
 
-from ..core.input_file import watch_inputs
-from ..core.missing import MissingExtraError, missing_extra
-from ..core.visible import visible
+from ..core.errors import MissingExtraError, missing_extra
+from ..io.input_file import watch_inputs
+from ..io.sanitize import sanitize_line
 from .commands.bundle import run as bundle
 from .commands.calibrate import WithNames
 from .commands.calibrate import run as calibrate
@@ -143,7 +143,7 @@ def _warner() -> Callable[..., None]:
 
 def _say(line: str) -> None:
     with contextlib.suppress(OSError):
-        sys.stderr.write(f"{visible(' '.join(line.split()), _LONGEST)}\n")
+        sys.stderr.write(f"{sanitize_line(' '.join(line.split()), _LONGEST)}\n")
 
 
 def _run(arguments: list[str]) -> tuple[int, str]:

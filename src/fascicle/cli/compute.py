@@ -7,7 +7,7 @@ import numpy as np
 
 from ..bundle import Bundle, recruitment
 from ..bundle.own import scheme_used
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..energetics.efficiency import EfficiencyMap, efficiency_map
 from ..results import tables
 from ..results.labelled import Table
@@ -141,4 +141,4 @@ def bundle_efficiency(
 
 def _rising(strains: list[float] | None) -> None:
     if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
-        raise Refused("--strain", "must rise from each value to the next", None)
+        raise InvalidInputError("--strain", "must rise from each value to the next", None)

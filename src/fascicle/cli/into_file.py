@@ -67,8 +67,8 @@ def into(path: str, option: str, overwrite: bool, flag: str) -> Iterator[None]:
     if not path:
         yield
         return
-    from ..core.atomic import check_writable
     from ..files.ours import check_file, replacing
+    from ..io.atomic import check_writable
 
     with refusing(f"{option} "):
         check_writable(path)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.visible import visible
+from ..io.sanitize import sanitize_line
 from .problems import UserError, refusing
 from .telling import telling
 
@@ -51,8 +51,8 @@ class Outputs:
                 check_result_path(out)
                 check_file(out, overwrite, flag)
         if plot is not None:
-            from ..core.atomic import check_writable
             from ..files.ours import check_file
+            from ..io.atomic import check_writable
 
             if Path(plot).suffix.lower() not in _PICTURES:
                 raise UserError(f"--plot {plot!r}: its name must end in {', '.join(_PICTURES)}.")
@@ -137,7 +137,7 @@ def say(line: str, error: bool = False) -> None:
     """Print a `line` [-] that holds words of others: names of files, notes; `error`: whether to
     standard error [-].
     """
-    print(visible(line, _LONGEST), file=sys.stderr if error else sys.stdout)
+    print(sanitize_line(line, _LONGEST), file=sys.stderr if error else sys.stdout)
 
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..core.visible import revealed, visible
+from ..io.sanitize import escape_invisible, sanitize_line
 
 
 _LONGEST = 2000  # characters of a line that holds words of others
@@ -34,8 +34,8 @@ def show(
     from rich.table import Table
     from rich.text import Text
 
-    title, caption = visible(title, _LONGEST), visible(caption, _LONGEST)
-    heads = [revealed(head) for head in heads]
+    title, caption = sanitize_line(title, _LONGEST), sanitize_line(caption, _LONGEST)
+    heads = [escape_invisible(head) for head in heads]
     console = Console(file=sys.stdout, highlight=False, markup=False)
     spaces = 3  # between two columns
     widths = _widths(heads, rows)
@@ -65,7 +65,9 @@ def listed(text: str) -> str:
     from textwrap import wrap
 
     width = shutil.get_terminal_size().columns - 3 if sys.stdout.isatty() else 10**6
-    return "- " + "\n  ".join(wrap(visible(text, _LONGEST), max(width, 20), break_long_words=False))
+    return "- " + "\n  ".join(
+        wrap(sanitize_line(text, _LONGEST), max(width, 20), break_long_words=False)
+    )
 
 
 def _folded(head: str) -> str:
@@ -99,7 +101,7 @@ def _widths(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
 
 def _seen(entry: str) -> str:
     """An entry of which every sign can be seen, line by line."""
-    return "\n".join(visible(line) for line in entry.split("\n"))
+    return "\n".join(sanitize_line(line) for line in entry.split("\n"))
 
 
 def decimals(values: Any) -> int:

@@ -8,8 +8,8 @@ from typing import NoReturn
 
 import typer
 
-from ..core.refused import Refused
-from ..core.visible import visible
+from ..core.errors import InvalidInputError
+from ..io.sanitize import sanitize_line
 
 
 class UserError(Exception):
@@ -30,7 +30,7 @@ INCOMPLETE = 3  # what a command ends with that gave what it could, and that was
 def fall_short(told: str) -> NoReturn:
     """End a command that gave what it could, and say what it couldn't; `told`: one line [-]."""
     sys.stdout.flush()  # in this order, also where both go to one place
-    sys.stderr.write(f"{visible(told, 2000)}\n")
+    sys.stderr.write(f"{sanitize_line(told, 2000)}\n")
     raise typer.Exit(INCOMPLETE)
 
 
@@ -59,7 +59,7 @@ def as_typed(error: Exception, options: Mapping[str, str]) -> str:
     **Returns:** the line [-].
     """
     text, cause = str(error), error.__cause__
-    if not isinstance(cause, Refused):
+    if not isinstance(cause, InvalidInputError):
         return text
     options = {**options, **{more: options[one] for more, one in _SAME.items() if one in options}}
     if cause.argument == "supply_pressure" and cause.value is None and "supply" in options:

@@ -9,7 +9,7 @@ from typing import Any
 
 import wrapt
 
-from ..core.xla_flags import enable_whole_loops
+from ..core.jax_settings import enable_whole_loops
 from .interrupts import at_once
 from .problems import UserError
 from .telling import telling
@@ -38,9 +38,9 @@ def _load() -> None:
         _check_platforms()
     wrapt.register_post_import_hook(_configure, "jax")
     with at_once():
-        from ..core.limits import pascals_meant
+        from ..core.validation import disable_pressure_unit_warning
         from ..files import reading  # noqa: F401 and with it all laws
-    pascals_meant()  # options and files have their units
+    disable_pressure_unit_warning()  # options and files have their units
 
 
 def _configure(jax: Any) -> None:

@@ -4,7 +4,7 @@ import contextlib
 import sys
 from collections.abc import Callable, Iterator
 
-from ..core.visible import visible
+from ..io.sanitize import sanitize_line
 
 
 _told: list[Callable[[str], None]] = []  # what is shown now, if anything
@@ -32,8 +32,8 @@ def telling(first: str) -> Iterator[Callable[[str], None]]:
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     console = Console(file=sys.stderr, markup=False)
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(visible(first), total=None)
-        _told.append(lambda what: bar.update(task, description=visible(what)))
+        task = bar.add_task(sanitize_line(first), total=None)
+        _told.append(lambda what: bar.update(task, description=sanitize_line(what)))
         try:
             yield _told[-1]
         finally:

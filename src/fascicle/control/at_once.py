@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, minimum, where
-from ..core.checks import positive
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace, minimum, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.types import Batch, Numbers
+from ..core.validation import check_positive
 from .units import Asked, Now, Units, shared
 
 
@@ -44,7 +44,7 @@ class Batched(Module):
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work, n = library(asked.strains, asked.force), units.counts
+        at_work, n = array_namespace(asked.strains, asked.force), units.counts
         places = np.arange(units.many)
         top = minimum(asked.supply, units.branches.top)
         few = 1.0 + at_work.sum(where(asked.force > now.largest, 1.0, 0.0))
@@ -72,7 +72,9 @@ class EnergyAware(Module):
     def begin(self, units: Units) -> Chosen:
         """The memory [-] to begin with, for so many `units` [-]."""
         if units.many > _MOST:
-            raise Refused("policy", f"energy_aware takes at most {_MOST} units", units.many)
+            raise InvalidInputError(
+                "policy", f"energy_aware takes at most {_MOST} units", units.many
+            )
         return Chosen(0.0 * units.counts[0])
 
     def __call__(
@@ -81,7 +83,7 @@ class EnergyAware(Module):
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work = library(asked.strains, asked.force)
+        at_work = array_namespace(asked.strains, asked.force)
         top = minimum(asked.supply, units.branches.top)
         sets = np.array([[m >> i & 1 for i in range(units.many)] for m in range(1, 2**units.many)])
         none = 0.0 * asked.strains
@@ -100,7 +102,7 @@ class EnergyAware(Module):
 
 def batch(band: Any) -> Batched:
     """`Batched` [-] with a `band` [N]."""
-    return Batched(positive(band, "band", "N"))
+    return Batched(check_positive(band, "band", "N"))
 
 
 def energy_aware(band: Any) -> EnergyAware:

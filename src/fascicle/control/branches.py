@@ -23,8 +23,8 @@ from jax import lax
 
 from ..bundle.bundle import Bundle
 from ..bundle.own import supply_of
-from ..core.arrays import library, maximum, minimum, sqrt, where
-from ..core.modules import Module
+from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, where
+from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Numbers, Values, Whole
 from ..dynamics.muscles import Tables
@@ -106,7 +106,7 @@ class Branches(Module):
     def onset(self, strain: Numbers) -> Numbers:
         """$p_{on}$ [Pa] at a `strain` [-]: the top where no pressure up to it gains."""
         j, w, which = self._column(strain)
-        onsets = library(strain).asarray(self.onsets)
+        onsets = array_namespace(strain).asarray(self.onsets)
         between = (1 - w) * onsets[which, j] + w * onsets[which, j + 1]
         some = between > 0
         empty = self.force(0.0 * strain, strain)
@@ -128,7 +128,7 @@ class Branches(Module):
         both between the table's strains.
         """
         j, w, which = self._column(strain)
-        rows = (library(strain).asarray(row) for row in (self.dips, self.dip_pressures))
+        rows = (array_namespace(strain).asarray(row) for row in (self.dips, self.dip_pressures))
         depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
         return depth, at
 
@@ -143,7 +143,7 @@ class Branches(Module):
         **Returns:** pressures [Pa] and statuses: 0 where less is asked than an empty muscle's, or
         where it can't gain, the top where more.
         """
-        at_work = library(force, strain)
+        at_work = array_namespace(force, strain)
         force, strain = at_work.broadcast_arrays(force, strain)
         none = 0.0 * strain
         empty, full = self.force(none, strain), self.force(none + self.top, strain)
@@ -173,7 +173,7 @@ class Branches(Module):
 
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
         """Place of a `strain` [-] among the columns [-], how far into it [-], and whose it is."""
-        at_work = library(strain)
+        at_work = array_namespace(strain)
         low, high = self.muscles.table.strains
         columns = self.onsets.shape[-1] - 1
         x = minimum(maximum((strain - low) / (high - low) * columns, 0.0), float(columns))
@@ -184,9 +184,9 @@ class Branches(Module):
         j, w, which = self._column(strain)
         rows = self.pressures.shape[-1] - 1
         x = sqrt(share) * rows
-        i = minimum(library(share).floor(x), rows - 1.0).astype(int)
+        i = minimum(array_namespace(share).floor(x), rows - 1.0).astype(int)
         u = x - i
-        p = library(share).asarray(self.pressures)
+        p = array_namespace(share).asarray(self.pressures)
         left, right = (
             (1 - u) * p[which, j + side, i] + u * p[which, j + side, i + 1] for side in (0, 1)
         )
@@ -195,7 +195,7 @@ class Branches(Module):
 
 def _repeated(step: Callable[[Numbers], Numbers], begin: Numbers, times: int) -> Numbers:
     """`step` done so many `times` [-]: as a loop, which is compiled once, where JAX is at work."""
-    if library(begin) is np:
+    if array_namespace(begin) is np:
         for _ in range(times):
             begin = step(begin)
         return begin

@@ -35,8 +35,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from ..core.arrays import library, maximum, minimum, where
-from ..core.modules import Module, static
+from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..dynamics.hysteresis import AbstractHysteresis
@@ -250,7 +250,7 @@ class Cascade(Module):
         speed = way / (self.dt * self.every)
         at = plant.muscles.at(P, plant.strains(reference))
         slid = self.friction.slid(memory.reckoned, way, speed, (P, P), at.force_by_pressure)
-        return library(P).sum(plant.counts * per * slid.force), slid.kept
+        return array_namespace(P).sum(plant.counts * per * slid.force), slid.kept
 
     def _delayed(self, memory: Memory, seen: Measurement) -> tuple[Measurement, Numbers]:
         """What was measured a delay ago, and what is on its way."""

@@ -24,9 +24,9 @@ import numpy as np
 
 from ..bundle.bundle import Bundle
 from ..bundle.own import supply_of
-from ..core.checks import finite
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
+from ..core.validation import check_finite
 from .branches import Branches
 from .transition import Transition, known_unit, own_strain, transition
 from .units import SLACK
@@ -63,16 +63,16 @@ class Path(NamedTuple):
         **Raises:** `ValueError` for times that don't rise, and rows that don't fit.
         """
         t, F = (
-            np.atleast_1d(finite(x, n, u))
+            np.atleast_1d(check_finite(x, n, u))
             for x, n, u in ((time, "time", "s"), (force, "force", "N"))
         )
         if t.ndim != 1 or len(t) < 2 or np.any(np.diff(t) <= 0):
-            raise Refused("time", "must be a row of at least two that rise", None)
+            raise InvalidInputError("time", "must be a row of at least two that rise", None)
         if F.shape != t.shape:
-            raise Refused("force", "must have one for each time", np.size(F))
-        eps = finite(strain, "strain", "-")
+            raise InvalidInputError("force", "must have one for each time", np.size(F))
+        eps = check_finite(strain, "strain", "-")
         if np.ndim(eps) and np.shape(eps) != t.shape:
-            raise Refused("strain", "must be one, or one for each time", np.size(eps))
+            raise InvalidInputError("strain", "must be one, or one for each time", np.size(eps))
         return cls(t, F, np.broadcast_to(eps, t.shape) + 0.0)
 
 

@@ -31,10 +31,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, maximum, minimum, where
-from ..core.checks import positive
-from ..core.modules import Module
+from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.module import Module
 from ..core.types import Batch, Numbers
+from ..core.validation import check_positive
 from .units import SLACK, Asked, Now, Units, hand_over_times, shared
 
 
@@ -73,7 +73,7 @@ class InTurn(Module):
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work = library(asked.strains, asked.force)
+        at_work = array_namespace(asked.strains, asked.force)
         places = at_work.arange(units.many)
         top = minimum(asked.supply, units.branches.top)
         parked = minimum(now.onset + _ABOVE * top, top)
@@ -131,7 +131,7 @@ class InTurn(Module):
         """
 
         def of(which: Numbers, values: Numbers) -> Numbers:
-            return library(values).sum(which * values, axis=-1)
+            return array_namespace(values).sum(which * values, axis=-1)
 
         reserve, dip = of(last, now.largest) - asked.force, of(next_, now.dip)
         rise = maximum(asked.rate, 0.0)
@@ -147,7 +147,7 @@ class InTurn(Module):
 def _turn(**ways: float) -> Any:
     def made(band: Any) -> InTurn:
         known = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | ways
-        return InTurn(positive(band, "band", "N"), *map(np.float64, known.values()))
+        return InTurn(check_positive(band, "band", "N"), *map(np.float64, known.values()))
 
     return made
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
 from ..dynamics.account import ACCOUNT
@@ -89,7 +89,7 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
     seen = run.seen
     wanted = np.asarray(reference, float)
     if wanted.shape != (len(run.time) - 1,):
-        raise Refused("reference", "must have one for each step", wanted.size)
+        raise InvalidInputError("reference", "must have one for each step", wanted.size)
     # what a step led to is compared with what was demanded at its beginning
     y = done(controller, run)[1:]
     reach = reachable(controller, seen, wanted)

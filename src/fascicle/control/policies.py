@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import one_of, positive, within
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
 from .at_once import batch, energy_aware
 from .cascade import DAMPED, FASTEST, Cascade, Gains
@@ -68,33 +68,35 @@ def cascade(
 
     **Raises:** `ValueError`, one line, for what can't be.
     """
-    make = POLICIES[one_of(policy, POLICIES, "policy")]
-    one_of(of, OF, "of")
+    make = POLICIES[check_choice(policy, POLICIES, "policy")]
+    check_choice(of, OF, "of")
     if plant.commands != plant.units:
         rule = "must have one command for each motor unit"
-        raise Refused("spool", rule, plant.commands, "take Direct or Servovalve")
+        raise InvalidInputError("spool", rule, plant.commands, "take Direct or Servovalve")
     if of == "position" and isinstance(plant.load, PrescribedMotion):
-        raise Refused("of", "must be force where the motion is given", of)
+        raise InvalidInputError("of", "must be force where the motion is given", of)
     closed = (True, False)
     for name, value in gains._asdict().items():
         if name != "pressure_time":
-            within(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
-    step = float(positive(dt, "dt", "s", "such as 0.001"))
+            check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
+    step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     every = _steps(
-        positive(step if sample_time is None else sample_time, "sample_time", "s"),
+        check_positive(step if sample_time is None else sample_time, "sample_time", "s"),
         step,
         "sample_time",
     )
-    late = within(delay, 0.0, np.inf, "delay", "s", closed=closed)
+    late = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
     waits = _steps(late, step, "delay") if late else 0
     supply = plant.supply_pressure
     highest = supply
     if highest_pressure is not None:
         why = "of the supply"
         highest = float(
-            within(highest_pressure, 0.0, supply, "highest_pressure", "Pa", why, (False, True))
+            check_interval(
+                highest_pressure, 0.0, supply, "highest_pressure", "Pa", why, (False, True)
+            )
         )
-    limit = within(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
+    limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
     units = tuple(Units.of(plant, side) for side in range(len(plant.bundles)))
     if band is None:
         band = _BAND * max(
@@ -110,12 +112,14 @@ def cascade(
         one.begin(unit)
     derived = gains.pressure_time is None
     settles = FASTEST if derived else gains.pressure_time
-    settles = positive(settles, "pressure_time", "s")
+    settles = check_positive(settles, "pressure_time", "s")
     gains = Gains(*map(np.float64, gains._replace(pressure_time=settles)))
     made = Cascade(
         plant, units, each, gains, np.float64(highest), np.float64(limit),
         plant.hysteresis if compensate else None,
-        np.float64(within(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)),
+        np.float64(
+            check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
+        ),
         np.float64(step), of, waits, every,
     )  # fmt: skip
     if derived:
@@ -130,5 +134,5 @@ def _steps(value: Any, dt: float, name: str) -> int:
     many = round(float(value) / dt)
     if many < 1 or abs(many - float(value) / dt) > 1e-6 * many:
         rule = f"must be whole steps of {dt:g} s"
-        raise Refused(name, rule, float(value), shown=f"{float(value):g} s")
+        raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
     return many

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import positive, within
 from ..core.types import Numbers, Values
+from ..core.validation import check_interval, check_positive
 from .sines import Sines
 
 
@@ -51,11 +51,11 @@ def shaft_work(
 
     **Raises:** `ValueError` for values that can't be.
     """
-    P_s = float(positive(supply_pressure, "supply_pressure", "Pa"))
-    rho = float(positive(density, "density", "kg/m³"))
-    eta = float(within(efficiency, 0.0, 1.0, "efficiency", "-", closed=(False, True)))
+    P_s = float(check_positive(supply_pressure, "supply_pressure", "Pa"))
+    rho = float(check_positive(density, "density", "kg/m³"))
+    eta = float(check_interval(efficiency, 0.0, 1.0, "efficiency", "-", closed=(False, True)))
     b, c = (
-        float(within(value, 0.0, np.inf, name, "Pa", closed=(True, False)))
+        float(check_interval(value, 0.0, np.inf, name, "Pa", closed=(True, False)))
         for name, value in (("band", band), ("margin", margin))
     )
     periods = found.time * found.frequencies

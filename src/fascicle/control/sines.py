@@ -18,9 +18,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..core.checks import positive, within
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import check_interval, check_positive
 from ..dynamics import Plant, State, simulate
 from ..dynamics.pace import pace
 from ..dynamics.seen import STATUS, Seen
@@ -77,16 +77,18 @@ def sines(
 
     **Raises:** `ValueError` for a controller of force, and periods that aren't whole.
     """
-    A = np.atleast_1d(positive(amplitudes, "amplitudes", "SI"))
-    f = np.atleast_1d(positive(frequencies, "frequencies", "1/s"))
-    middle = float(within(mean, -np.inf, np.inf, "mean", "SI"))
-    span, dt = float(positive(time, "time", "s")), float(controller.dt)
+    A = np.atleast_1d(check_positive(amplitudes, "amplitudes", "SI"))
+    f = np.atleast_1d(check_positive(frequencies, "frequencies", "1/s"))
+    middle = float(check_interval(mean, -np.inf, np.inf, "mean", "SI"))
+    span, dt = float(check_positive(time, "time", "s")), float(controller.dt)
     if controller.of != "position":
-        raise Refused("controller", "must be one of position", controller.of)
+        raise InvalidInputError("controller", "must be one of position", controller.of)
     whole = np.abs(f * span - np.round(f * span)) < 1e-9
     if not np.all(whole & (f * span > 0.5)):
         rule = f"must have whole periods in {span:g} s"
-        raise Refused("frequencies", rule, float(f[~whole][0]) if np.any(~whole) else float(f[0]))
+        raise InvalidInputError(
+            "frequencies", rule, float(f[~whole][0]) if np.any(~whole) else float(f[0])
+        )
     steps = round((_GROWS + span) / dt)
     now = dt * np.arange(steps)
     grown = np.minimum(now / _GROWS, 1.0)

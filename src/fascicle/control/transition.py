@@ -30,10 +30,9 @@ import numpy as np
 from ..bundle.bundle import Bundle
 from ..bundle.own import supply_of
 from ..bundle.plates import muscle_strain
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval
 
 
 _GRID = 129  # pressures at which a dip and its end are looked for, even in √p
@@ -70,7 +69,7 @@ def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Bat
     **Raises:** `ValueError` for a unit that doesn't exist, and values off the domain.
     """
     known_unit(bundle, unit, first=1)
-    P = within(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
+    P = check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
     return _gain(bundle, unit, P, own_strain(bundle, unit, strain))
 
 
@@ -128,8 +127,8 @@ def needed_reserve(
 
     **Raises:** `ValueError` as `transition` does, and for a `time` below zero.
     """
-    t_c = within(time, 0.0, np.inf, "time", "s", closed=(True, False))
-    rate = within(force_rate, -np.inf, np.inf, "force_rate", "N/s")
+    t_c = check_interval(time, 0.0, np.inf, "time", "s", closed=(True, False))
+    rate = check_interval(force_rate, -np.inf, np.inf, "force_rate", "N/s")
     supply = supply_of(bundle, supply_pressure)
     found = transition(bundle, strain, unit, supply)
     rising = rate * t_c
@@ -149,7 +148,7 @@ def known_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
     """Refuse a `unit` [-] of the `bundle` [-] that isn't among the `first` [-] to the last."""
     many = len(bundle.motor_units)
     if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= many:
-        raise Refused("unit", f"must be a whole number in [{first}, {many}]", unit)
+        raise InvalidInputError("unit", f"must be a whole number in [{first}, {many}]", unit)
 
 
 def own_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:

@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import absolute, library, maximum, minimum, where
-from ..core.modules import Module
+from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
+from ..core.module import Module
 from ..core.types import Batch, Numbers, Whole
 from ..dynamics import Plant
 from .branches import Branches
@@ -113,7 +113,7 @@ class Now(NamedTuple):
 
 def looked(units: Units, asked: Asked) -> Now:
     """What `units` [-] can do of what is `asked` [-]."""
-    at_work, eps, n = library(asked.strains), asked.strains, units.counts
+    at_work, eps, n = array_namespace(asked.strains), asked.strains, units.counts
     none = 0.0 * eps
     top = minimum(asked.supply, units.branches.top) + none
     empty, full = n * units.branches.force(none, eps), n * units.branches.force(top, eps)
@@ -146,7 +146,7 @@ def _climb(units: Units, asked: Asked, end: Numbers) -> Numbers:
     held = units.content(ends, asked.strains)
     flow, _ = units.flows((ends[1:] + ends[:-1]) / 2, asked.supply + 0.0 * here)
     legs = maximum(held[1:] - held[:-1], 0.0) / maximum(flow, 1e-12)
-    return library(legs).sum(legs, axis=0)
+    return array_namespace(legs).sum(legs, axis=0)
 
 
 def shared(
@@ -157,7 +157,7 @@ def shared(
     aren't there yet, what is `felt` of those that are throttled last is given instead of `low`
     [Pa].
     """
-    at_work, n = library(asked.strains), units.counts
+    at_work, n = array_namespace(asked.strains), units.counts
     at_low = n * units.branches.force(low if felt is None else felt, asked.strains)
     at_high = where(now.gains, n * units.branches.force(high, asked.strains), now.empty)
     at_high = maximum(at_high, at_low)
@@ -177,7 +177,7 @@ def hand_over_times(now: Now, before: Numbers, unit: Numbers) -> tuple[Batch, Ba
     """
 
     def of(which: Numbers, values: Numbers) -> Batch:
-        return library(values).sum(which * values, axis=-1)
+        return array_namespace(values).sum(which * values, axis=-1)
 
     t_c = of(unit, now.time)
     part = minimum(of(unit, now.dip_pressure) / maximum(of(unit, now.onset), 1.0), 1.0)

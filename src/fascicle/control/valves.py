@@ -22,10 +22,10 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..core.limits import Range
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.types import Batch, Numbers
+from ..core.validation import Range
 from ..dynamics import Plant
 from ..fluid import AIR, AbstractChamber, Gas
 from ..fluid.entry import above_zero, part, room_pressure, temperature
@@ -127,9 +127,11 @@ def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     for one in found:
         if not isinstance(one, AbstractValves):
             rule = "must be GasValves, OilValves, a Plant, or a list of one for each unit"
-            raise Refused("valves", rule, one, shown=type(one).__name__)
+            raise InvalidInputError("valves", rule, one, shown=type(one).__name__)
     if len(found) != units:
-        raise Refused("valves", f"must be one for each of the {units} motor units", len(found))
+        raise InvalidInputError(
+            "valves", f"must be one for each of the {units} motor units", len(found)
+        )
     return found
 
 

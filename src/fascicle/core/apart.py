@@ -9,7 +9,7 @@ slower. A GPU merges otherwise, and is left to it.
 from collections.abc import Callable
 from typing import Any
 
-from .arrays import imported_jax, is_jax_array
+from .array_namespace import imported_jax, is_jax_array
 
 
 def apart(function: Callable[..., Any], *arrays: Any) -> Any:

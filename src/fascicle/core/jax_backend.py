@@ -12,13 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import eval_shape, jit, lax  # noqa: F401 others take them from here
 
-from .arrays import absolute, both, either, where
-from .roots import _NEAR, _TINY, STEPS, Residual, begun, guarded, stepped
+from .array_namespace import absolute, logical_and, logical_or, where
+from .roots import _NEAR, _TINY, STEPS, Residual, guarded, init_search, search_step
 from .types import Batch, BatchLike, BoolBatch
 
 
 @cache
-def compiled(law: Callable[..., Any], static: tuple = ()) -> Any:
+def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
     """A `law` [-] compiled by JAX, with its `static` arguments [-] bound."""
     return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
 
@@ -47,14 +47,14 @@ def search_root(
     low, high, start = (
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
-    state = begun(low, high, start)
+    state = init_search(low, high, start)
     if soon:
         x, ended = _newton_steps(residual, theta, low, high, start, soon)
         state = state._replace(x=where(ended, x, start), ended=ended)
 
     def step(state: tuple) -> tuple:
         n, search = state
-        return n + 1, stepped(search, *residual(theta, search.x))
+        return n + 1, search_step(search, *residual(theta, search.x))
 
     def keep_going(state: tuple) -> BoolBatch:
         n, search = state
@@ -80,10 +80,12 @@ def _newton_steps(
         value, slope = residual(theta, x)
         step = -value / guarded(slope != 0, slope)
         new, length = x + step, absolute(step)
-        halved = either(length < 0.5 * absolute(x - before), length <= (1 + absolute(x)) * _TINY)
-        inside = both(both(new >= low, new <= high), x <= high)
-        sloped = both(slope < 0, slope > -np.inf)
-        return x, where(both(both(sloped, inside), halved), new, lost)
+        halved = logical_or(
+            length < 0.5 * absolute(x - before), length <= (1 + absolute(x)) * _TINY
+        )
+        inside = logical_and(logical_and(new >= low, new <= high), x <= high)
+        sloped = logical_and(slope < 0, slope > -np.inf)
+        return x, where(logical_and(logical_and(sloped, inside), halved), new, lost)
 
-    before, x = lax.fori_loop(0, steps, step, (begun(low, high, start).before, start))
-    return x, both(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)
+    before, x = lax.fori_loop(0, steps, step, (init_search(low, high, start).before, start))
+    return x, logical_and(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)

@@ -19,7 +19,7 @@ _WENT: dict[str, str] = {}
 _LENT: dict[str, str] = {}  # names that a package has from one of its modules
 
 
-def lazily(
+def attach_lazy(
     package: str, homes: Mapping[str, str], went: Mapping[str, str] | None = None
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package.
@@ -50,7 +50,7 @@ def lazily(
     return found, lambda: sorted({*vars(sys.modules[package]), *homes})
 
 
-def from_above(name: str) -> Any:
+def import_late(name: str) -> Any:
     """What is called `name` [-], as "plot.objects.of_muscle", in a layer above the caller's: a
     method hands on to it, and only then is it loaded.
     """
@@ -94,7 +94,7 @@ def _imported(name: str, package: str) -> ModuleType:
     try:
         return importlib.import_module(name, package)
     except ModuleNotFoundError as error:
-        from .missing import missing_extra
+        from .errors import missing_extra
 
         raise missing_extra(error) or error from None
 

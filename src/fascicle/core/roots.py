@@ -12,19 +12,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .arrays import (
+from .array_namespace import (
     absolute,
     array_namespace,
-    both,
-    either,
     imported_jax,
-    is_jax_array,
     jax_backend,
+    logical_and,
+    logical_or,
     maximum,
     minimum,
     where,
 )
-from .tree import tree_map
+from .module import stop_gradient
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -33,7 +32,6 @@ _WRITTEN_OUT = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
 
-_NEVER_MOVES = frozenset({float, np.float64, np.ndarray})  # looked at before any tree is
 
 Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
 
@@ -60,11 +58,11 @@ def root(
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and two more Newton steps take it to rounding and carry its derivatives.
     """
-    found = searched(residual, *still((theta, low, high, start)), soon=soon)
-    return finished(residual, theta, found)
+    found = find_root(residual, *stop_gradient((theta, low, high, start)), soon=soon)
+    return refine_root(residual, theta, found)
 
 
-def searched(
+def find_root(
     residual: Residual,
     theta: Any,
     low: BatchLike,
@@ -91,18 +89,18 @@ def searched(
         return jax_backend().search_root(residual, theta, low, high, start, soon)
     if hasattr(xp, "searched"):
         return xp.searched(partial(residual, theta), low, high, start)
-    state = begun(low, high, start)
+    state = init_search(low, high, start)
     for _ in range(_WRITTEN_OUT):
-        state = stepped(state, *residual(theta, state.x))
+        state = search_step(state, *residual(theta, state.x))
     return xp.still(state.x)
 
 
-def finished(residual: Residual, theta: Any, x: Batch) -> Batch:
+def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     """Two Newton steps from about a root `x`: to rounding, and with its derivatives by `theta`."""
-    return polished(residual, theta, polished(residual, theta, x))
+    return newton_correct(residual, theta, newton_correct(residual, theta, x))
 
 
-def polished(residual: Residual, theta: Any, x: Batch) -> Batch:
+def newton_correct(residual: Residual, theta: Any, x: Batch) -> Batch:
     """One Newton step from a root `x`, which carries its derivatives by `theta`."""
     value, slope = residual(theta, x)
     some = slope != 0
@@ -125,26 +123,30 @@ class Search(NamedTuple):
     ended: BoolBatch
 
 
-def begun(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
+def init_search(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
     """A search that begins in a bracket, at `start`."""
     return Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
-def stepped(search: Search, value: Batch, slope: Batch) -> Search:
+def search_step(search: Search, value: Batch, slope: Batch) -> Search:
     """The `search` a step later; `value` and `slope` are the residual's where it is."""
     x, before, a, b, ended = search
     a, b = where(value > 0, x, a), where(value > 0, b, x)
-    sloped = both(slope != 0, absolute(slope) < np.inf)  # bisect where it is flat or vertical
+    sloped = logical_and(
+        slope != 0, absolute(slope) < np.inf
+    )  # bisect where it is flat or vertical
     step = where(value == 0, 0.0, where(sloped, -value / guarded(sloped, slope), 2 * (b - a)))
     length = absolute(step)
     size = 1 + absolute(x)
     halved = length < 0.5 * absolute(x - before)
-    inside = both(both(x + step >= a, x + step <= b), halved)
+    inside = logical_and(logical_and(x + step >= a, x + step <= b), halved)
     # within rounding also where it is just outside
-    newton = either(inside, length <= size * _TINY)
+    newton = logical_or(inside, length <= size * _TINY)
     new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
-    near = either(both(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY)
-    return Search(where(ended, x, new), x, a, b, either(ended, near))
+    near = logical_or(
+        logical_and(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY
+    )
+    return Search(where(ended, x, new), x, a, b, logical_or(ended, near))
 
 
 def _searched(
@@ -157,27 +159,9 @@ def _searched(
 ) -> Batch:
     value, slope = first
     low, high, start = (x + 0.0 * value for x in (low, high, start))
-    search = stepped(begun(low, high, start), value, slope)
+    search = search_step(init_search(low, high, start), value, slope)
     for _ in range(STEPS):
         if np.all(search.ended):
             break
-        search = stepped(search, *residual(theta, search.x))
+        search = search_step(search, *residual(theta, search.x))
     return search.x
-
-
-def still(values: Any) -> Any:
-    """The same `values`, a tree of arrays, without derivatives."""
-    if type(values) in _NEVER_MOVES:
-        return values
-    if type(values) is tuple:
-        return tuple(map(still, values))
-    return tree_map(_stopped, values)
-
-
-def _stopped(x: Any) -> Any:
-    xp = array_namespace(x)
-    if xp is np:
-        return x
-    if is_jax_array(x):
-        return jax_backend().stop_gradient(x)
-    return xp.still(x)

@@ -9,7 +9,7 @@ are ten times as fast on a CPU. XLA reads that when it first compiles: import th
 """
 
 # ruff: noqa: E402, I001 the option comes before all that imports JAX
-from ..core.xla_flags import enable_whole_loops
+from ..core.jax_settings import enable_whole_loops
 
 enable_whole_loops()
 

@@ -10,7 +10,7 @@ slope of a muscle's volume jumps where it collapses, the volume doesn't.
 **Source:** first and second law for open systems: Bejan (2016).
 """
 
-from ..core.arrays import library, log, maximum, where
+from ..core.array_namespace import array_namespace, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Numbers
 from ..fluid.chamber import row
@@ -61,7 +61,7 @@ def powers(plant: Plant, state: State, now: Moment) -> Numbers:
         heat,
         -V * P_dot,
     )
-    at_work = library(v, P)
+    at_work = array_namespace(v, P)
     # of all units in one sum, which takes a fraction of the time
     together = at_work.sum(row(*of_fluid), axis=-2)
     of_load = row(
@@ -85,7 +85,7 @@ def pressed(plant: Plant, now: Moment) -> Numbers:
         "displaced": (P + plant.chamber.room_pressure) * V,
     }
     none = 0.0 * P
-    return library(P, V).sum(row(*(more.get(name, none) for name in ACCOUNT)), axis=-2)
+    return array_namespace(P, V).sum(row(*(more.get(name, none) for name in ACCOUNT)), axis=-2)
 
 
 def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:
@@ -127,7 +127,7 @@ def stored(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Numbers:
     [SI] that is so `now` [SI].
     """
     q, v, load, P, at = now.position, now.velocity, plant.load, now.fluid.pressures, now.fluid.at
-    at_work = library(q, P)
+    at_work = array_namespace(q, P)
     add, kept = at_work.sum, 0.0 * q
     if plant.hysteresis is not None:
         forces = slid(plant, anchor, q, P).kept

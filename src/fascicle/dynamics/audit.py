@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..fluid import AdiabaticWall
 from .account import ACCOUNT, STORES
 from .hysteresis import MaxwellSlip
@@ -134,9 +134,11 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     if not plant.chamber.physical:
         kind = type(plant.chamber).__name__
         remedy = "take AdiabaticWall or Isothermal"
-        raise Refused("chamber", f"{kind} is a fit that keeps no balance", kind, remedy, shown="")
+        raise InvalidInputError(
+            "chamber", f"{kind} is a fit that keeps no balance", kind, remedy, shown=""
+        )
     if np.ndim(run.time) != 1 or np.ndim(run.account) != 2:
-        raise Refused("run", "must be one run", np.shape(run.account), shown="a batch")
+        raise InvalidInputError("run", "must be one run", np.shape(run.account), shown="a batch")
     rows = np.asarray(run.account)
     a: dict[str, Any] = dict(zip(ACCOUNT, rows[-1] - rows[0], strict=True))
     most: dict[str, Any] = dict(zip(ACCOUNT, np.abs(rows - rows[0]).max(axis=0), strict=True))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from jax import lax
 
-from ..core.arrays import absolute, library, maximum
+from ..core.array_namespace import absolute, array_namespace, maximum
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid.chamber import Balance
@@ -76,7 +76,7 @@ class Filled(NamedTuple):
         """$\\dot P$ [Pa/s], equation (T4), of chambers that change by `still` [SI] in a volume that
         stays, at a `strain_rate` [1/s].
         """
-        at_work = library(still, strain_rate)
+        at_work = array_namespace(still, strain_rate)
         flowing = at_work.sum(self.balance.by_state * still, axis=-1)
         push = flowing + self.moved * self.by_strain * strain_rate
         return -push / self._steep(self.rise)
@@ -111,7 +111,7 @@ def joined(
     """
     V, by_strain, by_pressure = volumes
     g = plant.chamber.balance(chambers, pressures, V)
-    along = library(g.by_state).sum(
+    along = array_namespace(g.by_state).sum(
         g.by_state * plant.chamber.per_volume_rate(chambers, pressures), axis=-1
     )
     return Filled(pressures, at, V, by_strain, by_pressure, g, along + g.by_volume)
@@ -129,7 +129,7 @@ def settled(
         # half of the way to no fluid at all at most
         return maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2), None
 
-    if library(chambers, strains, near) is np:
+    if array_namespace(chambers, strains, near) is np:
         for _ in range(steps):
             near, _ = stepped(near, None)
         return near

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.arrays import where
+from ..core.array_namespace import where
 from ..core.types import Batch, Numbers
 from .plant import Plant
 from .state import State

@@ -18,7 +18,7 @@ pressure is set right, the wall works along.
 
 from typing import NamedTuple
 
-from ..core.arrays import library, maximum
+from ..core.array_namespace import array_namespace, maximum
 from ..core.types import Batch, Numbers
 from ..fluid import AbstractChamber
 from .filling import joined, spanned
@@ -81,7 +81,7 @@ def let_go(plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps:
     last = P - before
     V = now.volume + now.by_pressure * last
     s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
-    add, way = library(P).sum, near - P
+    add, way = array_namespace(P).sum, near - P
     work = (V_0 + V) / 2 * way
     conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * way
     return LetGo(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))

@@ -38,11 +38,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import absolute, exp, library, maximum, minimum, where
-from ..core.checks import positive, within
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.array_namespace import absolute, array_namespace, exp, maximum, minimum, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import check_interval, check_positive
 
 
 class Slid(NamedTuple):
@@ -115,10 +115,10 @@ class MaxwellSlip(AbstractHysteresis):
 
         **Raises:** `ValueError` for numbers that can't be, and for unlike many.
         """
-        self.stiffness = np.atleast_1d(positive(stiffness, "stiffness", "N/m"))
+        self.stiffness = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
         self.slip_force = np.atleast_1d(_from_zero(slip_force, "slip_force", "N"))
         if np.shape(self.stiffness) != np.shape(self.slip_force):
-            raise Refused(
+            raise InvalidInputError(
                 "slip_force", "must have one for each spring", np.size(self.slip_force),
                 f"`stiffness` has {np.size(self.stiffness)}",
             )  # fmt: skip
@@ -154,7 +154,7 @@ class MaxwellSlip(AbstractHysteresis):
         now = minimum(maximum(kept + k * way[..., None], -f), f)
         # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
         lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
-        add = library(now).sum
+        add = array_namespace(now).sum
         return Slid(now, add(now, axis=-1), add(lost, axis=-1))
 
     def loop_width(self, there: Batch, back: Batch, pressure: Batch) -> Batch:
@@ -172,11 +172,11 @@ class MaxwellSlip(AbstractHysteresis):
         f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
         a = minimum(f, k * (there + back) / 2)  # a short stroke bends some springs, and no more
         wide = minimum(k * there, 2 * a) + minimum(k * back, 2 * a) - 2 * a
-        return library(wide).sum(wide, axis=-1)
+        return array_namespace(wide).sum(wide, axis=-1)
 
     def stored(self, kept: Numbers) -> Batch:
         """$\\sum z_j^2/(2 k_j)$ [J] for its forces `kept` [N]."""
-        return library(kept).sum(kept**2 / (2 * self.stiffness), axis=-1)
+        return array_namespace(kept).sum(kept**2 / (2 * self.stiffness), axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """None [W] that its way doesn't tell, at any `velocity` [m/s], `pressure` [Pa] and
@@ -206,8 +206,8 @@ class Dahl(AbstractHysteresis):
 
         **Raises:** `ValueError` for numbers that can't be.
         """
-        self.stiffness = positive(stiffness, "stiffness", "N/m")
-        self.slip_force = positive(slip_force, "slip_force", "N")
+        self.stiffness = check_positive(stiffness, "stiffness", "N/m")
+        self.slip_force = check_positive(slip_force, "slip_force", "N")
         self.slip_force_slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
 
     @property
@@ -273,7 +273,7 @@ class Coulomb(AbstractHysteresis):
         **Raises:** `ValueError` for numbers that can't be.
         """
         self.width = _from_zero(width, "width", "Pa")
-        self.velocity = positive(velocity, "velocity", "m/s")
+        self.velocity = check_positive(velocity, "velocity", "m/s")
 
     @property
     def count(self) -> int:
@@ -298,13 +298,15 @@ class Coulomb(AbstractHysteresis):
         """
         del pressures
         force = (
-            self.width * absolute(by_pressure) * library(velocity).tanh(velocity / self.velocity)
+            self.width
+            * absolute(by_pressure)
+            * array_namespace(velocity).tanh(velocity / self.velocity)
         )
         return Slid(kept, force, 0.0 * way)
 
     def stored(self, kept: Numbers) -> Batch:
         """None [J], whatever it `kept` [N]."""
-        return library(kept).sum(kept, axis=-1)
+        return array_namespace(kept).sum(kept, axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
@@ -318,4 +320,4 @@ class Coulomb(AbstractHysteresis):
 
 
 def _from_zero(value: Values, name: str, unit: str) -> Batch:
-    return within(value, 0.0, np.inf, name, unit, closed=(True, False))
+    return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))

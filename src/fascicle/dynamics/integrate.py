@@ -15,11 +15,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..core.arrays import library
-from ..core.checks import positive
-from ..core.modules import numbers
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace
+from ..core.errors import InvalidInputError
+from ..core.module import to_numpy
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import check_positive
 from .account import ACCOUNT, powers, pressed
 from .motion import Anchor, change, moment
 from .plant import Plant
@@ -60,14 +60,16 @@ def integrate(
     if plant.hysteresis is not None and plant.hysteresis.count:
         kind = type(plant.hysteresis).__name__
         remedy = "use `simulate`, or Coulomb's friction"
-        raise Refused("hysteresis", "must remember nothing here", kind, remedy)
+        raise InvalidInputError("hysteresis", "must remember nothing here", kind, remedy)
     if getattr(plant.supply, "band", None) is not None:
-        raise Refused("supply", "must switch nothing here", "a band", "use `simulate`", shown="")
+        raise InvalidInputError(
+            "supply", "must switch nothing here", "a band", "use `simulate`", shown=""
+        )
     plant.checked(schedule.commands)
     t = np.asarray(times, float)
     if t.ndim != 1 or t.size < 2 or t[0] != 0 or np.any(np.diff(t) <= 0):
-        raise Refused("times", "must begin at 0 s and rise", t.shape, shown="other ones")
-    tolerance = float(positive(tolerance, "tolerance", "-"))
+        raise InvalidInputError("times", "must begin at 0 s and rise", t.shape, shown="other ones")
+    tolerance = float(check_positive(tolerance, "tolerance", "-"))
     begin = rest(plant) if start is None else start
     size = _sizes(plant, begin)
     row = _row(begin, np.zeros(len(ACCOUNT)))
@@ -88,7 +90,7 @@ def integrate(
             jnp.asarray(size),
         )  # fmt: skip
         if not bool(result):
-            raise Refused(
+            raise InvalidInputError(
                 "tolerance", f"can't be held: the method gave up between {low:g} and {high:g} s",
                 tolerance, "loosen it, or take `simulate`", shown="",
             )  # fmt: skip
@@ -99,7 +101,7 @@ def integrate(
     every, moments = np.concatenate(found), np.concatenate(seen_at)
     commands = schedule.at(moments)
     looked = _look(plant, jnp.asarray(moments), jnp.asarray(every), jnp.asarray(commands))
-    seen, account, states = numbers(looked)
+    seen, account, states = to_numpy(looked)
     end = State(*(x[-1] for x in states))
     return Trajectory(moments, seen, commands, account, 0, None, end)
 
@@ -143,7 +145,7 @@ def _look(
 
 def _row(state: State, account: Numbers) -> Numbers:
     """All numbers of a `state` [SI] and an `account` [SI] in one row."""
-    at_work = library(*state)
+    at_work = array_namespace(*state)
     return at_work.concatenate([*(at_work.ravel(x) for x in state), account])
 
 

@@ -20,12 +20,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..core.arrays import cos, maximum, sin, where
-from ..core.checks import concrete, finite, positive, within
-from ..core.limits import Range, plausible
-from ..core.modules import Module, record
-from ..core.refused import Refused
+from ..core.array_namespace import cos, maximum, sin, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module, record
 from ..core.types import Batch, BoolBatch, Values
+from ..core.validation import (
+    Range,
+    check_finite,
+    check_interval,
+    check_plausible,
+    check_positive,
+    is_concrete,
+)
 
 
 GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
@@ -36,28 +42,28 @@ _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 
 def _above(name: str, unit: str) -> Any:
     def checked(value: Values) -> Batch:
-        return positive(value, name, unit)
+        return check_positive(value, name, unit)
 
     return record(converter=checked)
 
 
 def _from_zero(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
-        return within(value, 0.0, np.inf, name, unit, closed=(True, False))
+        return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
 
     return record(converter=checked, default=default)
 
 
 def _any(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
-        return finite(value, name, unit)
+        return check_finite(value, name, unit)
 
     return record(converter=checked, default=default)
 
 
 def _end(name: str, default: float) -> Any:
     def checked(value: Values) -> Batch:
-        return within(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
+        return check_interval(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
 
     return record(converter=checked, default=default)
 
@@ -79,8 +85,10 @@ class Stop(Module):
     damping: Batch = _from_zero("damping", "N·s/m", 1e2)
 
     def __check_init__(self):
-        if concrete(self.low, self.high) and np.any(np.asarray(self.low) >= np.asarray(self.high)):
-            raise Refused("low", "must be less than `high`", float(np.max(self.low)))
+        if is_concrete(self.low, self.high) and np.any(
+            np.asarray(self.low) >= np.asarray(self.high)
+        ):
+            raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         """What it takes off [SI] at `position` [SI] and `velocity` [SI], and of that the
@@ -186,7 +194,7 @@ class HangingMass(AbstractFreeLoad):
     stop: Stop | None = None
 
     def __check_init__(self):
-        plausible(self.mass, "mass", _MASS)
+        check_plausible(self.mass, "mass", _MASS)
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
@@ -231,8 +239,8 @@ class InertiaSpringDamper(AbstractFreeLoad):
     stop: Stop | None = None
 
     def __check_init__(self):
-        plausible(self.mass, "mass", _MASS)
-        plausible(self.spring_stiffness, "spring_stiffness", _STIFFNESS)
+        check_plausible(self.mass, "mass", _MASS)
+        check_plausible(self.spring_stiffness, "spring_stiffness", _STIFFNESS)
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
@@ -319,11 +327,15 @@ class PrescribedMotion(AbstractLoad):
 
     def __check_init__(self):
         if self.stop is not None:
-            raise Refused("stop", "can't hold a motion that is given", self.stop, "leave it out")
-        if concrete(self.amplitude, self.frequency):
+            raise InvalidInputError(
+                "stop", "can't hold a motion that is given", self.stop, "leave it out"
+            )
+        if is_concrete(self.amplitude, self.frequency):
             some = np.asarray(self.amplitude) > 0
             if np.any(some & (np.asarray(self.frequency) <= 0)):
-                raise Refused("frequency", "must be positive where there is an amplitude", 0.0)
+                raise InvalidInputError(
+                    "frequency", "must be positive where there is an amplitude", 0.0
+                )
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:

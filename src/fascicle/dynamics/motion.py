@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..core.arrays import library
+from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
 from .filling import Filled, filled
 from .flows import Flows, flowing
@@ -77,7 +77,7 @@ def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: An
     held = held_rates(chamber, state.chambers, still, P_dot, fluid.volume)
 
     arm = plant.counts * plant.lengths * plant.gains
-    pull = library(at.force).sum(arm * at.force, axis=-1)
+    pull = array_namespace(at.force).sum(arm * at.force, axis=-1)
     rubbing, lost = _rubbing(plant, anchor, q, v, fluid)
     stopped, damped = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
     outside = load.force(q) - load.damper * v - stopped
@@ -92,7 +92,7 @@ def change(plant: Plant, state: State, now: Moment, command: Numbers) -> State:
     """How fast each number of a `state` [SI] of a `plant` [-] changes [SI], so as it is `now` [SI]
     and under a `command` [-].
     """
-    add = library(now.flows.drawn).sum
+    add = array_namespace(now.flows.drawn).sum
     drawn, enthalpy = add(now.flows.drawn, axis=-1), add(now.flows.drawn_enthalpy, axis=-1)
     return State(
         position=now.velocity,
@@ -126,7 +126,11 @@ def _rubbing(
     """Friction against the load's coordinate [N or N·m], and heat that its way doesn't tell [W]."""
     if plant.hysteresis is None:
         return 0.0 * q, 0.0 * q
-    add, per, by_pressure = library(q).sum, plant.lengths * plant.gains, fluid.at.force_by_pressure
+    add, per, by_pressure = (
+        array_namespace(q).sum,
+        plant.lengths * plant.gains,
+        fluid.at.force_by_pressure,
+    )
     speed = per * v[..., None]
     force = _slid(plant, anchor, q, speed, fluid.pressures, by_pressure).force
     lost = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
@@ -140,5 +144,5 @@ def rubbed(
     last, and the energy that it lost on the way [J].
     """
     now = slid(plant, anchor, position, pressures)
-    lost = library(now.lost).sum(plant.counts * now.lost, axis=-1)
+    lost = array_namespace(now.lost).sum(plant.counts * now.lost, axis=-1)
     return Anchor(now.kept, position, pressures), lost

@@ -14,10 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..bundle.alike import stacked, unlike
-from ..core.arrays import maximum, minimum, where
-from ..core.checks import concrete
-from ..core.modules import Module, static
+from ..core.array_namespace import maximum, minimum, where
+from ..core.module import Module, static
 from ..core.types import Numbers
+from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy_at_rest, contraction_work
@@ -158,7 +158,7 @@ class Exact(AbstractMuscles):
         """Force of each [N] at its `pressure` [Pa] and `strain` [-], without the integral for its
         volume, which takes a hundred times as long.
         """
-        if not concrete(pressure, strain) or np.any((pressure < 0) | (pressure > self.top)):
+        if not is_concrete(pressure, strain) or np.any((pressure < 0) | (pressure > self.top)):
             return self.at(pressure, strain).force
         P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.ends))
         force = np.empty(P.shape)

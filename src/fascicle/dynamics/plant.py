@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from ..bundle.bundle import Bundle
-from ..core.arrays import library
-from ..core.checks import one_of
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.modules import Module, static
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace
+from ..core.errors import InvalidInputError
+from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Whole
+from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..fluid import AbstractChamber, AbstractSpool, AbstractSupply, Direct, Orifice, SonicValve
 from ..fluid.liquid_chamber import LiquidChamber
 from ..muscle.braid import Braid
@@ -94,7 +93,7 @@ class Plant(Module):
         self.bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
         for one in self.bundles:
             if not isinstance(one, Bundle):
-                raise Refused("bundle", "must be a Bundle", one, shown=type(one).__name__)
+                raise InvalidInputError("bundle", "must be a Bundle", one, shown=type(one).__name__)
         self.load, self.supply, self.chamber = load, supply, chamber
         self.valve = valve
         self.exhaust_valve = valve if exhaust_valve is None else exhaust_valve
@@ -106,8 +105,8 @@ class Plant(Module):
         self.lengths = np.array([float(unit.muscle.length) for unit, _ in units])
         self.distances = np.array([float(self.bundles[side].length) for side in self.sides])
         _fitting(self)
-        one_of(law, LAWS, "law")
-        one_of(volume, VOLUMES, "volume")
+        check_choice(law, LAWS, "law")
+        check_choice(volume, VOLUMES, "volume")
         each = [unit.muscle for unit, _ in units]
         top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
         muscles: AbstractMuscles = Tables.of(each, top, shape)
@@ -155,13 +154,13 @@ class Plant(Module):
 
     def _of_sides(self, which: int) -> Numbers:
         arms = [self.load.arms[side][which] for side in self.sides]
-        return library(*arms).stack([arm + 0.0 for arm in arms])
+        return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 
     def checked(self, commands: Numbers) -> Numbers:
         """`commands` [-] as they are [-], refused unless they have a column for each it takes."""
         if commands.shape[-1] != self.commands:
             rule = f"must have {self.commands} columns, one for each command"
-            raise Refused("commands", rule, commands.shape[-1])
+            raise InvalidInputError("commands", rule, commands.shape[-1])
         return commands
 
     def charged(self, pressures: Numbers, position: Batch) -> Numbers:
@@ -200,16 +199,16 @@ def _fitting(plant: Plant) -> None:
             each = getattr(kind, "__args__", (kind,))
             named = " or ".join(one.__name__.removeprefix("Abstract") for one in each)
             rule = f"must be a {named}".replace("NoneType", "None")
-            raise Refused(name, rule, value, shown=type(value).__name__)
+            raise InvalidInputError(name, rule, value, shown=type(value).__name__)
     sides = len(plant.load.arms)
     if len(plant.bundles) != sides:
         kind = type(plant.load).__name__
-        raise Refused("bundle", f"must be {sides} for {kind}", len(plant.bundles))
+        raise InvalidInputError("bundle", f"must be {sides} for {kind}", len(plant.bundles))
     flows = {"a gas": SonicValve, "a liquid": Orifice}
     fluid = "a liquid" if plant.liquid else "a gas"
     for name in ("valve", "exhaust_valve"):
         valve = getattr(plant, name)
         if not isinstance(valve, flows[fluid]):
             rule = f"must be of {flows[fluid].__name__} for {fluid}"
-            raise Refused(name, rule, valve, shown=type(valve).__name__)
+            raise InvalidInputError(name, rule, valve, shown=type(valve).__name__)
     plant.spool.commands(plant.units)

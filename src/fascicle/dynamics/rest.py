@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root_scalar
 
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..fluid import checked_commands
 from .plant import Plant
 from .state import State
@@ -45,14 +44,16 @@ def rest(
     known at, and for a load that the bundle can't hold at rest at these pressures.
     """
     closed = (True, True)
-    P = within(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
+    P = check_interval(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
     if np.ndim(P) and np.shape(P) != (plant.units,):
-        raise Refused("pressures", f"must be one for each of the {plant.units} units", np.size(P))
+        raise InvalidInputError(
+            "pressures", f"must be one for each of the {plant.units} units", np.size(P)
+        )
     P = np.broadcast_to(P, (plant.units,)) + 0.0
     load = plant.load
     low, high = plant.way
     if not low < high:
-        raise Refused(
+        raise InvalidInputError(
             "load", "must leave a way on which all muscles are within their tables", low,
             "take other lengths, or another contraction at its beginning", shown="none",
         )  # fmt: skip
@@ -64,7 +65,10 @@ def rest(
         _known(q + size, low, high, load.unit)
     elif position is not None:
         q = _known(
-            float(within(position, -np.inf, np.inf, "position", load.unit)), low, high, load.unit
+            float(check_interval(position, -np.inf, np.inf, "position", load.unit)),
+            low,
+            high,
+            load.unit,
         )
     else:
         q = _resting(plant, P, low, high)
@@ -92,7 +96,7 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
     if not falls.size:
         side = "weak" if found[0] <= 0 else "strong"
         far = low if found[0] <= 0 else high
-        raise Refused(
+        raise InvalidInputError(
             "load",
             "must be one that the bundle can hold at rest",
             float(found[0] if found[0] <= 0 else found[-1]),
@@ -111,4 +115,4 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
 
 def _known(position: float, low: float, high: float, unit: str) -> float:
     why = "where the muscles' tables end"
-    return float(within(position, low, high, "position", unit, why, (True, True)))
+    return float(check_interval(position, low, high, "position", unit, why, (True, True)))

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..core.checks import finite
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import check_finite
 from ..fluid import checked_commands
 
 
@@ -59,20 +59,22 @@ class Schedule:
 
         **Raises:** `ValueError` for times that don't rise, and commands outside [-1, 1].
         """
-        self.times = np.atleast_1d(finite(times, "times", "s"))
+        self.times = np.atleast_1d(check_finite(times, "times", "s"))
         if self.times[0] != 0:
-            raise Refused("times", "must begin at 0 s", float(self.times[0]))
+            raise InvalidInputError("times", "must begin at 0 s", float(self.times[0]))
         steps = np.diff(self.times)
         if np.any(steps <= 0):
             k = int(np.argmax(steps <= 0))
-            raise Refused(
+            raise InvalidInputError(
                 "times", "must rise", self.times[k + 1],
                 shown=f"{self.times[k + 1]:g} s after {self.times[k]:g} s",
             )  # fmt: skip
         rows = np.asarray(checked_commands(commands, "commands"))
         self.commands = rows[:, None] if rows.ndim == 1 else np.atleast_2d(rows)
         if len(self.commands) != len(self.times):
-            raise Refused("commands", "must have one row for each time", len(self.commands))
+            raise InvalidInputError(
+                "commands", "must have one row for each time", len(self.commands)
+            )
 
     def at(self, time: Values) -> Numbers:
         """Commands [-] at each `time` [s], on the last axis."""

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from ..core.arrays import library
+from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
 from .account import stored
 from .motion import Anchor, Moment
@@ -69,7 +69,7 @@ def looked_at(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Seen:
 def _status(plant: Plant, state: State, now: Moment, store: Numbers) -> Any:
     """Bits of `STATUS`."""
     q, P, eps = now.position, now.fluid.pressures, now.strains
-    at_work = library(q, P)
+    at_work = array_namespace(q, P)
     some, stop = at_work.any, plant.load.stop
     low, high = plant.muscles.strains
     off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)

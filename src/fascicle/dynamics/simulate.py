@@ -13,10 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from ..core.checks import concrete, positive
-from ..core.modules import Module, numbers
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import Module, to_numpy
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import check_positive, is_concrete
 from ..fluid import checked_commands
 from .account import ACCOUNT, pressed
 from .motion import Anchor, moment
@@ -84,23 +84,23 @@ def simulate(
     **Raises:** `ValueError` for a `dt` or `duration` that can't be, rows that don't fit, and what
     `rest` refuses.
     """
-    dt = float(positive(dt, "dt", "s", "such as 0.001"))
+    dt = float(check_positive(dt, "dt", "s", "such as 0.001"))
     begin = rest(plant) if start is None else start
     looked = None
     if substeps is None:
         looked = pace(plant, dt)
         substeps = looked.substeps
     elif substeps != int(substeps) or not substeps >= 1:
-        raise Refused("substeps", "must be a whole number of at least 1", substeps)
+        raise InvalidInputError("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _driven(plant, controller, reference, dt, duration)
     if not len(inputs):
         name = "reference" if callable(controller) else "commands"
-        raise Refused(name, "must have a row for each step", 0, shown="none")
+        raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
     # numbers that a controller holds may be differentiated; all else about it is fixed
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     given = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    known, steps, count = concrete((plant, given, memory, inputs, begin)), len(inputs), None
+    known, steps, count = is_concrete((plant, given, memory, inputs, begin)), len(inputs), None
     if known:  # so that another length mostly compiles nothing
         count = np.int64(steps)
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], _room(steps) - steps, axis=0)])
@@ -108,7 +108,7 @@ def simulate(
     every, commands, last = _run(*numbered, (fixed, kind), int(substeps))
     at_work = jnp
     if known:
-        every, commands, last = numbers((every, commands, last))
+        every, commands, last = to_numpy((every, commands, last))
         every, commands = jax.tree.map(lambda x: x[:steps], (every, commands))
         at_work = np
     every = jax.tree.map(lambda many, one: at_work.concatenate([many, one[None]]), every, last)
@@ -116,7 +116,7 @@ def simulate(
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
     seen, more = (_looked if known and tables else _traced)(plant, dt, every, commands)
-    seen, more = numbers((seen, more)) if known else (seen, more)
+    seen, more = to_numpy((seen, more)) if known else (seen, more)
     account = every.account + more - more[0]
     if looked is not None and looked.stiff:
         seen = seen._replace(status=seen.status | (1 << STATUS.index("stiff")))
@@ -135,10 +135,16 @@ def _driven(
     """Controller, memory to begin with, and a row for each step."""
     if callable(controller):
         if reference is None:
-            raise Refused("reference", "must have a row for each step", None, shown="none")
+            raise InvalidInputError(
+                "reference", "must have a row for each step", None, shown="none"
+            )
         return controller, getattr(controller, "memory", ()), jnp.asarray(reference)
     if isinstance(controller, Schedule):
-        end = controller.times[-1] + dt if duration is None else positive(duration, "duration", "s")
+        end = (
+            controller.times[-1] + dt
+            if duration is None
+            else check_positive(duration, "duration", "s")
+        )
         rows = controller.at(dt * np.arange(max(1, round(float(end) / dt))))
     else:
         rows = checked_commands(controller, "commands")

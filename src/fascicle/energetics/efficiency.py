@@ -22,10 +22,10 @@ from ..bundle.schemes import AbstractScheme
 from ..bundle.states import states_of
 from ..bundle.unit_tables import distinct
 from ..bundle.volumes import unit_volume_change
-from ..core.checks import finite, one_of
-from ..core.refused import Refused
-from ..core.sheet import Sheet, printed, short, spread_over
+from ..core.errors import InvalidInputError
 from ..core.types import Float, Int, Values
+from ..core.validation import check_choice, check_finite
+from ..repr_table import ReprTable, format_number, format_range, with_table_repr
 from .paths import unit_work_along
 
 
@@ -37,23 +37,23 @@ _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 Grid = Float[np.ndarray, "force strain"]
 
 
-def _sheet(found: "EfficiencyMap") -> Sheet:
+def _sheet(found: "EfficiencyMap") -> ReprTable:
     """How well a bundle did on the map that was `found` [-]."""
     eta, reached = found.efficiency, np.isfinite(found.efficiency)
     facts = [
         ("path", found.path),
         ("reached", f"{np.sum(reached)} of {eta.size} points"),
-        ("forces", spread_over(found.force, lambda F: f"{short(F)} N")),
-        ("strains", spread_over(found.strain, lambda strain: f"{strain:.4f}")),
+        ("forces", format_range(found.force, lambda F: f"{format_number(F)} N")),
+        ("strains", format_range(found.strain, lambda strain: f"{strain:.4f}")),
     ]
     if np.any(reached):
         row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
-        where = f"at {short(found.force[row])} N, strain {found.strain[column]:.4f}"
+        where = f"at {format_number(found.force[row])} N, strain {found.strain[column]:.4f}"
         facts += [("average", f"{found.average:.4f}"), ("best", f"{np.nanmax(eta):.4f} {where}")]
-    return Sheet("Efficiency", facts)
+    return ReprTable("Efficiency", facts)
 
 
-@printed(_sheet)
+@with_table_repr(_sheet)
 @dataclass(frozen=True)
 class EfficiencyMap:
     """`efficiency` [-] over `force` [N] (rows) and `strain` [-] (columns), NaN where the
@@ -99,9 +99,9 @@ def efficiency_map(
     """
     supply = supply_of(bundle, supply_pressure)
     scheme = scheme_used(bundle, scheme)
-    one_of(path, PATHS, "path")
+    check_choice(path, PATHS, "path")
     if path == "isobaric" and scheme.independent:
-        raise Refused(
+        raise InvalidInputError(
             "path",
             f"must be 'isotonic' with scheme {scheme.name!r}",
             path,
@@ -119,11 +119,13 @@ def efficiency_map(
         reach = float(few.free_strain(full, resistance=False))
         strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
     force, strain = (
-        np.atleast_1d(finite(x, name, unit))
+        np.atleast_1d(check_finite(x, name, unit))
         for x, name, unit in ((force, "force", "N"), (strain, "strain", "-"))
     )
     if np.any(strain <= 0):
-        raise Refused("strain", "must be positive", strain.min(), shown=f"{strain.min():g}")
+        raise InvalidInputError(
+            "strain", "must be positive", strain.min(), shown=f"{strain.min():g}"
+        )
 
     levels = np.linspace(0.0, supply, _LEVELS)
     pressures = np.r_[levels, 0.0][:, None] * np.ones(len(few.motor_units))

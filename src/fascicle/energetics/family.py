@@ -11,8 +11,8 @@ import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import AbstractScheme
-from ..core.modules import with_fields
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import with_fields
 from ..core.types import Values
 from ..muscle import Muscle
 
@@ -37,7 +37,7 @@ def constant_cross_section(
     **Raises:** `ValueError` for less than one unit.
     """
     if units < 1:
-        raise Refused("units", "must be at least 1", units)
+        raise InvalidInputError("units", "must be at least 1", units)
     sizes = (muscle.outer_radius / np.sqrt(units), muscle.wall_thickness / np.sqrt(units))
     thin = with_fields(muscle, outer_radius=sizes[0], wall_thickness=sizes[1])
     return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)

@@ -17,8 +17,8 @@ import numpy as np
 
 from ..bundle.at import pressurized
 from ..bundle.bundle import Bundle
-from ..core.arrays import library, maximum, minimum, nodes, total, where
-from ..core.evaluate import evaluate
+from ..core.array_namespace import array_namespace, maximum, minimum, node_axis, sum_nodes, where
+from ..core.module import evaluate
 from ..core.types import AnyArray, Float, Numbers, Values
 from ..muscle.piecewise import Pressurized
 
@@ -58,7 +58,7 @@ def _along(
     x, weights = np.polynomial.legendre.leggauss(count)
 
     def one(muscle: Pressurized, stops: Numbers) -> Numbers:
-        at_work = library(stops, muscle.collapse)
+        at_work = array_namespace(stops, muscle.collapse)
         kinks = at_work.moveaxis(muscle.kinks[:, :, 0], 0, 1)  # level, kind, unit
         stops = stops + 0.0 * kinks[:, :1]
         low, high = (pick(stops, axis=1, keepdims=True) for pick in (at_work.min, at_work.max))
@@ -66,11 +66,11 @@ def _along(
         order = at_work.argsort(ends, axis=1)
         ends = at_work.take_along_axis(ends, order, axis=1)
         middle, half = (ends[:, 1:] + ends[:, :-1]) / 2, (ends[:, 1:] - ends[:, :-1]) / 2
-        eps = middle + half * nodes(x, middle)
+        eps = middle + half * node_axis(x, middle)
         F = muscle.force(eps)[0]
         if not resistance:
             F = where(eps <= muscle.column.free_strain, F, 0.0)
-        pieces = half * total(nodes(weights, middle) * F)
+        pieces = half * sum_nodes(node_axis(weights, middle) * F)
         sums = at_work.cumsum(pieces, axis=1)
         sums = at_work.concatenate([0.0 * ends[:, :1], sums], axis=1)
         # where each stop has come to lie: exactly at an end, so nothing is interpolated

@@ -16,10 +16,10 @@ smooth. **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2.
 from ..bundle.at import pressurized
 from ..bundle.bundle import Bundle
 from ..bundle.volumes import unit_volume_change
-from ..core.arrays import library
-from ..core.evaluate import evaluate
+from ..core.array_namespace import array_namespace
+from ..core.module import evaluate
 from ..core.types import Batch, Numbers, PerUnit, Values
-from ..core.written import in_si
+from ..core.validation import to_si
 from ..muscle.coenergy import contraction_work
 from ..muscle.piecewise import Pressurized
 
@@ -39,7 +39,7 @@ def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = T
     **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
     """
     works = unit_work(bundle, pressures, strain, resistance)
-    return library(works).sum(works, axis=-1)
+    return array_namespace(works).sum(works, axis=-1)
 
 
 def unit_work(
@@ -73,8 +73,8 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
     **Returns:** $E$ [J].
     """
     taken = unit_volume_change(bundle, strain)
-    supply_pressure = in_si(supply_pressure, "supply_pressure", "Pa")
-    at_work = library(taken, supply_pressure)
+    supply_pressure = to_si(supply_pressure, "supply_pressure", "Pa")
+    at_work = array_namespace(taken, supply_pressure)
     return supply_pressure * at_work.sum(at_work.asarray(active) * taken, axis=-1)
 
 

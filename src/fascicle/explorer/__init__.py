@@ -7,7 +7,7 @@ looked up when they are asked for, so that the command line's help loads no Pane
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -21,4 +21,4 @@ _HOMES = {
     "serve": "server",
 }
 
-__getattr__, __dir__ = lazily(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

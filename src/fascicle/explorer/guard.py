@@ -18,7 +18,7 @@ from urllib.parse import parse_qsl
 from tornado.routing import Matcher, Rule
 from tornado.web import RequestHandler
 
-from ..core.visible import visible
+from ..io.sanitize import sanitize_line
 from ..reports.page import Page
 from .parts.address import LONGEST
 
@@ -69,7 +69,7 @@ def refusal(request: Any, names: Names) -> tuple[int, str] | None:
     **Returns:** the status and a sentence [-], or `None` where it isn't.
     """
     if not names.have(request.host):
-        shown = visible(request.host, 80)
+        shown = sanitize_line(request.host, 80)
         return 403, (
             f"This explorer isn't called `{shown}`, so a page of somebody else may be behind this "
             f"request. If the name is yours, start it with `--allow-host {_name(shown)}`."
@@ -145,7 +145,7 @@ def _bad_link(path: str, query: str) -> tuple[int, str] | None:
     except ValueError:
         return 400, f"The link may have at most {_MOST_KEYS} parts."
     for key, value in given:
-        name, most = visible(key, 40), LONGEST if key == "file" else _LONGEST_VALUE
+        name, most = sanitize_line(key, 40), LONGEST if key == "file" else _LONGEST_VALUE
         if len(key) + len(value) > most + len("file"):
             return (
                 400,

@@ -7,9 +7,9 @@ from urllib.parse import urlencode
 
 import panel as pn
 
-from ..core.tokens import TITLE
-from ..core.visible import visible
 from ..files import example, examples, loads
+from ..io.sanitize import sanitize_line
+from ..plot.theme import TITLE
 from .parts.address import to_query
 from .parts.exports import output_stem
 from .parts.look import HEADED, NARROW, Look, widget_css
@@ -94,7 +94,7 @@ class Header:
             '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
             f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
             f'<span style="color:var(--soft)">{_PURPOSE}</span>'
-            f'<b style="margin-left:auto">{_safe(visible(view.name, 60))}</b></div>'
+            f'<b style="margin-left:auto">{_safe(sanitize_line(view.name, 60))}</b></div>'
         )
         self._save.filename = _file_name(view)
         self._example.value = view.name if view.name in examples() else _OTHER

@@ -5,7 +5,7 @@ from typing import Any
 
 import panel as pn
 
-from ..core.tokens import css
+from ..plot.theme import css
 from .header import Header
 from .parts.exports import EXPORTS, downloads
 from .parts.look import NARROW, WRAPPED, Look, look_of, widget_css

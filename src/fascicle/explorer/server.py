@@ -15,7 +15,7 @@ import panel as pn
 from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 
-from ..core.visible import visible
+from ..io.sanitize import sanitize_line
 from .guard import EVERYWHERE, LOOPBACK, guard, names_of
 from .layout import build, opening
 from .parts.address import from_query
@@ -167,7 +167,7 @@ class _OneLine(logging.Formatter):
         text = record.getMessage().split("\n", 1)[0]
         error = record.exc_info[1] if record.exc_info else None
         why = f": {type(error).__name__}: {error}" if error else ""
-        return visible(f"fascicle explorer: {text}{why}", _LINE)
+        return sanitize_line(f"fascicle explorer: {text}{why}", _LINE)
 
 
 def page(start: View, queue: Openings) -> Any:

@@ -15,7 +15,7 @@ from typing import Any
 import equinox as eqx
 
 from ..bundle import Bundle, MotorUnit
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..files import dumps
 from ..muscle import Muscle
 from ..muscle.fitted import carried
@@ -133,11 +133,11 @@ def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> Vi
 def check_units(units: tuple[Unit, ...]) -> None:
     """Refuse `units` [-] that are too many to show, or that can't be."""
     if not 1 <= len(units) <= MOST_UNITS:
-        raise Refused("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
+        raise InvalidInputError("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
     muscles = sum(unit.count for unit in units)
     least = min(unit.count for unit in units)
     if least < 1 or muscles > MOST_MUSCLES:
-        raise Refused(
+        raise InvalidInputError(
             "count",
             f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all",
             muscles,
@@ -146,7 +146,7 @@ def check_units(units: tuple[Unit, ...]) -> None:
     for unit in units:
         if not (math.isfinite(unit.size) and SIZES[0] <= unit.size <= SIZES[1]):
             rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the shared muscle's"
-            raise Refused("radius", rule, unit.size, shown=f"{unit.size:g} times")
+            raise InvalidInputError("radius", rule, unit.size, shown=f"{unit.size:g} times")
 
 
 class Session:

@@ -11,9 +11,9 @@ from typing import Any
 
 from ..bundle import Bundle
 from ..bundle.alike import unlike
-from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.entry import lowest_of, lowest_strain
 from .pair import checked_bundle, checked_name, write_pair
@@ -41,7 +41,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         if not muscle.buckling.symbolic:
             rule = "can't be written in C"
             remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
-            raise Refused("buckling", rule, muscle.buckling.name, remedy)
+            raise InvalidInputError("buckling", rule, muscle.buckling.name, remedy)
     kept, kinds = unlike(muscles)
     written, room = _laws([muscles[i] for i in kept], name)
     ratios = [1.0] * len(muscles)

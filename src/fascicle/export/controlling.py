@@ -14,7 +14,7 @@ import numpy as np
 from ..control import Cascade
 from ..control.branches import Branches
 from ..control.in_turn import InTurn
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import Tables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
@@ -59,7 +59,7 @@ def checked(controller: Cascade) -> Cascade:
     )
     for true, what, remedy in no:
         if true:
-            raise Refused("controller", f"can't be written as C: it {what}", None, remedy)
+            raise InvalidInputError("controller", f"can't be written as C: it {what}", None, remedy)
     return controller
 
 
@@ -114,7 +114,9 @@ def words(controller: Cascade, number: Any) -> dict[str, Any]:
 def bundle_of(plant: Plant) -> Any:
     """The one bundle of a `plant` [-]; `ValueError` where there are two."""
     if len(plant.bundles) > 1:
-        raise Refused("plant", "must have one bundle", len(plant.bundles), "write each by itself")
+        raise InvalidInputError(
+            "plant", "must have one bundle", len(plant.bundles), "write each by itself"
+        )
     return next(iter(plant.bundles))
 
 

@@ -22,10 +22,10 @@ from xml.etree import ElementTree as ET
 from .. import __version__
 from ..bundle import Bundle
 from ..control import Cascade
-from ..core.atomic import write
-from ..core.checks import positive
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import check_positive
+from ..io.atomic import write
 from ..muscle import Muscle
 from .pair import checked_name
 from .table_code import Tabulated, filled, tabulated, written
@@ -104,14 +104,16 @@ def _texts(
     checked_name(name)
     step = _STEP
     if sample_time is not None:
-        step = float(positive(sample_time, "sample_time", "s"))
+        step = float(check_positive(sample_time, "sample_time", "s"))
     found = tabulated(target)
     controller = found.controller
     if controller is not None:
         own = float(controller.dt)
         if sample_time is not None and step != own:
             remedy = "leave it out, or change the scenario's"
-            raise Refused("sample_time", f"must be the controller's {own:g} s", step, remedy)
+            raise InvalidInputError(
+                "sample_time", f"must be the controller's {own:g} s", step, remedy
+            )
         step = own
     header, source = written(found, name, "double")
     digest = hashlib.sha256((header + source).encode()).hexdigest()
@@ -249,5 +251,7 @@ def _platform(asked: str | None) -> str | None:
         if ending is not None:
             library = f"binaries/{asked}/NAME.{ending}"
             remedy = f"leave it out, and compile the file's sources/*.c there into its {library}"
-        raise Refused("platform", f"can't be built here, {can}", asked, remedy, shown=asked)
+        raise InvalidInputError(
+            "platform", f"can't be built here, {can}", asked, remedy, shown=asked
+        )
     return here

@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 from ..bundle import Bundle, MotorUnit
-from ..core.atomic import write_text
-from ..core.checks import concrete
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import is_concrete
+from ..io.atomic import write_text
 from ..muscle import Muscle
 
 
@@ -41,21 +41,25 @@ def checked_name(name: str) -> str:
     """A `name` [-] as it is [-], refused where C can't have it."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
         rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
-        raise Refused("name", rule, None, f"{remedy}, got {name[:40]!r}")
+        raise InvalidInputError("name", rule, None, f"{remedy}, got {name[:40]!r}")
     # some disks don't tell capitals from small letters
     if name.lower() in _RESERVED:
         rule = "must not be a keyword or a standard header of C"
-        raise Refused("name", rule, None, f"add a word, such as {name}_muscle", shown=name)
+        raise InvalidInputError(
+            "name", rule, None, f"add a word, such as {name}_muscle", shown=name
+        )
     return name
 
 
 def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> Bundle:
     """A `target` [-] as a bundle [-]; arrays, and what isn't of these `kinds` [-], are refused."""
     if not isinstance(target, Muscle | Bundle):
-        raise Refused("target", f"must be {kinds}", target)
+        raise InvalidInputError("target", f"must be {kinds}", target)
     bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
-    if not concrete(target) or any(not unit.muscle._is_single for unit in bundle.motor_units):
-        raise Refused("target", "must hold numbers, one for each size", None, shown="arrays")
+    if not is_concrete(target) or any(not unit.muscle._is_single for unit in bundle.motor_units):
+        raise InvalidInputError(
+            "target", "must hold numbers, one for each size", None, shown="arrays"
+        )
     return bundle
 
 

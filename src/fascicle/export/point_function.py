@@ -7,7 +7,7 @@ import numpy as np
 
 from ..bundle import Bundle
 from ..bundle.plates import muscle_strain
-from ..core.missing import require
+from ..core.errors import require
 from ..muscle import Muscle
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..core.arrays import register
+from ..core.array_namespace import register_namespace
 
 
 _FUNCTIONS = {
@@ -72,5 +72,5 @@ class Symbols:
 def symbols() -> Symbols:
     """The functions that laws are given from now on for CasADi's symbols [-]."""
     functions = Symbols()
-    register(ca.SX, functions)
+    register_namespace(ca.SX, functions)
     return functions

@@ -18,10 +18,9 @@ from .. import __version__
 from ..bundle import Bundle
 from ..bundle.alike import unlike
 from ..control import Cascade
-from ..core.checks import one_of
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, off_the_law
 from .controlling import on_table
@@ -121,10 +120,10 @@ def tabulated(
     """The tables [-] of a muscle or bundle, `target` [-], for a `precision` [-], up to
     `highest_pressure` [Pa], of a `shape` [-]; left out as in `table_code`.
     """
-    one_of(precision, SHAPES, "precision")
+    check_choice(precision, SHAPES, "precision")
     if isinstance(target, Cascade):
         if precision == "float":
-            raise Refused("precision", "must be double of a controller", precision)
+            raise InvalidInputError("precision", "must be double of a controller", precision)
         made = on_table(target, shape or SHAPES[precision])
         plant = made.plant
         top = np.max(plant.muscles.highest_pressure)

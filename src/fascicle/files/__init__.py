@@ -6,7 +6,7 @@ completion does) loads neither pydantic nor JAX.
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -36,4 +36,4 @@ _HOMES = {
     "scenarios": "named",
 }
 
-__getattr__, __dir__ = lazily(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -7,7 +7,7 @@ over it. It may hold anything that TOML can, one table deep; tomlkit spells it.
 from collections.abc import Mapping
 from typing import Any
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 
 
 _TABLE = "calibration"
@@ -44,7 +44,7 @@ def _plain(value: Any, key: str) -> Any:
         return [_plain(one, key) for one in value]
     if isinstance(value, bool | str | int | float):
         return value
-    raise Refused(
+    raise InvalidInputError(
         _TABLE,
         "takes text, numbers, booleans, lists and one level of tables",
         (type(value).__name__, key),

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from ..core.checks import one_of, within
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.validation import check_choice, check_interval
 from ..design.searches.catalog import Product
 from ..muscle import Muscle
 from .faults import from_validation
@@ -67,7 +67,7 @@ def sections_of(
     else:
         if not path.exists():
             with place.naming():
-                one_of(given, known, "catalog")
+                check_choice(given, known, "catalog")
         content, source = text_of(path), str(path)
     data = parsed(content, source)
     try:
@@ -163,7 +163,7 @@ def _muscle(section: ProductSection, own: Muscle, length: float) -> Muscle:
     ]
     if len(given) != 1:
         got = " and ".join(given) or "none"
-        raise Refused(
+        raise InvalidInputError(
             "outer_radius",
             ", outer_diameter or inner_diameter tells how wide it is",
             None,
@@ -185,7 +185,7 @@ def _product(section: ProductSection, length: float) -> Product:
     for key, most, unit in (("largest_pressure", 1e9, "Pa"), ("largest_strain", 1.0, "-"),
                             ("mass", 1e6, "kg"), ("mass_per_length", 1e6, "kg/m")):  # fmt: skip
         if getattr(section, key) is not None:
-            within(getattr(section, key), 0.0, most, key, unit, closed=(False, True))
+            check_interval(getattr(section, key), 0.0, most, key, unit, closed=(False, True))
     return Product(
         section.name, _sum(section.price, section.price_per_length, length),
         _sum(section.mass, section.mass_per_length, length), section.largest_pressure,

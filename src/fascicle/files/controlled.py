@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..control import POLICIES, Cascade, Choice, Gains, cascade, choose
-from ..core.checks import one_of
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
 from ..dynamics import Plant
 from .places import Place
 
@@ -45,7 +45,7 @@ class Controlled(NamedTuple):
             return self
         plant, of = self.controller.plant, self.controller.of
         if policy != "auto":
-            one_of(policy, (*POLICIES, "auto"), "policy")
+            check_choice(policy, (*POLICIES, "auto"), "policy")
         chosen = None
         if policy == "auto":
             chosen = choose(plant, self.reference, self.options["dt"], of)
@@ -126,7 +126,7 @@ def checked_start(pressures: Any, plant: Plant, place: Place) -> None:
     supply = plant.supply_pressure
     if pressures is not None and np.max(pressures) > supply:
         with place.naming():
-            raise Refused(
+            raise InvalidInputError(
                 "pressures", f"must be at most the supply's {supply:g} Pa",
                 float(np.max(pressures)), shown=f"{np.max(pressures):g} Pa",
             )  # fmt: skip

@@ -16,8 +16,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..core.atomic import check_writable, open_draft, replace_whole, write_text
-from ..core.input_file import is_input
+from ..io.atomic import check_writable, open_draft, replace_whole, write_text
+from ..io.input_file import is_input
 
 
 MANIFEST = ".fascicle.json"

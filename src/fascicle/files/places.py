@@ -8,7 +8,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Any
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from .faults import line, value
@@ -74,6 +74,6 @@ class Place:
         try:
             yield
         except (ValueError, OSError) as error:
-            name = error.argument if isinstance(error, Refused) else ""
+            name = error.argument if isinstance(error, InvalidInputError) else ""
             keys = _KEYS[self.kind].get(name, (name,) if name else ())
             raise self.refuse(keys, str(error)) from None

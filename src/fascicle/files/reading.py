@@ -10,10 +10,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..bundle import Bundle, MotorUnit
-from ..core.checks import one_of
-from ..core.input_file import read_bytes
-from ..core.refused import Refused
-from ..core.toml import tables
+from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
+from ..io.input_file import read_bytes
+from ..io.toml import parse_toml
 from ..muscle import Muscle
 from ..muscle.fitted import OF_ENDS, remembering, warn_elsewhere
 from ..muscle.law import AbstractLaw
@@ -141,7 +141,7 @@ def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
 def parsed(text: str, source: str) -> dict[str, Any]:
     """The tables [-] of a file of this format, from its `text` [-]; `source` [-] names it."""
     try:
-        data = tables(text, source)
+        data = parse_toml(text, source)
     except ValueError as error:
         raise ValueError(_of_twice(str(error), text)) from None
     version = data.get("format")
@@ -202,7 +202,9 @@ def _material(material: str | Section) -> str | MooneyRivlin:
         return MooneyRivlin.from_youngs_modulus(**given)
     for name in ("c10", "c01"):
         if name not in given:
-            raise Refused(name, "is missing, write c10 and c01, or youngs_modulus alone", None)
+            raise InvalidInputError(
+                name, "is missing, write c10 and c01, or youngs_modulus alone", None
+            )
     return MooneyRivlin(**given)
 
 
@@ -212,7 +214,7 @@ def _law(kind: str, chosen: str | LawSection, place: Place) -> str | AbstractLaw
     laws = LAWS[kind]
     name = chosen.law or next(iter(laws))
     with place.naming():
-        law: Any = laws[one_of(name, laws, kind)]
+        law: Any = laws[check_choice(name, laws, kind)]
     known = [field.name for field in fields(law)]
     given = chosen.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*known})
     for key in given:

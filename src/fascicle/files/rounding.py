@@ -12,8 +12,8 @@ import numpy as np
 
 from ..calibrate.after.calibration import Calibration
 from ..calibrate.problem.parameters import of_muscle
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.tree import tree_leaves, tree_replace
+from ..core.module import tree_leaves, tree_replace
+from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.fitted import carried
 from ..units import DIMENSIONS, exact, parse, pretty

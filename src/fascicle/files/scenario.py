@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from ..bundle import Bundle, MotorUnit
-from ..core.checks import one_of
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
 from ..dynamics import (
     AntagonisticJoint,
     MaxwellSlip,
@@ -86,7 +86,7 @@ class Scenario:
         if made is None:
             rule = "needs a scenario with [control]: this one is commanded by a schedule"
             name = "compensate" if policy is None else "policy"
-            raise Refused(name, rule, policy, shown="")
+            raise InvalidInputError(name, rule, policy, shown="")
         made = made.taking(policy, compensate)
         return replace(self, controlled=made, notes=made.notes)
 
@@ -210,7 +210,7 @@ class _Room(NamedTuple):
         liquid = chamber is LiquidChamber
         name = fluid.pop("medium", None) or ("oil" if liquid else "air")
         with place.naming():
-            medium = MEDIA[one_of(name, MEDIA, "medium")]
+            medium = MEDIA[check_choice(name, MEDIA, "medium")]
         if liquid == isinstance(medium, Gas):
             kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
             what = "gas" if liquid else "liquid"

@@ -22,7 +22,7 @@ from pydantic import (
     create_model,
 )
 
-from ..core.constant import Constant
+from ..core.parameters import Constant
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..units import parse, sample

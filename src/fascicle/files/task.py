@@ -10,9 +10,9 @@ from pydantic import ValidationError
 
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
-from ..core.checks import one_of
-from ..core.modules import with_fields
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import with_fields
+from ..core.validation import check_choice
 from ..design.judge.allowed import Limit, checked
 from ..design.judge.objectives import OBJECTIVES, known
 from ..design.judge.reach import SHARES, demanding
@@ -154,7 +154,7 @@ def _task(section: TaskSection, place: Place) -> Task:
             made = example_task(section.example, supply)
             scheme = scheme_of(section.scheme or made.scheme)
             return replace(
-                made, scheme=scheme, fluid=one_of(section.fluid or "air", FLUIDS, "fluid")
+                made, scheme=scheme, fluid=check_choice(section.fluid or "air", FLUIDS, "fluid")
             )
     if "strain" in given and "stroke" in given:
         raise place.refuse(
@@ -235,7 +235,9 @@ def _space(
         chosen = tuple(read_split(text) for text in splits)
         numbers = tuple(dict.fromkeys(sum(row) for row in chosen))
         if "muscles" in given and set(given["muscles"]) != set(numbers):
-            raise Refused("muscles", "must be left out where the splits are written out", None)
+            raise InvalidInputError(
+                "muscles", "must be left out where the splits are written out", None
+            )
         given["muscles"] = numbers
         return Space(drawings, splits=chosen, **given)
 
@@ -253,10 +255,12 @@ def _chance(section: ScatterSection, design: DesignSection, place: Place, folder
         if section.calibrated:
             path = folder / name
             if not path.exists():
-                raise Refused("calibrated", f"needs a muscle file, {name!r} is none", None)
+                raise InvalidInputError(
+                    "calibrated", f"needs a muscle file, {name!r} is none", None
+                )
             muscles = drawn(path)
             if design.buckling is not None:
-                raise Refused(
+                raise InvalidInputError(
                     "calibrated", "constants hold for the law they were fitted with", None
                 )
         return Chance(scatter, draws, muscles)
@@ -269,12 +273,12 @@ def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> M
         else:
             path = folder / name
             if not path.exists():
-                one_of(name, examples(), "muscle")
+                check_choice(name, examples(), "muscle")
             found = load(path)
         if isinstance(found, Bundle):
-            raise Refused("muscle", f"{name!r} is a bundle", None, "name a muscle")
+            raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
-            law: Any = BUCKLING_LAWS[one_of(section.buckling, BUCKLING_LAWS, "buckling")]
+            law: Any = BUCKLING_LAWS[check_choice(section.buckling, BUCKLING_LAWS, "buckling")]
             found = with_fields(found, buckling=law())
         return found
 

@@ -12,7 +12,7 @@ from pydantic import (
     Tag,
 )
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..units import parse, parse_list
 from .prices import Price, parse_price
 from .schema import PLAIN, TABLE, Angle, Length, Number, Pressure, Section
@@ -40,7 +40,7 @@ def _entries(kind: type, rule: str) -> BeforeValidator:
     def read(value: Any, info: Any) -> tuple[Any, ...]:
         entries = value if isinstance(value, list) else [value]
         if not entries or any(type(entry) is not kind for entry in entries):
-            raise Refused(info.field_name, f"must be {rule}, or a list of them", None)
+            raise InvalidInputError(info.field_name, f"must be {rule}, or a list of them", None)
         return tuple(entries)
 
     return BeforeValidator(read)

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..bundle import Bundle
 from ..bundle.schemes import name_of
-from ..core.atomic import write_text
-from ..core.constant import Constant
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.parameters import Constant
+from ..io.atomic import write_text
 from ..muscle import Muscle
 from ..muscle.fitted import memory
 from ..muscle.law import AbstractLaw
@@ -135,7 +135,7 @@ def _written(value: Any, constant: Constant) -> str:
 
 def _material(material: Any) -> str:
     if type(material) is not MooneyRivlin:
-        raise Refused("material", "can be saved if it is a MooneyRivlin", material)
+        raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     entries = {one.name: _written(getattr(material, one.name), one) for one in material.constants()}
     for name, known in MATERIALS.items():
         if material == known:
@@ -202,7 +202,7 @@ def _bundle(bundle: Bundle) -> list[str]:
 def _law(law: Any, kind: str) -> str:
     name, known = getattr(law, "name", ""), LAWS[kind]
     if name not in known or type(law) is not known[name]:
-        raise Refused(kind, f"can be saved if it is one of {', '.join(known)}", law)
+        raise InvalidInputError(kind, f"can be saved if it is one of {', '.join(known)}", law)
     return json.dumps(name)
 
 
@@ -217,7 +217,7 @@ def _number(value: Any, key: str) -> str:
 
 def _scalar(value: Any, key: str) -> float:
     if np.shape(value) != ():
-        raise Refused(
+        raise InvalidInputError(
             key,
             f"has the shape {np.shape(value)}",
             None,
@@ -228,5 +228,7 @@ def _scalar(value: Any, key: str) -> float:
 
 def _vector(values: Any, key: str) -> Any:
     if np.ndim(values) != 1:
-        raise Refused(key, f"has the shape {np.shape(values)}", None, "a file takes one list")
+        raise InvalidInputError(
+            key, f"has the shape {np.shape(values)}", None, "a file takes one list"
+        )
     return np.asarray(values)

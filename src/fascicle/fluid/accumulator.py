@@ -17,12 +17,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..core.arrays import absolute, exp, expm1, log, log1p, minimum, no, where
-from ..core.checks import concrete
-from ..core.limits import Range
-from ..core.refused import Refused
+from ..core.array_namespace import absolute, exp, expm1, log, log1p, logical_not, minimum, where
+from ..core.errors import InvalidInputError
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
+from ..core.validation import Range, is_concrete
 from .chamber import row
 from .entry import above_zero, between, part, room_pressure, temperature
 from .media import OIL, Liquid
@@ -54,17 +53,19 @@ class Accumulator(AbstractSupply):
     room_temperature: Batch = temperature()
 
     def __check_init__(self):
-        if not concrete(self.pressure, self.precharge, self.exponent):
+        if not is_concrete(self.pressure, self.precharge, self.exponent):
             return
         P, P_0 = np.broadcast_arrays(self.pressure, self.precharge)
         if np.any(P <= P_0):
             low = float(P[P <= P_0].flat[0])
             rule = f"must lie above the `precharge` of {float(np.max(P_0)):g} Pa"
-            raise Refused("pressure", rule, low, "below it there is no liquid", f"{low:g} Pa")
+            raise InvalidInputError(
+                "pressure", rule, low, "below it there is no liquid", f"{low:g} Pa"
+            )
         share = float(np.max(-expm1(-self._spread(P))))
         if share > _FULL:
             rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - share:.3g}"
-            raise Refused("pressure", rule, share, "raise the `precharge`", shown="")
+            raise InvalidInputError("pressure", rule, share, "raise the `precharge`", shown="")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -134,5 +135,5 @@ def _growth(z: Any) -> Batch:
     """$(e^z - 1)/z$ [-], 1 at zero, where the gas is isothermal."""
     small = absolute(z) < 1e-4
     s = guarded(small, z, 0.0)
-    far = guarded(no(small), z, 1.0)
+    far = guarded(logical_not(small), z, 1.0)
     return where(small, 1 + s * (1 / 2 + s * (1 / 6 + s / 24)), expm1(far) / far)

@@ -12,10 +12,10 @@ adiabatic where $G = 0$, ever closer to isothermal as $G$ rises (and ever stiffe
 
 from typing import ClassVar
 
-from ..core.arrays import where
-from ..core.limits import Range
+from ..core.array_namespace import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
+from ..core.validation import Range
 from .chamber import AbstractChamber, Balance, dead_volume, row
 from .entry import from_zero, part, room_pressure, temperature
 from .media import AIR, Gas

@@ -15,10 +15,10 @@ volume, so that a volume that moves with the pressure can be taken to the other 
 import abc
 from typing import Any, ClassVar, NamedTuple
 
-from ..core.arrays import library
-from ..core.limits import Range
-from ..core.modules import Module
+from ..core.array_namespace import array_namespace
+from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
+from ..core.validation import Range
 from .entry import from_zero
 
 
@@ -173,5 +173,5 @@ def dead_volume() -> Any:
 
 def row(*numbers: BatchLike) -> Numbers:
     """Several `numbers` [SI], made equally large, on a new last axis [SI]."""
-    at_work = library(*numbers)
+    at_work = array_namespace(*numbers)
     return at_work.stack(at_work.broadcast_arrays(*numbers), axis=-1)

@@ -8,11 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import as_given, concrete, positive, within
-from ..core.limits import Range, plausible
-from ..core.modules import record
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import record
 from ..core.types import Batch, Values
+from ..core.validation import (
+    Range,
+    check_interval,
+    check_plausible,
+    check_positive,
+    is_concrete,
+    match_array_type,
+)
 
 
 ROOM_PRESSURE = 101325.0  # Pa, absolute: the standard atmosphere
@@ -29,7 +35,7 @@ def above_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any
     """
 
     def checked(value: Values) -> Batch:
-        return plausible(positive(value, name, known.unit, remedy), name, known)
+        return check_plausible(check_positive(value, name, known.unit, remedy), name, known)
 
     return record(converter=checked, **default)
 
@@ -41,8 +47,8 @@ def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
 
     def checked(value: Values) -> Batch:
         closed = (True, False)
-        x = within(value, 0.0, np.inf, name, known.unit, closed=closed, remedy=remedy)
-        return plausible(x, name, known)
+        x = check_interval(value, 0.0, np.inf, name, known.unit, closed=closed, remedy=remedy)
+        return check_plausible(x, name, known)
 
     return record(converter=checked, **default)
 
@@ -60,7 +66,7 @@ def between(
     """
 
     def checked(value: Values) -> Batch:
-        return within(value, low, high, name, "-", "", closed, remedy)
+        return check_interval(value, low, high, name, "-", "", closed, remedy)
 
     return record(converter=checked, **default)
 
@@ -74,7 +80,7 @@ def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
         if isinstance(value, kinds) or (value is None and default.get("default", kinds) is None):
             return value
         known = " or ".join(f"`{kind.__name__}`" for kind in kinds)
-        raise Refused(name, f"must be {known}", value, shown=f"`{type(value).__name__}`")
+        raise InvalidInputError(name, f"must be {known}", value, shown=f"`{type(value).__name__}`")
 
     return record(converter=checked, **default)
 
@@ -83,17 +89,17 @@ def room_pressure() -> Any:
     """The field [-] of the room's pressure, absolute [Pa]."""
 
     def checked(value: Values) -> Batch:
-        x = within(value, -np.inf, np.inf, "room_pressure", "Pa")
-        if concrete(x) and np.any(np.asarray(x) < _ROOM.least):
+        x = check_interval(value, -np.inf, np.inf, "room_pressure", "Pa")
+        if is_concrete(x) and np.any(np.asarray(x) < _ROOM.least):
             bad = float(np.min(x))
-            raise Refused(
+            raise InvalidInputError(
                 "room_pressure",
                 f"is absolute and must be at least {_ROOM.least:g} Pa",
                 bad,
                 "at sea level it is 101325 Pa",
                 shown=f"{bad:g} Pa",
             )
-        return plausible(x, "room_pressure", _ROOM)
+        return check_plausible(x, "room_pressure", _ROOM)
 
     return record(converter=checked, default=ROOM_PRESSURE)
 
@@ -107,14 +113,17 @@ def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
     """Gauge pressure [Pa] of an `absolute` [Pa] one in a room of `room_pressure` [Pa, absolute];
     `ValueError` where it doesn't lie above the room's.
     """
-    p, room = positive(absolute, "absolute", "Pa"), positive(room_pressure, "room_pressure", "Pa")
-    if concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
+    p, room = (
+        check_positive(absolute, "absolute", "Pa"),
+        check_positive(room_pressure, "room_pressure", "Pa"),
+    )
+    if is_concrete(p, room) and np.any(np.asarray(p) <= np.asarray(room)):
         low = float(np.min(p))
-        raise Refused(
+        raise InvalidInputError(
             "absolute",
             f"must lie above the room's {float(np.max(room)):g} Pa",
             low,
             "give an absolute pressure here, or a gauge pressure as `pressure`",
             shown=f"{low:g} Pa",
         )
-    return as_given(absolute, p - room)
+    return match_array_type(absolute, p - room)

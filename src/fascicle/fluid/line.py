@@ -19,10 +19,10 @@ plastic hoses (the text wasn't at hand; a test holds it to within 17 % of Fanno'
 
 import numpy as np
 
-from ..core.arrays import sqrt
-from ..core.limits import Range
-from ..core.modules import Module
+from ..core.array_namespace import sqrt
+from ..core.module import Module
 from ..core.types import Batch
+from ..core.validation import Range
 from .entry import above_zero
 
 

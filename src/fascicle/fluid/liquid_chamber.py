@@ -11,8 +11,8 @@ longer it. **Source:** Merritt (1967), Hydraulic Control Systems.
 
 from typing import ClassVar
 
-from ..core.limits import Range
 from ..core.types import Batch, BatchLike, Numbers
+from ..core.validation import Range
 from .chamber import AbstractMassChamber, Balance, dead_volume, row
 from .entry import from_zero, part, room_pressure, temperature
 from .media import OIL, Liquid

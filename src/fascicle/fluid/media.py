@@ -20,12 +20,12 @@ $h$ is what a kilogram brings along as it streams, $e$ what it keeps at rest.
 **Source:** Bejan (2016), Advanced Engineering Thermodynamics, for exergies; constants beside them.
 """
 
-from ..core.arrays import absolute as size_of
-from ..core.arrays import exp, expm1, log, no, where
-from ..core.limits import Range
-from ..core.modules import Module, static
+from ..core.array_namespace import absolute as size_of
+from ..core.array_namespace import exp, expm1, log, logical_not, where
+from ..core.module import Module, static
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike
+from ..core.validation import Range
 from .entry import above_zero
 
 
@@ -146,7 +146,7 @@ class Liquid(Module):
         x = pressure / K
         # h and p/ρ agree in all but the last digits where x is small: their series there
         small = size_of(x) < 1e-2
-        s, far = guarded(small, x, 0.0), guarded(no(small), x, 1.0)
+        s, far = guarded(small, x, 0.0), guarded(logical_not(small), x, 1.0)
         series = s**2 * (1 / 2 - s * (1 / 3 - s * (1 / 8 - s * (1 / 30 - s * (1 / 144 - s / 840)))))
         return K / rho_0 * where(small, series, 1 - (1 + far) * exp(-far))
 

@@ -15,10 +15,10 @@ law; the transition is Simscape's; with a hose, derived here.
 
 from typing import ClassVar
 
-from ..core.arrays import sqrt
-from ..core.limits import Range
-from ..core.modules import Module
+from ..core.array_namespace import sqrt
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
+from ..core.validation import Range
 from .entry import above_zero, between, part
 from .line import Line
 

@@ -11,7 +11,7 @@ and a cycle may make work of the room's heat without end. An audit refuses it (`
 
 from typing import ClassVar
 
-from ..core.arrays import where
+from ..core.array_namespace import where
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, Numbers
 from .chamber import AbstractMassChamber, Balance, dead_volume, row

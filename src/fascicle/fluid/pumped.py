@@ -12,10 +12,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..core.arrays import library
-from ..core.checks import concrete
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
+from ..core.validation import is_concrete
 from .accumulator import Accumulator
 from .chamber import row
 from .entry import part
@@ -41,12 +41,14 @@ class PumpedAccumulator(AbstractSupply):
     def __check_init__(self):
         if self.band is not None and isinstance(self.pump, VariablePump):
             why = "must be left out with a VariablePump, which swivels by itself"
-            raise Refused("band", why, self.band, shown="one")
+            raise InvalidInputError("band", why, self.band, shown="one")
         one, other = self.pump.liquid, self.accumulator.liquid
         pairs = ((one.bulk_modulus, other.bulk_modulus),
                  (one.reference_density, other.reference_density))  # fmt: skip
-        if any(concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
-            raise Refused("pump", "must be for the accumulator's liquid", one, shown="another")
+        if any(is_concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
+            raise InvalidInputError(
+                "pump", "must be for the accumulator's liquid", one, shown="another"
+            )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -93,7 +95,7 @@ class PumpedAccumulator(AbstractSupply):
         if self.band is None:
             return state
         on = self.band.after(state[..., 1], self.pressure_at(state))
-        at_work = library(state, on)
+        at_work = array_namespace(state, on)
         return at_work.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
 
     def stored(self, state: Numbers) -> Batch:

@@ -28,12 +28,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..core.arrays import both, maximum, minimum, where
-from ..core.checks import concrete
-from ..core.limits import Range
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.array_namespace import logical_and, maximum, minimum, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
+from ..core.validation import Range, is_concrete
 from .entry import above_zero, between, from_zero, part
 from .media import OIL, Liquid
 
@@ -121,10 +120,10 @@ class PressureBand(Module):
     high: Batch = above_zero("high", _PRESSURE)
 
     def __check_init__(self):
-        if concrete(self.low, self.high) and np.any(np.asarray(self.high) <= self.low):
+        if is_concrete(self.low, self.high) and np.any(np.asarray(self.high) <= self.low):
             high = float(np.min(self.high))
             rule = f"must lie above `low`, {float(np.max(self.low)):g} Pa"
-            raise Refused("high", rule, high, "widen the band", f"{high:g} Pa")
+            raise InvalidInputError("high", rule, high, "widen the band", f"{high:g} Pa")
 
     def start(self, pressure: BatchLike) -> Batch:
         """On, 1, below the high pressure, else off, 0 [-], at gauge `pressure` [Pa]."""
@@ -132,7 +131,7 @@ class PressureBand(Module):
 
     def after(self, on: BatchLike, pressure: BatchLike) -> Batch:
         """What it is then [-], that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
-        kept = where(both(pressure > self.low, pressure < self.high), on, 1.0)
+        kept = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
         return where(pressure >= self.high, 0.0, kept)
 
 

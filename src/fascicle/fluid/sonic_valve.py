@@ -32,13 +32,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..core.arrays import sqrt, where
-from ..core.checks import concrete
-from ..core.limits import Range
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.array_namespace import sqrt, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch
+from ..core.validation import Range, is_concrete
 from .entry import ROOM_TEMPERATURE, above_zero, between, part
 from .line import Line
 
@@ -67,9 +66,9 @@ class SonicValve(Module):
     )
 
     def __check_init__(self):
-        if self.line is not None and concrete(self.m) and np.any(np.asarray(self.m) != 0.5):
+        if self.line is not None and is_concrete(self.m) and np.any(np.asarray(self.m) != 0.5):
             remedy = "leave `m` or `line` out"
-            raise Refused("m", "must be 0.5 with a `line`", float(np.max(self.m)), remedy)
+            raise InvalidInputError("m", "must be 0.5 with a `line`", float(np.max(self.m)), remedy)
 
     def flow(
         self,

@@ -29,12 +29,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import maximum, minimum
-from ..core.checks import within
-from ..core.limits import Range
-from ..core.modules import Module, static
-from ..core.refused import Refused
+from ..core.array_namespace import maximum, minimum
+from ..core.errors import InvalidInputError
+from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import Range, check_interval
 from .entry import above_zero, between
 
 
@@ -136,7 +135,7 @@ class OrderlyValve(AbstractSpool):
 
     def __check_init__(self):
         if isinstance(self.units, bool) or not isinstance(self.units, int) or self.units < 1:
-            raise Refused("units", "must be a whole number of at least 1", self.units)
+            raise InvalidInputError("units", "must be a whole number of at least 1", self.units)
 
     def commands(self, units: int) -> int:
         """One [-] for all of the `units` [-], which must be as many as it has ports."""
@@ -163,18 +162,18 @@ class OrderlyValve(AbstractSpool):
         open to the supply.
         """
         if not 0 <= unit < self.units:
-            raise Refused("unit", f"must lie in [0, {self.units - 1}]", unit)
+            raise InvalidInputError("unit", f"must lie in [0, {self.units - 1}]", unit)
         return (2 * unit + 1) / self.units - 1
 
     def _check(self, units: int) -> None:
         if units != self.units:
             rule = f"must be the bundle's number of motor units, {units}"
-            raise Refused("units", rule, self.units, "give the valve a port for each")
+            raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
 
 
 def checked_commands(command: Values, name: str = "command") -> Numbers:
     """A `command` [-] called `name` [-] as floats [-]; `ValueError` outside [-1, 1]."""
-    return within(
+    return check_interval(
         command, -1.0, 1.0, name, "-", "from open exhaust to open supply", closed=(True, True)
     )
 

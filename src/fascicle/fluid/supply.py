@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import concrete, positive
-from ..core.limits import Range, plausible
-from ..core.modules import Module, record
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
+from ..core.validation import Range, check_plausible, check_positive, is_concrete
 
 
 _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
@@ -80,12 +79,12 @@ def supply_pressure() -> Any:
     """The field [-] of a supply's gauge pressure [Pa], above the room's."""
 
     def checked(value: Values) -> Batch:
-        if concrete(value):
+        if is_concrete(value):
             p = np.asarray(value)
             if p.dtype.kind in "fiu" and np.any(p <= 0):
                 bad = float(np.min(p))
                 rule = "must lie above the room's, which is 0 Pa gauge"
-                raise Refused("pressure", rule, bad, "raise it", shown=f"{bad:g} Pa")
-        return plausible(positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
+                raise InvalidInputError("pressure", rule, bad, "raise it", shown=f"{bad:g} Pa")
+        return check_plausible(check_positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
 
     return record(converter=checked)

@@ -9,8 +9,8 @@ $$\dot s = f(s, P, \dot m_{in}, \dot H_{in}, \dot V = 0), \qquad g(s, P, V) = 0.
 
 from typing import ClassVar
 
-from ..core.limits import Range
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
+from ..core.validation import Range
 from .adiabatic_wall import AdiabaticWall
 from .entry import above_zero, part
 from .isothermal import Isothermal

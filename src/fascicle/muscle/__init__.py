@@ -3,8 +3,8 @@
 Laws stand in the folders of their kinds, a module each; `laws` has them all.
 """
 
-from ..core.constant import Constant as Constant
-from ..core.constant import Switch as Switch
+from ..core.parameters import Constant as Constant
+from ..core.parameters import Switch as Switch
 from . import buckling as buckling
 from . import collapse as collapse
 from . import ends as ends

@@ -10,9 +10,8 @@ finds them; forces and shapes at any strain are closed forms from there.
 from collections.abc import Callable
 from typing import Any
 
-from ..core.arrays import as_jax, is_jax_array
-from ..core.evaluate import evaluate
-from ..core.modules import Module, static
+from ..core.array_namespace import as_jax, is_jax_array
+from ..core.module import Module, evaluate, static
 from ..core.types import Batch, Values
 from .column import Centerline
 from .entry import centerline_points, points_of, strained

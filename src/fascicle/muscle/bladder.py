@@ -16,7 +16,7 @@ to the braid. **Source:** Klute and Hannaford (2000); Kim, Mazzoleni and Bryant 
 
 import numpy as np
 
-from ..core.modules import Module
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from .braid import Braid
 from .materials.material_law import AbstractMaterial

@@ -31,8 +31,8 @@ printed there without the factor 3 of $3\lambda^2/\tan^2\alpha_0$ [R1]: see the 
 
 import numpy as np
 
-from ..core.arrays import arccos, cos, sqrt, tan
-from ..core.modules import Module
+from ..core.array_namespace import arccos, cos, sqrt, tan
+from ..core.module import Module
 from ..core.types import Batch, BatchLike
 
 

@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import minimum, nodes, stack, total, where
-from ..core.missing import require
+from ..core.array_namespace import minimum, node_axis, stack, sum_nodes, where
+from ..core.errors import require
 from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
 
@@ -55,10 +55,10 @@ def contraction_work(
     ends = stack([low, *stops, high] if resistance else [low, *stops])
     # all stretches as one row of nodes: the law is asked once
     middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
-    node, weight = (nodes(x, low + 0.0 * muscle.collapse) for x in (_NODES, _WEIGHTS))
+    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in (_NODES, _WEIGHTS))
     shape = (-1, *ends.shape[1:])
     at = (middle[:, None] + half[:, None] * node).reshape(shape)
-    done = total((half[:, None] * weight).reshape(shape) * muscle.force(at)[0])
+    done = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(at)[0])
     return muscle.column.rest_length * where(back, -done, done)
 
 
@@ -72,9 +72,9 @@ def coenergy_at_rest(muscle: Pressurized) -> Batch:
 def conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
     require("jax")
-    from ..core.jax_backend import compiled
+    from ..core.jax_backend import compile_law
 
-    return compiled(_conjugate_volume)(muscle, pressure, strain)
+    return compile_law(_conjugate_volume)(muscle, pressure, strain)
 
 
 def _conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:

@@ -11,13 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import as_given, concrete, one_of, within
-from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN, NEUTRAL_ANGLE
-from ..core.limits import FAINT_PRESSURE, pressed, tilted, warn_user
-from ..core.refused import Refused
-from ..core.shapes import common
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
-from ..core.written import in_si, is_written
+from ..core.validation import (
+    FAINT_PRESSURE,
+    HIGHEST_PRESSURE,
+    LARGEST_STRAIN,
+    NEUTRAL_ANGLE,
+    broadcast_shape,
+    check_braid_angle,
+    check_choice,
+    check_interval,
+    has_units,
+    is_concrete,
+    match_array_type,
+    to_si,
+    warn_pressure_units,
+    warn_user,
+)
 from .bladder import Bladder
 from .braid import Braid
 from .ends.ends_law import AbstractEnds
@@ -37,7 +48,7 @@ def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     traced one. Fibers that are straight within rounding have no radius left, and no finite force.
     `stretch`: the bladder's strain over the ends' [-].
     """
-    if not concrete(braid_angle, stretch):
+    if not is_concrete(braid_angle, stretch):
         return -np.inf
     return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch) + _STRAIGHT
 
@@ -50,9 +61,13 @@ def lowest_of(muscle: Any) -> tuple[Batch, Batch]:
 def active(ends: AbstractEnds, length: Batch) -> None:
     """Refuse `ends` [-] that take a third of the `length` [m] or more: not much would contract."""
     stretch = ends.stretch(length)
-    if concrete(stretch) and not np.all((np.asarray(stretch) >= 1) & (np.asarray(stretch) < 1.5)):
+    if is_concrete(stretch) and not np.all(
+        (np.asarray(stretch) >= 1) & (np.asarray(stretch) < 1.5)
+    ):
         rule, remedy = "must be less than a third of `length`", "check its unit"
-        raise Refused("inactive_length", rule, getattr(ends, "inactive_length", None), remedy)
+        raise InvalidInputError(
+            "inactive_length", rule, getattr(ends, "inactive_length", None), remedy
+        )
 
 
 def good_point(muscle: Any, pressure: Values, strain: Values) -> bool:
@@ -62,7 +77,7 @@ def good_point(muscle: Any, pressure: Values, strain: Values) -> bool:
     if not (isinstance(pressure, float) and isinstance(strain, float)):
         return False
     rows = muscle.tuning.pressures
-    measured = rows.size < 2 or (concrete(rows) and pressure <= np.asarray(rows)[-1])
+    measured = rows.size < 2 or (is_concrete(rows) and pressure <= np.asarray(rows)[-1])
     inside = 0.0 <= strain <= LARGEST_STRAIN  # where an extension ends depends on the braid
     told = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
     return bool(measured and inside and told)
@@ -86,18 +101,18 @@ def points_of(*arrays: Batch, muscles: tuple[int, ...] = ()) -> int:
     names = ("pressure", "strain") if len(arrays) == 2 else ("values",)
     shapes = dict(zip(names, map(np.shape, arrays), strict=True))
     if muscles:
-        common(muscles=muscles, **shapes)
-    return math.prod(common(**shapes))
+        broadcast_shape(muscles=muscles, **shapes)
+    return math.prod(broadcast_shape(**shapes))
 
 
 def gauge(value: Values, tuning: Tuning) -> Batch:
     """A gauge pressure [Pa] of the domain; a warning where the `tuning` [-] was measured below."""
     closed = (True, True)
-    checked = within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
-    if not is_written(value):
-        pressed(checked)
+    checked = check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+    if not has_units(value):
+        warn_pressure_units(checked)
     tuning.warn_beyond(checked)
-    return as_given(value, checked)
+    return match_array_type(value, checked)
 
 
 def strained(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
@@ -127,11 +142,11 @@ def validate_strain(
     **Raises:** `ValueError` for a concrete strain outside.
     """
     if np.ndim(low):
-        value = in_si(value, "strain", "-")
-        common(muscles=np.shape(low), strain=np.shape(value))
-    strain = within(value, low, high, "strain", "-", why, (False, True))
+        value = to_si(value, "strain", "-")
+        broadcast_shape(muscles=np.shape(low), strain=np.shape(value))
+    strain = check_interval(value, low, high, "strain", "-", why, (False, True))
     warn_extension(strain, low)
-    return as_given(value, strain)
+    return match_array_type(value, strain)
 
 
 def extension_message(strain: Batch, straight: Batch) -> str:
@@ -144,7 +159,7 @@ def extension_message(strain: Batch, straight: Batch) -> str:
 
     **Returns:** one sentence or two [-].
     """
-    if not concrete(strain) or not np.size(strain):
+    if not is_concrete(strain) or not np.size(strain):
         return ""
     every, straight = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
     worst = np.argmin(every)
@@ -167,15 +182,15 @@ def warn_extension(strain: Batch, straight: Batch) -> None:
 def centerline_points(value: int) -> int:
     """How many points [-] a centerline has."""
     if value < 3:
-        raise Refused("points", "must be at least 3", value)
+        raise InvalidInputError("points", "must be at least 3", value)
     return int(value)
 
 
 def contracting(value: Values) -> Batch:
     """A braid angle [rad] that contracts."""
-    value = in_si(value, "braid_angle", "rad")
+    value = to_si(value, "braid_angle", "rad")
     try:
-        angle = within(value, 0.0, NEUTRAL_ANGLE, "braid_angle", "rad")
+        angle = check_interval(value, 0.0, NEUTRAL_ANGLE, "braid_angle", "rad")
     except ValueError:
         if np.asarray(value).dtype.kind not in "fiu":
             raise
@@ -184,14 +199,14 @@ def contracting(value: Values) -> Batch:
         given = math.radians(bad)
         # a number that would do in degrees
         remedy = f'numbers are in rad, write "{given:g} deg"' if math.pi / 2 < given < top else ""
-        raise Refused(
+        raise InvalidInputError(
             "braid_angle",
             f"must lie in (0, {top:.4f}) deg to contract",
             bad,
             remedy,
             shown=f"{bad:g} deg",
         ) from None
-    tilted(angle)
+    check_braid_angle(angle)
     return angle
 
 
@@ -200,7 +215,7 @@ def thinner(wall_thickness: Batch, outer_radius: Batch) -> None:
     t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
     if np.any(t0 >= r0):
         worst = np.argmax(t0 >= r0)
-        raise Refused(
+        raise InvalidInputError(
             "wall_thickness",
             "must be less than `outer_radius`",
             float(t0.flat[worst]),
@@ -219,7 +234,7 @@ def told(muscle: Any) -> None:
 def _held(muscle: Any) -> None:
     """Warn of a `muscle` [-] whose tension law has nothing to say of the highest pressures."""
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
-    if not muscle.tension.stretches or not concrete(*sizes, muscle.material, muscle.tension):
+    if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):
         return
     bladder = Bladder(Braid(*sizes), muscle.wall_thickness, muscle.material)
     highest = np.min(np.asarray(muscle.tension.highest_pressure(bladder)))
@@ -236,8 +251,8 @@ def chosen(value: Any, kind: type, known: Mapping[str, Any], what: str) -> Any:
     if isinstance(value, kind):
         return value
     if isinstance(value, str):
-        law = known[one_of(value, known, what)]
+        law = known[check_choice(value, known, what)]
         return law() if isinstance(law, type) else law
-    raise Refused(
+    raise InvalidInputError(
         what, f"must be one of {', '.join(sorted(known))} or an object of {kind.__name__}", value
     )

@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..core.checks import concrete
-from ..core.modules import Module, renewed
+from ..core.module import Module, replace_checked
+from ..core.validation import is_concrete
 from ..units import exact, pretty
 
 
@@ -43,7 +43,7 @@ def replaced(old: Fitted, changes: dict[str, Any]) -> Fitted:
     """The `old` muscle [-] but for `changes` of its arguments [SI], with what it remembers; a
     length that it wasn't fitted at warns.
     """
-    new = carried(old, renewed(old, changes))
+    new = carried(old, replace_checked(old, changes))
     if "length" in changes:
         warn_elsewhere(new, stacklevel=4)
     return new
@@ -64,7 +64,7 @@ def elsewhere(muscle: Any) -> str:
     fitted, or at this one.
     """
     length, ends = _fit(muscle)
-    if length is None or not concrete(muscle.length):
+    if length is None or not is_concrete(muscle.length):
         return ""
     own = np.asarray(muscle.length)
     if not np.any(np.abs(own / length - 1) > _SAME):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.checks import concrete
+from ..core.validation import is_concrete
 from ..units import pretty
 from .tension.tension_law import AbstractTension
 
@@ -23,7 +23,9 @@ def foreign(muscle: Any, law: type[AbstractTension] | None = None) -> str:
     are its own, or of a muscle of its size. `law`: another one than the muscle's, as published [-].
     """
     kind = type(muscle.tension) if law is None else law
-    if not kind.made_for or not concrete(muscle.length, muscle.outer_radius, muscle.wall_thickness):
+    if not kind.made_for or not is_concrete(
+        muscle.length, muscle.outer_radius, muscle.wall_thickness
+    ):
         return ""
     if law is None and not _as_published(muscle.tension):
         return ""
@@ -71,6 +73,6 @@ def _size(value: Any) -> str:
 
 def _as_published(law: AbstractTension) -> bool:
     """Whether all constants of a `law` [-] can be looked at, and are its default ones."""
-    return concrete(law) and all(
+    return is_concrete(law) and all(
         np.all(np.asarray(getattr(law, one.name)) == one.default) for one in law.constants()
     )

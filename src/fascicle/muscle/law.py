@@ -12,9 +12,9 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
-from ..core.constant import Constant, Switch
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
+from ..core.module import Module
+from ..core.parameters import Constant, Switch
 
 
 class Declared(Module):
@@ -67,7 +67,9 @@ def found(
             if not _is_one(law, kind, f"{package}.{module}"):
                 continue
             if law.name in laws:
-                raise Refused(law.name, f"names two laws of {package}", None, "rename one")
+                raise InvalidInputError(
+                    law.name, f"names two laws of {package}", None, "rename one"
+                )
             laws[law.name] = law
     return MappingProxyType(
         {name: laws[name] for name in sorted(laws, key=lambda n: (n != first, n))}

@@ -14,17 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from ..core.arrays import is_numpy
-from ..core.checks import is_concrete, one_of
-from ..core.chunks import map_in_chunks
-from ..core.evaluate import evaluate
-from ..core.lazy import from_above
-from ..core.limits import size, slender
-from ..core.missing import require
-from ..core.modules import Module
-from ..core.refused import Refused
-from ..core.sheet import printed
+from ..core.array_namespace import is_numpy, map_in_chunks
+from ..core.errors import InvalidInputError, require
+from ..core.lazy import import_late
+from ..core.module import Module, evaluate
 from ..core.types import Batch, Values
+from ..core.validation import check_choice, check_size, is_concrete, warn_slenderness
+from ..repr_table import with_table_repr
 from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
@@ -76,7 +72,7 @@ from .tuning import TunedTension, Tuning
 BACKENDS = ("jax", "casadi")  # of a compiled force
 
 
-@printed(sheet, line)
+@with_table_repr(sheet, line)
 class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
 
@@ -109,21 +105,21 @@ class Muscle(Module):
         ends: str | AbstractEnds = "rigid",
     ):
         """**Arguments:** those of `from_dimensions`."""
-        self.length = size(length, "length")
-        self.outer_radius = size(outer_radius, "outer_radius")
-        self.wall_thickness = size(wall_thickness, "wall_thickness")
+        self.length = check_size(length, "length")
+        self.outer_radius = check_size(outer_radius, "outer_radius")
+        self.wall_thickness = check_size(wall_thickness, "wall_thickness")
         self.braid_angle = contracting(braid_angle)
         if is_concrete(self.outer_radius, self.wall_thickness):
             thinner(self.wall_thickness, self.outer_radius)
-        slender(self.length, self.outer_radius)
+        warn_slenderness(self.length, self.outer_radius)
         self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
         self.tension = law_of(tension, AbstractTension, "tension")
         self.buckling = law_of(buckling, AbstractBuckling, "buckling")
         self.collapse = law_of(collapse, AbstractCollapse, "collapse")
         self.post_collapse = law_of(post_collapse, AbstractPostCollapse, "post_collapse")
-        self.transition_rate = size(transition_rate, "transition_rate")
+        self.transition_rate = check_size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
-            raise Refused("tuning", "must be a Tuning or None", tuning)
+            raise InvalidInputError("tuning", "must be a Tuning or None", tuning)
         self.tuning = Tuning() if tuning is None else tuning
         self.ends = law_of(ends, AbstractEnds, "ends")
         active(self.ends, self.length)
@@ -383,7 +379,7 @@ class Muscle(Module):
 
         **Returns:** a figure of matplotlib's [-].
         """
-        return from_above("plot.objects.of_muscle")(self, pressures, strains, components)
+        return import_late("plot.objects.of_muscle")(self, pressures, strains, components)
 
     def compile(self, backend: str = "jax") -> Callable[[Values, Values], Any]:
         """The force alone as a bare function, with this muscle held constant and nothing checked.
@@ -395,8 +391,8 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for an unknown backend, `ImportError` where it is not installed.
         """
-        if one_of(backend, BACKENDS, "backend") == "casadi":
-            return from_above("export.point_function.muscle_function")(self)
+        if check_choice(backend, BACKENDS, "backend") == "casadi":
+            return import_late("export.point_function.muscle_function")(self)
         require("jax")
         from ..core.jax_backend import jit
 

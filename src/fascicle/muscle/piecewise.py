@@ -26,11 +26,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import both, either, exp, no, spread, stack, where
-from ..core.modules import Module
+from ..core.array_namespace import (
+    add_table_axis,
+    exp,
+    logical_and,
+    logical_not,
+    logical_or,
+    stack,
+    where,
+)
+from ..core.module import Module
 from ..core.roots import guarded
-from ..core.sheet import Sheet, printed, short, sized
 from ..core.types import Batch, BoolBatch, IntBatch
+from ..repr_table import ReprTable, format_number, title_with_shape, with_table_repr
 from .buckling.buckling_law import AbstractBuckling
 from .collapse.collapse_law import AbstractCollapse
 from .column import ROUNDING, Centerline, Column
@@ -42,20 +50,20 @@ TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
 REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
 
-def _sheet(response: Any) -> Sheet:
+def _sheet(response: Any) -> ReprTable:
     """Forces [N] and the region's name, a row for each point."""
     forces = (response.force, response.mesh, response.bladder, response.bending)
     columns = [np.ravel(x) for x in (*forces, response.region, response.several)]
     rows = [
-        [*map(short, parts), REGIONS[int(region)] + (" *" if several else "")]
+        [*map(format_number, parts), REGIONS[int(region)] + (" *" if several else "")]
         for *parts, region, several in zip(*columns, strict=True)
     ]
     notes = ["* other equilibria exist there, too"] if np.any(response.several) else []
     heads = ("force N", "mesh N", "bladder N", "bending N", "region")
-    return Sheet(sized("Response", response.force), (), heads, rows, notes)
+    return ReprTable(title_with_shape("Response", response.force), (), heads, rows, notes)
 
 
-@printed(_sheet)
+@with_table_repr(_sheet)
 class Response(NamedTuple):
     """What a muscle does at a pressure and strain; all of one shape.
 
@@ -148,8 +156,9 @@ class Pressurized(NamedTuple):
         (mesh, bladder, bending), _, (pulled, collapsed, straight) = self._forces(strain)
         bowed = where(straight, STRAIGHT, POST_BUCKLING)
         region = where(pulled, TENSION, where(collapsed, POST_COLLAPSE, bowed))
-        several = both(
-            self.law.buckling.several(self.column, strain), no(either(collapsed, pulled))
+        several = logical_and(
+            self.law.buckling.several(self.column, strain),
+            logical_not(logical_or(collapsed, pulled)),
         )
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
@@ -170,12 +179,14 @@ class Pressurized(NamedTuple):
         """Centerline [m] at `strain` [-], points on a new last axis."""
         pulled, collapsed, _ = self._state(strain)
         strain = strain + 0.0 * self.column.free_strain
-        held = where(either(pulled, collapsed), self.column.free_strain, strain)
+        held = where(logical_or(pulled, collapsed), self.column.free_strain, strain)
         bowed = self.law.buckling.shape(self.column, held, points)
         safe = self._safe(collapsed, strain)
         hinged = self.law.post_collapse.shape(self.column, safe, points)
-        straight = spread(self.column.rest_length * (1 - strain)) * np.linspace(0, 1, points)
-        pulled, collapsed = spread(pulled), spread(collapsed)
+        straight = add_table_axis(self.column.rest_length * (1 - strain)) * np.linspace(
+            0, 1, points
+        )
+        pulled, collapsed = add_table_axis(pulled), add_table_axis(collapsed)
         return Centerline(
             z=where(pulled, straight, where(collapsed, hinged.z, bowed.z)),
             y=where(pulled, 0.0, where(collapsed, hinged.y, bowed.y)),

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.modules import listed
-from ..core.sheet import Sheet, short, spread_over
+from ..core.module import repr_fields
+from ..core.validation import HIGHEST_PRESSURE
+from ..repr_table import ReprTable, format_number, format_range
 from ..units import exact, figures, pretty
 from .law import Declared
 from .laws import LAWS, said
@@ -30,7 +30,7 @@ _TOP = 400e3  # Pa, of the table where no tuning says how far it was measured
 _ROWS = 5
 
 
-def sheet(muscle: Muscle) -> Sheet:
+def sheet(muscle: Muscle) -> ReprTable:
     """A muscle's sizes and laws, and what it does at a few pressures.
 
     **Arguments:** `muscle`: it [-].
@@ -38,7 +38,7 @@ def sheet(muscle: Muscle) -> Sheet:
     **Returns:** what is printed [-].
     """
     facts = [
-        (name.replace("_", " "), spread_over(getattr(muscle, name), lambda x, d=d: pretty(x, d)))
+        (name.replace("_", " "), format_range(getattr(muscle, name), lambda x, d=d: pretty(x, d)))
         for name, d in _SIZES.items()
     ]
     facts += [("material", material(muscle.material))]
@@ -48,25 +48,30 @@ def sheet(muscle: Muscle) -> Sheet:
         if said(kind, getattr(muscle, kind))
     ]
     if muscle.tuning.transition_rate is None:  # a tuning's own stands with the tuning
-        facts += [("transition rate", spread_over(muscle.transition_rate, figures))]
+        facts += [("transition rate", format_range(muscle.transition_rate, figures))]
     facts += [("tuning", tuned(muscle.tuning))]
     title = "Muscle" if muscle._is_single else "Muscles, rows of them"
     if not muscle._is_single:
-        return Sheet(title, facts)
+        return ReprTable(title, facts)
     P = np.linspace(0.0, _top(muscle), _ROWS)
     found = (muscle.blocked_force(P), muscle.free_strain(P), muscle.collapse_strain(P))
     rows = [
-        [short(p / 1e3), short(blocked), f"{free:.4f}", f"{c:.4f}" if np.isfinite(c) else "never"]
+        [
+            format_number(p / 1e3),
+            format_number(blocked),
+            f"{free:.4f}",
+            f"{c:.4f}" if np.isfinite(c) else "never",
+        ]
         for p, blocked, free, c in zip(P, *found, strict=True)
     ]
     heads = ("pressure kPa", "blocked force N", "free strain", "collapse strain")
-    return Sheet(title, facts, heads, rows)
+    return ReprTable(title, facts, heads, rows)
 
 
 def line(muscle: Muscle) -> str:
     """A `muscle` as the Python that makes it, for a single one [-]."""
     if not muscle._is_single:
-        return listed(muscle)
+        return repr_fields(muscle)
     given = [f"{name}={exact(float(getattr(muscle, name)), d)!r}" for name, d in _SIZES.items()]
     given.append(f"material={_named(muscle.material)}")
     for kind, laws in LAWS.items():
@@ -98,14 +103,14 @@ def tuned(tuning: Any) -> str:
     for name, what in _FACTORS.items():
         value = getattr(tuning, name)
         if np.any(np.asarray(value) != 1):
-            told.append(f"{what} × {spread_over(value, figures)}")
+            told.append(f"{what} × {format_range(value, figures)}")
     if np.any(np.asarray(tuning.hinge_stiffness_slope) != 0):
-        slope = spread_over(tuning.hinge_stiffness_slope, lambda x: f"{x * 1e5:+.3g}")
+        slope = format_range(tuning.hinge_stiffness_slope, lambda x: f"{x * 1e5:+.3g}")
         told.append(f"hinge stiffness {slope} for each bar")
     if tuning.transition_rate is not None:
-        told.append(f"transition rate {spread_over(tuning.transition_rate, figures)}")
+        told.append(f"transition rate {format_range(tuning.transition_rate, figures)}")
     if np.any(np.asarray(tuning.dead_band) != 0):
-        band = spread_over(tuning.dead_band, lambda x: pretty(x, "pressure"))
+        band = format_range(tuning.dead_band, lambda x: pretty(x, "pressure"))
         told.append(f"dead band {band}")
     return ", ".join(told)
 
@@ -137,7 +142,7 @@ def _known(material: Any) -> str:
 def _constants(law: Declared) -> str:
     numbers = [
         f"{one.name.replace('_', ' ')} "
-        + spread_over(getattr(law, one.name), lambda x, d=one.dimension: pretty(x, d))
+        + format_range(getattr(law, one.name), lambda x, d=one.dimension: pretty(x, d))
         for one in law.constants()
     ]
     choices = [f"{one.name.replace('_', ' ')} {getattr(law, one.name)}" for one in law.switches()]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.tree import tree_leaves
+from ..core.module import tree_leaves
 from ..core.types import Batch
 from .column import Centerline
 from .piecewise import Response

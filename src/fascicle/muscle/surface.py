@@ -24,12 +24,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.arrays import library, maximum, minimum, sqrt, where
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.modules import Module, static
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest
 from .entry import lowest_of, lowest_strain
 from .muscle import Muscle
@@ -96,7 +95,7 @@ class UnitSurface(Module):
         **Raises:** `ValueError` for ends and shapes that can't be.
         """
         top = float(
-            within(highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", "",
+            check_interval(highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", "",
                    (False, True))
         )  # fmt: skip
         rows, columns = _shape(shape)
@@ -155,15 +154,15 @@ class UnitSurface(Module):
         why, closed = "of the table", (True, True)
         top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its own root
         more = "tabulate the muscle up to there"
-        P = within(pressure, -101325.0, top, "pressure", "Pa", why, closed, more)
-        return P, within(strain, low, high, "strain", "-", why, closed, more)
+        P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, more)
+        return P, check_interval(strain, low, high, "strain", "-", why, closed, more)
 
 
 def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
     """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
     """
-    at_work = library(pressure, strain, table.coefficients)
+    at_work = array_namespace(pressure, strain, table.coefficients)
     lines, columns = table.coefficients.shape[-4:-2]
     h, (low, high) = table.root_step, table.strains
     step = (high - low) / columns
@@ -245,9 +244,9 @@ def _table(
 
 def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
-    from ..core.jax_backend import compiled
+    from ..core.jax_backend import compile_law
 
-    values, slopes = compiled(_integrated)(muscle, pressure, strain)
+    values, slopes = compile_law(_integrated)(muscle, pressure, strain)
     (gained, work, pull), (swollen, swept, pull_slope) = (
         map(np.asarray, x) for x in (values, slopes)
     )
@@ -357,7 +356,7 @@ def off_the_law(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
 
 def _shape(shape: tuple[int, int]) -> tuple[int, int]:
     if len(shape) != 2 or min(shape) < 3:
-        raise Refused("shape", "must be two whole numbers of at least 3", shape)
+        raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
     return int(shape[0]), int(shape[1])
 
 
@@ -369,10 +368,11 @@ def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np
     else:
         least = float(lowest_strain(*lowest_of(muscle)))
         low, high = (
-            within(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True)) for end in ends
+            check_interval(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True))
+            for end in ends
         )
         if not low < 0 < high:
-            raise Refused("strains", "must enclose 0", ends)
+            raise InvalidInputError("strains", "must enclose 0", ends)
     below = max(1, round(-low / (high - low) * (count - 1)))
     step = max(high / (count - 1 - below), -low / below)
     # a step that reaches past both ends still has to stop before the fibers are straight

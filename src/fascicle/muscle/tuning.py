@@ -27,14 +27,20 @@ import warnings
 
 import numpy as np
 
-from ..core.arrays import along_table, array_namespace, spread, where
-from ..core.checks import finite, is_concrete, within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.limits import plausible, signed, size
-from ..core.modules import Module
-from ..core.refused import Refused
+from ..core.array_namespace import add_table_axis, array_namespace, sum_table, where
+from ..core.errors import InvalidInputError
+from ..core.module import Module
 from ..core.types import AnyArray, Batch, BatchLike, Float, Values
-from ..core.written import in_si
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    check_finite,
+    check_interval,
+    check_plausible,
+    check_signed,
+    check_size,
+    is_concrete,
+    to_si,
+)
 from .bladder import Bladder
 from .ends.ends_law import AbstractEnds
 from .ends.rigid import Rigid
@@ -85,26 +91,28 @@ class Tuning(Module):
         **Raises:** `ValueError` where a table or a factor can't be.
         """
         self.pressures, self.c1, self.c2 = _table(pressures, c1, c2)
-        self.youngs_modulus_factor = size(youngs_modulus_factor, "youngs_modulus_factor")
-        self.collapse_moment_factor = size(collapse_moment_factor, "collapse_moment_factor")
-        self.hinge_stiffness_factor = size(hinge_stiffness_factor, "hinge_stiffness_factor")
-        self.hinge_stiffness_slope = finite(hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa")
-        self.transition_rate = (
-            None if transition_rate is None else size(transition_rate, "transition_rate")
+        self.youngs_modulus_factor = check_size(youngs_modulus_factor, "youngs_modulus_factor")
+        self.collapse_moment_factor = check_size(collapse_moment_factor, "collapse_moment_factor")
+        self.hinge_stiffness_factor = check_size(hinge_stiffness_factor, "hinge_stiffness_factor")
+        self.hinge_stiffness_slope = check_finite(
+            hinge_stiffness_slope, "hinge_stiffness_slope", "1/Pa"
         )
-        self.dead_band = within(
+        self.transition_rate = (
+            None if transition_rate is None else check_size(transition_rate, "transition_rate")
+        )
+        self.dead_band = check_interval(
             dead_band, 0.0, HIGHEST_PRESSURE, "dead_band", "Pa", closed=(True, False)
         )
         if is_concrete(self.hinge_stiffness_factor, self.hinge_stiffness_slope):
             highest = self.hinge_stiffness_at(HIGHEST_PRESSURE)
             if not np.all(np.asarray(highest) > 0):
-                raise Refused(
+                raise InvalidInputError(
                     "hinge_stiffness_slope",
                     f"must leave the factor positive up to {HIGHEST_PRESSURE / 1e6:g} MPa",
                     np.min(np.asarray(highest)),
                     shown=f"a factor of {np.min(np.asarray(highest)):g} there",
                 )
-            plausible(highest, "hinge_stiffness_factor")
+            check_plausible(highest, "hinge_stiffness_factor")
 
     def effective_pressure(self, pressure: BatchLike) -> Batch:
         """$P_e$ [Pa] at gauge `pressure` [Pa], equation (D)."""
@@ -146,13 +154,13 @@ class Tuning(Module):
         """`rows` [any unit], joined by straight lines, at effective `pressure` [Pa]."""
         if rows.shape[-1] == 1:
             return rows[..., 0] + 0.0 * pressure  # nothing was measured
-        P, start = spread(pressure), self.pressures[..., :-1]
+        P, start = add_table_axis(pressure), self.pressures[..., :-1]
         steps, rises = (x[..., 1:] - x[..., :-1] for x in (self.pressures, rows))
         # a sum of ramps is one pass over the points, a search for the row many; slopes at a
         # row are those to its right
         risen = where(start <= P, where(start + steps <= P, steps, P - start), 0.0)
         slopes = where(steps > 0, rises / where(steps > 0, steps, 1.0), 0.0)
-        return rows[..., 0] + along_table(slopes * risen)
+        return rows[..., 0] + sum_table(slopes * risen)
 
     def hinge_stiffness_at(self, pressure: BatchLike) -> Batch:
         """Factor on the hinge's stiffness $k_r$ [-] at `pressure` [Pa]."""
@@ -210,28 +218,28 @@ class TunedTension(Module):
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with its row at zero pressure, checked where its values can be seen."""
-    pressures, c1 = in_si(pressures, "pressures", "Pa"), in_si(c1, "c1", "N")
+    pressures, c1 = to_si(pressures, "pressures", "Pa"), to_si(c1, "c1", "N")
     at_work = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
     P, rows1, rows2 = (
         at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)
     )
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
-        raise Refused(
+        raise InvalidInputError(
             "pressures",
             ", `c1` and `c2` must be lists of equal length",
             (P.size, rows1.size, rows2.size),
             shown=f"{P.size}, {rows1.size} and {rows2.size} entries",
         )
     seen = P.size and is_concrete(pressures)
-    if seen and (finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
-        raise Refused(
+    if seen and (check_finite(pressures, "pressures", "Pa").min() < 0 or np.any(np.diff(P) <= 0)):
+        raise InvalidInputError(
             "pressures", "must rise from 0 Pa or above", P.tolist(), shown=f"{P.tolist()} Pa"
         )
     if P.size and is_concrete(c1, c2):
-        signed(c1, "c1")
-        size(c2, "c2")
+        check_signed(c1, "c1")
+        check_size(c2, "c2")
         if seen and P[0] == 0 and (rows1[0] != 0 or rows2[0] != 1):
-            raise Refused(
+            raise InvalidInputError(
                 "c1",
                 "and `c2` must be 0 N and 1 at zero pressure",
                 float(rows1[0]),

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..core.tokens import WHITE
 from .simulated import Demanded, drawn, shown_in
 from .style import BLACK, CYCLE, DOUBLE, GRAY, letter, new_figure, styled
+from .theme import WHITE
 
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from ..bundle import Bundle
 from ..bundle.reversal import Reversal
-from ..core.refused import Refused
-from ..core.written import in_si
+from ..core.errors import InvalidInputError
+from ..core.validation import to_si
 from ..muscle import Muscle
 from .components import components_legend, components_of, draw_components
 from .jumps import broken
@@ -46,11 +46,13 @@ def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool 
 
     **Raises:** `ValueError` for more than four pressures with components.
     """
-    P = np.atleast_1d(np.asarray(in_si(pressures, "pressures", "Pa"), float))
-    eps = np.asarray(in_si(strains, "strain", "-"), float)
+    P = np.atleast_1d(np.asarray(to_si(pressures, "pressures", "Pa"), float))
+    eps = np.asarray(to_si(strains, "strain", "-"), float)
     if components:
         if P.size > _SIDE_BY_SIDE:
-            raise Refused("pressures", f": at most {_SIDE_BY_SIDE} with components", P.size)
+            raise InvalidInputError(
+                "pressures", f": at most {_SIDE_BY_SIDE} with components", P.size
+            )
         columns = min(P.size, 2)
         rows = -(-P.size // columns)
         figure, axes = new_figure(rows, columns, DOUBLE if columns > 1 else SINGLE)
@@ -83,8 +85,8 @@ def bundle_force_strain(
 
     **Returns:** the figure [-].
     """
-    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
-    eps = np.asarray(in_si(strains, "strain", "-"), float)
+    P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
+    eps = np.asarray(to_si(strains, "strain", "-"), float)
     each = np.asarray(bundle.unit_forces(P, eps, resistance))
     figure, axes = new_figure(width=SINGLE)
     ax = axes[0, 0]

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..core.tokens import WHITE
 from ..energetics import EfficiencyMap
 from .style import BLACK, GRAY, SINGLE, new_figure, styled
+from .theme import WHITE
 
 
 _LEVELS = np.arange(0.1, 1.0, 0.1)

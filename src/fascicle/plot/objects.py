@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 
 from ..bundle import Bundle, recruitment
 from ..bundle.space import overlap
-from ..core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ..core.refused import Refused
-from ..core.written import in_si
+from ..core.errors import InvalidInputError
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle
 from .curves import bundle_force_strain, force_strain
 from .space import space
@@ -37,13 +36,15 @@ def of_muscle(
     **Raises:** `ValueError` for rows of muscles and values off the domain.
     """
     if np.ndim(muscle.length + muscle.outer_radius + muscle.wall_thickness + muscle.braid_angle):
-        raise Refused("muscle", "must be a single one to be drawn, got rows of them", None)
+        raise InvalidInputError(
+            "muscle", "must be a single one to be drawn, got rows of them", None
+        )
     if pressures is None:
         rows = np.asarray(muscle.tuning.pressures)
         measured = float(np.max(rows)) + float(muscle.tuning.dead_band)
         top = min(measured, HIGHEST_PRESSURE) if rows.size > 1 else _TOP
         pressures = np.linspace(0.0, top, 4 if components else 5)
-    P = np.atleast_1d(np.asarray(in_si(pressures, "pressure", "Pa"), float))
+    P = np.atleast_1d(np.asarray(to_si(pressures, "pressure", "Pa"), float))
     if strains is None:
         strains = _strains(float(np.max(muscle.free_strain(P))))
     return force_strain(muscle, P, strains, components)
@@ -66,7 +67,7 @@ def of_bundle(
     **Raises:** `ValueError` where there are neither pressures nor a supply's.
     """
     if pressures is None and bundle.supply_pressure is None:
-        raise Refused(
+        raise InvalidInputError(
             "pressures",
             "must be given in Pa, one for each motor unit",
             None,
@@ -77,7 +78,7 @@ def of_bundle(
         return space(found, overlap(found))
     if strains is None:
         strains = _strains(float(bundle.free_strain(pressures, resistance=False)))
-    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
+    P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     return bundle_force_strain(bundle, P, strains, resistance)
 
 

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..core.tokens import WHITE
 from .style import BLACK, BLUE, DOUBLE, GRAY, SINGLE, VERMILION, letter, new_figure, styled
+from .theme import WHITE
 
 
 CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate

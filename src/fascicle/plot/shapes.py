@@ -18,10 +18,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from ..core.tokens import LIGHT, WHITE
-from ..core.written import in_si
+from ..core.validation import to_si
 from ..muscle import Muscle
 from .style import BLACK, BLUE, DOUBLE, GRAY, new_figure, styled
+from .theme import LIGHT, WHITE
 
 
 ARC_POINTS = 241  # odd, so that one lies at the middle, where a hinge is
@@ -62,8 +62,8 @@ def outlines(
 
     `collapse_strains` [-] at those pressures are computed if they aren't given.
     """
-    P = np.asarray(in_si(pressures, "pressures", "Pa"), float)
-    eps = np.asarray(in_si(strains, "strain", "-"), float)
+    P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
+    eps = np.asarray(to_si(strains, "strain", "-"), float)
     collapse = np.asarray(
         muscle.collapse_strain(P) if collapse_strains is None else collapse_strains
     )

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..core.tokens import GRID
 from .style import (
     BLACK,
     BLUE,
@@ -23,6 +22,7 @@ from .style import (
     new_figure,
     styled,
 )
+from .theme import GRID
 
 
 if TYPE_CHECKING:

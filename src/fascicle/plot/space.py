@@ -5,7 +5,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..bundle.space import Overlap, Space
-from ..core.tokens import WHITE, YELLOW
 from .style import (
     CYCLE,
     DOUBLE,
@@ -15,6 +14,7 @@ from .style import (
     new_figure,
     styled,
 )
+from .theme import WHITE, YELLOW
 
 
 _THIN, _THICK = 0.4, 2.2  # lines of the lowest and the highest pressure

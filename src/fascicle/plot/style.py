@@ -4,7 +4,7 @@ Figures are matplotlib's own objects and touch no global state that outlives a c
 style is switched on while one is built and while it is drawn. Widths are those of a
 journal's columns, so that text has its printed size, 7 to 8 points.
 
-Colors and typeface are those of `core.tokens`.
+Colors and typeface are those of `plot.theme`.
 """
 
 from collections.abc import Callable
@@ -17,19 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..core.tokens import (
-    BLACK,
-    BLUE,
-    FIGURES,
-    GRAY,
-    GREEN,
-    GRID,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    WHITE,
-)
+from .theme import BLACK, BLUE, FIGURES, GRAY, GREEN, GRID, ORANGE, PURPLE, SKY, VERMILION, WHITE
 
 
 _MM = 1 / 25.4  # in inches, matplotlib's unit

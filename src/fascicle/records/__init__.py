@@ -6,7 +6,7 @@ pandas, and a file can be read without JAX.
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -74,4 +74,4 @@ _HOMES = {
     "write": "writing",
 }
 
-__getattr__, __dir__ = lazily(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

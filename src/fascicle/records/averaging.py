@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from .record import DOWN, UNKNOWN, UP, Record
 from .splitting import Run, runs
 
@@ -49,10 +49,12 @@ def averaged(record: Record, points: int = 50) -> Averaged:
     **Raises:** `ValueError` for fewer than two `points`, or where there are no runs.
     """
     if points < 2:
-        raise Refused("points", "must be at least 2", points)
+        raise InvalidInputError("points", "must be at least 2", points)
     found = [run for run in runs(record) if run.kind != "mixed"]
     if not found:
-        raise Refused("record", "has no runs at constant pressure or length to average", None)
+        raise InvalidInputError(
+            "record", "has no runs at constant pressure or length to average", None
+        )
     pieces, widths, pairs = [], [], 0
     for level in _levels(record, found):
         ways = {way: [run for run in level if run.branch == way] for way in (UP, DOWN)}

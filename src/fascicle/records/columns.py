@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from .asking import Asked
 from .spelling import bare, factor, is_absolute, is_unit, remedy_unit
 from .table import Table
@@ -130,7 +130,7 @@ def check_roles(given: Mapping[str, object], what: str) -> None:
         if role not in ROLES:
             near = difflib.get_close_matches(str(role), ROLES, n=1, cutoff=0.5)
             hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(ROLES)}"
-            raise Refused(what, f"has the unknown key {role!r}", role, hint, shown="")
+            raise InvalidInputError(what, f"has the unknown key {role!r}", role, hint, shown="")
 
 
 def _given(table: Table, role: str, header: str) -> int:

@@ -26,11 +26,9 @@ from dataclasses import dataclass, fields
 import equinox as eqx
 import numpy as np
 
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, BatchLike, Bool, Float, Int, Values
-from ..core.written import in_si
+from ..core.validation import HIGHEST_PRESSURE, check_interval, to_si
 from ..muscle import Muscle
 from ..muscle.materials import AbstractMaterial, Slopes
 from ..units import pretty
@@ -137,12 +135,12 @@ class VirtualDynamometer:
         """**Raises:** `ValueError` for a setting that can't be."""
         for name in ("pressures", *_NOT_NEGATIVE, "speed"):
             unit = "Pa" if name == "pressures" else _unit(name)
-            object.__setattr__(self, name, in_si(getattr(self, name), name, unit))
-        P = within(
+            object.__setattr__(self, name, to_si(getattr(self, name), name, unit))
+        P = check_interval(
             self.pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", (True, True)
         )
         if P.ndim != 1 or not np.any(np.asarray(P) > 0):
-            raise Refused(
+            raise InvalidInputError(
                 "pressures", "must hold at least one pressure above 0 Pa, in a list", None
             )
         for name in _NOT_NEGATIVE:
@@ -150,11 +148,11 @@ class VirtualDynamometer:
             most = 1.0 if name in ("noise", "hysteresis") else np.inf
             value = getattr(self, name)
             remedy = f"write {value:g} %" if most == 1 and np.all(value >= 1) else ""
-            within(value, 0.0, most, name, _unit(name), closed=(True, False), remedy=remedy)
+            check_interval(value, 0.0, most, name, _unit(name), closed=(True, False), remedy=remedy)
         for name in ("speed", "mullins_cycles"):
-            within(getattr(self, name), 0.0, np.inf, name, _unit(name))
+            check_interval(getattr(self, name), 0.0, np.inf, name, _unit(name))
         if self.samples < 2 or self.preconditioning < 0:
-            raise Refused(
+            raise InvalidInputError(
                 "samples",
                 "must be at least 2 and `preconditioning` at least 0",
                 (self.samples, self.preconditioning),
@@ -162,10 +160,10 @@ class VirtualDynamometer:
             )
         try:
             Scatter(self.length_scatter, self.angle_scatter)  # which knows its own limits
-        except Refused as error:
+        except InvalidInputError as error:
             name, angle = _SCATTERS[error.argument], error.argument == "braid_angle"
             shown = pretty(error.value, "angle") if angle else None
-            raise Refused(name, error.rule, error.value, error.remedy, shown) from None
+            raise InvalidInputError(name, error.rule, error.value, error.remedy, shown) from None
 
     def record(self, muscle: Muscle, seed: int = 0) -> Record:
         """One test of one muscle.
@@ -210,7 +208,7 @@ class VirtualDynamometer:
         **Raises:** `ValueError` for a muscle that is a batch of several.
         """
         if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
-            raise Refused(
+            raise InvalidInputError(
                 "muscle", "must be a single muscle", None, "a batch can't be on one machine"
             )
         P = np.asarray(self.pressures, dtype=float)
@@ -242,7 +240,7 @@ class VirtualDynamometer:
         **Raises:** `ValueError` where the seeds would change the muscle itself.
         """
         if self.length_scatter or self.angle_scatter:
-            raise Refused(
+            raise InvalidInputError(
                 "length_scatter",
                 "and `angle_scatter` must be 0 for many tests of one muscle",
                 (self.length_scatter, self.angle_scatter),

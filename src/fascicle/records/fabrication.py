@@ -13,9 +13,9 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
-from ..core.checks import within
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Values
+from ..core.validation import check_interval
 from ..muscle import Muscle
 from ..units import pretty
 
@@ -29,15 +29,17 @@ class Scatter:
 
     def __post_init__(self):
         """**Raises:** `ValueError` for a scatter that is negative or huge."""
-        within(self.length, 0.0, 0.2, "length", "-", "of the length", (True, True))
+        check_interval(self.length, 0.0, 0.2, "length", "-", "of the length", (True, True))
         try:
-            angle = within(self.braid_angle, 0.0, 0.2, "braid_angle", "rad", closed=(True, True))
-        except Refused as error:
+            angle = check_interval(
+                self.braid_angle, 0.0, 0.2, "braid_angle", "rad", closed=(True, True)
+            )
+        except InvalidInputError as error:
             if not isinstance(error.value, float):
                 raise
             shown = pretty(error.value, "angle")
             rule = f"must lie in [0, {np.degrees(0.2):.4g}] deg"
-            raise Refused("braid_angle", rule, error.value, shown=shown) from None
+            raise InvalidInputError("braid_angle", rule, error.value, shown=shown) from None
         object.__setattr__(self, "braid_angle", float(angle))
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:

@@ -19,9 +19,8 @@ import equinox as eqx
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
-from ..core.checks import within
-from ..core.domain import HIGHEST_PRESSURE
 from ..core.types import Float, Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..muscle import Muscle
 from .fabrication import Scatter
 
@@ -81,9 +80,9 @@ def fabricated_pairs(
     **Raises:** `ValueError` for a pressure off the domain.
     """
     second = np.asarray(
-        within(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", closed=(True, True))
+        check_interval(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", closed=(True, True))
     )
-    first = within(
+    first = check_interval(
         first_pressure, 0.0, HIGHEST_PRESSURE, "first_pressure", "Pa", closed=(True, True)
     )
     made = scatter.draw(muscle, np.random.default_rng(seed), (draws, 2))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..core.domain import HIGHEST_PRESSURE
+from ..core.validation import HIGHEST_PRESSURE
 from .columns import Column
 from .spelling import OTHERS, factor, scaled
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.input_file import read_bytes
-from ..core.refused import Refused
-from ..core.written import in_si
+from ..core.errors import InvalidInputError
+from ..core.validation import to_si
+from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .asking import Asked
 from .columns import OPTIONAL, POSITIONS, Column, check_roles, choose
@@ -77,7 +77,7 @@ def load(
     """
     if not isinstance(path, str | os.PathLike):
         if not path:
-            raise Refused("path", "must name at least one file", None, shown="none")
+            raise InvalidInputError("path", "must name at least one file", None, shown="none")
         return join([
             load(one, columns=columns, units=units, rest_length=rest_length,
                  clipped_at_zero=clipped_at_zero, header=header, sidecar=sidecar) for one in path
@@ -132,9 +132,9 @@ def _given(
     """What the TOML and the caller say together, the caller first."""
     for what, table in (("columns", columns or {}), ("units", units or {})):
         check_roles(table, what)
-    rest_length = in_si(rest_length, "rest_length", "m")
+    rest_length = to_si(rest_length, "rest_length", "m")
     if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
-        raise Refused(
+        raise InvalidInputError(
             "rest_length", "must be positive and finite", rest_length, shown=f"{rest_length} m"
         )
     return Sidecar(

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.refused import Refused
-from ..core.shapes import common
+from ..core.errors import InvalidInputError
+from ..core.validation import broadcast_shape
 
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
@@ -81,7 +81,7 @@ class Record:
         **Raises:** `ValueError` for shapes that don't fit and readings that aren't finite.
         """
         readings = {"pressure": pressure, "strain": strain, "force": force}
-        shape = common(**{name: np.shape(values) for name, values in readings.items()})
+        shape = broadcast_shape(**{name: np.shape(values) for name, values in readings.items()})
 
         def flat(values: Any, kind: Any) -> np.ndarray:
             return np.broadcast_to(np.asarray(values, dtype=kind), shape).reshape(-1).copy()
@@ -90,7 +90,7 @@ class Record:
         for name, values in columns.items():
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
-                raise Refused(
+                raise InvalidInputError(
                     name,
                     "must be finite",
                     float(values[bad[0]]),
@@ -129,7 +129,7 @@ def join(records: Sequence[Record]) -> Record:
     first = records[0]
     lengths = {record.rest_length for record in records} - {None}
     if len(lengths) > 1:
-        raise Refused(
+        raise InvalidInputError(
             "records",
             "must share one rest length",
             sorted(map(str, lengths)),

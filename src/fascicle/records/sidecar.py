@@ -27,8 +27,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..core.input_file import read_bytes
-from ..core.toml import tables
+from ..io.input_file import read_bytes
+from ..io.toml import parse_toml
 from ..units import parse
 from .columns import check_roles
 
@@ -106,7 +106,7 @@ def _parsed(path: Path) -> dict[str, Any]:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
-    return tables(text, str(path))
+    return parse_toml(text, str(path))
 
 
 def _checked(data: dict[str, Any], source: str) -> Sidecar:
@@ -122,21 +122,23 @@ def _checked(data: dict[str, Any], source: str) -> Sidecar:
     for key in ("clipped_at_zero", "synthetic"):
         if not isinstance(data.get(key, False), bool):
             raise ValueError(f"{source}: {key} = {data[key]!r}: must be true or false.")
-    tables = {key: _strings(data.get(key, {}), f"{source}: {key}") for key in ("columns", "units")}
+    parse_toml = {
+        key: _strings(data.get(key, {}), f"{source}: {key}") for key in ("columns", "units")
+    }
     signs = {}
     for role, said in _strings(data.get("signs", {}), f"{source}: signs").items():
         _known(role, _SIGNS, f"{source}: signs.{role}")
         _known(said, _SIGNS[role], f"{source}: signs.{role} = {said!r}")
         signs[role] = _SIGNS[role][said]
     try:
-        for key, table in tables.items():
+        for key, table in parse_toml.items():
             check_roles(table, key)
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
     return Sidecar(
         rest_length=lengths.get("rest_length"),
         displacement_at_rest=lengths.get("displacement_at_rest"),
-        columns=tables["columns"], units=tables["units"], signs=signs,
+        columns=parse_toml["columns"], units=parse_toml["units"], signs=signs,
         clipped_at_zero=data.get("clipped_at_zero"),
         synthetic=data.get("synthetic", False), notes=_notes(data, source),
     )  # fmt: skip

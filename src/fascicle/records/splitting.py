@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from .levels import held, noise, smoothed
 from .record import DOWN, UNKNOWN, UP, Record
 
@@ -73,7 +73,7 @@ def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
         "auto": ("pressure", "strain"), "pressure": ("pressure",), "strain": ("strain",),
     }  # fmt: skip
     if by not in held_by:
-        raise Refused("by", 'must be "auto", "pressure" or "strain"', by)
+        raise InvalidInputError("by", 'must be "auto", "pressure" or "strain"', by)
     if not len(record):
         return ()
     found, ordered = _stretches(record, held_by[by])

@@ -7,7 +7,7 @@ from, and, first, that they are synthetic where no muscle was measured.
 import io
 import os
 
-from ..core.atomic import write_text
+from ..io.atomic import write_text
 from ..units import exact
 from .record import Record
 

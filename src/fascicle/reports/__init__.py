@@ -1,6 +1,6 @@
 """Self-contained HTML pages: one file, opens offline, prints well."""
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 from .page import Page as Page
 from .page import data_uri as data_uri
 from .page import prose as prose
@@ -8,4 +8,4 @@ from .page import quotation as quotation
 from .page import verdict as verdict
 
 
-__getattr__, __dir__ = lazily(__name__, {}, {"fitted": "calibrate.after.pictures"})
+__getattr__, __dir__ = attach_lazy(__name__, {}, {"fitted": "calibrate.after.pictures"})

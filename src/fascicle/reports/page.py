@@ -8,8 +8,8 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from ..core.tokens import LIGHT, css
-from ..core.visible import revealed
+from ..io.sanitize import escape_invisible
+from ..plot.theme import LIGHT, css
 
 
 _STYLE = (
@@ -130,7 +130,7 @@ class Page:
     def text(self, footer: str) -> str:
         """The whole page, `footer` last; of what it says, every sign can be seen."""
         body = "\n".join(self._parts)
-        return revealed(
+        return escape_invisible(
             '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
             '<link rel="icon" href="data:,">\n'  # else browsers ask for one

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 
 
 KINDS: Mapping[str, str] = MappingProxyType({
@@ -48,7 +48,7 @@ class Criterion:
 
     def __post_init__(self):
         if self.sign not in SIGNS:
-            raise Refused("sign", f"must be one of {', '.join(SIGNS)}", self.sign)
+            raise InvalidInputError("sign", f"must be one of {', '.join(SIGNS)}", self.sign)
 
     @property
     def met(self) -> bool:
@@ -124,11 +124,13 @@ class Claim:
 
     def __post_init__(self):
         if self.kind not in KINDS:
-            raise Refused("kind", f"must be one of {', '.join(KINDS)}", self.kind)
+            raise InvalidInputError("kind", f"must be one of {', '.join(KINDS)}", self.kind)
         if not self.criteria:
-            raise Refused("criteria", f"must hold one or more, or {self.key} can't fail", None)
+            raise InvalidInputError(
+                "criteria", f"must hold one or more, or {self.key} can't fail", None
+            )
         if (self.kind == "input") != bool(self.chosen):
-            raise Refused(
+            raise InvalidInputError(
                 "chosen", "must say what was chosen, of an input alone", None, f"{self.key}"
             )
 

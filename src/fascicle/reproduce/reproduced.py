@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from ..core.atomic import write
+from ..io.atomic import write
 from ..plot import to_bytes
 from ..results import labelled as results
 from ..results.labelled import Variable

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy import lazily
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -14,4 +14,4 @@ __all__ = ["Table", "Variable", "tables"]
 
 _HOMES = {"Table": "labelled", "Variable": "labelled", "tables": ""}
 
-__getattr__, __dir__ = lazily(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..core.atomic import check_writable
-from ..core.atomic import write as write_whole
+from ..io.atomic import check_writable
+from ..io.atomic import write as write_whole
 
 
 if TYPE_CHECKING:

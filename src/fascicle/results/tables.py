@@ -10,7 +10,7 @@ import numpy as np
 
 from ..bundle import Bundle, recruitment
 from ..core.types import Values
-from ..core.written import in_si
+from ..core.validation import to_si
 from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .labelled import Table, Variable
@@ -242,4 +242,4 @@ def efficiency(maps: Sequence[EfficiencyMap]) -> Table:
 
 def _row(values: Values, name: str, unit: str) -> np.ndarray:
     """An array [SI] of `values` [SI], or of text and quantities with units."""
-    return np.asarray(in_si(values, name, unit))
+    return np.asarray(to_si(values, name, unit))

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
-from ..core.checks import finite
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
+from ..core.validation import check_finite
 from ..dynamics.loads import AbstractLoad
 from ..muscle import Muscle
 from .pairing import mujoco
@@ -54,12 +54,16 @@ def attach(
     if tendon not in known:
         near = difflib.get_close_matches(str(tendon), known, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(known) or 'none'}"
-        raise Refused("tendon", f"{tendon!r} isn't one of the model's", tendon, hint, shown="")
+        raise InvalidInputError(
+            "tendon", f"{tendon!r} isn't one of the model's", tendon, hint, shown=""
+        )
     if isinstance(bundle, Muscle):
         bundle = Bundle([MotorUnit(bundle)])
     if not isinstance(bundle, Bundle):
-        raise Refused("bundle", "must be a Bundle or a Muscle", bundle, shown=type(bundle).__name__)
-    at = float(finite(rest_length, "rest_length", "m"))
+        raise InvalidInputError(
+            "bundle", "must be a Bundle or a Muscle", bundle, shown=type(bundle).__name__
+        )
+    at = float(check_finite(rest_length, "rest_length", "m"))
     called = f"{tendon}_bundle" if name is None else name
     made = spec.add_actuator(
         name=called, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON

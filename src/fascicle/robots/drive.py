@@ -24,12 +24,11 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ..core.arrays import library
-from ..core.checks import concrete, within
-from ..core.domain import HIGHEST_PRESSURE
-from ..core.modules import Module, static
-from ..core.refused import Refused
+from ..core.array_namespace import array_namespace
+from ..core.errors import InvalidInputError
+from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
+from ..core.validation import HIGHEST_PRESSURE, check_interval, is_concrete
 from ..dynamics import Plant, State
 from ..dynamics.filling import settled
 from ..dynamics.flows import flowing
@@ -112,15 +111,15 @@ class Drive(Module):
         given = [one is not None for one in (supply, chamber, valve)]
         if any(given) and not all(given):
             name = ("supply", "chamber", "valve")[given.index(False)]
-            raise Refused(
+            raise InvalidInputError(
                 name, "is missing", None, "give supply, chamber and valve, or none of them"
             )
         if chamber is not None and not isinstance(chamber, AbstractMassChamber):
             rule = "must be one whose state is its mass"
             remedy = "take Isothermal, Polytropic or LiquidChamber"
-            raise Refused("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
+            raise InvalidInputError("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
         if not attached:
-            raise Refused("attached", "must name at least one bundle", None, shown="none")
+            raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
         if not all(given):
             supply = ConstantSupply(_highest(attached, highest_pressure))
             chamber, valve = Isothermal(), SonicValve(1e-9, 0.3)
@@ -173,7 +172,7 @@ class Drive(Module):
 
     def _pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
         at = self.plant.muscles.at(pressures, self.strains(lengths))
-        return library(at.force).sum(self.members * (self.plant.counts * at.force), axis=-1)
+        return array_namespace(at.force).sum(self.members * (self.plant.counts * at.force), axis=-1)
 
     def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
         """Energy [J] that bundles store whose units are held at a pressure: their co-energy, taken
@@ -187,7 +186,7 @@ class Drive(Module):
         """
         self._check_domain(pressures, lengths)
         at = self.plant.muscles.at(pressures, self.strains(lengths))
-        return -library(at.force).sum(self.plant.counts * at.coenergy, axis=-1)
+        return -array_namespace(at.force).sum(self.plant.counts * at.coenergy, axis=-1)
 
     def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
         """Chambers to begin with.
@@ -204,7 +203,7 @@ class Drive(Module):
         mujoco.mj_forward(model, data)
         top = float(np.min(self.plant.muscles.highest_pressure))
         closed = (True, True)
-        P = within(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
+        P = check_interval(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
         P = np.broadcast_to(P, (self.units,)) + 0.0
         eps = self.strains(data.actuator_length[list(self.actuators)])
         V = self.plant.counts * self.plant.muscles.at(P, eps).volume
@@ -255,7 +254,7 @@ class Drive(Module):
         **Returns:** what they hold then [SI], and each bundle's pull in the step [N].
         """
         plant, eps = self.plant, self.strains(lengths)
-        at_work = library(eps, fluid.chambers)
+        at_work = array_namespace(eps, fluid.chambers)
         low, high = plant.muscles.strains
         if not self.valved:
             P = command + 0.0 * eps
@@ -307,20 +306,20 @@ class Drive(Module):
         else:
             top = float(np.min(self.plant.muscles.highest_pressure))
             given = np.asarray(
-                within(command, 0.0, top, "command", "Pa", "of the table", (True, True))
+                check_interval(command, 0.0, top, "command", "Pa", "of the table", (True, True))
             )
         if given.shape not in {(), (many,)}:
-            raise Refused("command", f"must be one for each of the {many}", given.size)
+            raise InvalidInputError("command", f"must be one for each of the {many}", given.size)
         return np.broadcast_to(given, (many,))
 
     def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
         """Refuse numbers outside of the muscles' tables, which hold their values at the edges."""
-        if not concrete(pressures, lengths):
+        if not is_concrete(pressures, lengths):
             return
         self._check(lengths)
         top = float(np.min(self.plant.muscles.highest_pressure))
         low = float(np.min(self.plant.chamber.lowest_pressure))
-        within(pressures, low, top, "pressures", "Pa", "of the table", (True, True))
+        check_interval(pressures, low, top, "pressures", "Pa", "of the table", (True, True))
 
     def _check(self, lengths: Numbers, fluid: Fluid | None = None) -> None:
         low, high = (np.asarray(end) for end in self.plant.muscles.strains)
@@ -329,7 +328,7 @@ class Drive(Module):
         if off.size:
             i, eps = int(off[0][-1]), float(strains[tuple(off[0])])
             tendon = self.tendons[self.plant.sides[i]]
-            raise Refused(
+            raise InvalidInputError(
                 "tendon",
                 f"{tendon!r} leaves the table's strains, {low[i]:.3f} to {high[i]:.3f}",
                 eps,
@@ -338,7 +337,7 @@ class Drive(Module):
             )
         if fluid is not None and not bool(fluid.known):
             top = float(np.min(self.plant.muscles.highest_pressure))
-            raise Refused(
+            raise InvalidInputError(
                 "pressure",
                 f"must stay below the table's {top:g} Pa",
                 float(np.max(fluid.pressures)),
@@ -389,11 +388,11 @@ def _actuator(model: Any, attached: Attached) -> int:
     if near:
         remedy = f"name it as there, `attached._replace(actuator={near[0]!r})`"
     rule = f"names the actuator {attached.actuator!r}, which the model hasn't"
-    raise Refused("attached", rule, attached.actuator, remedy, shown="")
+    raise InvalidInputError("attached", rule, attached.actuator, remedy, shown="")
 
 
 def _highest(attached: Sequence[Attached], highest: Values) -> float:
     if highest is not None:
-        return float(within(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
+        return float(check_interval(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
     known = [one.bundle.supply_pressure for one in attached]
     return max((float(x) for x in known if x is not None), default=HIGHEST_PRESSURE / 1.2)

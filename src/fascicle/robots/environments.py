@@ -18,7 +18,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from ..bundle import Bundle, MotorUnit
-from ..core.refused import Refused
+from ..core.errors import InvalidInputError
 from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
 from .attach import attach
@@ -71,7 +71,9 @@ class Environment(gymnasium.Env):
     def __init__(self, render_mode: str | None = None):
         """`render_mode`: none is known [-]."""
         if render_mode is not None:
-            raise Refused("render_mode", "must be None", render_mode, "MuJoCo's viewer draws it")
+            raise InvalidInputError(
+                "render_mode", "must be None", render_mode, "MuJoCo's viewer draws it"
+            )
         self.render_mode = None
         spec = mujoco.MjSpec.from_string(self.task.model)
         muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
@@ -120,7 +122,7 @@ class Environment(gymnasium.Env):
                 self.fluid = self.drive.step(
                     self.model, self.data, self.fluid, command, self._act
                 )  # fmt: skip
-        except Refused:
+        except InvalidInputError:
             left = True
         error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
         return self._seen(), -error, left, False, self._info()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.core.limits import RANGES, signed, size
+from fascicle.core.validation import RANGES, check_signed, check_size
 
 
 SIX = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}
@@ -22,7 +22,7 @@ def muscle(**other):
 def test_every_range_is_in_order_and_names_what_it_refuses(name):
     known = RANGES[name]
     assert known.least <= known.low < known.high <= known.largest
-    check = signed if known.least < 0 else size
+    check = check_signed if known.least < 0 else check_size
     for value in (known.low, known.high, 0.5 * (known.low + known.high)):
         if value > 0:
             assert check(value, name) == value

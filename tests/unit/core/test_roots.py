@@ -5,7 +5,7 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle.core.roots import guarded, root, still
+from fascicle.core.roots import guarded, root, stop_gradient
 
 
 def residual(theta, x):
@@ -129,8 +129,8 @@ def test_two_steps_carry_three_derivatives():
 
 
 def test_what_is_still_has_no_derivative():
-    assert jax.grad(lambda x: x * still((x, np.float64(2)))[0])(3.0) == 3
-    assert still(np.float64(3.0)) == 3
+    assert jax.grad(lambda x: x * stop_gradient((x, np.float64(2)))[0])(3.0) == 3
+    assert stop_gradient(np.float64(3.0)) == 3
 
 
 def test_a_guarded_branch_leaves_no_trace_in_the_gradient():

@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from fascicle.core.series import polynomial, series
+from fascicle.core.array_namespace import chebyshev_sum, polynomial
 
 
 def test_polynomial_and_its_slope():
@@ -14,4 +14,4 @@ def test_polynomial_and_its_slope():
 def test_series_of_chebyshev_polynomials():
     x, coefficients = np.linspace(-1, 1, 9), (0.5, -1.0, 0.25, 2.0)
     expected = np.polynomial.chebyshev.chebval(x, coefficients)
-    assert_allclose(series(coefficients, x), expected, rtol=1e-15, atol=1e-15)
+    assert_allclose(chebyshev_sum(coefficients, x), expected, rtol=1e-15, atol=1e-15)

@@ -3,7 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.design.space.splits import (
     MOST_SPLITS,
     check_number,
@@ -95,7 +95,7 @@ def test_many_muscles_in_few_units():
 @pytest.mark.parametrize("numbers", [(60,), (100,), (22, 23), (1, 60)])
 def test_too_many_splits_are_refused_before_any_is_made(numbers):
     """And what is told to do instead leaves few enough."""
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         check_number(numbers, "all")
     assert refused.value.argument == "muscles"
     units = int(refused.value.remedy.split()[0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics import Coulomb, Dahl, MaxwellSlip
 
 
@@ -145,6 +145,6 @@ def test_slopes_are_finite_where_nothing_moves(friction):
     ],
 )  # fmt: skip
 def test_what_can_t_be_is_refused(make, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         make()
     assert str(refused.value) == words

@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle import dynamics
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics import Stop
 
 
@@ -75,6 +75,6 @@ def test_a_motion_s_velocity_is_its_slope():
     ],
 )  # fmt: skip
 def test_what_can_t_be_is_refused(make, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         make()
     assert str(refused.value) == words

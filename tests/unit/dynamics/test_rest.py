@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics.motion import Anchor, change, moment
 from fascicle.dynamics.pace import pace
 from fascicle.dynamics.plant import _fitting
@@ -104,7 +104,7 @@ def _plant(bundle, air, **changes):
     ],
 )  # fmt: skip
 def test_what_can_t_be_is_refused(lift, arguments, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         rest(lift, **arguments)
     assert str(refused.value) == words
 
@@ -113,7 +113,7 @@ def test_a_place_that_no_table_has_is_refused(lift):
     low, high = lift.way
     for q in (low - 1e-6, high + 1e-6):
         with pytest.raises(
-            Refused, match=r"`position` must lie in .* where the muscles' tables end"
+            InvalidInputError, match=r"`position` must lie in .* where the muscles' tables end"
         ):
             rest(lift, 1e5, position=q)
 
@@ -124,7 +124,7 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
     if side == "strong":  # a spring that pushes
         load = dynamics.InertiaSpringDamper(1.0, force_outside=-1e4)
         plant = eqx.tree_at(lambda p: p.load, lift, load)
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         rest(plant, 1e5)
     text = str(refused.value)
     assert text.startswith("`load` must be one that the bundle can hold at rest")
@@ -148,7 +148,7 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
     ],
 )  # fmt: skip
 def test_parts_that_don_t_go_together_are_refused(bundle, air, changes, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         _plant(bundle, air, **changes)()
     assert str(refused.value).startswith(words)
 
@@ -167,7 +167,7 @@ def test_parts_of_another_kind_are_refused(lift, name, value, words):
     # tests check annotations, which would be first
     other = copy.copy(lift)
     object.__setattr__(other, name, value)
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         _fitting(other)
     assert str(refused.value) == words
 
@@ -177,7 +177,7 @@ def test_a_fit_is_refused_by_an_audit(lift, air):
     plant = dynamics.Plant(lift.bundles, lift.load, **{**air, "chamber": chamber})
     assert pace(plant, 1e-3).substeps <= 64
     run = dynamics.simulate(plant, np.zeros((10, 2)), start=rest(plant, 1.5e5))
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         dynamics.audit(plant, run)
     assert str(refused.value) == (
         "`chamber` Polytropic is a fit that keeps no balance: take AdiabaticWall or Isothermal."

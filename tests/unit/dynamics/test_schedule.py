@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics import Schedule
 
 
@@ -45,6 +45,6 @@ def test_one_command_needs_no_brackets():
     ],
 )  # fmt: skip
 def test_what_can_t_be_is_refused(times, commands, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         Schedule(times, commands)
     assert str(refused.value) == words

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle import dynamics
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 
 
 BEGIN = 1.5e5  # gauge [Pa], at which the load hangs in the air
@@ -272,6 +272,6 @@ def test_substeps_are_told(lift):
 )  # fmt: skip
 def test_what_can_t_be_is_refused(lift, arguments, words):
     arguments = {"controller": np.zeros((3, 2)), "start": dynamics.rest(lift, BEGIN)} | arguments
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         dynamics.simulate(lift, **arguments)
     assert str(refused.value) == words

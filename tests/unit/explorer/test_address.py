@@ -8,7 +8,6 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle.core.visible import visible
 from fascicle.explorer.parts.address import (
     LONGEST,
     from_query,
@@ -19,6 +18,7 @@ from fascicle.explorer.parts.address import (
 )
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.files import dumps, loads
+from fascicle.io.sanitize import sanitize_line
 from fascicle.muscle.fitted import remembering
 from fascicle.units import parse
 
@@ -122,7 +122,7 @@ def test_a_bad_address_is_refused_in_words_and_the_rest_is_shown(query, word):
     found, refused = from_query(query | {"path": "isotonic"}, SIX)
     assert len(refused) == 1
     assert "\n" not in refused[0]
-    assert len(visible(refused[0])) < 410
+    assert len(sanitize_line(refused[0])) < 410
     assert re.search(word, refused[0])
     assert found.path == "isotonic"
     assert dumps(found.muscle) == dumps(SIX.muscle)

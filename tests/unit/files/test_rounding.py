@@ -7,10 +7,10 @@ import pytest
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.core.toml import tables
 from fascicle.files import dumps, loads, provenance
 from fascicle.files.calibrated import calibrated_text
 from fascicle.files.rounding import as_known, told
+from fascicle.io.toml import parse_toml
 from fascicle.records import Record
 from fascicle.units import parse
 
@@ -64,7 +64,7 @@ def test_its_report_has_as_many_digits_as_are_known(noisy):
     hashes = re.compile(r'sha256 = ".*"')
     assert not re.search(r"\d{7}", hashes.sub("", "\n".join(kept)))
     for one, row in zip(
-        made.parameters, tables(text, "m")["calibration"]["parameter"], strict=True
+        made.parameters, parse_toml(text, "m")["calibration"]["parameter"], strict=True
     ):
         width = one.high - one.low
         for name in ("value", "low", "high"):

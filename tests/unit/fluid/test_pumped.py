@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from fascicle import fluid
-from fascicle.core.refused import Refused
+from fascicle.core.errors import InvalidInputError
 
 
 STORE = fluid.Accumulator(1e-3, 3e5, 4e5)
@@ -90,6 +90,6 @@ def test_it_is_batched_and_differentiated():
     ],
 )  # fmt: skip
 def test_parts_that_don_t_go_together_are_refused(parts, words):
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(InvalidInputError) as refused:
         fluid.PumpedAccumulator(STORE, **parts)
     assert str(refused.value).startswith(words)

@@ -9,7 +9,7 @@ from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.core.elliptic import elliptic
+from fascicle.core.array_namespace import elliptic
 from fascicle.muscle.buckling import Elastica
 
 

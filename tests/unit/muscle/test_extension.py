@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.core.limits import proportions_message
+from fascicle.core.validation import proportions_message
 from fascicle.muscle.laws import LAWS
 
 

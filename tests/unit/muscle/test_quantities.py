@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.core import chunks
+from fascicle.core import array_namespace as chunks
 from fascicle.muscle.quantities import force_of
 
 

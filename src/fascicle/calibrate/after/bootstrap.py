@@ -23,7 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ..data.grid import Grid, weighed
 from ..data.readings import Readings
 from ..problem.joint import joined
@@ -60,9 +60,11 @@ def bootstrap(
     **Raises:** `ValueError` for a robust loss and too few draws.
     """
     if made.problem.loss != "linear":
-        raise Refused("loss", "must be linear for a bootstrap", None, "a robust one is no model")
+        raise InvalidInputError(
+            "loss", "must be linear for a bootstrap", None, "a robust one is no model"
+        )
     if draws < _FEWEST:
-        raise Refused("draws", f"must be at least {_FEWEST} for a 90 % interval", draws)
+        raise InvalidInputError("draws", f"must be at least {_FEWEST} for a 90 % interval", draws)
     rng, found = np.random.default_rng(seed), []
     for place in range(draws):
         tell(f"bootstrapping, {place + 1} of {draws}")
@@ -70,7 +72,9 @@ def bootstrap(
         if np.all(np.isfinite(z)):
             found.append(z)
     if len(found) < draws / 2:
-        raise Refused("record", "is one whose simulated likes mostly can't be fitted", None)
+        raise InvalidInputError(
+            "record", "is one whose simulated likes mostly can't be fitted", None
+        )
     z = np.array(found)
     values = np.array([value_of(made.problem, row) for row in z])
     low, high = _ends(made, z, values)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
+from ...core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ...muscle import Muscle
 from ..problem.parameters import coordinates, named, put
 from .causes import Cause

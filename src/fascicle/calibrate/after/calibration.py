@@ -10,11 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...core.sheet import printed
 from ...muscle import Muscle
 from ...records.averaging import averaged
 from ...records.loops import Loop, loop_of
 from ...records.record import Record
+from ...repr_table import with_table_repr
 from ...units import pretty
 from ..data.grid import Grid, trimmed
 from ..data.readings import Readings
@@ -92,7 +92,7 @@ class Bootstrap:
     failed: int
 
 
-@printed(sheet)
+@with_table_repr(sheet)
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """A muscle that was fitted to a record.

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.domain import HIGHEST_PRESSURE
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.validation import HIGHEST_PRESSURE
 from ...muscle import Muscle
 from ...plot import calibration as plot
 from ...plot.profiles import Profiled
@@ -185,7 +185,9 @@ def read_of(made: Calibration) -> plot.Read:
     """
     found = made.readings
     if found is None:
-        raise Refused("made", "holds no readings", None, "its method fits the constants directly")
+        raise InvalidInputError(
+            "made", "holds no readings", None, "its method fits the constants directly"
+        )
     good = found.valid
     top = float(np.max(found.pressure))
     P = np.linspace(1.2 * _NO_PRESSURE, 1, _PLACES) * top

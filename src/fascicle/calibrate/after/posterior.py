@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import log_ndtr
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ..problem.misfit import LOSSES
 from ..problem.parameters import put, values
 from ..problem.residuals import Problem
@@ -83,7 +83,7 @@ def sample(
     **Raises:** `ValueError` for a robust loss, and where numpyro is missing.
     """
     if made.problem.loss != "linear":
-        raise Refused(
+        raise InvalidInputError(
             "loss", f"must be {LOSSES[0]} for a posterior", None, "a robust one is no model"
         )
     try:

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from ...core.sheet import Sheet
+from ...repr_table import ReprTable
 from ...units import pretty
 
 
-def sheet(made: Any) -> Sheet:
+def sheet(made: Any) -> ReprTable:
     """A calibration's constants with their intervals, its error and its warnings.
 
     **Arguments:** `made`: it [-].
@@ -31,10 +31,12 @@ def sheet(made: Any) -> Sheet:
     ]
     heads = ("fitted", "value", "from, 90 %", "to", "told by the data")
     kind = "synthetic readings" if made.record.synthetic else "a record"
-    return Sheet(f"Calibration to {kind}", facts, heads, rows, [f"! {w}" for w in made.warnings])
+    return ReprTable(
+        f"Calibration to {kind}", facts, heads, rows, [f"! {w}" for w in made.warnings]
+    )
 
 
-def choice_sheet(choice: Any) -> Sheet:
+def choice_sheet(choice: Any) -> ReprTable:
     """A `choice`: the calibration that was taken, and why it was [-]."""
     of_made = sheet(choice.made)
     tried = f"{len(choice.candidates)} candidates" if choice.candidates else "none beside it"

@@ -8,8 +8,8 @@ any push is therefore fitted by the tension law alone, which is much faster.
 import equinox as eqx
 import numpy as np
 
-from ...core.arrays import where
-from ...core.modules import numbers
+from ...core.array_namespace import where
+from ...core.module import to_numpy
 from ...core.roots import guarded
 from ...core.types import Batch
 from ...muscle import Muscle
@@ -47,7 +47,7 @@ def force_of(
     its slope with strain [N].
     """
     P, eps = np.asarray(pressure, float), np.asarray(strain, float)
-    pull = tension_of(numbers(muscle)).pull(P, eps)
+    pull = tension_of(to_numpy(muscle)).pull(P, eps)
     found, slope, *_ = np.broadcast_arrays(pull.force, pull.slope, P, eps)
     return found, slope
 
@@ -59,6 +59,6 @@ def strain_of(muscle: Muscle, pressure: np.ndarray, force: np.ndarray) -> np.nda
     P, F = np.broadcast_arrays(np.asarray(pressure, float), np.asarray(force, float))
     low = 0.5 * (1 - 1 / np.cos(float(muscle.braid_angle)))  # as the law's own search
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        strain = free_strain_at(numbers(muscle), P, F)
+        strain = free_strain_at(to_numpy(muscle), P, F)
     # some laws have no number where nothing pushes so hard
     return np.where(np.isnan(strain), _SHORTEST, np.clip(strain, low, _SHORTEST))

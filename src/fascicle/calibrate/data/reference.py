@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import log_ndtr
 
-from ...core.arrays import exp
+from ...core.array_namespace import exp
 from ...core.types import AnyArray, Float
 from .grid import Grid
 

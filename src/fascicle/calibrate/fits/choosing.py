@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...units import pretty
 
 
@@ -126,7 +126,7 @@ def chosen(trials: Sequence[Trial], noise: float, loss: str) -> Trial:
     """
     tried = [one for one in trials if one.judged]
     if not any(one.candidate.constants for one in tried):  # the muscle as given needs no fit
-        raise Refused(
+        raise InvalidInputError(
             "record",
             "is too short to leave readings out",
             None,

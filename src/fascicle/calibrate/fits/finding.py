@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.checks import one_of
-from ...core.sheet import printed
+from ...core.validation import check_choice
 from ...muscle import Muscle
 from ...records.record import Record
+from ...repr_table import with_table_repr
 from ..after.calibration import Calibration, largest_force
 from ..after.leaving_out import folds, parts, without
 from ..after.printing import choice_sheet
@@ -55,7 +55,7 @@ _APART = 1e-3  # of a constant's effect on the force: less than that others have
 _STARTS = 2  # places each begins from, beside where the one before it ended
 
 
-@printed(choice_sheet)
+@with_table_repr(choice_sheet)
 @dataclass(frozen=True, eq=False)
 class Choice:
     """The calibration that was found for a record: `made`; the `candidates` it was chosen from;
@@ -96,8 +96,8 @@ def find(
     if 0 < of.pushing < TELLING:
         of = pulling_of(of)
     search = Search(loss, weights, starts, seed, whole=False)
-    one_of(loss, LOSSES, "loss")
-    one_of(weights, WEIGHTS, "weights")
+    check_choice(loss, LOSSES, "loss")
+    check_choice(weights, WEIGHTS, "weights")
     if given:
         named(list(given), widened(muscle))  # refuses what no muscle has
     tell("trying what the record can tell")

@@ -13,8 +13,8 @@ from dataclasses import replace
 import equinox as eqx
 import numpy as np
 
-from ...core.limits import RANGES
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.validation import RANGES
 from ...muscle import Muscle
 from ...muscle.fitted import OF_ENDS, remembering
 from ...muscle.tuning import Tuning
@@ -137,7 +137,7 @@ def concluded(
     data, start, chosen = problem.data, problem.muscle, problem.chosen
     if not np.all(np.isfinite(end.linear.residuals)):
         rule = ": its laws have no number where the search begins"
-        raise Refused("muscle", rule, None, "check sizes and constants")
+        raise InvalidInputError("muscle", rule, None, "check sizes and constants")
     left = remainder(problem, end, best, of.gathered.branch, of.gathered.time)
     seen = looked(left)
     trends, inflation = from_trends(problem, end, left, seen), widening(left, seen)

@@ -8,8 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...core.checks import finite, one_of, positive
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.validation import check_choice, check_finite, check_positive
 from ...muscle import Muscle
 from ...records.record import Record
 from ..data.grid import WEIGHTS, Grid, weighed
@@ -70,8 +70,8 @@ def begun(
     """The problem of a fit, and the readings of a tuning; arguments as `fitted` [-], of what was
     taken as `pulling_of` has it for the tension law alone.
     """
-    one_of(search.loss, LOSSES, "loss")
-    one_of(search.weights, WEIGHTS, "weights")
+    check_choice(search.loss, LOSSES, "loss")
+    check_choice(search.weights, WEIGHTS, "weights")
     given, names = priors or {}, [one.name for one in FACTORS] if parameters is None else parameters
     free = named(names, muscle)
     tuning = all(one in FACTORS for one in free) if search.tune is None else search.tune
@@ -125,7 +125,7 @@ def _enough(of: Taken, free: Sequence[Parameter]) -> None:
     there = np.asarray(data.count) > 0
     readings = int(np.sum(there))
     if readings < len(free):
-        raise Refused(
+        raise InvalidInputError(
             "record",
             f"{where}holds {readings} readings for {len(free)} parameters",
             None,
@@ -134,7 +134,7 @@ def _enough(of: Taken, free: Sequence[Parameter]) -> None:
     force = np.asarray(data.force)[there]
     if not of.pushes and not np.any(force):
         rule = f"{where}holds no force but 0 N"
-        raise Refused("record", rule, None, "check the column of forces")
+        raise InvalidInputError("record", rule, None, "check the column of forces")
     # a passive muscle's may only push, but one under pressure was also measured where it pulls
     # noise about zero may pull a little where all else pushes
     if np.max(force) <= _NO_PULL * -np.min(force) and np.max(np.asarray(data.pressure)) > _PASSIVE:
@@ -144,18 +144,18 @@ def _enough(of: Taken, free: Sequence[Parameter]) -> None:
             ' signs.force = "pushing positive" in the TOML beside the file; else measure where it'
             " pulls, too"
         )
-        raise Refused("record", rule, None, remedy)
+        raise InvalidInputError("record", rule, None, remedy)
 
 
 def _centered(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:
     """The muscle with its priors' values, where the fit begins."""
     for name in priors:
-        one_of(name, [one.name for one in free], "priors")
+        check_choice(name, [one.name for one in free], "priors")
     for one in free:
         prior = priors.get(one.name)
         if prior is not None:
-            (finite if one.linear else positive)(prior.value, one.name, "SI")
-            positive(prior.deviation, f"{one.name}_deviation", "SI")
+            (check_finite if one.linear else check_positive)(prior.value, one.name, "SI")
+            check_positive(prior.deviation, f"{one.name}_deviation", "SI")
             muscle = one.put(muscle, np.float64(_coordinate(one, muscle, prior.value)))
     return muscle
 
@@ -172,7 +172,7 @@ def _coordinate(parameter: Parameter, muscle: Muscle, value: float) -> float:
         low, high = (middle, high) if of(middle) < value else (low, middle)
     size = max(abs(of(0.0)), abs(value))
     if abs(of(low) - value) > 1e-9 * size:
-        raise Refused(
+        raise InvalidInputError(
             "priors",
             f"of {parameter.name} must be a value that it can have in this muscle",
             value,

@@ -22,12 +22,11 @@ from typing import Any
 import equinox as eqx
 import jax
 
-from ...core.arrays import exp, expm1, library, log, maximum, where
-from ...core.checks import one_of
-from ...core.constant import Constant
-from ...core.domain import HIGHEST_PRESSURE, NEUTRAL_ANGLE
-from ...core.refused import Refused
+from ...core.array_namespace import array_namespace, exp, expm1, log, maximum, where
+from ...core.errors import InvalidInputError
+from ...core.parameters import Constant
 from ...core.types import Batch
+from ...core.validation import HIGHEST_PRESSURE, NEUTRAL_ANGLE, check_choice
 from ...muscle import Muscle
 from ...muscle.laws import LAWS
 from ...muscle.materials import MooneyRivlin
@@ -96,7 +95,7 @@ def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
         new = eqx.tree_at(lambda m: getattr(m, name), old, exp(z))
         # a modulus that was measured apart stays; one that follows the constants follows them
         own = old.youngs_modulus, 6 * (old.c10 + old.c01)
-        follows = library(*own).isclose(*own, rtol=1e-9, atol=0)
+        follows = array_namespace(*own).isclose(*own, rtol=1e-9, atol=0)
         E = where(follows, 6 * (new.c10 + new.c01), old.youngs_modulus)
         return eqx.tree_at(
             lambda m: m.material, muscle, eqx.tree_at(lambda m: m.youngs_modulus, new, E)
@@ -128,7 +127,7 @@ def _slope(muscle: Muscle) -> Any:
 
 def _put_slope(muscle: Muscle, z: Batch) -> Muscle:
     return eqx.tree_at(
-        _slope, muscle, (library(z).logaddexp(z, 0.0) - _hinge(muscle)) / HIGHEST_PRESSURE
+        _slope, muscle, (array_namespace(z).logaddexp(z, 0.0) - _hinge(muscle)) / HIGHEST_PRESSURE
     )
 
 
@@ -252,9 +251,9 @@ def named(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
     """The parameters of these `names` [-] of a `muscle` [-], in the order in which they are put."""
     known = of_muscle(muscle)
     if not names:
-        raise Refused("fit", "must name at least one parameter", None, shown="none")
+        raise InvalidInputError("fit", "must name at least one parameter", None, shown="none")
     for name in names:
-        one_of(name, known, "fit")
+        check_choice(name, known, "fit")
     return tuple(parameter for name, parameter in known.items() if name in names)
 
 
@@ -304,7 +303,7 @@ def coordinates(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
 
 
 def _stacked(numbers: Sequence[Batch]) -> Batch:
-    return library(*numbers).stack(numbers)
+    return array_namespace(*numbers).stack(numbers)
 
 
 @cache

@@ -6,7 +6,7 @@ Coordinates give a muscle and its forces; `misfit` says what readings and priors
 import equinox as eqx
 import numpy as np
 
-from ...core.arrays import where
+from ...core.array_namespace import where
 from ...core.types import AnyArray, Bool, Float
 from ...muscle import Muscle
 from ..data.grid import Grid, Table

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ...core.visible import dump_json
+from ...io.sanitize import dump_json
 from ..once import Once
 from ..options import AsJson, Replace, complete_target
 from ..outputs import folder_for, say

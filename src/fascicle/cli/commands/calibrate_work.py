@@ -212,10 +212,10 @@ def _check(search: Search) -> None:
     """Refuse what would only fail after the fit."""
     if search.names is not None and TUNING in search.names and len(search.names) > 1:
         raise UserError(f"--fit {','.join(search.names)}: {TUNING} stands alone.")
-    from ...core.checks import one_of
+    from ...core.validation import check_choice
 
     with refusing():
-        one_of(search.intervals, INTERVALS, "intervals")
+        check_choice(search.intervals, INTERVALS, "intervals")
     if search.intervals == "bootstrap" and search.loss != "linear":
         raise UserError(
             "--intervals bootstrap: needs --loss linear, a robust loss is no model of noise."
@@ -237,14 +237,14 @@ def _priors(
 ) -> dict[str, "Prior"]:
     from ...calibrate.problem.beginning import Prior
     from ...calibrate.problem.parameters import named
-    from ...core.refused import Refused
+    from ...core.errors import InvalidInputError
 
     out = {}
     for name, text in texts.items():
         try:
             dimension = named([name], muscle)[0].dimension
-        except Refused as error:
-            raise Refused("prior", error.rule, name, error.remedy, shown="") from None
+        except InvalidInputError as error:
+            raise InvalidInputError("prior", error.rule, name, error.remedy, shown="") from None
         if names not in (None, [TUNING]) and name not in names:
             named(names, muscle)  # a slip there is the cause
             raise UserError(

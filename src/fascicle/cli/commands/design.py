@@ -151,7 +151,7 @@ def _check(generations: int | None, checkpoint: str | None) -> None:
     if generations is not None and find_spec("pymoo") is None:
         raise UserError("--generations needs the package pymoo: pip install 'fascicle[design]'.")
     if checkpoint is not None:
-        from ...core.atomic import check_writable
+        from ...io.atomic import check_writable
 
         if generations is None:
             raise UserError("--checkpoint: only --generations keeps one.")

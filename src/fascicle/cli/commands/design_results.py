@@ -176,7 +176,7 @@ def as_json(
     """
     import json
 
-    from ...core.visible import dump_json
+    from ...io.sanitize import dump_json
     from ...reports.engineering import margin_warning
     from ...reports.unreached import Unreached
     from ...results.designed import case_variables, design_variables, front_variables

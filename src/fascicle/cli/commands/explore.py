@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ...core.visible import visible
+from ...io.sanitize import sanitize_line
 from ..options import complete_target
 from ..problems import UserError, refusing
 
@@ -77,4 +77,4 @@ def _working() -> bool:
 
 
 def _say(line: str) -> None:
-    print(visible(line), flush=True)
+    print(sanitize_line(line), flush=True)

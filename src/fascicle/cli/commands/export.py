@@ -118,8 +118,8 @@ def run(
 
 
 def _check_unit(fmu: str, overwrite: bool) -> None:
-    from ...core.atomic import check_writable
     from ...files.ours import check_file
+    from ...io.atomic import check_writable
 
     if Path(fmu).suffix.lower() != ".fmu":
         raise UserError(f"--fmu {fmu!r}: its name must end in .fmu.")
@@ -165,8 +165,8 @@ def _paths(folder: Path, name: str) -> list[Path]:
 
 
 def _check(flag: str, paths: list[Path], overwrite: bool) -> None:
-    from ...core.atomic import check_writable
     from ...files.ours import check_file
+    from ...io.atomic import check_writable
 
     with refusing(f"{flag} "):
         check_writable(paths[0].parent, folder=True)
@@ -175,8 +175,8 @@ def _check(flag: str, paths: list[Path], overwrite: bool) -> None:
 
 
 def _write(flag: str, paths: list[Path], texts: tuple[str, str], overwrite: bool) -> None:
-    from ...core.atomic import write_text
     from ...files.ours import replacing
+    from ...io.atomic import write_text
 
     with refusing(f"{flag} "):
         paths[0].parent.mkdir(parents=True, exist_ok=True)

@@ -82,9 +82,9 @@ def run(
     overwrite: Replace = False,
 ) -> None:
     """Write a commented muscle, task or scenario file, to be edited."""
-    from ...core.atomic import check_writable, write_text
     from ...files import example_text, scenarios
     from ...files.ours import replacing
+    from ...io.atomic import check_writable, write_text
 
     if task and example is not None:
         raise UserError("--task and --from: muscles are begun from an example, take one.")
@@ -109,7 +109,7 @@ def _template() -> str:
     from math import degrees
 
     with telling("loading the laws"):
-        from ...core.domain import NEUTRAL_ANGLE
+        from ...core.validation import NEUTRAL_ANGLE
         from ...muscle import LAWS
         from ...muscle.materials import MATERIALS
 

@@ -87,8 +87,8 @@ def run(
 
     The noises and scatters are standard deviations.
     """
-    from ...core.atomic import check_writable
     from ...files.ours import check_file, replacing
+    from ...io.atomic import check_writable
 
     with refusing("--out "):
         check_writable(out)

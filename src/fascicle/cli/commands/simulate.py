@@ -121,8 +121,8 @@ def run(
         table, lambda: _print(read, found, balanced), draw, title=title, notes=_told(read, doubts)
     )
     if report is not None:
-        from ...core.atomic import write_text
         from ...files.ours import replacing
+        from ...io.atomic import write_text
         from ...reports.simulated import report as made
 
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
@@ -142,8 +142,8 @@ def run(
 def _check(report: str | None, overwrite: bool) -> None:
     if report is None:
         return
-    from ...core.atomic import check_writable
     from ...files.ours import check_file
+    from ...io.atomic import check_writable
 
     if Path(report).suffix.lower() != ".html":
         raise UserError(f"--report {report!r}: its name must end in .html.")

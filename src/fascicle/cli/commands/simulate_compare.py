@@ -50,8 +50,8 @@ def compare(read: Any, outputs: Outputs, report: str | None, overwrite: bool) ->
     title = f"Policies of {read.name}"
     outputs.give(table, lambda: _print(read, runs, best), draw, title=title, notes=notes)
     if report is not None:
-        from ...core.atomic import write_text
         from ...files.ours import replacing
+        from ...io.atomic import write_text
         from ...reports.compared import report as made
 
         today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.checks import one_of
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Bool, Float
+from ...core.validation import check_choice
 from .objectives import OBJECTIVES
 
 
@@ -45,13 +45,13 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
 def checked(senses: Mapping[str, str], limits: Limits) -> None:
     """Refuse senses and limits that can't be; both by objective [-]."""
     if not senses:
-        raise Refused("objectives", "must name at least one", None, shown="none")
+        raise InvalidInputError("objectives", "must name at least one", None, shown="none")
     for name, sense in senses.items():
-        one_of(sense, ("min", "max"), name)
+        check_choice(sense, ("min", "max"), name)
     for name, limit in limits.items():
         if not limit.least <= limit.most:
             unit = OBJECTIVES[name].unit
-            raise Refused(
+            raise InvalidInputError(
                 name,
                 f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}",
                 None,

@@ -24,8 +24,8 @@ import numpy as np
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import states_of
-from ...core.domain import LARGEST_STRAIN
 from ...core.types import Bool, Float, Int
+from ...core.validation import LARGEST_STRAIN
 from ...muscle import Muscle
 from ..space.designs import Designs
 from ..space.rows import Rows

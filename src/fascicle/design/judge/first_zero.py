@@ -1,6 +1,6 @@
 """The first strain at which a force over even strains vanishes, linear between two of them."""
 
-from ...core.arrays import library, minimum, where
+from ...core.array_namespace import array_namespace, minimum, where
 from ...core.types import AnyArray, Float, Int, Numbers
 
 
@@ -11,7 +11,7 @@ def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:
 
     **Returns:** its place [-]; the last, if there is none.
     """
-    at_work = library(force)
+    at_work = array_namespace(force)
     place = at_work.arange(force.shape[-1])
     pushes = ((force <= 0) & (place > 0)) | (place == force.shape[-1] - 1)
     return at_work.argmax(pushes, axis=-1)

@@ -15,8 +15,8 @@ import jax
 import numpy as np
 
 from ...core.apart import apart
-from ...core.arrays import maximum, minimum, most, nodes, stack, where
-from ...core.jax_backend import compiled
+from ...core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
+from ...core.jax_backend import compile_law
 from ...core.types import Bool, Float, Numbers
 from ...muscle import Muscle
 from ...muscle.column import ROUNDING
@@ -116,7 +116,7 @@ def run(law: Callable, compiling: bool, *static: Any) -> Callable:
     **Returns:** the function [-].
     """
     if compiling:
-        return lambda *arrays: jax.tree.map(np.asarray, compiled(law, static)(*arrays))
+        return lambda *arrays: jax.tree.map(np.asarray, compile_law(law, static)(*arrays))
 
     def at_once(*arrays: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
@@ -154,7 +154,7 @@ def sizes_at(
     """
     # deepest where it collapses, if it does before, else at the end
     stops = stack([largest_strain, minimum(unfed.collapse, largest_strain)])
-    return muscle.braid.radius_at(largest_strain), most(unfed.deflection(stops))
+    return muscle.braid.radius_at(largest_strain), max_nodes(unfed.deflection(stops))
 
 
 def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
@@ -186,15 +186,15 @@ def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
 
 def _largest_pull(rows: Rows, pressure: Numbers, strain: Numbers) -> Numbers:
     """Over pressures [Pa] at each `strain` [-], [N]."""
-    P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
-    return most(_pull(rows.muscle.law, P, strain))
+    P = node_axis(pressure, rows.length)[:, None] + 0.0 * rows.length
+    return max_nodes(_pull(rows.muscle.law, P, strain))
 
 
 def _largest_force(rows: Rows, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
     """At the last of the pressures [Pa] and over all of them, at each `strain` [-], [N]."""
-    P = nodes(pressure, rows.length)[:, None] + 0.0 * rows.length
+    P = node_axis(pressure, rows.length)[:, None] + 0.0 * rows.length
     force, _ = rows.muscle.law.at(P).force(strain)
-    return force[-1], most(force)
+    return force[-1], max_nodes(force)
 
 
 def _whole_law(

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import extends
-from ...core.modules import numbers
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.module import to_numpy
 from ...core.types import Bool, Float, Int
 from ...muscle import Muscle
 from ..space.designs import Designs
@@ -75,7 +75,7 @@ def _evaluated(
     of_kind: dict[int, list[tuple[np.ndarray, int]]] = {}
     for group in groups(designs, alike):
         of_kind.setdefault(int(designs.kind[group[1]]), []).append(group)
-    for kind, drawing in enumerate(map(numbers, designs.drawings.values())):
+    for kind, drawing in enumerate(map(to_numpy, designs.drawings.values())):
         found = of_kind.get(kind, [])
         many_muscles = 2 * len(found) * len(task) * share > COMPILE_ABOVE
         for start in range(0, len(found), _MUSCLES):
@@ -206,9 +206,11 @@ def of_one_number(
 def _check(designs: Designs) -> None:
     straight = np.asarray(designs.wall >= designs.radius)
     if np.any(straight):
-        raise Refused("wall_thickness", "must be less than `outer_radius` in every design", None)
+        raise InvalidInputError(
+            "wall_thickness", "must be less than `outer_radius` in every design", None
+        )
     if np.any(designs.counts.sum(axis=1) < 1):
-        raise Refused("counts", "must hold at least one muscle in every design", None)
+        raise InvalidInputError("counts", "must hold at least one muscle in every design", None)
 
 
 def _power(count: int, least: int, most: int) -> int:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...bundle.states import States
-from ...core.arrays import library, maximum, where
+from ...core.array_namespace import array_namespace, maximum, where
 from ...core.types import Bool, Numbers, Whole
 from ..space.packing import bowed_diameter
 from .forces import Table
@@ -45,7 +45,10 @@ class Alike(NamedTuple):
     def at(self, state: Whole, values: Numbers, masks: Masks) -> Numbers:
         """The same of the one mask of each design's `state` at a point [any unit]."""
         muscles = masks.astype(int) @ self.counts
-        return library(muscles, state).take_along_axis(muscles, state, axis=0) * values[:, None]
+        return (
+            array_namespace(muscles, state).take_along_axis(muscles, state, axis=0)
+            * values[:, None]
+        )
 
     def cost(self, _: Numbers, masks: Masks) -> Numbers:
         """What tells masks apart, which are first: all muscles take the same, the fewest least."""
@@ -72,7 +75,7 @@ class Unlike(NamedTuple):
     def at(self, state: Whole, values: Numbers, masks: Masks) -> Numbers:
         """The same of the one mask of each design's `state` at a point [any unit]."""
         every = self.counts * values
-        at_work = library(every, state)
+        at_work = array_namespace(every, state)
         fed = at_work.moveaxis(at_work.asarray(masks)[state], -1, 1)
         return where(fed, every, 0.0).sum(axis=1)
 
@@ -80,7 +83,7 @@ class Unlike(NamedTuple):
         """What tells masks apart, which are first: what is taken in [any unit]."""
         # what flows back counts as nothing, as a set that feeds more isn't cheaper
         every = maximum(self.counts * values, 0.0)
-        at_work = library(every)
+        at_work = array_namespace(every)
         return at_work.moveaxis(at_work.moveaxis(every, 1, -1) @ masks.T.astype(float), -1, 0)
 
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...bundle.schemes import AbstractScheme
-from ...core.arrays import library, stack, where
-from ...core.checks import one_of
-from ...core.refused import Refused
+from ...core.array_namespace import array_namespace, stack, where
+from ...core.errors import InvalidInputError
 from ...core.types import Numbers
+from ...core.validation import check_choice
 from .outcome import Outcome
 
 
@@ -56,15 +56,17 @@ def objective(
 
     **Raises:** `ValueError` for a name that is taken, no docstring, an unknown sense or need.
     """
-    one_of(sense, ("min", "max"), "sense")
-    one_of(needs or "points", ("points", "size", "curves"), "needs")
+    check_choice(sense, ("min", "max"), "sense")
+    check_choice(needs or "points", ("points", "size", "curves"), "needs")
 
     def declared(function: Callable[[Outcome], PerDesign]) -> Callable[[Outcome], PerDesign]:
         name = function.__name__
         if name in OBJECTIVES:
-            raise Refused(name, "is an objective already", None, "choose another name")
+            raise InvalidInputError(name, "is an objective already", None, "choose another name")
         if not function.__doc__:
-            raise Refused(name, "must have a docstring", None, "it is how reports tell it")
+            raise InvalidInputError(
+                name, "must have a docstring", None, "it is how reports tell it"
+            )
         OBJECTIVES[name] = Objective(function, unit, sense, needs)
         return function
 
@@ -203,7 +205,7 @@ def known(names: Iterable[str]) -> tuple[str, ...]:
 
     **Raises:** `ValueError` for an unknown one; the nearest is suggested.
     """
-    return tuple(dict.fromkeys(one_of(name, OBJECTIVES, "objectives") for name in names))
+    return tuple(dict.fromkeys(check_choice(name, OBJECTIVES, "objectives") for name in names))
 
 
 def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
@@ -218,7 +220,7 @@ def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
     """
     for name in names:
         if scheme.independent and OBJECTIVES[name].needs == "curves":
-            raise Refused(
+            raise InvalidInputError(
                 "objectives",
                 f"can't hold {name!r} with scheme {scheme.name!r}, whose units aren't recruited"
                 " in turn",
@@ -250,7 +252,7 @@ def _mean(outcome: Outcome, values: Numbers) -> PerDesign:
 
 def _largest(values: Numbers) -> PerDesign:
     """Of the points, or of the units."""
-    at_work = library(values)
+    at_work = array_namespace(values)
     if at_work is np:
         return values.max(axis=0)
     # by its place: a compiler may evaluate what it compares a second time, with other last bits,
@@ -261,5 +263,5 @@ def _largest(values: Numbers) -> PerDesign:
 
 def _asked(values: PerDesign | None, name: str) -> PerDesign:
     if values is None:
-        raise Refused("outcome", f"holds no `{name}`", None, "ask the kernel for it")
+        raise InvalidInputError("outcome", f"holds no `{name}`", None, "ask the kernel for it")
     return values

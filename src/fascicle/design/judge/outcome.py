@@ -26,9 +26,9 @@ import numpy as np
 
 from ...bundle.schemes import AbstractScheme
 from ...bundle.states import States, extends, states_of
-from ...core.arrays import library, maximum, minimum, where
-from ...core.domain import LARGEST_STRAIN
+from ...core.array_namespace import array_namespace, maximum, minimum, where
 from ...core.types import Marks, Numbers, Whole
+from ...core.validation import LARGEST_STRAIN
 from ..space.task import Task
 
 
@@ -133,7 +133,7 @@ def existing(scheme: AbstractScheme, there: Marks) -> Marks:
 
     **Returns:** a mark for each state [-], first.
     """
-    at_work, units = library(there), len(there)
+    at_work, units = array_namespace(there), len(there)
     states = states_for(scheme, units)
     if scheme.independent or not extends(scheme, units):
         # sets with a unit that isn't there are again those without it
@@ -164,7 +164,7 @@ def visited(
 
     **Returns:** the visit [-].
     """
-    axes, at_work = np.ndim(high[0]) - 1, library(high[0])
+    axes, at_work = np.ndim(high[0]) - 1, array_namespace(high[0])
     F, can_be = laid(demand.force, axes), laid(demand.can_be(length), axes)
     last = at_work.broadcast_to(there.sum(axis=0) - 1, high[0].shape)
     top, state, least, miss = -np.inf, last, np.inf, np.inf

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...bundle.states import states_of
-from ...core.arrays import library, where
+from ...core.array_namespace import array_namespace, where
 from ...core.types import Numbers, Whole
 from ...muscle import Muscle
 from ..space.rows import Rows
@@ -152,7 +152,7 @@ def _widest(table: Numbers | None, fed: Whole) -> Numbers | None:
     """Of states that feed so many muscles, `fed` [-], each more than the one before it."""
     if table is None:
         return None
-    at_work = library(fed)
+    at_work = array_namespace(fed)
     a = at_work.concatenate([0 * fed[:1], fed[:-1]])
     n = at_work.maximum(fed - a, 0)
     after = at_work.concatenate([n[1:], 0 * n[:1]])

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.atomic import replace_whole
-from ...core.input_file import read_bytes
 from ...core.types import Float
+from ...io.atomic import replace_whole
+from ...io.input_file import read_bytes
 from ..judge.judging import Values
 
 

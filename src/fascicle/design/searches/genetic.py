@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Float
 from ..judge.allowed import Limits, checked, within_limits
 from ..judge.judging import Values, evaluate, of_one_number, sizes_of
@@ -53,9 +53,13 @@ class Coding:
         **Raises:** `ValueError` for a space that isn't so.
         """
         if len(space.drawings) != 1:
-            raise Refused("drawings", "must hold one muscle for NSGA-II", None, "search each alone")
+            raise InvalidInputError(
+                "drawings", "must hold one muscle for NSGA-II", None, "search each alone"
+            )
         if space.splits != "all":
-            raise Refused("splits", "must be 'all' for NSGA-II, which cuts where it likes", None)
+            raise InvalidInputError(
+                "splits", "must be 'all' for NSGA-II, which cuts where it likes", None
+            )
         self.space, self.continuous = space, continuous
         self.drawing = next(iter(space.drawings.values()))
         self.muscles = np.array(sorted(set(space.muscles)))

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Bool, Float
 
 
@@ -37,7 +37,7 @@ def directed(
     """
     for name, sense in senses.items():
         if sense not in ("min", "max"):
-            raise Refused(name, "must be 'min' or 'max'", sense)
+            raise InvalidInputError(name, "must be 'min' or 'max'", sense)
     columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
     return np.stack(columns, axis=1) + 0.0
 

@@ -19,9 +19,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ...core.checks import one_of
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Float
+from ...core.validation import check_choice
 from ...muscle import Muscle
 from ..judge.forces import UNLIKE
 from ..judge.judging import evaluate, size_of
@@ -79,7 +79,7 @@ def refined(
     import optax
 
     (name,) = known([objective])
-    sense = one_of(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
+    sense = check_choice(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
     demand, one = Demand.of(task), designs.take(np.array([place]))
     drawing = list(designs.drawings.values())[int(one.kind[0])]
     sizes = size_of(one, 0, demand.scheme)
@@ -190,12 +190,12 @@ def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array
     """Bounds of every coordinate, and the design's own place between them."""
     low, high, own = [], [], []
     for key, (least, most) in bounds.items():
-        one_of(key, BOUNDED, "bounds")
+        check_choice(key, BOUNDED, "bounds")
         values = np.atleast_1d(
             np.asarray(sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key))
         )
         if not least < most or np.any(values < least) or np.any(values > most):
-            raise Refused(
+            raise InvalidInputError(
                 "bounds",
                 f"of {key} must hold the design's own {values[0]:g}",
                 (least, most),

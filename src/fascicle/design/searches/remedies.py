@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import equinox as eqx
 import numpy as np
 
-from ...core.domain import HIGHEST_PRESSURE
 from ...core.types import Float
+from ...core.validation import HIGHEST_PRESSURE
 from ..judge.allowed import Limits
 from ..judge.cases import Bench
 from ..judge.judging import evaluate

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Bool, Float, Values
 from ...muscle import Muscle
 from ...records.fabrication import Scatter
@@ -205,12 +205,12 @@ def sensitivities(
     from SALib.analyze import sobol as analyze
     from SALib.sample import sobol as sample
 
-    from ...core.checks import one_of
+    from ...core.validation import check_choice
 
     names, drawing = known(objectives), _only(designs)
     check_turns(names, task.scheme)
     for name in ranges:
-        one_of(name, VARIED, "ranges")
+        check_choice(name, VARIED, "ranges")
     problem = {
         "num_vars": len(ranges),
         "names": list(ranges),
@@ -257,7 +257,7 @@ VARIED = ("length", "outer_radius", "wall_thickness", "braid_angle", *_MATERIAL)
 def _only(designs: Designs) -> Muscle:
     kinds = set(designs.kind.tolist())
     if len(kinds) != 1:
-        raise Refused("designs", "must be of one drawing", len(kinds))
+        raise InvalidInputError("designs", "must be of one drawing", len(kinds))
     return list(designs.drawings.values())[kinds.pop()]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ..judge.allowed import Limit, checked
 from ..judge.judging import Values, evaluate
 from ..judge.reach import demanding, recorded
@@ -67,7 +67,7 @@ class Study:
         names = recorded(senses, limits, extra)
         checked(senses, limits)
         if not 1 <= block <= 2**20:
-            raise Refused("block", "must lie in [1, 1048576]", block)
+            raise InvalidInputError("block", "must lie in [1, 1048576]", block)
         if len(space) > LARGEST:
             raise ValueError(f"the space holds {len(space)} designs, more than {LARGEST}.")
         return cls(space, task, names, dict(senses), limits, block)

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...bundle import Bundle, MotorUnit
 from ...bundle.volumes import told_by_strain
-from ...core.modules import numbers
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.module import to_numpy
 from ...core.types import Float, Int
 from ...muscle import Muscle
 from .rows import sized
@@ -43,7 +43,7 @@ class Designs:
             if muscle.tension.made_for:
                 rule = f"has the numbers of {muscle.tension.made_for}, and a design has other sizes"
                 remedy = "take a law of any muscle, such as klute_hannaford"
-                raise Refused("tension", rule, muscle.tension.name, remedy)
+                raise InvalidInputError("tension", rule, muscle.tension.name, remedy)
 
     @classmethod
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
@@ -109,7 +109,7 @@ class Designs:
 
         **Returns:** the muscle [-].
         """
-        drawing = numbers(list(self.drawings.values())[self.kind[place]])
+        drawing = to_numpy(list(self.drawings.values())[self.kind[place]])
         own = (x[place, unit] for x in (self.radius, self.wall, self.angle))
         return sized(drawing, self.length[place], *own)
 

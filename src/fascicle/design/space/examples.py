@@ -4,7 +4,7 @@ handful of half-inch muscles. None was measured, and none should be cited as if 
 
 import numpy as np
 
-from ...core.checks import one_of
+from ...core.validation import check_choice
 from .task import Task
 
 
@@ -71,7 +71,7 @@ def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
-    return TASKS[one_of(name, TASKS, "example")](supply_pressure)
+    return TASKS[check_choice(name, TASKS, "example")](supply_pressure)
 
 
 def _in_time(

@@ -18,10 +18,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from ...core.checks import one_of, within
-from ...core.limits import RANGES, plausible
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Float, Int
+from ...core.validation import RANGES, check_choice, check_interval, check_plausible
 from ...muscle import Muscle
 from ...units import pretty
 from .designs import Designs, of_sizes
@@ -61,10 +60,12 @@ class Space:
     def __post_init__(self):
         """**Raises:** `ValueError` for values off the domain, and a space without a design."""
         if not self.drawings:
-            raise Refused("drawings", "must hold at least one muscle", None, shown="none")
-        one_of(self.radius_rule, RADIUS_RULES, "radius_rule")
+            raise InvalidInputError("drawings", "must hold at least one muscle", None, shown="none")
+        check_choice(self.radius_rule, RADIUS_RULES, "radius_rule")
         if self.radius_rule != "each" and not self.radius:
-            raise Refused("radius", f"must be given with the rule {self.radius_rule!r}, in m", None)
+            raise InvalidInputError(
+                "radius", f"must be given with the rule {self.radius_rule!r}, in m", None
+            )
         for name, unit, low, high in (
             ("radius", "m", 0.0, RANGES["radius"].largest),
             ("length", "m", 0.0, RANGES["length"].largest),
@@ -75,11 +76,11 @@ class Space:
             if getattr(self, name):
                 value = _within(getattr(self, name), low, high, name, unit)
                 if name in RANGES:
-                    plausible(value, name)
+                    check_plausible(value, name)
         if isinstance(self.splits, str):
-            one_of(self.splits, SPLITS, "splits")
+            check_choice(self.splits, SPLITS, "splits")
             if not self.muscles:
-                raise Refused(
+                raise InvalidInputError(
                     "muscles", "must hold at least one number of muscles", None, shown="none"
                 )
             check_number(dict.fromkeys(self.muscles), self.splits, self.most_units)
@@ -187,12 +188,14 @@ class Space:
 def _within(values: Floats, low: float, high: float, name: str, unit: str) -> Any:
     """`values` [SI] in the interval, an angle that isn't told in degrees."""
     try:
-        return within(values, low, high, name, unit)
-    except Refused as error:
+        return check_interval(values, low, high, name, unit)
+    except InvalidInputError as error:
         if unit != "rad" or not isinstance(error.value, float):
             raise
         rule = f"must lie in ({low:g}, {math.degrees(high):.6g}) deg"
-        raise Refused(name, rule, error.value, shown=pretty(error.value, "angle")) from None
+        raise InvalidInputError(
+            name, rule, error.value, shown=pretty(error.value, "angle")
+        ) from None
 
 
 def _with_factors(
@@ -202,7 +205,7 @@ def _with_factors(
     units = np.sum(counts > 0, axis=1)
     total = sum(len(factors) ** int(m) for m in units)
     if total > MOST_SPLITS:
-        raise Refused(
+        raise InvalidInputError(
             "unit_factors",
             f"lead to {total} kinds of bundle, more than {MOST_SPLITS}",
             None,

@@ -16,7 +16,7 @@ fit into the gaps less.
 
 import numpy as np
 
-from ...core.arrays import library, maximum, sqrt, where
+from ...core.array_namespace import array_namespace, maximum, sqrt, where
 from ...core.types import Numbers, Values
 
 
@@ -36,7 +36,7 @@ def ratio(count: Values) -> Numbers:
     **Returns:** $\rho_N$ [-].
     """
     table = np.array([_EXACT.get(n, rho) for n, rho in enumerate(_RATIOS, start=1)])
-    at_work, most = library(count), len(table)
+    at_work, most = array_namespace(count), len(table)
     n = at_work.asarray(count)
     known = at_work.asarray(table)[at_work.clip(n, 1, most) - 1]
     return where(n > most, table[-1] * sqrt(n / most), known)
@@ -53,7 +53,7 @@ def bowed_diameter(radii: Values, counts: Values, bulge: Values) -> Numbers:
 
     **Returns:** the diameter [m].
     """
-    several = (library(counts).asarray(counts) > 0).sum(axis=-1) > 1
+    several = (array_namespace(counts).asarray(counts) > 0).sum(axis=-1) > 1
     return 2 * (packed_radius(radii, counts) + where(several, bulge, 0.0))
 
 
@@ -67,7 +67,7 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
 
     **Returns:** the radius [m].
     """
-    at_work = library(radii, counts)
+    at_work = array_namespace(radii, counts)
     radii, counts = at_work.asarray(radii), at_work.asarray(counts)
     N = counts.sum(axis=-1)
     dense = ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Int
 
 
@@ -111,7 +111,7 @@ def check_number(numbers: Iterable[int], splits: str, most_units: int | None = N
     numbers = tuple(numbers)
     for number in numbers:
         if not 1 <= number <= MOST_MUSCLES:
-            raise Refused(
+            raise InvalidInputError(
                 "muscles",
                 f"must lie in [1, {MOST_MUSCLES}]",
                 number,
@@ -132,7 +132,7 @@ def check_number(numbers: Iterable[int], splits: str, most_units: int | None = N
         ways.append(f"{units} motor units at most leave {left} ([limits] valves)")
     if splits == "all" and (left := count("partitions", most_units)) <= MOST_SPLITS:
         ways.append(f"splits = 'partitions' leaves {left}")
-    raise Refused(
+    raise InvalidInputError(
         "muscles",
         f"lead to {total} splits, more than {MOST_SPLITS}",
         None,
@@ -167,7 +167,9 @@ def read(text: str) -> tuple[int, ...]:
     **Raises:** `ValueError` for anything else.
     """
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
-        raise Refused("splits", "must be written like '1+4', whole numbers and plus signs", text)
+        raise InvalidInputError(
+            "splits", "must be written like '1+4', whole numbers and plus signs", text
+        )
     return tuple(int(part) for part in text.split("+"))
 
 

@@ -14,11 +14,15 @@ from typing import Any
 import numpy as np
 
 from ...bundle.schemes import AbstractScheme, Orderly, scheme_of
-from ...core.checks import one_of, within
-from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ...core.limits import plausible
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...core.types import Float
+from ...core.validation import (
+    HIGHEST_PRESSURE,
+    LARGEST_STRAIN,
+    check_choice,
+    check_interval,
+    check_plausible,
+)
 
 
 _LONGEST_STROKE = 10.0  # m
@@ -85,19 +89,21 @@ class Task:
         """
         if (strain is None) == (stroke is None):
             which = "neither" if strain is None else "both"
-            raise Refused(
+            raise InvalidInputError(
                 "stroke",
                 "in m or `strain` tells how far the bundle contracts",
                 None,
                 f"give one of them, got {which}",
             )
         closed = (True, True)
-        F = within(force, 0.0, 1e6, "force", "N", closed=closed)
+        F = check_interval(force, 0.0, 1e6, "force", "N", closed=closed)
         if stroke is None:
-            travel = within(strain, 0.0, LARGEST_STRAIN, "strain", "-", closed=closed)
+            travel = check_interval(strain, 0.0, LARGEST_STRAIN, "strain", "-", closed=closed)
         else:
-            travel = within(stroke, 0.0, _LONGEST_STROKE, "stroke", "m", closed=closed)
-        w = within(1.0 if weight is None else weight, 0.0, 1e12, "weight", "-", closed=closed)
+            travel = check_interval(stroke, 0.0, _LONGEST_STROKE, "stroke", "m", closed=closed)
+        w = check_interval(
+            1.0 if weight is None else weight, 0.0, 1e12, "weight", "-", closed=closed
+        )
         size = next((np.size(x) for x in (F, travel, w) if np.ndim(x)), 1)
         F, travel, w = (
             np.full(size, float(x)) if np.ndim(x) == 0 else np.asarray(x, float)
@@ -105,26 +111,26 @@ class Task:
         )
         if not F.shape == travel.shape == w.shape or F.ndim != 1:
             called = "strain" if stroke is None else "stroke"
-            raise Refused(
+            raise InvalidInputError(
                 "force",
                 f", `{called}` and `weight` must be lists of one length",
                 (F.size, travel.size, w.size),
                 shown=f"{F.size}, {travel.size} and {w.size}",
             )
         if not 0 < F.size <= _MOST_POINTS:
-            raise Refused("force", f"must hold 1 to {_MOST_POINTS} points", F.size)
+            raise InvalidInputError("force", f"must hold 1 to {_MOST_POINTS} points", F.size)
         if not np.any((w > 0) & (F > 0) & (travel > 0)):
-            raise Refused(
+            raise InvalidInputError(
                 "force",
                 "and contraction must both be positive at a point that counts",
                 None,
                 "this task does no work",
             )
-        supply = within(
+        supply = check_interval(
             supply_pressure, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", closed=(False, True)
         )
-        plausible(supply, "supply_pressure")
-        one_of(fluid, FLUIDS, "fluid")
+        check_plausible(supply, "supply_pressure")
+        check_choice(fluid, FLUIDS, "fluid")
         eps, s = (travel, None) if stroke is None else (None, travel)
         return cls(F, eps, w, float(supply), scheme_of(scheme), name, source, s, fluid=fluid)
 
@@ -146,9 +152,9 @@ class Task:
 
         **Raises:** `ValueError` for times that don't rise, and as `of`.
         """
-        t = np.atleast_1d(within(time, -1e12, 1e12, "time", "s")).astype(float)
+        t = np.atleast_1d(check_interval(time, -1e12, 1e12, "time", "s")).astype(float)
         if t.ndim != 1 or t.size < 2 or np.any(np.diff(t) <= 0):
-            raise Refused("time", "must be a list of two or more that rises", None)
+            raise InvalidInputError("time", "must be a list of two or more that rises", None)
         weight = np.gradient(t) * np.where((np.arange(t.size) % (t.size - 1)) == 0, 0.5, 1.0)
         made = cls.of(force, strain, supply_pressure, weight, **more)
         return replace(made, time=t)

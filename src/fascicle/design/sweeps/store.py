@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.atomic import holds_drafts_only, remove_abandoned, write
+from ...io.atomic import holds_drafts_only, remove_abandoned, write
 from ..judge.judging import Values
 from ..judge.objectives import OBJECTIVES
 from ..searches.study import Study, bits

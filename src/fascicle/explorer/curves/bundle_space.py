@@ -8,7 +8,7 @@ import numpy as np
 from ...bundle import Bundle, recruitment
 from ...bundle.plates import muscle_strain
 from ...bundle.space import Overlap, Space
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...units import DIMENSIONS
 from ..state import View
 from .muscle_curves import picture
@@ -106,7 +106,7 @@ def ways(
     found = recruitment.recruit(bundle, force, strain, resistance=resistance)
     supply, units = bundle.supply_pressure, len(bundle.motor_units)
     if supply is None:
-        raise Refused("supply_pressure", "is needed to recruit", None)
+        raise InvalidInputError("supply_pressure", "is needed to recruit", None)
     out = []
     states, levels, stable = (
         np.asarray(part)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...calibrate.data.grid import level_of
-from ...core.domain import HIGHEST_PRESSURE
+from ...core.validation import HIGHEST_PRESSURE
 from ...muscle import Muscle
 from ...muscle.entry import extension_message, lowest_of, lowest_strain
 from ...records import loads

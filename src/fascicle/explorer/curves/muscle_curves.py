@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.domain import LARGEST_STRAIN
+from ...core.validation import LARGEST_STRAIN
 from ...muscle import Muscle
 from ...muscle.at import at_pressure
 from ...plot.shapes import ARC_POINTS

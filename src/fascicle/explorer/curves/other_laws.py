@@ -1,6 +1,6 @@
 """A muscle with another law: the alternatives that are laid over its own curve."""
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...muscle import Muscle, Tuning
 from ...muscle.laws import LAWS
 
@@ -36,7 +36,7 @@ def is_tuned(muscle: Muscle) -> bool:
 def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
     """The `keys` [-] again; `ValueError` where one names no law."""
     if len(keys) > MOST_COMPARED:
-        raise Refused(
+        raise InvalidInputError(
             "compare",
             f"must be {MOST_COMPARED} laws at most, as many as can be told apart",
             len(keys),
@@ -44,5 +44,5 @@ def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
     for key in keys:
         kind, _, name = key.partition(":")
         if key != UNTUNED and name not in LAWS.get(kind, {}):
-            raise Refused("compare", "must name laws such as buckling:elastica", key[:40])
+            raise InvalidInputError("compare", "must name laws such as buckling:elastica", key[:40])
     return keys

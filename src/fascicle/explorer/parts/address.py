@@ -13,9 +13,8 @@ from functools import lru_cache
 from typing import Any
 
 from ...bundle.schemes import SCHEMES
-from ...core.checks import within
-from ...core.domain import HIGHEST_PRESSURE, LARGEST_STRAIN
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
+from ...core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from ...energetics import PATHS
 from ...files import dumps, example, examples, loads
 from ...muscle import Muscle
@@ -111,9 +110,9 @@ def pack(text: str) -> str:
 def unpack(packed: str) -> str:
     """The text [-] that was `packed` [-]; `ValueError` for anything else."""
     if packed == _LEFT_OUT:
-        raise Refused("file", "was too large for a link", None, "open the file itself")
+        raise InvalidInputError("file", "was too large for a link", None, "open the file itself")
     if len(packed) > LONGEST:
-        raise Refused("file", f"must be at most {LONGEST} characters", len(packed))
+        raise InvalidInputError("file", f"must be at most {LONGEST} characters", len(packed))
     inflate = zlib.decompressobj()
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
@@ -123,8 +122,8 @@ def unpack(packed: str) -> str:
     except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
         text = b""
     if len(text) > _LARGEST_TEXT:
-        raise Refused("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
-    raise Refused("file", "is no file that this explorer has packed", None)
+        raise InvalidInputError("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
+    raise InvalidInputError("file", "is no file that this explorer has packed", None)
 
 
 def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
@@ -134,15 +133,15 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
         try:
             counts = tuple(int(one) for one in part.split("+"))
         except ValueError:
-            raise Refused(
+            raise InvalidInputError(
                 "splits", "must be like 1+4, 2+3", text[:40], "whole numbers joined by +"
             ) from None
         if len(counts) < 2:
-            raise Refused("splits", "must have two motor units or more each", part)
+            raise InvalidInputError("splits", "must have two motor units or more each", part)
         check_units(tuple(Unit(count) for count in counts))
         out.append(counts)
     if len(out) > 4:
-        raise Refused("splits", "must be four at most", len(out))
+        raise InvalidInputError("splits", "must be four at most", len(out))
     return tuple(out)
 
 
@@ -186,7 +185,7 @@ def _units(view: View, text: str, _: Mapping[str, str]) -> View:
         try:
             units.append(Unit(int(count), float(size or 1)))
         except ValueError:
-            raise Refused("units", "must be like 1,4@0.5", text[:40]) from None
+            raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
     check_units(tuple(units))
     return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
 
@@ -198,13 +197,15 @@ def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
 
 def _gauge(text: str) -> float:
     value = parse(text, "pressure")
-    return float(within(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True)))
+    return float(
+        check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
+    )
 
 
 def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
     def read(view: View, text: str, _: Mapping[str, str]) -> View:
         if text not in known:
-            raise Refused(name, f"must be one of {', '.join(known)}", text[:40])
+            raise InvalidInputError(name, f"must be one of {', '.join(known)}", text[:40])
         return replace(view, **{name: text})
 
     return read
@@ -213,12 +214,14 @@ def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
 def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
     value = _gauge(text)
     if value <= 0:
-        raise Refused("supply", "must be positive", value, shown=f"{value:g} Pa")
+        raise InvalidInputError("supply", "must be positive", value, shown=f"{value:g} Pa")
     return replace(view, supply=value)
 
 
 def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
-    value = within(parse(text, "strain"), 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True))
+    value = check_interval(
+        parse(text, "strain"), 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True)
+    )
     return replace(view, strain=float(value))
 
 
@@ -226,7 +229,7 @@ def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
     units = text.split(",")
     shown = dict(zip(SHOWN, units, strict=False))
     if len(units) != len(SHOWN) or any(unit not in SHOWN[kind] for kind, unit in shown.items()):
-        raise Refused("show", "must be units such as kPa,mm,N", text[:40])
+        raise InvalidInputError("show", "must be units such as kPa,mm,N", text[:40])
     return replace(view, shown=shown)
 
 

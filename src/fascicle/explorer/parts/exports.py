@@ -19,7 +19,7 @@ import panel as pn
 from ... import plot
 from ...bundle.space import overlap, space
 from ...calibrate.after.pictures import beside
-from ...core.domain import HIGHEST_PRESSURE
+from ...core.validation import HIGHEST_PRESSURE
 from ...energetics import efficiency_map
 from ...files import dumps
 from ...muscle import Muscle

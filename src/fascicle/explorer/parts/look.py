@@ -1,6 +1,6 @@
 """How the explorer looks: the page's style in light and dark, and its figures.
 
-Colors, typeface and spacing are those of `core.tokens`, as in figures, reports and docs. Line
+Colors, typeface and spacing are those of `plot.theme`, as in figures, reports and docs. Line
 styles differ as well, so that no color is needed to read.
 """
 
@@ -14,7 +14,7 @@ from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from ...core.tokens import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Colors, css
+from ...plot.theme import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Colors, css
 
 
 Look = Colors

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...bundle.plates import muscle_strain
-from ...core.limits import proportions_message
+from ...core.validation import proportions_message
 from ...muscle import Muscle
 from ...muscle.entry import extension_message, lowest_of, lowest_strain
 from ...muscle.fitted import elsewhere

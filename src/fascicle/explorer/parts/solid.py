@@ -14,7 +14,7 @@ from bokeh.events import DoubleTap, Pan, PanStart
 from bokeh.models import CustomJS, Range1d, Slider
 from bokeh.plotting import figure
 
-from ...core.tokens import red_green_blue
+from ...plot.theme import red_green_blue
 from ..curves.tube import ALONG, Solid, quads, tube_faces
 from .look import Look, high_css, source_of, widget_css
 

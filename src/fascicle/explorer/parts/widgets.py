@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import panel as pn
 
-from ...core.visible import visible
+from ...io.sanitize import sanitize_line
 from ...units import DIMENSIONS, parse
 from .look import Look, widget_css
 from .said import in_units
@@ -65,7 +65,7 @@ class Message:
         """Show `text` [-], or nothing where it is empty."""
         red = "color:var(--bad);background:var(--alarm);border-left:3px solid var(--bad)"
         style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
-        clean = html.escape(visible(text))
+        clean = html.escape(sanitize_line(text))
         self.pane.object = f'<div role="alert" style="{style}">{clean}</div>' if text else ""
         self.pane.visible = bool(text)
 

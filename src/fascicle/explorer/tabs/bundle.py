@@ -8,9 +8,8 @@ from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
 
 from ...bundle.schemes import SCHEMES
-from ...core.checks import within
-from ...core.domain import HIGHEST_PRESSURE
-from ...core.tokens import BLACK, WHITE, mixed
+from ...core.validation import HIGHEST_PRESSURE, check_interval
+from ...plot.theme import BLACK, WHITE, mixed
 from ..curves.bundle_space import Shown, Way, force_at, shown_space, solids, state_at, ways
 from ..parts.background import Latest
 from ..parts.look import (
@@ -126,7 +125,7 @@ class BundleView(Tab):
             self.session.change(**changes)
 
     def _supplied(self, value: float) -> None:
-        within(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
+        check_interval(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
         view = self.session.view
         self.session.change(
             supply=value,

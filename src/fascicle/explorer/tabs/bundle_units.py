@@ -5,7 +5,7 @@ from typing import Any
 
 import panel as pn
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ..parts.look import Look, widget_css
 from ..parts.widgets import Dial, Field, Message, button, shown
 from ..state import MOST_UNITS, SIZES, Session, Unit, View, check_units
@@ -87,7 +87,7 @@ class UnitRows:
             unit = view.shown["length"]
             low, high = (shown(by * float(base.outer_radius), unit, "length") for by in SIZES)
             rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
-            raise Refused("radius", rule, radius, shown=shown(radius, unit, "length"))
+            raise InvalidInputError("radius", rule, radius, shown=shown(radius, unit, "length"))
         if unit.own is not None:
             from ..state import scaled
 

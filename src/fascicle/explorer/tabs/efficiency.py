@@ -7,8 +7,8 @@ import panel as pn
 from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Title
 from bokeh.palettes import Cividis256
 
-from ...core.tokens import CLEAR, FIGURES
 from ...energetics import PATHS
+from ...plot.theme import CLEAR, FIGURES
 from ..curves.efficiency_maps import STATES, Maps, averages, maps, semu
 from ..parts.background import Latest
 from ..parts.look import (

@@ -4,7 +4,7 @@ from typing import Any
 
 import panel as pn
 
-from ...core.tokens import APART, LARGE, SMALL, TEXT, WIDE
+from ...plot.theme import APART, LARGE, SMALL, TEXT, WIDE
 from ..curves.measured import MOST_ROWS
 from ..parts.look import NARROW, STACKED
 

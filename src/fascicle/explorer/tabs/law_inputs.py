@@ -5,7 +5,7 @@ from typing import Any
 
 import panel as pn
 
-from ...core.modules import renewed
+from ...core.module import replace_checked
 from ...muscle.law import AbstractLaw
 from ...units import DIMENSIONS
 from ..parts.look import Look
@@ -74,10 +74,10 @@ class LawInputs:
         self._own.objects = [*shown, *self.choices.values()]
 
     def _set(self, name: str) -> Callable[[float], None]:
-        return lambda value: self._takes(renewed(self._law, {name: value}))
+        return lambda value: self._takes(replace_checked(self._law, {name: value}))
 
     def _switched(self, name: str, option: str) -> None:
-        self._chose(renewed(self._law, {name: option}))
+        self._chose(replace_checked(self._law, {name: option}))
 
     def _chose(self, law: Any) -> None:
         if self._silent:

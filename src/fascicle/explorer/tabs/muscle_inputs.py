@@ -6,7 +6,7 @@ from typing import Any
 
 import panel as pn
 
-from ...core.refused import Refused
+from ...core.errors import InvalidInputError
 from ...muscle.laws import LAWS
 from ...muscle.materials import MATERIALS
 from ..parts.look import Look
@@ -76,7 +76,7 @@ class MuscleInputs:
                 self._become(**{name: value})
             except ValueError as error:
                 # a rule between two sizes names one of them; the other's field is left alone
-                named = error.argument if isinstance(error, Refused) else name
+                named = error.argument if isinstance(error, InvalidInputError) else name
                 other = self._fields.get(named) if named != name else None
                 if other is not None:
                     other.refuse(error)

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import panel as pn
 
-from ...core.tokens import APART, FAR, LARGE, TEXT
+from ...plot.theme import APART, FAR, LARGE, TEXT
 from ..parts.look import NARROW, Look
 from ..parts.notes import doubts, notes
 from ..parts.widgets import Message

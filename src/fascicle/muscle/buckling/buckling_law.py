@@ -28,7 +28,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.constant import SHARE, Constant, Switch
+from ...core.parameters import SHARE, Constant, Switch
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..law import AbstractLaw

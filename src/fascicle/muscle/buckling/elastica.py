@@ -47,27 +47,28 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ...core.arrays import (
-    both,
+from ...core.array_namespace import (
+    add_table_axis,
     cos,
+    elliptic,
+    expand_nodes,
     isfinite,
-    least,
+    jacobi,
+    logical_and,
+    logical_not,
+    max_nodes,
     maximum,
+    min_nodes,
     minimum,
-    most,
-    no,
-    nodes,
-    over,
-    spread,
+    node_axis,
+    polynomial,
     sqrt,
-    total,
+    sum_nodes,
     where,
-)  # fmt: skip
-from ...core.domain import LARGEST_STRAIN
-from ...core.elliptic import elliptic, jacobi
-from ...core.roots import guarded, root, still
-from ...core.series import polynomial
+)
+from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
+from ...core.validation import LARGEST_STRAIN
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
@@ -93,8 +94,8 @@ class Elastica(AbstractBuckling):
     def branch(self, column: Column) -> "_Branch":
         """The onset [-], and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
-        here = still(column)
-        return _Branch(onset, _curve(here, _top(still(onset)), here.free_strain))
+        here = stop_gradient(column)
+        return _Branch(onset, _curve(here, _top(stop_gradient(onset)), here.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (E3)."""
@@ -110,7 +111,7 @@ class Elastica(AbstractBuckling):
             bending=where(bent, T / chord - T, 0.0),
             slope=where(bent, slope, at.pull.slope),
             arc_strain=arc,
-            straight=no(bent),
+            straight=logical_not(bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -127,11 +128,13 @@ class Elastica(AbstractBuckling):
     def folds(self, column: Column) -> tuple[Batch, ...]:
         """The strain [-] at which the curve turns back past its onset; inf where it doesn't."""
         onset, curve = column.branch
-        cut, end = over(curve.cut.strain, 0.0), over(curve.end.strain, 0.0)
+        cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
         half = _first(curve, cut < curve.start.strain, end < cut)
         # where it turns the strain is flat over the arc, which needs no slope of its own
         fold = _at(column, half.start).strain
-        turns = both(both(half.found, isfinite(onset)), half.start < still(onset))
+        turns = logical_and(
+            logical_and(half.found, isfinite(onset)), half.start < stop_gradient(onset)
+        )
         return (where(turns, fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
@@ -144,10 +147,10 @@ class Elastica(AbstractBuckling):
         ever, fits = isfinite(begun), _fits()
         onset = guarded(ever, begun, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
-        reached = both(bend <= fits.largest_bend, ever)
+        reached = logical_and(bend <= fits.largest_bend, ever)
         load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
-        held = still(load)
-        half = _first(curve, *(over(end.load, held) <= held for end in curve[1:]))
+        held = stop_gradient(load)
+        half = _first(curve, *(expand_nodes(end.load, held) <= held for end in curve[1:]))
         arc = root(_short_of, (column, load), half.stop, half.start, half.middle)
         strain = 1 - (1 - arc) * fits.chord(load)[0]
         return where(reached, maximum(strain, maximum(onset, half.farthest)), np.inf)
@@ -156,11 +159,11 @@ class Elastica(AbstractBuckling):
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _followed(column, strain)
         k, _ = _modulus(bent, _at(column, arc).load)
-        k = spread(k)
+        k = add_table_axis(k)
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
-        scale = spread(column.rest_length * (1 - arc)) / (4 * integrals.K)
+        scale = add_table_axis(column.rest_length * (1 - arc)) / (4 * integrals.K)
         # below the axis, as (8) is drawn
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - cos(phase)))
 
@@ -171,15 +174,15 @@ class Elastica(AbstractBuckling):
         an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E6) is taken on as
         $\\varepsilon = \\varepsilon_a$, which crosses `strain` once, as it must.
         """
-        here, eps = still(column), still(strain + 0.0 * column.free_strain)
+        here, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
         crossed = 0.0 * eps
         for curve in (here.branch.curve, _curve(here, _top(here.branch.onset), LARGEST_STRAIN)):
-            past = [over(end.strain, eps) > eps for end in curve]
+            past = [expand_nodes(end.strain, eps) > eps for end in curve]
             for one, other in pairwise(past):
-                crossed = crossed + total(where(one != other, 1.0, 0.0))
+                crossed = crossed + sum_nodes(where(one != other, 1.0, 0.0))
         straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
-        return both(crossed + straight > 1.5, eps > here.free_strain)
+        return logical_and(crossed + straight > 1.5, eps > here.free_strain)
 
 
 class _State(NamedTuple):
@@ -265,17 +268,17 @@ class _Half(NamedTuple):
 
 def _onset(column: Column) -> Batch:
     """First strain [-] at which the straight muscle buckles; inf where it never does."""
-    here = still(column)
+    here = stop_gradient(column)
     free = here.free_strain
     # a free strain past the domain's end would leave cells of no length
     span = maximum(LARGEST_STRAIN - free, 1e-3)
     # squares: a slender muscle buckles just past its free strain
-    rank = nodes(np.arange(float(_LOOKS)), free)
+    rank = node_axis(np.arange(float(_LOOKS)), free)
     one, other = (free + span * ((rank + i) / _LOOKS) ** 2 for i in (0.0, 1.0))
     # a load that rises and falls again within a cell may be large enough in between
     curve = _cut(here, one, other, lambda at: at.load_slope)
     half = _first(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
-    ever = both(half.found, free < LARGEST_STRAIN)
+    ever = logical_and(half.found, free < LARGEST_STRAIN)
     target = where(ever, _EULER, 0.0)
     strain = root(_short_of, (column, target), half.start, half.stop, half.middle)
     return where(ever, strain, np.inf)
@@ -283,7 +286,7 @@ def _onset(column: Column) -> Batch:
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
     """(E6) from the arc strain `top` [-] to `bottom` [-]."""
-    rank = nodes(np.arange(float(_CELLS)), top)
+    rank = node_axis(np.arange(float(_CELLS)), top)
     one, other = (top - (top - bottom) * ((rank + i) / _CELLS) for i in (0.0, 1.0))
     return _cut(column, one, other, lambda at: at.strain_slope)
 
@@ -307,7 +310,7 @@ def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Bat
         same = (here[1] > 0) == (a[1] > 0)
         a, b = (
             tuple(where(moves, new, old) for new, old in zip(here, side, strict=True))
-            for moves, side in ((same, a), (no(same), b))
+            for moves, side in ((same, a), (logical_not(same), b))
         )
         share = guarded(turns, a[1]) / guarded(turns, a[1] - b[1], 2.0)
         place = where(turns, a[0] + share * (b[0] - a[0]), place)
@@ -318,15 +321,15 @@ def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Bat
 
 def _first(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Half:
     """The first half cell at whose end something holds; the last one where it never does."""
-    rank = nodes(np.arange(float(curve.start.arc.shape[0])), least(where(end, 0.0, 0.0)))
-    half, whole = (least(where(holds, rank, np.inf)) for holds in (cut, end))
+    rank = node_axis(np.arange(float(curve.start.arc.shape[0])), min_nodes(where(end, 0.0, 0.0)))
+    half, whole = (min_nodes(where(holds, rank, np.inf)) for holds in (cut, end))
     cell = minimum(minimum(half, whole), curve.start.arc.shape[0] - 1.0)
     early = half <= cell  # it ends at the cut
     here = rank == cell
-    start, middle, stop = (total(where(here, over(x.arc, cell), 0.0)) for x in curve)
-    at_cut, at_end = (over(x.strain, cell) for x in curve[1:])
-    behind = where(both(here, no(early)), at_cut, -np.inf)
-    farthest = most(where(rank < cell, maximum(at_cut, at_end), behind))
+    start, middle, stop = (sum_nodes(where(here, expand_nodes(x.arc, cell), 0.0)) for x in curve)
+    at_cut, at_end = (expand_nodes(x.strain, cell) for x in curve[1:])
+    behind = where(logical_and(here, logical_not(early)), at_cut, -np.inf)
+    farthest = max_nodes(where(rank < cell, maximum(at_cut, at_end), behind))
     return _Half(
         where(early, start, middle), where(early, middle, stop), farthest,
         isfinite(minimum(half, whole)),
@@ -338,8 +341,8 @@ def _followed(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN)
-    wanted = still(eps)
-    half = _first(curve, *(over(end.strain, wanted) >= wanted for end in curve[1:]))
+    wanted = stop_gradient(eps)
+    half = _first(curve, *(expand_nodes(end.strain, wanted) >= wanted for end in curve[1:]))
     arc = root(_behind, (column, eps), half.stop, half.start, half.middle)
     return bent, where(bent, arc, strain)
 
@@ -395,6 +398,6 @@ def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     """$k$ and $K$ [-] at a load $G$ [-]."""
     m = _fits().parameter(guarded(bent, load, _EULER))
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
-    curved = both(bent, m > 0)
+    curved = logical_and(bent, m > 0)
     k = where(curved, sqrt(guarded(curved, m)), 0.0)
     return k, elliptic(k**2).K

@@ -32,9 +32,8 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ...core.arrays import maximum, minimum, sqrt, where
-from ...core.roots import root, still
-from ...core.series import series
+from ...core.array_namespace import chebyshev_sum, maximum, minimum, sqrt, where
+from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 
 
@@ -53,7 +52,7 @@ def unshortened(c: BatchLike, xi: BatchLike) -> Batch:
     per_xi, share = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
     # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
     # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
-    b, x = still(xi * per_xi), still(xi)
+    b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
     rho = sqrt(0.5 * (1 - x) * (2 - x))
     under = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
     y = under / (b * under + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
@@ -120,12 +119,12 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     """
     peak = _peak(c)
     # at the peak's place (16c) says whether the moment there is larger than what is asked for
-    asked = maximum(still(target), _NOTHING) / sqrt(still(c))
-    reached = _short_of((still(c), asked), peak / asked)[0] <= 0
-    m = where(reached, target, _early_moment(still(c)))
+    asked = maximum(stop_gradient(target), _NOTHING) / sqrt(stop_gradient(c))
+    reached = _short_of((stop_gradient(c), asked), peak / asked)[0] <= 0
+    m = where(reached, target, _early_moment(stop_gradient(c)))
     kappa = m / sqrt(c)
-    some = maximum(still(m), _NOTHING) / sqrt(still(c))
-    start = _compressed(still(c), still(m), peak) / some
+    some = maximum(stop_gradient(m), _NOTHING) / sqrt(stop_gradient(c))
+    start = _compressed(stop_gradient(c), stop_gradient(m), peak) / some
     return kappa * root(_short_of, (c, kappa), 1.0, peak / some, start, soon=3), reached
 
 
@@ -175,8 +174,8 @@ def _early_moment(c: Batch) -> Batch:
 def _peak(c: BatchLike) -> Batch:
     """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], without derivatives."""
     low, high = _short(_MOST), _short(_LEAST)
-    x = (2 * _short(minimum(maximum(still(c), _LEAST), _MOST)) - low - high) / (high - low)
-    return series(_series(), x)
+    x = (2 * _short(minimum(maximum(stop_gradient(c), _LEAST), _MOST)) - low - high) / (high - low)
+    return chebyshev_sum(_series(), x)
 
 
 def _short(c: Batch) -> Batch:

@@ -28,7 +28,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import cos, spread, sqrt, where
+from ...core.array_namespace import add_table_axis, cos, sqrt, where
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import Centerline, Column
 from ..tension.tension_law import Pull
@@ -100,8 +100,8 @@ class Kim2021(AbstractBuckling):
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
         y_max, _ = self.bow(column, strain)
         along = np.linspace(0.0, 1.0, points)
-        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
-        y = spread(y_max) / 2 * (cos(2 * np.pi * along) - 1)
+        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
+        y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
         return Centerline(z=chord * along, y=y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:

@@ -21,10 +21,21 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.arrays import both, cos, isfinite, least, minimum, no, nodes, spread, sqrt, where
-from ...core.domain import LARGEST_STRAIN
-from ...core.roots import guarded, root, still
+from ...core.array_namespace import (
+    add_table_axis,
+    cos,
+    isfinite,
+    logical_and,
+    logical_not,
+    min_nodes,
+    minimum,
+    node_axis,
+    sqrt,
+    where,
+)
+from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
+from ...core.validation import LARGEST_STRAIN
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
@@ -55,11 +66,11 @@ class Kim2021Series(AbstractBuckling):
 
     def branch(self, column: Column) -> Batch:
         """The onset [-]: inf where it never bows."""
-        here = still(column)
+        here = stop_gradient(column)
         free = here.free_strain + 0.0 * here.bending_stiffness
         ever, low, high = _first_cell(_unbowed, here, free)
         found = root(_unbowed, column, low, high, 0.5 * (low + high))
-        return where(both(ever, found < LARGEST_STRAIN), found, np.inf)
+        return where(logical_and(ever, found < LARGEST_STRAIN), found, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (12s)."""
@@ -74,14 +85,14 @@ class Kim2021Series(AbstractBuckling):
             bending=0.0 * T,
             slope=where(at.bent, at.pull.slope * moves, at.pull.slope),
             arc_strain=at.arc_strain,
-            straight=no(at.bent),
+            straight=logical_not(at.bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
         at = _bowed(column, strain)
         x = at.arc - at.chord
-        bends = both(at.bent, x > 0)
+        bends = logical_and(at.bent, x > 0)
         y_max = where(bends, 2 / np.pi * sqrt(guarded(bends, x) * at.chord), 0.0)
         return y_max, 2 * np.pi**2 * column.bending_stiffness * y_max / at.chord**2
 
@@ -100,18 +111,20 @@ class Kim2021Series(AbstractBuckling):
         The moment says by how much the arc is longer than each chord, and so its strain.
         """
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
-        here, more = still(theta)
+        here, more = stop_gradient(theta)
         free = here.free_strain + 0.0 * here.bending_stiffness + 0.0 * more
         ever, low, high = _first_cell(_short_of, (here, more), free)
         strain = root(_short_of, theta, low, high, 0.5 * (low + high))
-        return where(both(ever, isfinite(column.branch)), strain, np.inf)
+        return where(logical_and(ever, isfinite(column.branch)), strain, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
         y_max, _ = self.bow(column, strain)
         along = np.linspace(0.0, 1.0, points)
-        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
-        return Centerline(z=chord * along, y=spread(y_max) / 2 * (cos(2 * np.pi * along) - 1))
+        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
+        return Centerline(
+            z=chord * along, y=add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
+        )
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Never: the law gives one state at each strain [-]."""
@@ -122,10 +135,10 @@ def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch,
     """Whether a `function` of `theta` and strain is ever below 0 past the `free` one [-], and the
     ends [-] of the first of `_LOOKS` cells at whose end it is; all in the shape of `free`.
     """
-    rank = nodes(np.arange(float(_LOOKS)), free)
+    rank = node_axis(np.arange(float(_LOOKS)), free)
     step = (_CLOSEST - free) / _LOOKS
     ahead, _ = function(theta, free + step * (rank + 1))
-    cell = least(where(ahead <= 0, rank, np.inf))
+    cell = min_nodes(where(ahead <= 0, rank, np.inf))
     low = free + step * minimum(cell, _LOOKS - 1.0)
     return isfinite(cell), low, low + step
 
@@ -150,10 +163,16 @@ def _bowed(column: Column, strain: BatchLike) -> _Bowed:
     L0 = column.rest_length
     # past the onset, and where it doesn't hold straight what presses it
     presses = _unbowed(column, strain + 0.0 * column.free_strain)[0] < 0
-    bent = both(strain > column.branch + ROUNDING, presses)
+    bent = logical_and(strain > column.branch + ROUNDING, presses)
     eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
-    low = still(column.free_strain + 0.0 * eps)
-    arc = root(_pressed, (column, L0 * (1 - eps)), low, still(eps), 0.5 * (low + still(eps)))
+    low = stop_gradient(column.free_strain + 0.0 * eps)
+    arc = root(
+        _pressed,
+        (column, L0 * (1 - eps)),
+        low,
+        stop_gradient(eps),
+        0.5 * (low + stop_gradient(eps)),
+    )
     own = where(bent, arc, strain)
     return _Bowed(bent, own, column.pull(own), L0 * (1 - own), L0 * (1 - strain) + 0.0 * own)
 

@@ -23,8 +23,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.arrays import library, nodes, over, total, where
-from ...core.roots import still
+from ...core.array_namespace import array_namespace, expand_nodes, node_axis, sum_nodes, where
+from ...core.roots import stop_gradient
 from ...core.types import Batch
 
 
@@ -92,8 +92,8 @@ def shortenings() -> np.ndarray:
 
 def states(oval: Oval) -> States:
     """All states of columns with that `oval` section [-], nodes first."""
-    here = Oval(*(still(x) for x in oval))
-    at_work: Any = library(*here)
+    here = Oval(*(stop_gradient(x) for x in oval))
+    at_work: Any = array_namespace(*here)
     shape = np.broadcast_shapes(*(np.shape(x) for x in here))
     numbers = [at_work.broadcast_to(at_work.asarray(x, dtype=float), shape) for x in here]
     P = at_work.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
@@ -345,15 +345,15 @@ def _spline() -> np.ndarray:
 
 def splined(values: Batch) -> Batch:
     """Slopes [-] at the nodes of the spline through `values` there [-], nodes first."""
-    return total(_spline().reshape(_NODES, _NODES, *(1,) * (values.ndim - 1)) * values[:, None])
+    return sum_nodes(_spline().reshape(_NODES, _NODES, *(1,) * (values.ndim - 1)) * values[:, None])
 
 
 def between(values: Any, slopes: Any, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
     """A spline's value [-] and slope [-] at a shortening `w` [-] in a `cell` [-]."""
     u = w / STEP - cell
-    rank = nodes(np.arange(float(_NODES)), cell)
-    values, slopes = over(values, cell), over(slopes, cell)
+    rank = node_axis(np.arange(float(_NODES)), cell)
+    values, slopes = expand_nodes(values, cell), expand_nodes(slopes, cell)
     ends = [where(rank == cell + i, 1.0, 0.0) for i in (0, 1)]
-    (y0, y1), (m0, m1) = ([total(x * end) for end in ends] for x in (values, STEP * slopes))
+    (y0, y1), (m0, m1) = ([sum_nodes(x * end) for end in ends] for x in (values, STEP * slopes))
     c2, c3 = 3 * (y1 - y0) - 2 * m0 - m1, 2 * (y0 - y1) + m0 + m1
     return ((c3 * u + c2) * u + m0) * u + y0, ((3 * c3 * u + 2 * c2) * u + m0) / STEP

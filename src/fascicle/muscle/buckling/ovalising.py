@@ -35,24 +35,24 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.arrays import (
+from ...core.array_namespace import (
     absolute,
-    both,
+    add_table_axis,
     cos,
+    expand_nodes,
     isfinite,
-    least,
+    logical_and,
+    logical_not,
     maximum,
+    min_nodes,
     minimum,
-    no,
-    nodes,
-    over,
+    node_axis,
     sin,
-    spread,
     sqrt,
-    total,
+    sum_nodes,
     where,
-)  # fmt: skip
-from ...core.roots import guarded, root, searched, still
+)
+from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
@@ -104,10 +104,10 @@ class Ovalising(AbstractBuckling):
         free = column.free_strain
         theta = (column, 4 * np.pi**2 * _unit(column))
         onset = root(_compressed, theta, free, _CLOSEST + 0.0 * free, free + 1e-3)
-        here, w = still(column), nodes(shortenings(), still(found.load[0]))
-        wanted = still(found.load) * (1 - w) * _unit(here)
+        here, w = stop_gradient(column), node_axis(shortenings(), stop_gradient(found.load[0]))
+        wanted = stop_gradient(found.load) * (1 - w) * _unit(here)
         low = here.free_strain + 0.0 * wanted
-        arc = searched(_compressed, (here, wanted), low, _CLOSEST + 0.0 * low, low + 1e-3)
+        arc = find_root(_compressed, (here, wanted), low, _CLOSEST + 0.0 * low, low + 1e-3)
         ever = where(onset < 0.999 * _CLOSEST, onset, np.inf)
         return _Branch(ever, found, slopes, 1 - (1 - arc) * (1 - w))
 
@@ -132,13 +132,13 @@ class Ovalising(AbstractBuckling):
                 at.pull.slope,
             ),
             arc_strain=1 - at.arc,
-            straight=no(at.bent),
+            straight=logical_not(at.bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and the larger of the moments at the ends and in the middle [N·m]."""
         at, branch = _followed(column, strain), column.branch
-        bends = both(at.bent, at.w > 0)
+        bends = logical_and(at.bent, at.w > 0)
         root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
         n, off, bend = (
             between(x, slope, at.cell, at.w)[0]
@@ -156,10 +156,10 @@ class Ovalising(AbstractBuckling):
         """The strain [-] at which the branch first turns back, to a node; inf where it doesn't."""
         strain = column.branch.strain
         ahead, behind = strain[1:], strain[:-1]
-        rank = nodes(np.arange(float(ahead.shape[0])), ahead[0])
-        first = least(where(ahead < behind, rank, np.inf))
-        fold = total(where(rank == first, behind, 0.0))
-        turns = both(isfinite(first), fold > still(column.branch.onset))
+        rank = node_axis(np.arange(float(ahead.shape[0])), ahead[0])
+        first = min_nodes(where(ahead < behind, rank, np.inf))
+        fold = sum_nodes(where(rank == first, behind, 0.0))
+        turns = logical_and(isfinite(first), fold > stop_gradient(column.branch.onset))
         return (where(turns, fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
@@ -170,29 +170,31 @@ class Ovalising(AbstractBuckling):
         """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
         at = _followed(column, strain)
         sines = column.branch.states.sines
-        bends = both(at.bent, at.w > 0)
+        bends = logical_and(at.bent, at.w > 0)
         root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
         place = at.w / STEP
         middle = (np.arange(points - 1) + 0.5) / (points - 1)
-        theta = spread(0.0 * root_w)
+        theta = add_table_axis(0.0 * root_w)
         for k in range(sines.shape[1]):
-            own = over(sines[:, k], place)
-            share = maximum(1 - absolute(place - nodes(np.arange(len(sines)), place)), 0.0)
-            theta = theta + spread(root_w * total(share * own)) * np.sin(
+            own = expand_nodes(sines[:, k], place)
+            share = maximum(1 - absolute(place - node_axis(np.arange(len(sines)), place)), 0.0)
+            theta = theta + add_table_axis(root_w * sum_nodes(share * own)) * np.sin(
                 2 * np.pi * (k + 1) * middle
             )
         # from point to point: sums of all steps before
         before = np.arange(points)[:, None] > np.arange(points - 1)
-        length = spread(column.rest_length * at.arc) / (points - 1)
+        length = add_table_axis(column.rest_length * at.arc) / (points - 1)
         z, y = ((length * part) @ before.T for part in (cos(theta), sin(theta)))
-        return Centerline(z=z * spread(column.rest_length * (1 - strain)) / z[..., -1:], y=-y)
+        return Centerline(
+            z=z * add_table_axis(column.rest_length * (1 - strain)) / z[..., -1:], y=-y
+        )
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """Whether other bent states exist at `strain` [-] beside the one followed."""
-        eps = still(strain + 0.0 * column.free_strain)
-        past = over(column.branch.strain, eps) > eps
-        crossed = total(where(past[1:] != past[:-1], 1.0, 0.0))
-        return both(crossed > 1.5, eps > still(column.free_strain))
+        eps = stop_gradient(strain + 0.0 * column.free_strain)
+        past = expand_nodes(column.branch.strain, eps) > eps
+        crossed = sum_nodes(where(past[1:] != past[:-1], 1.0, 0.0))
+        return logical_and(crossed > 1.5, eps > stop_gradient(column.free_strain))
 
 
 def _unit(column: Column) -> Batch:
@@ -244,10 +246,10 @@ def _followed(column: Column, strain: BatchLike) -> _Followed:
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
     eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
-    wanted = still(eps)
-    ends = over(branch.strain, wanted)[1:]
-    rank = nodes(np.arange(float(ends.shape[0])), wanted)
-    cell = minimum(least(where(ends >= wanted, rank, np.inf)), ends.shape[0] - 1.0)
+    wanted = stop_gradient(eps)
+    ends = expand_nodes(branch.strain, wanted)[1:]
+    rank = node_axis(np.arange(float(ends.shape[0])), wanted)
+    cell = minimum(min_nodes(where(ends >= wanted, rank, np.inf)), ends.shape[0] - 1.0)
     low = STEP * cell
     w = root(_unheld, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
     arc = where(bent, (1 - eps) / (1 - w), 1 - strain)

@@ -14,8 +14,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import sqrt
-from ...core.constant import Constant
+from ...core.array_namespace import sqrt
+from ...core.parameters import Constant
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..law import AbstractLaw

@@ -30,8 +30,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import maximum, minimum, nodes, total, where
-from ...core.constant import Constant, from_zero
+from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
+from ...core.parameters import Constant, log1p_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..tension.tension_law import Pull
@@ -51,12 +51,12 @@ class Compliant(AbstractEnds):
     source: ClassVar[str] = "derived here"
 
     inactive_length: Batch = Constant(
-        "inactive_length", "l", "length", (0.0, 0.0, 0.1, 1.0), from_zero(5e-3), 0.0,
+        "inactive_length", "l", "length", (0.0, 0.0, 0.1, 1.0), log1p_scale(5e-3), 0.0,
         "of the muscle's length, held still by its fittings",
     ).field()  # fmt: skip
     end_compliance: Batch = Constant(
         # ends that give a tenth of a meter per kilonewton are none
-        "end_compliance", "c", "axial_compliance", (0.0, 0.0, 1e-4, 1e-2), from_zero(1e-5), 0.0,
+        "end_compliance", "c", "axial_compliance", (0.0, 0.0, 1e-4, 1e-2), log1p_scale(1e-5), 0.0,
         "of both ends in series with the bladder",
     ).field()  # fmt: skip
 
@@ -98,9 +98,9 @@ class Compliant(AbstractEnds):
     def coenergy_at_rest(self, tension: Tension, pressure: BatchLike) -> Batch:
         """(E9) at rest length [J] and `pressure` [Pa], less $P V(0)$."""
         strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
-        node, weight = (nodes(x, strain) for x in (_NODES, _WEIGHTS))
+        node, weight = (node_axis(x, strain) for x in (_NODES, _WEIGHTS))
         force = tension.bladder_pull(pressure, 0.5 * strain * (1 + node)).force
-        work = 0.5 * strain * total(weight * force)
+        work = 0.5 * strain * sum_nodes(weight * force)
         F = tension.bladder_pull(pressure, strain).force
         active = tension.bladder.braid.length - self.inactive_length
         return active * work - 0.5 * self.end_compliance * F**2

@@ -14,9 +14,9 @@ use a modulus of their own, which may be measured apart from the two constants.
 **Source:** Klute and Hannaford (2000).
 """
 
-from ...core.checks import within
-from ...core.constant import POSITIVE, Constant
+from ...core.parameters import POSITIVE, Constant
 from ...core.types import Batch, BatchLike, Values
+from ...core.validation import check_interval
 from .material_law import AbstractMaterial, Slopes
 
 
@@ -70,7 +70,7 @@ class MooneyRivlin(AbstractMaterial):
         self.youngs_modulus = _E.checked(modulus)
         low, *_, high = _NU.bounds
         closed = (True, True)
-        self.poisson_ratio = within(poisson_ratio, low, high, _NU.name, "-", closed=closed)
+        self.poisson_ratio = check_interval(poisson_ratio, low, high, _NU.name, "-", closed=closed)
 
     @classmethod
     def from_youngs_modulus(

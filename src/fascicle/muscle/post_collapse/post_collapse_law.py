@@ -20,7 +20,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import cos, minimum, spread, sqrt
+from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from ..column import Centerline, Column
@@ -61,9 +61,9 @@ class AbstractPostCollapse(AbstractLaw):
         """Centerline [m] of (22), mirrored at the hinge, at `strain` [-]."""
         y_max = self.deflection(column, strain)
         along = np.linspace(0.0, 1.0, points)
-        chord = spread(column.rest_length * (1 - strain) + 0.0 * y_max)
+        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
         # below the axis, as (8) is drawn
-        y = -spread(y_max) * (1 - cos(np.pi * minimum(along, 1 - along)))
+        y = -add_table_axis(y_max) * (1 - cos(np.pi * minimum(along, 1 - along)))
         return Centerline(z=chord * along, y=y)
 
 

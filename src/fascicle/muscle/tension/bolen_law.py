@@ -17,8 +17,8 @@ was at hand.
 
 from typing import ClassVar
 
-from ...core.arrays import arctan, exp, where
-from ...core.constant import POSITIVE, Constant, from_zero
+from ...core.array_namespace import arctan, exp, where
+from ...core.parameters import POSITIVE, Constant, log1p_scale
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
@@ -49,7 +49,7 @@ def bolen_constant(name: str, published: float) -> Constant:
     force over kPa, and its length times kPa.
     """
     symbol, dimension, unit, bounds, about = _SEVEN[name]
-    scale = POSITIVE if bounds[0] > 0 else from_zero(5e-3)
+    scale = POSITIVE if bounds[0] > 0 else log1p_scale(5e-3)
     return Constant(name, symbol, dimension, bounds, scale, published * unit, about, _SOURCE)
 
 

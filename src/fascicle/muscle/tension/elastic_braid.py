@@ -33,11 +33,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import cos, minimum, no, sqrt, where
-from ...core.checks import positive
-from ...core.constant import POSITIVE, Constant
+from ...core.array_namespace import cos, logical_not, minimum, sqrt, where
+from ...core.parameters import POSITIVE, Constant
 from ...core.roots import guarded, root
 from ...core.types import Batch, BatchLike, BoolBatch, Values
+from ...core.validation import check_positive
 from ..bladder import Bladder
 from ..braid import Braid
 from ..materials.material_law import Slopes
@@ -74,8 +74,8 @@ class ElasticBraid(AbstractTension):
 
         **Raises:** `ValueError` where one isn't positive.
         """
-        EA = positive(stiffness, "stiffness", "N")
-        n = positive(count, "count", "-")
+        EA = check_positive(stiffness, "stiffness", "N")
+        n = check_positive(count, "count", "-")
         return cls(n * EA / (np.pi * braid.radius**2))
 
     def stretch(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
@@ -152,7 +152,7 @@ class ElasticBraid(AbstractTension):
         braid, c, lam = bladder.braid, self._compliance(bladder.braid), 1 - strain
         top = _most(braid) + 0.0 * lam
         held = _pressed((bladder, c, pressure, strain), top)[0] > 0
-        P = guarded(no(held), pressure, 0.0)
+        P = guarded(logical_not(held), pressure, 0.0)
         # a braid whose fibers shrink more has no room inside
         low = cos(braid.angle) * lam - 1
         ideal = c * P * lam

@@ -15,7 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import sqrt, where
+from ...core.array_namespace import sqrt, where
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import SIZES, AbstractTension, Offset, Pull

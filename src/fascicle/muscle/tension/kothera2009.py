@@ -26,8 +26,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import sqrt, where
-from ...core.constant import Switch
+from ...core.array_namespace import sqrt, where
+from ...core.parameters import Switch
 from ...core.roots import guarded
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder

@@ -25,8 +25,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import minimum, sin, sqrt, tan, where
-from ...core.constant import Constant, signed
+from ...core.array_namespace import minimum, sin, sqrt, tan, where
+from ...core.parameters import Constant, symmetric_scale
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
@@ -43,7 +43,7 @@ def modulus_constant(power: int, published: float, length: float) -> Constant:
     size = abs(value)
     return Constant(
         f"modulus_{power}", f"e_{power}", "pressure",
-        (-1e3 * size, -10 * size, 10 * size, 1e3 * size), signed(size), value,
+        (-1e3 * size, -10 * size, 10 * size, 1e3 * size), symmetric_scale(size), value,
         f"of the wall's modulus, times $\\lambda^{power}$", _SOURCE,
     )  # fmt: skip
 
@@ -51,8 +51,8 @@ def modulus_constant(power: int, published: float, length: float) -> Constant:
 def angle_constant(published: float) -> Constant:
     """$\\delta$, as `published` [rad]."""
     about = "added to the braid angle"
-    return Constant("angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5), signed(0.05),
-                    published, about, _SOURCE)  # fmt: skip
+    return Constant("angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
+                    symmetric_scale(0.05), published, about, _SOURCE)  # fmt: skip
 
 
 class AbstractMartens(AbstractTension):

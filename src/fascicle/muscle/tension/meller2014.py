@@ -16,9 +16,9 @@ factors restore.
 
 from typing import ClassVar
 
-from ...core.checks import positive
-from ...core.constant import POSITIVE, Constant
+from ...core.parameters import POSITIVE, Constant
 from ...core.types import Batch, BatchLike, Values
+from ...core.validation import check_positive
 from ..bladder import Bladder
 from ..braid import Braid
 from .ideal import Ideal
@@ -62,8 +62,11 @@ class Meller2014(AbstractTension):
 
         **Raises:** `ValueError` where a measured value isn't positive.
         """
-        P, eps_f = positive(pressure, "pressure", "Pa"), positive(free_strain, "free_strain", "-")
-        blocked = positive(blocked_force, "blocked_force", "N")
+        P, eps_f = (
+            check_positive(pressure, "pressure", "Pa"),
+            check_positive(free_strain, "free_strain", "-"),
+        )
+        blocked = check_positive(blocked_force, "blocked_force", "N")
         return cls(braid.ideal_free_strain / eps_f, blocked / braid.mesh_force(P, 0.0))
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:

@@ -16,8 +16,8 @@ Robotics laboratory, Portland State University; the papers themselves weren't at
 
 from typing import ClassVar
 
-from ...core.arrays import exp
-from ...core.constant import Constant, signed
+from ...core.array_namespace import exp
+from ...core.parameters import Constant, symmetric_scale
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
 from .tension_law import AbstractTension, Offset, Pull, solved_free_strain
@@ -42,7 +42,9 @@ def sarosi_constant(name: str, published: float) -> Constant:
     value = published * unit
     size = abs(value)
     bounds = (-_WIDE * size, -100 * size, 100 * size, _WIDE * size)
-    return Constant(name, symbol, dimension, bounds, signed(size), value, about, "Sárosi (2012)")
+    return Constant(
+        name, symbol, dimension, bounds, symmetric_scale(size), value, about, "Sárosi (2012)"
+    )
 
 
 class AbstractSarosi(AbstractTension):

@@ -17,10 +17,10 @@ import abc
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
-from ...core.arrays import cos, maximum, minimum, sqrt
-from ...core.domain import HIGHEST_PRESSURE
+from ...core.array_namespace import cos, maximum, minimum, sqrt
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
+from ...core.validation import HIGHEST_PRESSURE
 from ..bladder import Bladder
 from ..law import AbstractLaw
 

@@ -19,11 +19,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...core.arrays import exp
-from ...core.checks import concrete
-from ...core.constant import POSITIVE, Constant, signed
-from ...core.refused import Refused
+from ...core.array_namespace import exp
+from ...core.errors import InvalidInputError
+from ...core.parameters import POSITIVE, Constant, symmetric_scale
 from ...core.types import Batch, BatchLike
+from ...core.validation import is_concrete
 from ..bladder import Bladder
 from .ideal import Ideal
 from .tension_law import AbstractTension, Offset, Pull
@@ -43,8 +43,8 @@ class TonduLopez(AbstractTension):
         "on the strain at high pressures",
     ).field()  # fmt: skip
     strain_factor_rise: Batch = Constant(
-        "strain_factor_rise", "a_k", "number", (-100.0, -5.0, 5.0, 100.0), signed(1.0), 0.0,
-        "by how much it is larger at zero pressure",
+        "strain_factor_rise", "a_k", "number", (-100.0, -5.0, 5.0, 100.0), symmetric_scale(1.0),
+        0.0, "by how much it is larger at zero pressure",
     ).field()  # fmt: skip
     decay_pressure: Batch = Constant(
         # for pressures up to 1 MPa
@@ -53,10 +53,10 @@ class TonduLopez(AbstractTension):
     ).field()  # fmt: skip
 
     def __check_init__(self):
-        if concrete(self.strain_factor, self.strain_factor_rise):
+        if is_concrete(self.strain_factor, self.strain_factor_rise):
             lowest = np.min(np.asarray(self.strain_factor + self.strain_factor_rise))
             if lowest <= 0:
-                raise Refused(
+                raise InvalidInputError(
                     "strain_factor_rise",
                     "must leave the factor positive at zero pressure",
                     lowest,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ...core.atomic import write_text
+from ...io.atomic import write_text
 from ..claims import Claim, Reading
 from ..reproduced import Record, Written, write_record
 from . import (

@@ -9,8 +9,8 @@ import pint
 import pytest
 
 import fascicle as fs
-from fascicle.core import limits
-from fascicle.core.written import in_si
+from fascicle.core import validation as limits
+from fascicle.core.validation import to_si
 from fascicle.records import VirtualDynamometer
 
 
@@ -42,17 +42,17 @@ def unwarned(monkeypatch):
     ],
 )
 def test_values_with_units_become_si_numbers(given, unit, expected):
-    assert in_si(given, "x", unit) == expected
+    assert to_si(given, "x", unit) == expected
 
 
 def test_arrays_of_quantities_keep_their_shape():
     given = np.array([[1.0, 2.0]]) * ureg.bar
-    np.testing.assert_allclose(in_si(given, "pressure", "Pa"), [[1e5, 2e5]], rtol=1e-15)
+    np.testing.assert_allclose(to_si(given, "pressure", "Pa"), [[1e5, 2e5]], rtol=1e-15)
 
 
 @pytest.mark.parametrize("plain", [1.0, np.float64(2.0), [1.0, 2.0], np.ones(3), None, [[1, 2.0]]])
 def test_numbers_pass_as_they_are(plain):
-    assert in_si(plain, "x", "Pa") is plain
+    assert to_si(plain, "x", "Pa") is plain
 
 
 def test_a_muscle_is_made_and_asked_in_any_unit():

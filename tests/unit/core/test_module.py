@@ -8,7 +8,7 @@ import jax
 import numpy as np
 
 import fascicle as fs
-from fascicle.core.modules import Module
+from fascicle.core.module import Module
 
 
 class Counted(Module):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fascicle.core.arrays import maximum, minimum, where
+from fascicle.core.array_namespace import maximum, minimum, where
 
 
 SOME = (-np.inf, -1.0, 0.0, 2.5, np.inf, np.nan)

@@ -1,14 +1,17 @@
-"""Modules: frozen records of numbers, arrays and other modules, which JAX treats as pytrees.
+"""Modules: frozen dataclasses of numbers, arrays and other modules, which JAX treats as pytrees.
 
 A `Module` is a dataclass whose fields are set once. Each class registers itself with JAX when JAX
-is imported, before fascicle or after, by whomever; without JAX it is a dataclass and no more.
-What a module works out about itself (`functools.cached_property`) is no part of its structure.
+is imported, before fascicle or after. Without JAX it is a dataclass and no more. Values that a
+module caches (`functools.cached_property`) are no part of its structure.
+
+`tree_leaves`, `tree_map` and their like do what JAX's functions of these names do, without JAX.
+`evaluate` runs a law with NumPy or with JAX: the types of its arguments alone decide.
 """
 
 from abc import ABC
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
-from functools import cached_property
+from functools import cache, cached_property
 from inspect import signature
 from types import ModuleType
 from typing import Any, ClassVar, TypeVar, dataclass_transform
@@ -16,9 +19,100 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 import numpy as np
 import wrapt
 
-from .arrays import imported_jax, is_jax_array, is_numpy
-from .checks import is_concrete, one_of
-from .tree import field_names, rebuild, tree_leaves, tree_map, tree_structure
+from .array_namespace import array_namespace, imported_jax, is_jax_array, is_numpy, jax_backend
+from .validation import check_choice, is_concrete
+
+
+def tree_leaves(tree: Any) -> list[Any]:
+    """The numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
+    return list(_leaves(tree))
+
+
+def tree_map(function: Callable[..., Any], tree: Any, *others: Any) -> Any:
+    """A tree of what a `function` gives of each leaf [any unit].
+
+    **Arguments:**
+
+    - `function`: of a leaf of each tree [-].
+    - `tree`: modules, tuples, lists, dictionaries and leaves [any unit].
+    - `others`: trees of the same structure [any unit].
+
+    **Returns:** a tree of that structure [any unit].
+    """
+    if tree is None:
+        return None
+    if isinstance(tree, dict):
+        return {
+            key: tree_map(function, value, *(other[key] for other in others))
+            for key, value in sorted(tree.items())
+        }
+    if isinstance(tree, tuple | list):
+        parts = [tree_map(function, *entries) for entries in zip(tree, *others, strict=True)]
+        return type(tree)(*parts) if hasattr(tree, "_fields") else type(tree)(parts)
+    if not is_module(tree):
+        return function(tree, *others)
+    dynamic, structure = field_names(type(tree))
+    parts = {
+        name: tree_map(function, getattr(tree, name), *(getattr(x, name) for x in others))
+        for name in dynamic
+    }
+    return rebuild(type(tree), parts | {name: getattr(tree, name) for name in structure})
+
+
+def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
+    """The same `tree` with other `leaves`, in order [any unit]."""
+    rest = iter(leaves)
+    return tree_map(lambda _: next(rest), tree)
+
+
+def tree_structure(tree: Any) -> Any:
+    """What trees of one structure have in common [-], hashable: types and static fields."""
+    if isinstance(tree, dict):
+        return dict, tuple((key, tree_structure(value)) for key, value in sorted(tree.items()))
+    if isinstance(tree, tuple | list):
+        return type(tree), tuple(map(tree_structure, tree))
+    if not is_module(tree):
+        return tree is None
+    dynamic, structure = field_names(type(tree))
+    parts = (tree_structure(getattr(tree, name)) for name in dynamic)
+    return type(tree), tuple(getattr(tree, name) for name in structure), tuple(parts)
+
+
+def is_module(value: Any) -> bool:
+    """Whether a `value` [-] is a module of fascicle's."""
+    return getattr(type(value), "is_fascicle_module", False)
+
+
+@cache
+def field_names(kind: type) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the fields of a `kind` [-] of module that hold leaves, and of static ones [-]."""
+    static = [bool(field.metadata.get("static")) for field in fields(kind)]
+    names = [field.name for field in fields(kind)]
+    pairs = list(zip(names, static, strict=True))
+    return tuple(n for n, s in pairs if not s), tuple(n for n, s in pairs if s)
+
+
+def rebuild(kind: Any, values: dict[str, Any]) -> Any:
+    """A module of a `kind` [-] with `values` [any unit] that are not checked again."""
+    module = object.__new__(kind)
+    module.__dict__.update(values)
+    return module
+
+
+def _leaves(tree: Any) -> Iterator[Any]:
+    if tree is None:
+        return
+    if isinstance(tree, dict):
+        for key in sorted(tree):
+            yield from _leaves(tree[key])
+    elif isinstance(tree, tuple | list):
+        for entry in tree:
+            yield from _leaves(entry)
+    elif is_module(tree):
+        for name in field_names(type(tree))[0]:
+            yield from _leaves(getattr(tree, name))
+    else:
+        yield tree
 
 
 _FEW = 8  # numbers that a line shows
@@ -119,7 +213,7 @@ class Module(ABC):
 
     def __repr__(self) -> str:
         """Its fields with their numbers; traced ones have none."""
-        return listed(self)
+        return repr_fields(self)
 
     @cached_property
     def is_numpy(self) -> bool:
@@ -127,7 +221,7 @@ class Module(ABC):
         return is_numpy(*tree_leaves(self))
 
 
-def listed(module: Module) -> str:
+def repr_fields(module: Module) -> str:
     """The fields of a `module` [-] with their numbers, in one line [-]."""
     shown = (f"{one.name}={_shown(getattr(module, one.name))}" for one in fields(module))
     return f"{type(module).__name__}({', '.join(shown)})"
@@ -190,7 +284,7 @@ Tree = TypeVar("Tree")
 Kind = TypeVar("Kind", bound=Module)
 
 
-def numbers(tree: Tree) -> Tree:
+def to_numpy(tree: Tree) -> Tree:
     """The same `tree` of modules and arrays [-] with NumPy's numbers and arrays alone."""
     return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
 
@@ -201,7 +295,7 @@ def with_fields(module: Kind, **values: Any) -> Kind:
     return rebuild(type(module), own | values)
 
 
-def renewed(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:
+def replace_checked(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:
     """The same with other arguments, checked as those of a new one are.
 
     **Arguments:**
@@ -216,6 +310,64 @@ def renewed(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:
     """
     names = list(signature(type(thing)).parameters)
     for name in changes:
-        one_of(name, names, "argument")
+        check_choice(name, names, "argument")
     kept = (name for name in names if name not in held)
     return type(thing)(**{name: getattr(thing, name) for name in kept} | held | changes)
+
+
+def evaluate(law: Callable[..., Any], part: Module, *arrays: Any, static: tuple = ()) -> Any:
+    """`law(part, *arrays, *static)`, computed by NumPy, or compiled by JAX.
+
+    **Arguments:**
+
+    - `law`: a pure function of the package's own [-].
+    - `part`: the muscle or bundle that it is evaluated for [-].
+    - `arrays`: numbers or arrays that broadcast [SI].
+    - `static`: hashable arguments that decide the result's shape [-].
+
+    **Returns:** what the law gives [SI]: NumPy's where all arguments are NumPy's, else JAX's.
+    """
+    if not (part.is_numpy and is_numpy(*arrays)):
+        return jax_backend().compile_law(law, static)(part, *arrays)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return _numpy(law(part, *arrays, *static))
+
+
+def primal_numpy(*things: Any) -> tuple | None:
+    """The same as NumPy's where they are traced for their derivatives alone, else `None`.
+
+    **Arguments:** `things`: modules and arrays [SI].
+
+    **Returns:** them without derivatives [SI].
+    """
+    if is_concrete(things) or not is_concrete(stopped := stop_gradient(things)):
+        return None
+    return to_numpy(stopped)
+
+
+def _numpy(result: Any) -> Any:
+    """The same `result` as NumPy's arrays and scalars."""
+    if isinstance(result, tuple):
+        return type(result)(*map(_numpy, result))
+    return np.asarray(result)[()]
+
+
+_NO_LEAVES = frozenset({float, np.float64, np.ndarray})  # no tree, and nothing to stop
+
+
+def stop_gradient(values: Any) -> Any:
+    """The same `values`, a tree of arrays, without derivatives."""
+    if type(values) in _NO_LEAVES:
+        return values
+    if type(values) is tuple:
+        return tuple(map(stop_gradient, values))
+    return tree_map(_stopped, values)
+
+
+def _stopped(x: Any) -> Any:
+    xp = array_namespace(x)
+    if xp is np:
+        return x
+    if is_jax_array(x):
+        return jax_backend().stop_gradient(x)
+    return xp.still(x)

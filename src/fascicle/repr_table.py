@@ -9,14 +9,14 @@ import html
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from ..units import figures
-from .checks import concrete
+from .core.validation import is_concrete
+from .units import figures
 
 
 _MOST_ROWS = 12
 
 
-class Sheet(NamedTuple):
+class ReprTable(NamedTuple):
     """A `title`, `facts` by name, a table of `rows` under `heads`, and what to `notes` [-]."""
 
     title: str
@@ -59,7 +59,9 @@ class Sheet(NamedTuple):
         )
 
 
-def printed(sheet: Callable[[Any], Sheet], line: Callable[[Any], str] | None = None) -> Callable:
+def with_table_repr(
+    sheet: Callable[[Any], ReprTable], line: Callable[[Any], str] | None = None
+) -> Callable:
     """A decorator of a class whose objects print as a sheet.
 
     **Arguments:**
@@ -84,7 +86,7 @@ def printed(sheet: Callable[[Any], Sheet], line: Callable[[Any], str] | None = N
     return of
 
 
-def spread_over(values: Any, show: Callable[[float], str]) -> str:
+def format_range(values: Any, show: Callable[[float], str]) -> str:
     """One number as `show` writes it, or how far several reach and how many there are [-]."""
     import numpy as np
 
@@ -96,7 +98,7 @@ def spread_over(values: Any, show: Callable[[float], str]) -> str:
     return f"{show(float(x.min()))} to {show(float(x.max()))}, {x.size} of them"
 
 
-def sized(title: str, points: Any) -> str:
+def title_with_shape(title: str, points: Any) -> str:
     """A `title` [-] with how many `points` there are, where it isn't one [-]."""
     shape = points.shape if hasattr(points, "shape") else ()
     if shape == ():
@@ -105,14 +107,14 @@ def sized(title: str, points: Any) -> str:
     return f"{title}, {' × '.join(map(str, shape))} points{order}"
 
 
-def short(value: float, digits: int = 4) -> str:
+def format_number(value: float, digits: int = 4) -> str:
     """A number as a table shows it [-]: four figures, "-" where there is none."""
     value = float(value)
     return "-" if value != value else figures(value + 0.0, digits)  # noqa: PLR0124 NaN
 
 
 def _if_concrete(shown: Callable[[Any], str], otherwise: Callable[[Any], str]) -> Callable:
-    return lambda thing: shown(thing) if concrete(thing) else otherwise(thing)
+    return lambda thing: shown(thing) if is_concrete(thing) else otherwise(thing)
 
 
 def _ends(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:

@@ -14,12 +14,12 @@ _HIDDEN = re.compile(
 )
 
 
-def revealed(text: str) -> str:
+def escape_invisible(text: str) -> str:
     """A `text` [-] with its hidden signs written as their numbers [-]; line breaks stay."""
     return _HIDDEN.sub(lambda found: _number(found.group()), text)
 
 
-def visible(text: str, longest: int = _LONGEST) -> str:
+def sanitize_line(text: str, longest: int = _LONGEST) -> str:
     """A text as one line of which every sign can be seen.
 
     **Arguments:**
@@ -31,7 +31,7 @@ def visible(text: str, longest: int = _LONGEST) -> str:
     """
     if len(text) > longest:
         text = f"{text[: longest // 2]} … {text[-(longest // 3) :]}"
-    line = " ".join(revealed(text).split())
+    line = " ".join(escape_invisible(text).split())
     return "".join(sign if sign.isprintable() else _number(sign) for sign in line)
 
 

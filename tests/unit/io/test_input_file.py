@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from fascicle.core.input_file import is_input, read_bytes, watch_inputs
+from fascicle.io.input_file import is_input, read_bytes, watch_inputs
 
 
 def test_a_file_is_read(tmp_path):

@@ -1,4 +1,4 @@
-r"""A constant of a law, declared once, for all who read it.
+"""A constant of a law, declared once, for all who read it.
 
 Constructors check it, files read and write it, fits move it, the explorer has a field for it and
 the docs a row in a table: all from one declaration beside the law's equation,
@@ -16,11 +16,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..units import DIMENSIONS
-from .arrays import exp, expm1, log, log1p, where
-from .checks import finite, one_of, positive
-from .limits import Range, plausible
-from .modules import record, static
+from .array_namespace import exp, expm1, log, log1p, where
+from .module import record, static
 from .types import Batch, Values
+from .validation import Range, check_choice, check_finite, check_plausible, check_positive
 
 
 class Transform(NamedTuple):
@@ -36,7 +35,7 @@ class Transform(NamedTuple):
 POSITIVE = Transform(log, exp)
 
 
-def signed(scale: float) -> Transform:
+def symmetric_scale(scale: float) -> Transform:
     """The scale of a constant of either sign, on which `scale` [SI] is a large step."""
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
 
@@ -57,7 +56,7 @@ def _share(z: Batch) -> Batch:
 SHARE = Transform(_coordinate_of_share, _share)
 
 
-def from_zero(scale: float) -> Transform:
+def log1p_scale(scale: float) -> Transform:
     """The scale of a constant that is zero or more, even below `scale` [SI], logarithmic above."""
 
     def value(z: Batch) -> Batch:
@@ -105,8 +104,8 @@ class Constant:
         **Raises:** `ValueError`, one line, for what can't be; for the unusual there is a warning.
         """
         known = self.range
-        check = positive if known.least > 0 else finite
-        return plausible(check(value, self.name, known.unit), self.name, known)
+        check = check_positive if known.least > 0 else check_finite
+        return check_plausible(check(value, self.name, known.unit), self.name, known)
 
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its constant."""
@@ -131,7 +130,7 @@ class Switch:
 
     def checked(self, value: str) -> str:
         """Return `value` [-] if it is an option; else `ValueError`, one line."""
-        return one_of(value, self.options, self.name)
+        return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its switch."""

@@ -8,7 +8,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import InvalidInputError, units
-from fascicle.core.refused import Refused as Base
+from fascicle.core.errors import InvalidInputError as Base
 from fascicle.files.places import Place
 
 

@@ -2,8 +2,8 @@ import time
 
 import pytest
 
-from fascicle.core.nesting import DEEPEST, check_depth
 from fascicle.files import dumps, example, examples, loads
+from fascicle.io.toml import DEEPEST, check_nesting_depth
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def test_what_lies_too_deep_is_refused_before_it_costs_anything(text):
 
 def test_the_line_is_named():
     with pytest.raises(ValueError, match="line 3"):
-        check_depth("a = 1\n\n" + "a." * 20 + "a = 2", "f")
+        check_nesting_depth("a = 1\n\n" + "a." * 20 + "a = 2", "f")
 
 
 @pytest.mark.parametrize(
@@ -37,13 +37,13 @@ def test_the_line_is_named():
      "a = 1\n" * 500, "[a.b]\n" * 50, 'a = """b"""" # ' + "x." * 50],
 )  # fmt: skip
 def test_what_is_in_strings_comments_and_numbers_is_no_key(text):
-    check_depth(text, "f")
+    check_nesting_depth(text, "f")
 
 
 @pytest.mark.parametrize("name", examples())
 def test_no_example_is_near(name):
     text = dumps(example(name))
-    check_depth(text.replace("[muscle", "[a.b.c.d.e.f.g.h"), "f")
+    check_nesting_depth(text.replace("[muscle", "[a.b.c.d.e.f.g.h"), "f")
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_long_texts_take_no_time(sign):
     began = time.thread_time()
     for text in (sign * 200_000, f'a = "{sign * 200_000}', f"a = '''{sign * 200_000}"):
         try:
-            check_depth(text, "f")
+            check_nesting_depth(text, "f")
         except ValueError:
             continue
     assert time.thread_time() - began < 5

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from fascicle.core.visible import dump_json, revealed, visible
+from fascicle.io.sanitize import dump_json, escape_invisible, sanitize_line
 
 
 @pytest.mark.parametrize(
@@ -12,23 +12,23 @@ from fascicle.core.visible import dump_json, revealed, visible
      ("\ud800", "\\ud800"), ("\u2066x", "\\u2066x")],
 )  # fmt: skip
 def test_no_sign_hides(text, shown):
-    assert visible(text) == shown
-    assert visible(text).isprintable()
+    assert sanitize_line(text) == shown
+    assert sanitize_line(text).isprintable()
 
 
 def test_what_is_long_is_cut_in_the_middle():
     text = "begins " + 5000 * "x" + " ends"
-    assert len(visible(text)) < 410
-    assert visible(text).startswith("begins x")
-    assert visible(text).endswith("x ends")
-    assert "x … x" in visible(text)
-    assert len(visible(text, 60)) < 65
+    assert len(sanitize_line(text)) < 410
+    assert sanitize_line(text).startswith("begins x")
+    assert sanitize_line(text).endswith("x ends")
+    assert "x … x" in sanitize_line(text)
+    assert len(sanitize_line(text, 60)) < 65
 
 
 def test_what_belongs_to_words_stays():
     text = "Muskel\xa0№\u202f7, 筋肉, עברית, é, e\u0301 €\n\tnext"
-    assert revealed(text) == text
-    assert visible(text) == "Muskel № 7, 筋肉, עברית, é, e\u0301 € next"
+    assert escape_invisible(text) == text
+    assert sanitize_line(text) == "Muskel № 7, 筋肉, עברית, é, e\u0301 € next"
 
 
 def test_json_has_its_letters_and_nothing_that_hides():

@@ -8,14 +8,14 @@ import sys
 
 import pytest
 
-from fascicle.core import atomic
+from fascicle.io import atomic
 
 
 # writes a file, or replaces a folder, and is killed at the moment that is named
 KILLED = """
 import os, shutil, signal, sys
 from pathlib import Path
-from fascicle.core import atomic
+from fascicle.io import atomic
 
 when, path = sys.argv[1], Path(sys.argv[2])
 
