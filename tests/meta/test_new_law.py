@@ -33,7 +33,8 @@ class Toy2026(AbstractTension):
         "loss", "k_l", "number", (1e-3, 0.01, 10.0, 100.0), POSITIVE, 0.5, "that grows with strain"
     ).field()
     friction: Batch = Constant(
-        "friction", "p_f", "pressure", (-1e5, -1e4, 1e4, 1e5), symmetric_scale(1e3), 0.0, "of the threads"
+        "friction", "p_f", "pressure", (-1e5, -1e4, 1e4, 1e5), symmetric_scale(1e3), 0.0,
+        "of the threads"
     ).field()
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
