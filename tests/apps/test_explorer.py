@@ -315,7 +315,7 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
 
 
 def test_reversal_and_efficiency_show_what_the_library_gives(visit):
-    from fascicle.explorer.curves.reversal_curves import split_curves, through
+    from fascicle.explorer.reversal_tab import split_curves, through
 
     page = visit("?tab=reversal&splits=1-4&supply=344.7kPa")
     shown = source(page, "reversal_resisted")
@@ -399,10 +399,10 @@ def test_a_bundles_last_pressure_can_be_swept(visit):
 
 
 def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
-    from fascicle.explorer.parts.background import Latest
-    from fascicle.explorer.parts.look import look_of
+    from fascicle.explorer.background import Latest
+    from fascicle.explorer.efficiency_tab import EfficiencyView
     from fascicle.explorer.state import Session, view_of
-    from fascicle.explorer.tabs.efficiency import EfficiencyView
+    from fascicle.explorer.theme import look_of
 
     asked = []
     monkeypatch.setattr(Latest, "ask", lambda self, compute: asked.append((self, compute)))
@@ -805,7 +805,7 @@ def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
 
 
 def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
-    from fascicle.explorer.parts.address import pack
+    from fascicle.explorer.link import pack
 
     page = visit(f"?file={pack('a.' * 15_000 + 'a = 1')}&strain=0.2")
     assert "nested too deep" in page.get_by_role("alert").first.inner_text()
@@ -813,7 +813,7 @@ def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
 
 
 def test_a_name_is_shown_with_every_sign(visit):
-    from fascicle.explorer.parts.address import pack
+    from fascicle.explorer.link import pack
 
     page = visit(f"?file={pack(dumps(MUSCLE))}&name=%3Cb%3Ea%E2%80%AEb%3C/b%3E")
     page.get_by_text("<b>a\\u202eb</b>", exact=True).wait_for()

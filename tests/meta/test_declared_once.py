@@ -49,7 +49,7 @@ import json, numpy as np, fascicle as fs
 from typer.testing import CliRunner
 from fascicle.cli.app import app
 from fascicle.design import Designs, Task, evaluate
-from fascicle.explorer.parts.address import from_query
+from fascicle.explorer.link import from_query
 from fascicle.explorer.state import view_of
 b = toy_package.bundle()
 fs.save(b, {str(path)!r})

@@ -174,10 +174,10 @@ assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
 """,
     "explorer": """
 from dataclasses import replace
-from fascicle.explorer.tabs.law_inputs import LawInputs
-from fascicle.explorer.parts.look import LIGHT
-from fascicle.explorer.curves.other_laws import alternatives
-from fascicle.explorer.tabs.muscle_inputs import MuscleInputs
+from fascicle.explorer.muscle_inputs import LawInputs
+from fascicle.explorer.theme import LIGHT
+from fascicle.explorer.muscle_curves import alternatives
+from fascicle.explorer.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
 assert "tension:toy2026" in alternatives(muscle.replace(tension="ideal"))
 session = Session(view_of(muscle, "toy"))

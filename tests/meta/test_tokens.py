@@ -84,7 +84,7 @@ def test_contrast_is_what_the_standard_says():
 
 
 def test_every_face_has_the_tokens():
-    from fascicle.explorer.parts.look import DARK, LIGHT, page_css
+    from fascicle.explorer.theme import DARK, LIGHT, page_css
     from fascicle.plot.style import CYCLE
     from fascicle.reports.page import Page
 

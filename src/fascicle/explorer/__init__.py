@@ -1,7 +1,7 @@
 """The explorer: the same laws in a browser, or in a notebook.
 
-Views are computed as arrays (`curves`) by the laws and shown by widgets
-(`tabs`); what a session shows is one immutable `View`, which its address holds. Names are
+Views are computed as arrays (`…_curves`) by the laws and shown by widgets
+(`…_tab`); what a session shows is one immutable `View`, which its address holds. Names are
 looked up when they are asked for, so that the command line's help loads no Panel.
 """
 
@@ -11,13 +11,13 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .layout import panel as panel
+    from .page import panel as panel
     from .server import serve as serve
 
 __all__ = ["panel", "serve"]
 
 _HOMES = {
-    "panel": "layout",
+    "panel": "page",
     "serve": "server",
 }
 

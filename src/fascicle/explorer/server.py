@@ -16,13 +16,13 @@ from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 
 from ..io.sanitize import sanitize_line
-from .guard import EVERYWHERE, LOOPBACK, guard, names_of
-from .layout import build, opening
-from .parts.address import from_query
-from .parts.browser import attach
-from .parts.look import NARROW, look_of, page_css
+from .allowed_hosts import EVERYWHERE, LOOPBACK, guard, names_of
+from .browser import attach
+from .link import from_query
+from .page import build, opening
 from .state import Session, View
 from .stopping import Stop
+from .theme import NARROW, look_of, page_css
 
 
 PORT = 5006

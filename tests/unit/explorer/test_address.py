@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.parts.address import (
+from fascicle.explorer.link import (
     LONGEST,
     from_query,
     pack,
@@ -148,7 +148,7 @@ def test_whatever_breaks_in_a_link_the_page_opens(monkeypatch):
     def broken(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("fascicle.explorer.parts.address.loads", broken)
+    monkeypatch.setattr("fascicle.explorer.link.loads", broken)
     found, refused = from_query({"file": pack("x"), "path": "isotonic"}, SIX)
     assert refused == ["link: `file` can't be read."]
     assert found.path == "isotonic"

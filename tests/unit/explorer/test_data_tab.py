@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.curves.measured import read
-from fascicle.explorer.parts.background import Latest
-from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.background import Latest
+from fascicle.explorer.data_tab import DataView
+from fascicle.explorer.measured import read
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.tabs.data import DataView
+from fascicle.explorer.theme import LIGHT
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")

@@ -12,7 +12,8 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.explorer.curves.measured import (
+from fascicle.explorer.exports import EXPORTS, data, escaped
+from fascicle.explorer.measured import (
     FOUND,
     LARGEST_FILE,
     MOST_ROWS,
@@ -23,7 +24,6 @@ from fascicle.explorer.curves.measured import (
     headers,
     read,
 )
-from fascicle.explorer.parts.exports import EXPORTS, data, escaped
 from fascicle.explorer.state import view_of
 
 

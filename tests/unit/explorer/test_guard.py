@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 from tornado.httputil import HTTPHeaders
 
-from fascicle.explorer.guard import names_of, refusal
-from fascicle.explorer.parts.address import LONGEST, to_query
+from fascicle.explorer.allowed_hosts import names_of, refusal
+from fascicle.explorer.link import LONGEST, to_query
 from fascicle.explorer.state import view_of
 
 

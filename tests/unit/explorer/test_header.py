@@ -3,9 +3,9 @@
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.header import Header
-from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.page import Header
 from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.theme import LIGHT
 
 
 @pytest.fixture

@@ -3,9 +3,9 @@
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.tabs.muscle_inputs import MuscleInputs
+from fascicle.explorer.theme import LIGHT
 from fascicle.muscle import LAWS
 
 

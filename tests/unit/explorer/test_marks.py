@@ -5,11 +5,10 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.curves.marks import marks
-from fascicle.explorer.curves.muscle_curves import picture, widest
-from fascicle.explorer.parts.look import LIGHT
+from fascicle.explorer.muscle_curves import marks, picture, widest
+from fascicle.explorer.muscle_tab import MuscleView
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.tabs.muscle import MuscleView
+from fascicle.explorer.theme import LIGHT
 
 
 SIX = fs.example("kim2021_figure_6")

@@ -8,14 +8,13 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle.reversal import Reversal
-from fascicle.explorer.curves.muscle_curves import picture, strips, widest
-from fascicle.explorer.curves.other_laws import MOST_COMPARED
-from fascicle.explorer.curves.reversal_curves import POINTS, Split, through
-from fascicle.explorer.parts.address import from_query
-from fascicle.explorer.parts.look import LIGHT
-from fascicle.explorer.parts.notes import branches, doubts, equilibria, notes, tuned
+from fascicle.explorer.link import from_query
+from fascicle.explorer.muscle_curves import MOST_COMPARED, picture, strips, widest
+from fascicle.explorer.muscle_tab import MuscleView
+from fascicle.explorer.reversal_tab import POINTS, Split, through
 from fascicle.explorer.state import TABS, Session, Unit, view_of
-from fascicle.explorer.tabs.muscle import MuscleView
+from fascicle.explorer.tab import branches, doubts, equilibria, notes, tuned
+from fascicle.explorer.theme import LIGHT
 from fascicle.muscle.fitted import remembering
 
 

@@ -7,10 +7,11 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle import reversal
-from fascicle.explorer.curves import bundle_space, efficiency_maps, reversal_curves
-from fascicle.explorer.curves.muscle_curves import FAMILY, picture, widest
-from fascicle.explorer.curves.other_laws import alternative, alternatives
-from fascicle.explorer.curves.tube import AROUND, RINGS, quads, solid
+from fascicle.explorer import bundle_curves as bundle_space
+from fascicle.explorer import efficiency_tab as efficiency_maps
+from fascicle.explorer import reversal_tab as reversal_curves
+from fascicle.explorer.muscle_curves import FAMILY, alternative, alternatives, picture, widest
+from fascicle.explorer.solid import AROUND, RINGS, quads, solid
 from fascicle.explorer.state import Unit, scaled, view_of
 from fascicle.muscle import LAWS
 
@@ -161,7 +162,7 @@ def test_the_semu_has_the_bundles_cross_section():
 
 
 def test_a_records_reason_names_the_length_that_was_assumed():
-    from fascicle.explorer.curves.measured import Reading, read, suited, synthetic
+    from fascicle.explorer.measured import Reading, read, suited, synthetic
 
     muscle = VIEW.muscle
     raw = synthetic(muscle)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.parts import shared as module
-from fascicle.explorer.parts.shared import MOST, shared
+from fascicle.explorer import background as module
+from fascicle.explorer.background import MOST, shared
 
 
 CALLS = []

@@ -4,12 +4,11 @@ import pytest
 from bokeh.core.properties import value
 
 import fascicle as fs
-from fascicle.explorer.parts.look import DARK, LIGHT, plain_figure, source_of, tags
-from fascicle.explorer.parts.said import in_units
+from fascicle.explorer.bundle_tab import BundleView, UnitRows
+from fascicle.explorer.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.tabs.bundle import BundleView
-from fascicle.explorer.tabs.bundle_units import UnitRows
-from fascicle.explorer.tabs.muscle_inputs import MuscleInputs
+from fascicle.explorer.theme import DARK, LIGHT, plain_figure, source_of, tags
+from fascicle.explorer.widgets import in_units
 
 
 BUNDLE = view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4")

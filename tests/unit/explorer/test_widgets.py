@@ -2,8 +2,8 @@
 
 import pytest
 
-from fascicle.explorer.parts.look import LIGHT
-from fascicle.explorer.parts.widgets import Dial
+from fascicle.explorer.theme import LIGHT
+from fascicle.explorer.widgets import Dial
 from fascicle.units import parse
 
 

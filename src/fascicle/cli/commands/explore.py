@@ -71,7 +71,7 @@ def _serve(file: str, host: str, port: int | None, show: bool, allowed: list[str
 
 
 def _working() -> bool:
-    from ...explorer.parts.background import working
+    from ...explorer.background import working
 
     return working()
 

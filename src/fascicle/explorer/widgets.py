@@ -1,16 +1,16 @@
 """Fields and sliders of quantities: text with a unit, and the library's own words beside it."""
 
 import html
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import panel as pn
 
-from ...io.sanitize import sanitize_line
-from ...units import DIMENSIONS, parse
-from .look import Look, widget_css
-from .said import in_units
+from ..io.sanitize import sanitize_line
+from ..units import DIMENSIONS, parse
+from .theme import Look, widget_css
 
 
 _STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}
@@ -204,3 +204,90 @@ def guarded(message: Message, act: Callable[[], None]) -> None:
         message.say("")
     except ValueError as error:
         message.say(str(error))
+
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
+
+
+def in_units(text: str, units: Mapping[str, str]) -> str:
+    """A refusal in the units shown.
+
+    **Arguments:**
+
+    - `text`: the library's [-], with amounts such as `0.008 m` or `(0, 1] m`.
+    - `units`: shown, by dimension [-].
+
+    **Returns:** the same [-] with its amounts in those units, six digits of each.
+    """
+    for dimension, unit in units.items():
+        kind = DIMENSIONS[dimension]
+        for written in {kind.si, kind.shown} - {unit, ""}:
+            by = float(kind.factors[written]) / float(kind.factors[unit])
+            # no unit that only begins like it: m², m/s, N*m
+            found = rf"(?<![\w.])({_NUMBER})(?:, ({_NUMBER}))?([\])]?) {re.escape(written)}"
+            text = re.sub(
+                rf"{found}(?![\w/*^·²³])",
+                lambda match, by=by, unit=unit: (
+                    ", ".join(f"{float(x) * by:.6g}" for x in match.groups()[:2] if x)
+                    + f"{match[3]} {unit}"
+                ),
+                text,
+            )
+    return text
+
+
+def volume(value: float, length: str) -> str:
+    """A volume's `value` [m³] beside lengths in a unit `length` [-]."""
+    if length == "in":
+        return f"{value / factor('in', 'length') ** 3:.4g} in³"
+    return f"{value * 1e6:.4g} cm³"
+
+
+def moment(value: float, units: Mapping[str, str]) -> str:
+    """A moment's `value` [N·m] in the `units` shown [-] of force and length, meters for
+    millimeters.
+    """
+    length = "m" if units["length"] == "mm" else units["length"]
+    scale = factor(units["force"], "force") * factor(length, "length")
+    return f"{value / scale:.4g} {units['force']}·{length}"
+
+
+def table(rows: dict[str, str]) -> str:
+    """Two columns [-] of what and how much [-]."""
+    rows = {what: f"−{told[1:]}" if told[:1] == "-" else told for what, told in rows.items()}
+    cells = "".join(
+        f'<tr><th style="text-align:left;font-weight:400;opacity:.75;padding:1px 14px 1px 0">{what}'
+        f'</th><td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
+        for what, value in rows.items()
+    )
+    return f'<table style="font-size:13.5px;border-collapse:collapse">{cells}</table>'
+
+
+_PERIOD = 120  # ms from step to step
+STEPS = 80  # from one end to the other
+
+
+class Sweep:
+    """The button; `step` is called each time, and says whether to go on."""
+
+    def __init__(self, look: Look, label: str, step: Callable[[], bool]):
+        """**Arguments:** `look`: the page's [-]; `label`: what is swept [-]; `step` [-]."""
+        self._step, self._timer = step, None
+        self.button = pn.widgets.Toggle(stylesheets=[widget_css(look)], margin=(4, 8))
+        self.name(label)
+        self.button.param.watch(self._pressed, "value")
+
+    def name(self, label: str) -> None:
+        """Call it by what is swept: `label` [-]."""
+        self.button.label = f"▶ Sweep {label}"
+
+    def _pressed(self, event: Any) -> None:
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+        if event.new and pn.state.curdoc is not None:
+            self._timer = pn.state.add_periodic_callback(self._on, period=_PERIOD)
+
+    def _on(self) -> None:
+        if not self._step():
+            self.button.value = False

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ...core.validation import LARGEST_STRAIN
-from ...muscle import Muscle
-from ...muscle.at import at_pressure
-from ...plot.shapes import ARC_POINTS
+from ..core.errors import InvalidInputError
+from ..core.validation import LARGEST_STRAIN
+from ..muscle import Muscle, Tuning
+from ..muscle.at import at_pressure
+from ..muscle.laws import LAWS
+from ..plot.shapes import ARC_POINTS
 
 
 POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
@@ -134,3 +136,89 @@ def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str,
         "radius": muscle.braid.radius_at(arc_strain),
         "angle": muscle.braid.angle_at(arc_strain),
     }  # fmt: skip
+
+
+_NEAR, _ASIDE = 6, 7  # pixels from a point to its name, above or below it and beside it
+_LINE = 16  # pixels from a name to one above it
+_BELOW = -22  # pixels: a name below its point
+_LOW = 0.06  # of the forces drawn: closer to zero the names of both ends are one above the other
+_LONG = {"free": 0.74, "collapse": 0.62}  # of the strains drawn: further right a name stands left
+# of its point; on a phone's 300 pixels, too
+Marks = dict[str, list[float] | list[str]]
+
+
+def marks(found: Picture, top: float, scale: float, unit: str) -> Marks:
+    """Points of the chosen pressure's curve and their names.
+
+    **Arguments:**
+
+    - `found`: the curves [-].
+    - `top`: the largest strain that is drawn [-].
+    - `scale`: of the unit of force [N].
+    - `unit`: its name [-].
+
+    **Returns:** columns of a figure's source [-]: `x` [-], `y` [shown unit], `label`, how many
+    pixels it stands `below` (above, if positive) and `beside`, and its `align`ment.
+    """
+    free, blocked = float(found.free_strain[-1]), float(found.blocked[-1])
+    collapse = float(found.collapse_strain[-1])
+    low = abs(blocked) < _LOW * np.ptp(found.force[:-1]) and free < 0.3 * top
+    rows = [
+        (0.0, blocked, f"blocked {blocked / scale:.4g} {unit}", _NEAR + _LINE * low, 1.0),
+        (free, 0.0, f"free {free:.4f}", _NEAR, _LONG["free"]),
+    ]
+    if collapse <= top:
+        force = float(np.interp(collapse, found.strain[-1], found.force[-1]))
+        rows.append((collapse, force, f"collapse {collapse:.4f}", _BELOW, _LONG["collapse"]))
+    left = [x > most * top for x, *_, most in rows]
+    return {
+        "x": [x for x, *_ in rows],
+        "y": [force / scale for _, force, *_ in rows],
+        "label": [label for _, _, label, *_ in rows],
+        "below": [below for *_, below, _ in rows],
+        "beside": [-_ASIDE if one else _ASIDE for one in left],
+        "align": ["right" if one else "left" for one in left],
+    }
+
+
+UNTUNED = "untuned"
+MOST_COMPARED = 4  # at once: as many more colors and dashes as can be told apart
+
+
+def alternatives(muscle: Muscle) -> list[str]:
+    """What else its laws could be [-], as `buckling:elastica`; and `untuned` where it is tuned."""
+    out = [
+        f"{kind}:{name}"
+        for kind, known in LAWS.items()
+        for name, law in known.items()
+        if type(getattr(muscle, kind)) is not law
+    ]
+    return [*out, UNTUNED] if is_tuned(muscle) else out
+
+
+def alternative(muscle: Muscle, key: str) -> Muscle:
+    """The muscle [-] with the law that a `key` of `alternatives` [-] names."""
+    if key == UNTUNED:
+        return muscle.replace(tuning=Tuning())
+    kind, _, name = key.partition(":")
+    return muscle.replace(**{kind: name})
+
+
+def is_tuned(muscle: Muscle) -> bool:
+    """Whether anything of its tuning differs from none [-]."""
+    return muscle.tuning != Tuning()
+
+
+def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
+    """The `keys` [-] again; `ValueError` where one names no law."""
+    if len(keys) > MOST_COMPARED:
+        raise InvalidInputError(
+            "compare",
+            f"must be {MOST_COMPARED} laws at most, as many as can be told apart",
+            len(keys),
+        )
+    for key in keys:
+        kind, _, name = key.partition(":")
+        if key != UNTUNED and name not in LAWS.get(kind, {}):
+            raise InvalidInputError("compare", "must name laws such as buckling:elastica", key[:40])
+    return keys

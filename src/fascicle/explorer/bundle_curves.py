@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
-from ...bundle import Bundle, recruitment
-from ...bundle.plates import muscle_strain
-from ...bundle.space import Overlap, Space
-from ...core.errors import InvalidInputError
-from ...units import DIMENSIONS
-from ..state import View
+from ..bundle import Bundle, recruitment
+from ..bundle.plates import muscle_strain
+from ..bundle.space import Overlap, Space
+from ..core.errors import InvalidInputError
+from ..units import DIMENSIONS
 from .muscle_curves import picture
-from .tube import AROUND, RINGS, Solid, solid
+from .solid import AROUND, RINGS, Solid, solid
+from .state import View
 
 
 LEVELS, POINTS = 5, 161

@@ -14,7 +14,7 @@ from bokeh.plotting import figure
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from ...plot.theme import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Colors, css
+from ..plot.theme import DARK, FIGURES, LIGHT, SANS, SMALL, TEXT, WHITE, Colors, css
 
 
 Look = Colors

@@ -1,6 +1,7 @@
-"""The header: which muscle, from where, in which units; and the address that tells it."""
+"""The page: a header with the muscle, its file and the units, and a tab for each view."""
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from typing import Any
 from urllib.parse import urlencode
@@ -9,12 +10,131 @@ import panel as pn
 
 from ..files import example, examples, loads
 from ..io.sanitize import sanitize_line
-from ..plot.theme import TITLE
-from .parts.address import to_query
-from .parts.exports import output_stem
-from .parts.look import HEADED, NARROW, Look, widget_css
-from .parts.widgets import Message, button, choice
-from .state import SHOWN, Session, View, changed, view_of
+from ..plot.theme import TITLE, css
+from .bundle_tab import BundleView
+from .data_tab import DataView
+from .efficiency_tab import EfficiencyView
+from .exports import EXPORTS, downloads, output_stem
+from .link import to_query
+from .muscle_tab import MuscleView
+from .reversal_tab import ReversalView
+from .state import SHOWN, TABS, Session, View, changed, view_of
+from .theme import HEADED, NARROW, WRAPPED, Look, look_of, widget_css
+from .widgets import Message, button, choice
+
+
+_TITLES = {"muscle": "Muscle", "bundle": "Bundle", "reversal": "Reversal",
+           "efficiency": "Efficiency", "data": "Data"}  # fmt: skip
+_VIEWS: dict[str, Callable[..., Any]] = {
+    "muscle": MuscleView,
+    "bundle": BundleView,
+    "reversal": ReversalView,
+    "efficiency": EfficiencyView,
+    "data": DataView,
+}
+
+
+def build(
+    session: Session, theme: str = "default", refused: Sequence[str] = (), asked: bool = False
+) -> Any:
+    """All of the explorer for one visitor.
+
+    **Arguments:**
+
+    - `session`: what is shown [-].
+    - `theme`: "default" or "dark" [-].
+    - `refused`: what the address asked for in vain, a line each [-].
+    - `asked`: whether the address asks for the theme [-].
+
+    **Returns:** a Panel layout [-].
+    """
+    look = look_of(theme)
+    header = Header(session, look, asked)
+    header.message.say(" ".join(refused))
+    names = [name for name in TABS if name in _VIEWS]
+    views: dict[str, Any] = {}
+    narrow = {"sizing_mode": "stretch_width", "stylesheets": [NARROW]}
+    places = {name: pn.Column(margin=0, **narrow) for name in names}
+    tabs = pn.Tabs(
+        *((_TITLES[name], places[name]) for name in names),
+        dynamic=True,
+        stylesheets=[widget_css(look), NARROW],
+        sizing_mode="stretch_width",
+        margin=(0, 8),
+        active=names.index(session.view.tab) if session.view.tab in names else 0,
+    )
+
+    def look_at(name: str) -> None:
+        # a tab is made when it is first looked at: most visitors never see most of them
+        if name not in views:
+            views[name] = _VIEWS[name](session, look)
+            places[name].objects = [_with_downloads(session, look, name, views[name])]
+        views[name].refresh()
+
+    def switched(event: Any) -> None:
+        name = names[event.new]
+        if session.view.tab != name:
+            session.change(tab=name)
+
+    def follow(before: View, after: View) -> None:
+        if before.tab != after.tab and after.tab in names:
+            tabs.active = names.index(after.tab)
+            look_at(after.tab)
+
+    tabs.param.watch(switched, "active")
+    session.watch(follow)
+    look_at(names[tabs.active])
+    # inherited by all that is in it, in a notebook too
+    own = f":host {{ {css(look)} color: var(--ink); background: var(--paper); }}"
+    return pn.Column(
+        header.panel, tabs, name="explorer", margin=0, sizing_mode="stretch_width",
+        stylesheets=[NARROW, own],
+    )  # fmt: skip
+
+
+def opening(look: Look) -> Any:
+    """What stands there until the rest does [-], in a `look` [-]."""
+    return pn.pane.HTML(
+        f'<div role="status" style="padding:24px;color:{look.ink};font-size:15px">'
+        "fascicle is drawing …</div>", margin=0,
+    )  # fmt: skip
+
+
+def _with_downloads(session: Session, look: Look, name: str, view: Any) -> Any:
+    if name not in EXPORTS:  # the data's tab has its own: they need a record
+        return view.panel
+    buttons = downloads(look, name, lambda: EXPORTS[name](session.view))
+    return pn.Column(
+        view.panel,
+        pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED]),
+        sizing_mode="stretch_width",
+        margin=0,
+        stylesheets=[NARROW],
+    )
+
+
+def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any:
+    """The explorer as a Panel object, for a notebook's cell.
+
+    **Arguments:**
+
+    - `target`: a named example, a path, a `Muscle` or a `Bundle` [-].
+    - `theme`: "default" or "dark" [-].
+
+    **Returns:** the layout [-].
+
+    **Raises:** `ValueError` or `OSError` where there is no such muscle.
+    """
+    from ..files import example, examples
+    from ..files.reading import load
+    from .state import view_of
+
+    name = target if isinstance(target, str) else "muscle"
+    found: Any = target
+    if isinstance(target, str):
+        found = example(target) if target in examples() else load(target)
+    pn.extension()
+    return build(Session(view_of(found, name), pn.io.unlocked), theme)
 
 
 LARGEST_FILE = 100_000  # bytes of a muscle file

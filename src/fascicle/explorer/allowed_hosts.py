@@ -20,7 +20,7 @@ from tornado.web import RequestHandler
 
 from ..io.sanitize import sanitize_line
 from ..reports.page import Page
-from .parts.address import LONGEST
+from .link import LONGEST
 
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

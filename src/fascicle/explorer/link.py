@@ -12,17 +12,16 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from ...bundle.schemes import SCHEMES
-from ...core.errors import InvalidInputError
-from ...core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
-from ...energetics import PATHS
-from ...files import dumps, example, examples, loads
-from ...muscle import Muscle
-from ...units import exact, parse
-from ..curves.other_laws import check_compared
-from ..state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
-from .said import in_units
-from .widgets import factor
+from ..bundle.schemes import SCHEMES
+from ..core.errors import InvalidInputError
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
+from ..energetics import PATHS
+from ..files import dumps, example, examples, loads
+from ..muscle import Muscle
+from ..units import exact, parse
+from .muscle_curves import check_compared
+from .state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
+from .widgets import factor, in_units
 
 
 LONGEST = 16_000  # characters of a packed file

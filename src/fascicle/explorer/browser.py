@@ -8,7 +8,7 @@ from typing import Any
 
 from bokeh.models import CustomJS
 
-from ..curves.measured import LARGEST_FILE
+from .measured import LARGEST_FILE
 
 
 _LOST = (

@@ -8,13 +8,25 @@ import panel as pn
 from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
 
-from ...units import pretty
-from ..curves.marks import marks
-from ..curves.muscle_curves import PARTS, REGIONS, Picture, picture, strips, widest
-from ..curves.other_laws import alternative, alternatives, check_compared
-from ..curves.tube import solid
-from ..parts.background import Latest
-from ..parts.look import (
+from ..units import pretty
+from .background import Latest
+from .muscle_curves import (
+    PARTS,
+    REGIONS,
+    Picture,
+    alternative,
+    alternatives,
+    check_compared,
+    marks,
+    picture,
+    strips,
+    widest,
+)
+from .muscle_inputs import MuscleInputs
+from .solid import Scene, solid
+from .state import Session, View, changed
+from .tab import branches, remarks, status, tuned
+from .theme import (
     AFTER,
     NARROW,
     ROLLED,
@@ -31,14 +43,7 @@ from ..parts.look import (
     told,
     widget_css,
 )
-from ..parts.notes import branches, tuned
-from ..parts.readout import moment, table, volume
-from ..parts.solid import Scene
-from ..parts.sweep import STEPS, Sweep
-from ..parts.widgets import Dial, Message, factor, heading
-from ..state import Session, View, changed
-from .muscle_inputs import MuscleInputs
-from .tab import remarks, status
+from .widgets import STEPS, Dial, Message, Sweep, factor, heading, moment, table, volume
 
 
 _STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown

@@ -16,24 +16,24 @@ from typing import Any
 import numpy as np
 import panel as pn
 
-from ... import plot
-from ...bundle.space import overlap, space
-from ...calibrate.after.pictures import beside
-from ...core.validation import HIGHEST_PRESSURE
-from ...energetics import efficiency_map
-from ...files import dumps
-from ...muscle import Muscle
-from ...plot.calibration import fit as plot_fit
-from ...plot.maps import efficiency as draw_efficiency
-from ...plot.space import space as draw_space
-from ...plot.style import to_bytes
-from ...records.record import Record
-from ...results import tables
-from ...results.labelled import Variable, to_csv, write
-from ..curves.measured import FOUND, STARTS, TUNING, Reading
-from ..curves.muscle_curves import widest
-from ..state import View
-from .look import Look, widget_css
+from .. import plot
+from ..bundle.space import overlap, space
+from ..calibrate.after.pictures import beside
+from ..core.validation import HIGHEST_PRESSURE
+from ..energetics import efficiency_map
+from ..files import dumps
+from ..muscle import Muscle
+from ..plot.calibration import fit as plot_fit
+from ..plot.maps import efficiency as draw_efficiency
+from ..plot.space import space as draw_space
+from ..plot.style import to_bytes
+from ..records.record import Record
+from ..results import tables
+from ..results.labelled import Variable, to_csv, write
+from .measured import FOUND, STARTS, TUNING, Reading
+from .muscle_curves import widest
+from .state import View
+from .theme import Look, widget_css
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ draw(found, recruitment.overlap(found)).savefig("bundle.svg")
 
 def reversal(view: View) -> Export:
     """Free strain against the second unit's pressure, of a `view` [-]."""
-    from ..curves.reversal_curves import POINTS, split_curves
+    from .reversal_tab import POINTS, split_curves
 
     found = split_curves(view.muscle, view.splits, view.supply)
     P = found[0].pressure

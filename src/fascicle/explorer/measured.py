@@ -6,19 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...calibrate.data.grid import level_of
-from ...core.validation import HIGHEST_PRESSURE
-from ...muscle import Muscle
-from ...muscle.entry import extension_message, lowest_of, lowest_strain
-from ...records import loads
-from ...records.asking import Asked
-from ...records.record import Record
-from ...records.table import open_table
-from ...units import pretty
+from ..calibrate.data.grid import level_of
+from ..core.validation import HIGHEST_PRESSURE
+from ..muscle import Muscle
+from ..muscle.entry import extension_message, lowest_of, lowest_strain
+from ..records import loads
+from ..records.asking import Asked
+from ..records.record import Record
+from ..records.table import open_table
+from ..units import pretty
 
 
 if TYPE_CHECKING:
-    from ...calibrate import Choice
+    from ..calibrate import Choice
+
 
 LARGEST_FILE = 5_000_000  # bytes
 MOST_ROWS = 100_000
@@ -125,8 +126,8 @@ def synthetic(muscle: Muscle) -> bytes:
     """A record to try [-]: of a virtual dynamometer on a `muscle` [-], and it says so. The muscle
     is a little thicker and steeper than drawn, as one that was built is.
     """
-    from ...records import VirtualDynamometer
-    from ...records.writing import dumps
+    from ..records import VirtualDynamometer
+    from ..records.writing import dumps
 
     machine = VirtualDynamometer(list(_PRESSURES), samples=60, both_ways=False)
     built = muscle.replace(
@@ -206,7 +207,7 @@ def drawn(record: Record) -> np.ndarray:
 
 def fittable(muscle: Muscle) -> tuple[str, ...]:
     """Names [-] of what can be fitted of a `muscle` [-]."""
-    from ...calibrate.problem.parameters import of_muscle
+    from ..calibrate.problem.parameters import of_muscle
 
     return tuple(of_muscle(muscle))
 
@@ -229,8 +230,8 @@ def fitted(
 
     **Returns:** what was fitted, and what it was chosen from [-].
     """
-    from ...calibrate.fits.finding import Choice, find
-    from ...calibrate.fits.fitting import fit
+    from ..calibrate.fits.finding import Choice, find
+    from ..calibrate.fits.fitting import fit
 
     if tuple(names) == (FOUND,):
         return find(record, muscle, starts=STARTS, tell=tell)
@@ -241,15 +242,15 @@ def fitted(
 
 def tuned_file(choice: "Choice", date: str) -> str:
     """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
-    from ...files.calibrated import calibrated_text
+    from ..files.calibrated import calibrated_text
 
     return calibrated_text(choice.made, date, _several(choice))
 
 
 def report_page(choice: "Choice", date: str) -> str:
     """The report [-] of what was found, made on a `date` [-]."""
-    from ...calibrate.after.pictures import figures
-    from ...reports.calibration import report
+    from ..calibrate.after.pictures import figures
+    from ..reports.calibration import report
 
     return report(choice.made, date, figures(choice.made), choice=_several(choice))
 

@@ -9,7 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
-from ..curves.measured import (
+from .background import Latest
+from .exports import Export, data, downloads, output_stem
+from .measured import (
     FOUND,
     Beside,
     Reading,
@@ -25,9 +27,11 @@ from ..curves.measured import (
     synthetic,
     tuned_file,
 )
-from ..parts.background import Latest
-from ..parts.exports import Export, data, downloads, output_stem
-from ..parts.look import (
+from .record_inputs import FitInputs, RecordInputs, invitation
+from .reversal_tab import grid
+from .state import Session, View, view_of
+from .tab import Tab, moving, status
+from .theme import (
     AFTER,
     ROLLED,
     STACKED,
@@ -45,12 +49,7 @@ from ..parts.look import (
     tags,
     widget_css,
 )
-from ..parts.widgets import button, factor
-from ..state import Session, View, view_of
-from .invitation import invitation
-from .record_inputs import FitInputs, RecordInputs
-from .reversal import grid
-from .tab import Tab, moving, status
+from .widgets import button, factor
 
 
 _ROOM, _BELOW = 220, 440  # pixels of the screen that are not the figure's; below an invitation
@@ -321,9 +320,7 @@ class DataView(Tab):
         self.message.say(text)
 
     def _show_fit(self, found: tuple[Any, str]) -> None:
-        from ...calibrate.after.warned import (
-            hysteresis,  # loads what a page that fits nothing needn't
-        )
+        from ..calibrate.after.warned import hysteresis
 
         if self._fitting is None:  # another record came meanwhile
             return

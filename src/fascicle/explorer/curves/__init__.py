@@ -1,1 +1,0 @@
-"""What the tabs draw, as arrays from the laws."""

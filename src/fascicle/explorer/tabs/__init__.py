@@ -1,1 +1,0 @@
-"""The tabs: what each shows, and what can be chosen on it."""
