@@ -16,7 +16,7 @@ from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.cli.startup import cache_folder
 from fascicle.energetics.efficiency import efficiency_map
 from fascicle.files import example, example_text, examples, load, save
-from fascicle.reproduce.claims import Claim, Criterion
+from reproduction.claims import Claim, Criterion
 
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
@@ -345,7 +345,7 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
                   chosen="a constant"),
         ]  # fmt: skip
 
-    monkeypatch.setattr("fascicle.reproduce.kim2021.run", run, raising=False)
+    monkeypatch.setattr("reproduction.kim2021.run", run, raising=False)
     code, out, err = fascicle("reproduce", "kim2021", "--out", "made")
     assert (code, err) == (0 if verdict else 1, "")
     for words in ("Fig. 6", "holds" if verdict else "fails", "differs", "its own sizes", "chosen",

@@ -1,9 +1,10 @@
 """`fascicle reproduce`: a paper's figures and claims, made anew."""
 
 import sys
+from importlib import import_module
 from pathlib import Path
-from textwrap import fill
-from typing import TYPE_CHECKING, Annotated
+from types import ModuleType
+from typing import Annotated, Any
 
 import typer
 
@@ -14,12 +15,7 @@ from ..startup import prepare
 from ..telling import telling
 
 
-if TYPE_CHECKING:
-    from ...reproduce.claims import Claim
-
-
 MEASUREMENTS = "measurements"
-_WIDEST = 40  # characters of a label in a line
 
 
 def run(
@@ -53,60 +49,72 @@ def run(
     if paper not in ("kim2021", MEASUREMENTS):
         raise UserError(f"{paper}: no such paper here, choose kim2021, or {MEASUREMENTS}.")
     folder = Path(f"out/{paper}" if out is None else out)
+    _checkout()
     if paper == MEASUREMENTS:
         _measured(folder, overwrite)
         return
     with refusing("--out "):
         _check(folder, overwrite)
     prepare()
+    reproduction = _load("kim2021")
     with refusing("--out "):  # a full disk, a folder gone
-        claims = _made(folder, overwrite)
-    _show(claims)
+        claims = _made(reproduction, folder, overwrite)
+    tables = _load("tables")
+    tables.print_claims(claims)
     say(f"claims: {folder / 'claims.json'}")
     say(f"report: {folder / 'report.html'}")
-    from ...reproduce.claims import failed
-
-    if failed(claims):
+    if tables.failed(claims):
         raise typer.Exit(1)
+
+
+def _checkout() -> Path:
+    """Folder of the checkout that the package runs from, which holds `reproduction`."""
+    import fascicle
+
+    folder = Path(fascicle.__file__).resolve().parents[2]
+    if not (folder / "reproduction" / "claims.py").is_file():
+        raise UserError(
+            f"reproduce runs in a checkout of fascicle alone, and {folder} has no folder"
+            " `reproduction`: clone the repository and run `make reproduce` there."
+        )
+    return folder
+
+
+def _load(name: str) -> ModuleType:
+    """Import a module of `reproduction`, which lies beside the package and isn't installed."""
+    checkout = str(_checkout())
+    if checkout not in sys.path:
+        sys.path.append(checkout)
+    with telling("loading the paper's figures"):
+        return import_module(f"reproduction.{name}")
 
 
 def _measured(folder: Path, overwrite: bool) -> None:
     """Every measured record in reach against every law, shown and written."""
     prepare()
-    with telling("loading the records"):
-        from ...files.ours import write_folder
-        from ...reproduce.measurements import Judged, measured_records, nothing, run
-        from ...reproduce.measurements.report import UNTESTED
-        from ..printed import show
+    measurements = _load("measurements")
+    from ...files.ours import write_folder
 
     with refusing(), telling("reading the records"):
-        records = measured_records()
-    left = [one for one in records if one.left_out]
-    for one in left:
-        say(f"left out: {one.name}: {one.left_out}")
+        records = measurements.measured_records()
+    left = [record for record in records if record.left_out]
+    for record in left:
+        say(f"left out: {record.name}: {record.left_out}")
     if len(left) == len(records):
-        say(nothing())
+        say(measurements.no_records_message())
         raise typer.Exit(INCOMPLETE)
     with refusing("--out "):
         _check(folder, overwrite)
-    found: list[Judged] = []
+    comparisons: list[Any] = []
     with refusing(), telling("measurements") as tell:
         write_folder(
-            folder, "reproduce", lambda draft: found.extend(run(draft, records, tell)), overwrite
+            folder,
+            "reproduce",
+            lambda draft: comparisons.extend(measurements.run(draft, records, tell)),
+            overwrite,
         )
-    heads = ["", "free", "rmse", "left out", "along pressure", "along strain"]
-    for one in found:
-        rows = [
-            [fill(law.row.label, _WIDEST), str(law.row.free), f"{law.row.relative_rmse:.2%}",
-             f"{law.row.relative_left_out_rmse:.2%}",
-             *(f"{low:+.3g} to {high:+.3g} N" for low, high in
-               (law.along_pressure, law.along_strain))]
-            for law in one.against
-        ]  # fmt: skip
-        show(f"{one.measured.name}: error over the largest force, mean residuals", heads, rows)
-        best = one.against[0]
-        say(f"{best.row.label}: {best.misses or 'six numbers without physics'}")
-    for text in UNTESTED:
+    _load("tables").print_comparisons(comparisons)
+    for text in measurements.UNTESTED:
         say(text)
     say(f"report: {folder / 'report.html'}")
     if left:
@@ -126,15 +134,12 @@ def _check(folder: Path, overwrite: bool) -> None:
     check_folder(folder, "reproduce", overwrite)
 
 
-def _made(folder: Path, overwrite: bool) -> "list[Claim]":
+def _made(reproduction: ModuleType, folder: Path, overwrite: bool) -> list[Any]:
     """The claims, once everything is in `folder`; a bar on the terminal meanwhile."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from ...files.ours import write_folder
-
-    with telling("loading the paper's figures"):
-        from ...reproduce import kim2021
 
     columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
                TimeElapsedColumn())  # fmt: skip
@@ -148,54 +153,11 @@ def _made(folder: Path, overwrite: bool) -> "list[Claim]":
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        claims: list[Claim] = []
+        claims: list[Any] = []
         write_folder(
             folder,
             "reproduce",
-            lambda draft: claims.extend(kim2021.run(draft, progress)),
+            lambda draft: claims.extend(reproduction.run(draft, progress)),
             overwrite,
         )
         return claims
-
-
-def _show(claims: "list[Claim]") -> None:
-    """Each claim with the number that decides, kind by kind; then what differs; then the sum."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    from ...reproduce.claims import KINDS, of_kind, remarks, summary
-
-    console = Console(file=sys.stdout, highlight=False)
-    for kind, about in KINDS.items():
-        some = of_kind(claims, kind)
-        if not some:
-            continue
-        console.print(Text(f"{kind.capitalize()}s: {about}", style="bold"))
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
-        for head in ("where", "verdict", "claim, and the paper's words", "criterion"):
-            table.add_column(head)
-        for claim in some:
-            verdict = Text(claim.verdict, style=_STYLES[claim.verdict])
-            words = Text.assemble(claim.text, (f" “{claim.quote}”", "dim"))
-            table.add_row(Text(claim.where), verdict, words, Text(_criteria(claim)))
-        console.print(table)
-    for claim in claims:
-        if not claim.holds:
-            text = f"{claim.verdict}: {claim.text} {claim.model} {claim.why}".rstrip()
-            console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
-    for sentence in (*remarks(claims), summary(claims)):
-        console.print(Text(sentence), soft_wrap=True)
-
-
-def _criteria(claim: "Claim") -> str:
-    lines = [f"{one.text}{one.whose}" for one in claim.criteria]
-    if claim.chosen and claim.holds:
-        lines.append(f"chosen: {claim.chosen}")
-    return "; ".join(lines)
-
-
-_STYLES = {
-    "holds": "green", "chosen": "", "by definition": "", "differs": "yellow", "fails": "bold red",
-}  # fmt: skip

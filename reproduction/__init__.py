@@ -1,0 +1,1 @@
+"""Published figures made anew from the muscles' sizes, their claims checked beside them."""

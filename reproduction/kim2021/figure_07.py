@@ -1,0 +1,123 @@
+"""Fig. 7: the transition rate β."""
+
+import equinox as eqx
+import numpy as np
+from matplotlib.figure import Figure
+
+from fascicle.muscle import Muscle
+from fascicle.plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
+from fascicle.results.labelled import Variable
+
+from ..claims import Claim, Criterion
+from ..reproduced import Record
+from . import setting
+
+
+RATES = np.array([5.0, 10.0, 25.0, 50.0, 100.0])
+ROW = 1  # 34.5 kPa
+_STEP = 1e-9  # of strain past the collapse
+_JUMP = 0.01  # of the force at collapse: what is a jump, where the paper gives no number
+
+
+def compute() -> Record:
+    """Forces of Fig. 6's muscle at 34.5 kPa for five rates."""
+    muscle = setting.muscle("figure_6")
+    parts = setting.forces("figure_6")
+    strain, collapse = parts.strain, float(parts.collapse_strain[ROW])
+    force = np.array([_force(muscle, rate, strain) for rate in RATES.tolist()])
+    return Record(
+        key="figure_07",
+        title="Fig. 7. The transition rate β",
+        conditions=(f"Fig. 6's muscle at 34.5 kPa: {setting.sizes(muscle)}.",),
+        data={
+            "rate": Variable(("rate",), RATES, "-", "transition rate β", "(26)"),
+            "strain": Variable(("strain",), strain, "-", "contraction"),
+            "force": Variable(("rate", "strain"), force, "N", "pulling force", "(27)"),
+            "collapse_strain": Variable((), collapse, "-", "collapse"),
+        },
+        draw=lambda: draw(strain, force),
+        claims=(*claims(strain, force, collapse), jump_claim(*ends(muscle, collapse))),
+    )
+
+
+def _force(muscle: Muscle, rate: float, strain: np.ndarray) -> np.ndarray:
+    changed = eqx.tree_at(lambda m: m.transition_rate, muscle, np.asarray(rate))
+    return np.asarray(changed.force(setting.PRESSURES[ROW], strain))
+
+
+@styled
+def draw(strain: np.ndarray, force: np.ndarray) -> Figure:
+    """One panel, a curve for each rate."""
+    figure, axes = new_figure(width=SINGLE)
+    ax = axes[0, 0]
+    force_strain_axes(ax)
+    for row, rate, color in zip(force, RATES, pressure_colors(len(RATES)), strict=True):
+        ax.plot(strain, row, color=color, label=f"β = {rate:g}")
+    ax.set_xlim(strain[0], strain[-1])
+    ax.set_ylim(-7, 17.5)
+    ax.legend()
+    return figure
+
+
+def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Claim, ...]:
+    """What the paper says of β: `force` [N] by rate over `strain` [-], with its `collapse` [-]."""
+    before = strain <= collapse
+    same = float(np.ptp(force[:, before], axis=0).max())
+    place = collapse + 0.02
+    soon = [float(np.interp(place, strain, row)) for row in force]
+    return (
+        Claim(
+            key="lower_rate_is_more_gradual",
+            where="section 3.4",
+            kind="definition",
+            text="A lower β makes the transition to the post-collapse state more gradual; nothing "
+            "before the collapse depends on it.",
+            quote="characterize a gradual transition to the post-collapse state",
+            criteria=(
+                Criterion(
+                    "least gain of force from one β to the next higher, 0.02 past the collapse",
+                    float(np.diff(soon).min()), ">", 0.0, "N",
+                ),
+                Criterion("difference before the collapse", same, "=", 0.0, "N"),
+            ),
+            model=f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
+            + ", ".join(f"{f:.2f}" for f in soon)
+            + " N for β = "
+            + ", ".join(f"{rate:g}" for rate in RATES)
+            + "; before it the curves "
+            + ("coincide." if same == 0 else f"differ by up to {same:.0e} N."),
+        ),
+    )  # fmt: skip
+
+
+def ends(muscle: Muscle, collapse: float) -> tuple[float, float, float]:
+    """Forces [N] at 34.5 kPa: at `collapse` [-], just after it by (25) alone, and by (26)."""
+    strain = np.array([collapse, collapse + _STEP])
+    at, soon = _force(muscle, float(muscle.transition_rate), strain)
+    # a transition that is over within the step leaves (25)
+    return float(at), float(_force(muscle, 1e3 / _STEP, strain)[1]), float(soon)
+
+
+def jump_claim(at: float, hinged: float, soon: float) -> Claim:
+    """What the paper says of the force where the bladder collapses: `at` it, after it without a
+    transition, `hinged`, and with one, `soon` [N].
+    """
+    return Claim(
+        key="jump_before_the_transition",
+        where="section 3.3",
+        kind="definition",
+        text="Without the transition (26) the force jumps at the collapse; with it, it doesn't.",
+        quote="results in a piecewise model with a discontinuity at the collapse strain",
+        criteria=(
+            Criterion(
+                "jump from (16) to (25) over the force at collapse", abs(hinged / at - 1), ">",
+                _JUMP, ours="the paper gives no number",
+            ),
+            Criterion(
+                f"change over {_STEP:g} of strain with (26)", abs(soon - at), "<", 1e-6, "N",
+                ours="the slope times that strain",
+            ),
+        ),
+        model=f"At 34.5 kPa the force is {at:.2f} N at collapse and would be {hinged:.2f} N just "
+        f"after it; with (26) it changes by {abs(soon - at):.0e} N.",
+    )  # fmt: skip

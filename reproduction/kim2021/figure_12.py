@@ -1,0 +1,247 @@
+"""Fig. 12: Table 1's two muscles, at the five pressures that they were tuned with."""
+
+import equinox as eqx
+import numpy as np
+from matplotlib.figure import Figure
+
+from fascicle.muscle import Muscle
+from fascicle.plot.components import Components, components_of
+from fascicle.plot.style import (
+    DOUBLE,
+    GRAY,
+    force_strain_axes,
+    in_kilopascals,
+    letter,
+    new_figure,
+    pressure_colors,
+    styled,
+)
+from fascicle.results.labelled import Variable
+
+from ..claims import Claim, Criterion
+from ..reproduced import Record
+from . import setting
+from .figure_06 import least_force
+
+
+NAMES = ("slenderness_8", "slenderness_10")
+PRESSURES = setting.PRESSURES[setting.FIGURE_12]
+_HIGHER = np.linspace(172.4e3, setting.HIGHEST, 6)  # Pa, above 137.9 kPa to the tests' end
+
+
+def compute() -> Record:
+    """Forces of the two muscles with Table 1's factors."""
+    muscles = [setting.muscle(name) for name in NAMES]
+    parts = [setting.forces(name).at(setting.FIGURE_12) for name in NAMES]
+    reach = setting.tested(muscles[0])
+    return Record(
+        key="figure_12",
+        title="Fig. 12. Table 1's two muscles",
+        conditions=(
+            *(f"{_name(m)}: {setting.sizes(m)}; {_factors(m)}." for m in muscles),
+            f"{setting.UNTUNED} The tested range is taken to end at the free strain at 413.7 kPa, "
+            f"ε = {reach:.4f} (dotted).",
+        ),
+        data=_data(parts),
+        draw=lambda: draw(muscles, parts, reach),
+        claims=claims(muscles, [untuned(m) for m in muscles], parts, reach),
+        missing="The measurements, to which Table 1 was fitted, exist only in the paper's picture; "
+        "none are drawn here, and how well the curves meet them can't be checked.",
+    )
+
+
+def _name(muscle: Muscle) -> str:
+    return f"slenderness {float(muscle.slenderness):.0f}"
+
+
+def _factors(muscle: Muscle) -> str:
+    t = muscle.tuning
+    return (
+        f"factors on E {float(t.youngs_modulus_factor):g}, on the collapse moment "
+        f"{float(t.collapse_moment_factor):g}, on the hinge's stiffness "
+        f"{float(t.hinge_stiffness_slope) * 1e5:.3g} P/bar + {float(t.hinge_stiffness_factor):g}; "
+        f"β {float(muscle.transition_rate):g}"
+    )
+
+
+@styled
+def draw(muscles: list[Muscle], parts: list[Components], reach: float) -> Figure:
+    """Two panels with one scale."""
+    figure, axes = new_figure(1, 2, DOUBLE, 0.43 * DOUBLE, sharey=True)
+    for ax, mark, muscle, part in zip(axes.flat, "ab", muscles, parts, strict=True):
+        force_strain_axes(ax)
+        colors = pressure_colors(part.pressure.size)
+        for row, pressure, color in zip(part.force, part.pressure, colors, strict=True):
+            ax.plot(part.strain, row, color=color, label=in_kilopascals(pressure))
+        ax.axvline(reach, color=GRAY, linewidth=0.8, linestyle=":")
+        ax.set_xlim(0.0, 0.28)
+        letter(ax, mark, _name(muscle))
+    axes[0, 1].set_ylabel("")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    axes[0, 1].legend(handles[::-1], labels[::-1])
+    return figure
+
+
+def _data(parts: list[Components]) -> dict[str, Variable]:
+    data = {"pressure": Variable(("pressure",), PRESSURES, "Pa", "gauge pressure")}
+    for name, part in zip(NAMES, parts, strict=True):
+        strain = f"strain_{name}"
+        data[strain] = Variable((strain,), part.strain, "-", "contraction")
+        data[f"force_{name}"] = Variable(("pressure", strain), part.force, "N", "force", "(27)")
+        collapse = Variable(("pressure",), part.collapse_strain, "-", "collapse strain")
+        data[f"collapse_strain_{name}"] = collapse
+    return data
+
+
+def untuned(muscle: Muscle) -> Components:
+    """Forces of Fig. 6's muscle, without Table 1's factors, as long as another `muscle` [-]."""
+    plain = eqx.tree_at(lambda m: m.length, setting.muscle("figure_6"), muscle.length)
+    return components_of(plain, PRESSURES, setting.STRAIN)
+
+
+def claims(
+    muscles: list[Muscle], plain: list[Components], parts: list[Components], reach: float
+) -> tuple[Claim, ...]:
+    """What the paper says of Table 1's two `muscles`, the stouter first [-].
+
+    `plain` are their forces without the table's factors, `parts` with them, up to `reach` [-].
+    """
+    return (
+        _stouter_claim("stouter_resists_more", plain, reach),
+        _stouter_claim("stouter_resists_more_with_table_1", parts, reach),
+        _calm_claim(muscles, reach),
+        _high_claim(muscles, reach),
+        blocked_claim(muscles),
+        intercept_claim(muscles[0]),
+    )
+
+
+def _stouter_claim(key: str, parts: list[Components], reach: float) -> Claim:
+    tuned = key.endswith("table_1")
+    stout, slender = (least_force(part.strain, part.force, reach) for part in parts)
+    model = "Largest resistance, slenderness 8 against 10: " + "; ".join(
+        f"{-a:.1f} against {-b:.1f} N at {in_kilopascals(p)}"
+        for p, a, b in zip(PRESSURES, stout, slender, strict=True)
+    )
+    ratio = Criterion(
+        "largest resistance of the stouter over the slenderer's, the least of five pressures",
+        float((stout / slender).min()), ">", 1.0,
+    )  # fmt: skip
+    if tuned:
+        return Claim(
+            key=key,
+            where="section 5.4",
+            kind="input",
+            text="With Table 1's factors the stouter muscle resists much more.",
+            quote="A significant difference in resistive force magnitude is observed between the "
+            "two FAMs",
+            criteria=(ratio,),
+            model=f"{model}, with the factors.",
+            chosen="Table 1: the paper fitted its factors, on E 1.25 against 0.95, to "
+            "measurements of these two muscles.",
+        )
+    return Claim(
+        key=key,
+        where="section 5.4",
+        kind="prediction",
+        text="Of two muscles that differ in length alone the stouter one resists more.",
+        quote="As predicted in the model, the FAM with a lower slenderness ratio exhibited a "
+        "larger magnitude of resistive force",
+        criteria=(ratio,),
+        model=f"{model}, without Table 1's factors.",
+    )
+
+
+def _calm_claim(muscles: list[Muscle], reach: float) -> Claim:
+    ratios = [
+        [setting.resistance_after(muscle, float(P), reach) for P in PRESSURES] for muscle in muscles
+    ]
+    worst = float(np.nanmax(ratios))
+    return Claim(
+        key="less_after_collapse_with_table_1",
+        where="section 3.4",
+        kind="input",
+        text="With Table 1's factors too the resistance after collapse never exceeds its value at "
+        "collapse, up to the end of the tested range.",
+        quote="the magnitude of resistive force remains less than its maximum value at collapse",
+        criteria=(Criterion("largest from collapse on over that at collapse", worst, "≤", 1.0),),
+        model="Over the tested range, where it collapses: "
+        + "; ".join(
+            f"slenderness {name}, at most {np.nanmax(row):.3f} of it"
+            for name, row in zip((8, 10), ratios, strict=True)
+        )
+        + ".",
+        chosen="The unit of P in Table 1's factor on k_r, bar [R14]: with kPa or psi it would be "
+        "several times more.",
+    )
+
+
+def _high_claim(muscles: list[Muscle], reach: float) -> Claim:
+    collapses = [float(m.collapse_strain(_HIGHER).min()) for m in muscles]
+    return Claim(
+        key="no_collapse_above_137_9_kpa",
+        where="section 5.4",
+        kind="input",
+        text="Above 137.9 kPa the bladders do not collapse within the tested range.",
+        quote="occur closer to the maximum free strain and do not show the collapse of the bladder",
+        criteria=(
+            Criterion(
+                "strain from the end of the range to the earliest collapse",
+                min(collapses) - reach, ">", 0.0, scale=reach, ours=setting.RANGE_END,
+            ),
+        ),
+        model=f"The earliest collapse, from {_HIGHER[0] / 1e3:g} to {_HIGHER[-1] / 1e3:g} kPa: "
+        + " and ".join(f"ε = {x:.4f}" for x in collapses)
+        + f" (slenderness 8 and 10); the range ends at {reach:.4f}.",
+        chosen="C₁₀ and C₀₁ [R3], so that no bladder collapses at 137.9 kPa before the end of the "
+        "range, and Table 1, fitted to these muscles: the same evidence.",
+    )  # fmt: skip
+
+
+def blocked_claim(muscles: list[Muscle]) -> Claim:
+    """What the paper says of the blocked forces of the two `muscles` [-]."""
+    blocked = [float(m.blocked_force(PRESSURES[-1])) for m in muscles]
+    return Claim(
+        key="unequal_blocked_forces",
+        where="section 5.4",
+        kind="prediction",
+        text="The two muscles have unequal blocked forces, though equal sections.",
+        quote="a difference in blocked force is observed due to a difference in bladder force at "
+        "zero strain",
+        criteria=(
+            Criterion(
+                "blocked forces at 137.9 kPa, apart by", 100 * abs(blocked[0] / blocked[1] - 1),
+                ">", 0.1, "%", ours="the paper gives no number",
+            ),
+        ),
+        model=f"{blocked[0]:.3f} and {blocked[1]:.3f} N at 137.9 kPa.",
+        why="At zero strain neither mesh nor bladder force depends on the length, and the "
+        "bladder's is zero; a difference can come only from C₁ and C₂, that is, from the "
+        "measurements themselves.",
+    )  # fmt: skip
+
+
+def intercept_claim(muscle: Muscle) -> Claim:
+    """What the paper says of a muscle's blocked force over pressure; `muscle` [-]: whose."""
+    P = setting.TABLE[1:]
+    blocked = setting.array(muscle.blocked_force(P))
+    slope, least = np.polyfit(P, blocked, 1)
+    intercept, off = -least / slope, np.abs(blocked - slope * P - least).max() / blocked.max()
+    return Claim(
+        key="blocked_force_intercept",
+        where="section 5.1",
+        kind="prediction",
+        text="The blocked force rises linearly with pressure, from a pressure above zero on.",
+        quote="blocked force typically increased linearly with pressure with a positive force "
+        "x-intercept",
+        criteria=(
+            Criterion("distance from a line over the largest", float(off), "<", 1e-9,
+                      ours="rounding"),
+            Criterion("pressure where that line is zero", float(intercept), ">", 1.0, "Pa",
+                      ours="rounding"),
+        ),
+        model=f"A line to {off:.0e} of the largest, which is zero at {abs(intercept):.0e} Pa.",
+        why="At zero strain the bladder's force is zero and the mesh's proportional to the "
+        "pressure. An intercept can come only from C₁ and C₂, that is, from the measurements that "
+        "the paper says it of.",
+    )  # fmt: skip

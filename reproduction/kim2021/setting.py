@@ -1,0 +1,162 @@
+"""What the figures share: the paper's muscles, pressures and the range it tested.
+
+Every muscle is a named example, so its sizes stand in one file with their source.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, wraps
+from types import MappingProxyType
+from typing import Any, TypeVar
+
+import equinox as eqx
+import numpy as np
+
+from fascicle.bundle import Bundle, MotorUnit
+from fascicle.files import example
+from fascicle.muscle import Muscle, Tuning
+from fascicle.muscle.materials import LATEX, MooneyRivlin
+from fascicle.plot.components import Components, components_of
+
+
+PRESSURES = np.array([0.0, 34.5, 68.9, 103.4, 137.9, 344.7]) * 1e3  # Pa, Figs 6, 7 and 12
+FIGURE_6, FIGURE_12 = [0, 1, 4, 5], [0, 1, 2, 3, 4]  # which of them
+STRAIN = np.linspace(0.0, 0.3, 301)
+TABLE = np.linspace(0.0, 413.7e3, 13)  # Pa, of C1 and C2: every 5 psi, as tested
+HIGHEST = 413.7e3  # Pa, the largest pressure tested, and the supply's in sections 4.1 and 4.2
+UNIT_1 = 344.7e3  # Pa, motor unit 1 in section 6
+Function = TypeVar("Function", bound=Callable[..., Any])
+RANGE_END = "the range ends at the model's free strain at 413.7 kPa, our reading of section 5.3"
+UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
+
+
+def _with_latex(muscle: Muscle) -> Muscle:
+    """A muscle whose bladder has the elasticity of Klute and Hannaford's latex in tension [R3]."""
+    numbers = tuple(np.asarray(one) for one in (LATEX.c10, LATEX.c01))
+    return eqx.tree_at(lambda m: (m.material.c10, m.material.c01), muscle, numbers)
+
+
+def _in_megapascals(muscle: Muscle) -> Muscle:
+    """A muscle whose P in Table 1's factor on k_r is in MPa instead of bar [R14]."""
+    slope = muscle.tuning.hinge_stiffness_slope
+    return eqx.tree_at(lambda m: m.tuning.hinge_stiffness_slope, muscle, 0.1 * slope)
+
+
+READINGS: Mapping[str, Callable[[Muscle], Muscle]] = MappingProxyType({
+    "derived": lambda muscle: muscle,  # of every figure
+    "consistent": lambda muscle: muscle.replace(post_collapse="consistent"),  # [R10]
+    "printed": lambda muscle: muscle.replace(post_collapse="printed"),
+    "wood1958": lambda muscle: muscle.replace(collapse="wood1958"),  # [R8]
+    "kim2021_series": lambda muscle: muscle.replace(buckling="kim2021_series"),  # one column
+    "latex": _with_latex,
+    "megapascals": _in_megapascals,
+})  # fmt: skip
+_READING: ContextVar[str] = ContextVar("reading", default="derived")
+
+
+@contextmanager
+def reading(name: str) -> Iterator[None]:
+    """Have `muscle` give its muscles by one of the `READINGS`; `name`: of the reading."""
+    before = _READING.set(name)
+    try:
+        yield
+    finally:
+        _READING.reset(before)
+
+
+def cached(function: Function) -> Function:
+    """Have a function compute once for each reading and its arguments; a decorator.
+
+    **Arguments:** `function`: what it computes follows from `muscle` and its arguments [-].
+
+    **Returns:** the function [-].
+    """
+
+    @cache
+    def by_reading(_reading: str, *arguments: Any) -> Any:
+        return function(*arguments)
+
+    @wraps(function)
+    def once(*arguments: Any) -> Any:
+        return by_reading(_READING.get(), *arguments)
+
+    return once  # type: ignore[return-value]  # the same arguments, by position
+
+
+def muscle(name: str) -> Muscle:
+    """The named example `kim2021_` + `name`, its transition rate on the muscle itself, by the
+    reading that is in use.
+    """
+    found = example(f"kim2021_{name}")
+    assert isinstance(found, Muscle)
+    found = READINGS[_READING.get()](found)
+    rate = found.tuning.transition_rate
+    if rate is None:
+        return found
+    return eqx.tree_at(lambda m: (m.transition_rate, m.tuning.transition_rate), found, (rate, None))
+
+
+def tuned(like: Tuning, c1: np.ndarray, c2: np.ndarray) -> Tuning:
+    """A tuning with the factors of another and `c1` [N], `c2` [-] at the pressures of `TABLE`."""
+    return Tuning(
+        TABLE, c1, c2,
+        youngs_modulus_factor=like.youngs_modulus_factor,
+        collapse_moment_factor=like.collapse_moment_factor,
+        hinge_stiffness_factor=like.hinge_stiffness_factor,
+        hinge_stiffness_slope=like.hinge_stiffness_slope,
+    )  # fmt: skip
+
+
+@cached
+def forces(name: str) -> Components:
+    """Forces of a named muscle at `PRESSURES` and `STRAIN`, computed once."""
+    return components_of(muscle(name), PRESSURES, STRAIN)
+
+
+def bundle(of: Muscle, counts: tuple[int, ...], supply_pressure: float) -> Bundle:
+    """A bundle of motor units with `counts` of one muscle, at `supply_pressure` [Pa]."""
+    return Bundle([MotorUnit(of, count) for count in counts], supply_pressure)
+
+
+def tested(of: Muscle) -> float:
+    """The largest strain tested [-]: section 5.3 drives to the free strain at 413.7 kPa."""
+    return float(of.free_strain(HIGHEST))
+
+
+def resistance_after(of: Muscle, pressure: float, reach: float) -> float:
+    """Largest resistance from collapse on over that at collapse.
+
+    **Arguments:**
+
+    - `of`: the muscle [-].
+    - `pressure`: its pressure [Pa].
+    - `reach`: the largest strain that counts [-].
+
+    **Returns:** the ratio [-], 1 where it never exceeds that at collapse; NaN where the muscle
+    doesn't collapse before.
+    """
+    collapse = float(of.collapse_strain(pressure))
+    if not collapse < reach:
+        return np.nan
+    # the first point is the collapse itself: a grid can't miss the largest, and none is rounded up
+    force = array(of.force(pressure, np.linspace(collapse, reach, 2001)))
+    return float((force / force[0]).max())
+
+
+def sizes(of: Muscle) -> str:
+    """A line about a muscle's sizes and material, read from the muscle."""
+    length, radius, wall = (1e3 * float(x) for x in (of.length, of.outer_radius, of.wall_thickness))
+    rubber = of.material
+    assert isinstance(rubber, MooneyRivlin)
+    return (
+        f"L₀ {length:.4g} mm, r₀ {radius:.4g} mm, t₀ {wall:.4g} mm, "
+        f"α₀ {float(np.degrees(of.braid_angle)):.3g}°; "
+        f"E {float(rubber.youngs_modulus) / 1e6:.3g} MPa, "
+        f"C₁₀ {float(rubber.c10) / 1e3:.4g} and C₀₁ {float(rubber.c01) / 1e3:.4g} kPa"
+    )
+
+
+def array(values: Any) -> np.ndarray:
+    """Anything numeric as NumPy."""
+    return np.asarray(values, dtype=float)

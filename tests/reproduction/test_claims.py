@@ -1,0 +1,138 @@
+import dataclasses
+import math
+
+import pytest
+
+from reproduction.claims import (
+    KINDS,
+    Claim,
+    Criterion,
+    Reading,
+    as_data,
+    failed,
+    remarks,
+    summary,
+)
+
+
+def criterion(value: float = 1.0, sign: str = ">", limit: float = 0.0, **more) -> Criterion:
+    return Criterion("what", value, sign, limit, **more)
+
+
+def claim(holds: bool = True, kind: str = "prediction", why: str = "", key: str = "it") -> Claim:
+    return Claim(
+        key, "Fig. 1", kind, "what it says", "its words",
+        (criterion(1.0 if holds else -1.0),), "what came out", why,
+        chosen="a constant" if kind == "input" else "",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "limit", "met"),
+    [(1.0, "<", 2.0, True), (2.0, "<", 2.0, False), (2.0, "≤", 2.0, True), (2.1, "≤", 2.0, False),
+     (math.nan, "≤", 2.0, False), (2.0, ">", 1.0, True), (1.0, ">", 1.0, False),
+     (0.2403, "=", 0.24, True), (0.223, "=", 0.24, False),
+     (math.nan, "<", 2.0, False), (math.nan, ">", 2.0, False), (math.nan, "=", 2.0, False),
+     (-math.inf, ">", 0.0, False)],
+)  # fmt: skip
+def test_a_criterion_is_a_number_against_a_limit(value, sign, limit, met):
+    assert criterion(value, sign, limit, tolerance=0.005).met is met
+
+
+def test_a_criterion_says_what_must_be():
+    one = criterion(0.24031, "=", 0.24, unit="mm", tolerance=0.005)
+    assert one.text == "what: 0.2403 mm, must be = 0.24 ± 0.005 mm"
+    with pytest.raises(ValueError, match="sign"):
+        criterion(sign="≥")
+
+
+@pytest.mark.parametrize(
+    ("holds", "kind", "why", "verdict"),
+    [(True, "prediction", "", "holds"), (True, "prediction", "known", "holds"),
+     (False, "prediction", "known", "differs"), (False, "prediction", "", "fails"),
+     (True, "input", "", "chosen"), (False, "input", "", "fails"),
+     (False, "input", "known", "differs"),
+     (True, "definition", "", "by definition"), (False, "definition", "", "fails")],
+)  # fmt: skip
+def test_verdicts(holds, kind, why, verdict):
+    assert claim(holds, kind, why).verdict == verdict
+
+
+def test_all_criteria_must_be_met():
+    both = Claim("k", "w", "prediction", "t", "q", (criterion(1.0), criterion(-1.0)), "m")
+    assert not both.holds
+
+
+def test_what_is_not_known_to_differ_can_fail():
+    bad = claim(holds=False)
+    assert failed([claim(), claim(holds=False, why="known"), bad]) == [bad]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"kind": "guess"}, {"criteria": ()}, {"kind": "input"}, {"chosen": "a constant"}],
+)
+def test_a_claim_without_what_it_needs_is_refused(given):
+    whole = {"key": "k", "where": "w", "kind": "prediction", "text": "t", "quote": "q",
+             "criteria": (criterion(),), "model": "m"}  # fmt: skip
+    with pytest.raises(ValueError, match=r"kind|criteria|chosen"):
+        Claim(**{**whole, **given})
+
+
+def test_predictions_are_counted_apart():
+    claims = [
+        claim(), claim(), claim(False, why="known"),
+        claim(kind="input"), claim(kind="definition"), claim(kind="definition"),
+    ]  # fmt: skip
+    assert summary(claims) == (
+        "2 of 3 predictions hold, 1 differs; 1 input was chosen to meet the paper's words; "
+        "2 are definitions."
+    )
+    assert "1 of 2 predictions hold, 1 fails" in summary([claim(), claim(False)])
+    assert "0 inputs were chosen to meet the paper's words, 1 fails" in summary(
+        [claim(), claim(False, "input")]
+    )
+
+
+def test_the_file_has_what_the_page_says_and_no_nan():
+    odd = Claim("k", "w", "prediction", "t", "q", (criterion(math.nan),), "m")
+    data = as_data([claim(), odd])
+    assert data["summary"] == summary([claim(), odd])
+    assert data["kinds"] == dict(KINDS)
+    assert data["claims"][0]["criteria"][0]["met"] is True
+    assert data["claims"][1]["criteria"][0]["value"] is None
+    assert data["claims"][1]["verdict"] == "fails"
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "limit", "tolerance", "close"),
+    [(0.925, ">", 0.9, 0.0, True), (4.9, ">", 2.0, 0.0, False), (0.0, "<", 1e-9, 0.0, False),
+     (1.95, "<", 2.0, 0.0, True), (0.2403, "=", 0.24, 0.005, False),
+     (0.2449, "=", 0.24, 0.005, True), (1e-9, ">", 0.0, 0.0, False)],
+)  # fmt: skip
+def test_a_limit_of_ours_can_be_close(value, sign, limit, tolerance, close):
+    one = criterion(value, sign, limit, tolerance=tolerance, ours="no number is given")
+    assert one.close is close and ("close" in one.whose) is close
+    # the paper's own limit is what it is
+    assert not criterion(value, sign, limit, tolerance=tolerance).close
+
+
+def test_a_limit_of_zero_is_close_by_the_size_it_is_compared_with():
+    small = criterion(0.0028, ">", 0.0, ours="our reading", scale=0.26)
+    assert small.close and not dataclasses.replace(small, value=0.1).close
+    assert not dataclasses.replace(small, ours="").close
+
+
+def test_a_verdict_that_depends_on_a_reading_says_so():
+    other = Reading("printed", False, ("what: 2, must be < 1",))
+    same = Reading("wood1958", True, ("what: 0.5, must be < 1",))
+    first = dataclasses.replace(claim(key="first"), readings=(other, same))
+    second = dataclasses.replace(claim(key="second"), readings=(same,))
+    assert first.turned == (other,) and not second.turned
+    assert "does not hold by printed (what: 2" in first.dependence
+    assert second.dependence == "The same by every reading."
+    (told,) = remarks([first, second])
+    assert "first (printed)" in told and "second" not in told
+    assert as_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
+    near = criterion(0.95, ">", 0.9, ours="no number is given")
+    assert "third" in remarks([dataclasses.replace(claim(key="third"), criteria=(near,))])[0]
