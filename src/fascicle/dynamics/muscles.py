@@ -14,14 +14,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..bundle.alike import stacked, unlike
-from ..core.array_namespace import maximum, minimum, where
+from ..core.array_namespace import absolute, maximum, minimum, where
 from ..core.module import Module, static
 from ..core.types import Numbers
 from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy_at_rest, contraction_work
-from ..muscle.surface import Surface, UnitSurface, looked_up
+from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface, looked_up
 
 
 class Volumes(NamedTuple):
@@ -148,10 +148,11 @@ class Exact(AbstractMuscles):
             *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True))
         )
         past = pressure - P  # the volume stays there, and the force is linear
+        inside = absolute(past) <= PRESSURE_ROUNDING
         return at._replace(
             coenergy=at.coenergy + at.volume * past,
             force=at.force + at.force_by_pressure * past,
-            volume_by_pressure=where(past == 0, at.volume_by_pressure, 0.0),
+            volume_by_pressure=where(inside, at.volume_by_pressure, 0.0),
         )
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:

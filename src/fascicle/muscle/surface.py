@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, where
+from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
@@ -39,6 +39,9 @@ from .piecewise import Pressurized
 _STRETCHED = 0.75
 # past the strain at which no braid pulls: how far a load may push one
 _PUSHED = 0.08
+# Pa: a pressure is solved for to some 1e-9 Pa, so that a vented unit may be that far below zero.
+# Its volume keeps the slope at zero there, or the first step of filling would go without one
+PRESSURE_ROUNDING = 1e-6
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 # cubic Hermite: values at both ends, then slopes, to coefficients of rising powers
 _HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
@@ -190,7 +193,7 @@ def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = N
     p_ww, _, _ = _cubic(bend, u)
 
     past_P, past = pressure - P, strain - eps  # linear there
-    inside_P = past_P == 0
+    inside_P = absolute(past_P) <= PRESSURE_ROUNDING
     inside = past == 0
     V, V_w = p_u * u_P, p_wu * u_P
     L0 = table.rest_length

@@ -86,6 +86,13 @@ def test_below_and_above_it_goes_on_linearly(table):
     assert_allclose(more.force - full.force, 1e4 * full.force_by_pressure, rtol=1e-9, atol=1e-12)
 
 
+def test_a_pressure_of_zero_but_for_rounding_has_the_slope_at_zero(table):
+    at, before = table.at(np.array([0.0, -1e-11, -1.0]), 0.1), table.at(1e-3, 0.1)
+    assert at.volume_by_pressure[1] == at.volume_by_pressure[0] > 0
+    assert_allclose(at.volume_by_pressure[0], before.volume_by_pressure, rtol=1e-5)
+    assert at.volume_by_pressure[2] == 0  # the volume stays below zero
+
+
 def test_jax_agrees_and_is_differentiated(table, points):
     P, eps = points
     force = jax.jit(table.force)(P, eps)
