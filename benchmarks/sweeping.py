@@ -20,9 +20,8 @@ import numpy as np
 from cases import LARGEST_PRESSURE, muscle
 
 from fascicle.design import Space, Task
-from fascicle.design.searches.study import Study
-from fascicle.design.sweeps.cluster import local
-from fascicle.design.sweeps.running import Done, sweep
+from fascicle.design.cluster import local
+from fascicle.design.sweep import Done, Study, sweep
 
 
 def study(block: int, lengths: int, units: int = 3) -> Study:

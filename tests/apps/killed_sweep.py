@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from fascicle.cli import main
-from fascicle.design.sweeps.store import DATA
+from fascicle.design.sweep import DATA
 
 
 TASK = """format = 1

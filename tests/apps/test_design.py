@@ -252,7 +252,7 @@ def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
     ],
 )
 def test_the_template_does_its_task(fascicle, tmp_path, example):
-    from fascicle.design.searches.exhaustive import search
+    from fascicle.design.exhaustive_search import search
     from fascicle.files.task import load_task
 
     assert fascicle("init", "--task")[0] == 0

@@ -126,7 +126,7 @@ def test_a_sweep_that_is_stopped_says_how_it_goes_on(fascicle, monkeypatch, tmp_
         raise error
 
     (tmp_path / "task.toml").write_text(TASK)
-    monkeypatch.setattr("fascicle.design.sweeps.running.sweep", stopped)
+    monkeypatch.setattr("fascicle.design.sweep.sweep", stopped)
     code, out, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert (code, out) == (1 if error.errno is None else 2, "") and err.count("\n") == 1
     assert "finished blocks are kept in swept-task, --resume goes on with them" in err

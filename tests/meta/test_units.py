@@ -165,7 +165,7 @@ def test_the_reader_opens_the_packages():
     assert {
         "calibrate.fit",
         "energetics.work",
-        "design.judge.objectives.margin",
+        "design.objectives.margin",
         "export.c_code",
     } <= names
 

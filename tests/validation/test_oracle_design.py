@@ -10,12 +10,12 @@ from from_oracle import library_muscle
 from oracle_muscle import LATEX, SILICONE, Muscle, free_strain
 
 from fascicle.design import Task
-from fascicle.design.judge.forces import UNLIKE, Resolution
-from fascicle.design.judge.objectives import OBJECTIVES
-from fascicle.design.judge.outcome import Demand
-from fascicle.design.judge.shared import prepared, shared_objectives
-from fascicle.design.judge.unlike import Sizes, unlike_objectives
-from fascicle.design.space.packing import packed_radius, ratio
+from fascicle.design.designs import packed_radius, ratio
+from fascicle.design.objectives import OBJECTIVES
+from fascicle.design.outcome import Demand
+from fascicle.design.shared import prepared, shared_objectives
+from fascicle.design.tables import UNLIKE, Resolution
+from fascicle.design.unlike import Sizes, unlike_objectives
 
 
 NAMES = tuple(OBJECTIVES)

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.design.space.designs import Designs
+from fascicle.design.designs import Designs
 from fascicle.muscle.tension import TENSION_LAWS
 
 

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice, check_interval
-from ..design.searches.catalog import Product
+from ..design.catalog import Product
 from ..muscle import Muscle
 from .faults import from_validation
 from .places import Place

@@ -13,16 +13,14 @@ from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.validation import check_choice
-from ..design.judge.allowed import Limit, checked
-from ..design.judge.objectives import OBJECTIVES, known
-from ..design.judge.reach import SHARES, demanding
-from ..design.searches.catalog import Catalog
-from ..design.searches.exhaustive import LEAST_MARGIN, USUAL
-from ..design.space.examples import example_task
-from ..design.space.grids import Space
-from ..design.space.splits import SPLITS
-from ..design.space.splits import read as read_split
-from ..design.space.task import FLUIDS, Task
+from ..design.catalog import Catalog
+from ..design.exhaustive_search import LEAST_MARGIN, USUAL
+from ..design.limits import SHARES, Limit, checked, demanding
+from ..design.objectives import OBJECTIVES, known
+from ..design.space import Space
+from ..design.splits import SPLITS
+from ..design.splits import read as read_split
+from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.fabrication import Scatter

@@ -6,12 +6,12 @@ import numpy as np
 
 from ..bundle.space import Space, overlap
 from ..bundle.states import states_of
-from ..design.judge.cases import Bench
-from ..design.judge.objectives import OBJECTIVES
-from ..design.judge.reach import SHARES, may_miss
-from ..design.searches.exhaustive import Found
-from ..design.searches.robust import Spread
-from ..design.searches.summary import Summary
+from ..design.cases import Bench
+from ..design.exhaustive_search import Found
+from ..design.limits import SHARES, may_miss
+from ..design.objectives import OBJECTIVES
+from ..design.robust import Spread
+from ..design.summary import Summary
 from ..files import dumps
 from ..plot.style import to_bytes
 from ..plot.task import task as draw_task

@@ -4,13 +4,12 @@ how large is it, how heavy, what does it take and cost. The console and the page
 
 import numpy as np
 
-from ..design.judge.allowed import Limit
-from ..design.judge.objectives import OBJECTIVES
-from ..design.judge.reach import BY_WEIGHT, may_miss
-from ..design.searches.catalog import meaning
-from ..design.searches.exhaustive import Found
-from ..design.searches.summary import STANDARD_GRAVITY, Summary
-from ..design.space.designs import Designs
+from ..design.catalog import meaning
+from ..design.designs import Designs
+from ..design.exhaustive_search import Found
+from ..design.limits import BY_WEIGHT, Limit, may_miss
+from ..design.objectives import OBJECTIVES
+from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import figures, pretty
 
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ..design.judge.reach import may_miss, others
-from ..design.searches.exhaustive import Found
-from ..design.searches.remedies import Remedy, remedies
-from ..design.searches.summary import Summary, summarized
+from ..design.exhaustive_search import Found
+from ..design.limits import may_miss, others
+from ..design.remedies import Remedy, remedies
+from ..design.summary import Summary, summarized
 from ..units import DIMENSIONS, pretty
 from .engineering import called, demand, shown, sizes, words
 

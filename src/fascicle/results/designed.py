@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ..design.judge.objectives import OBJECTIVES
-from ..design.searches.exhaustive import Found
-from ..design.searches.robust import Spread
-from ..design.searches.summary import Summary
-from ..design.space.designs import Designs
+from ..design.designs import Designs
+from ..design.exhaustive_search import Found
+from ..design.objectives import OBJECTIVES
+from ..design.robust import Spread
+from ..design.summary import Summary
 from .labelled import Variable
 
 

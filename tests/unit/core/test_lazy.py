@@ -27,21 +27,9 @@ MOVED = {
     "describe.calibrated.provenance_of": "files.calibrated",
     "describe.provenance": "files",
     "describe.results.Variable": "results.labelled",
-    "design.cases.Cases": "design.judge.cases",
-    "design.cases.cases": "design.judge.cases",
-    "design.genetic.evolve": "design.searches.genetic",
-    "design.refine.refined": "design.searches.refine",
-    "design.remedies.Remedy": "design.searches.remedies",
-    "design.remedies.remedies": "design.searches.remedies",
-    "design.robust.Spread": "design.searches.robust",
-    "design.robust.sensitivities": "design.searches.robust",
-    "design.robust.spread": "design.searches.robust",
-    "design.searching.Found": "design.searches.exhaustive",
-    "design.store.Store": "design.sweeps.store",
-    "design.study.Study": "design.searches.study",
-    "design.summary.Summary": "design.searches.summary",
-    "design.summary.summary_of": "design.searches.summary",
-    "design.sweep.sweep": "design.sweeps.running",
+    "design.searching.Found": "design.exhaustive_search",
+    "design.store.Store": "design.sweep",
+    "design.study.Study": "design.sweep",
     "reports.fitted.figures": "calibrate.after.pictures",
 }
 
@@ -75,7 +63,7 @@ def test_what_moved_is_found_and_says_where_it_is(old, new, anew):
 
 def test_old_modules_are_attributes_too(anew):
     with pytest.warns(DeprecationWarning, match="has moved to"):
-        assert fascicle.design.genetic.evolve is fascicle.design.evolve
+        assert fascicle.design.study.Study is fascicle.design.Study
     with pytest.raises(AttributeError, match="no attribute 'genes'"):
         fascicle.design.genes  # noqa: B018
     with pytest.raises(ModuleNotFoundError):

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fascicle import recruitment
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.judge.cases import ATMOSPHERE, cases
+from fascicle.design.cases import ATMOSPHERE, cases
 
 
 SUPPLY = 413.7e3
@@ -97,8 +97,8 @@ def test_more_points_than_one_call_takes(designs):
 
 def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
     import fascicle as fs
-    from fascicle.design.judge.reach import demanding
-    from fascicle.design.searches.remedies import remedies
+    from fascicle.design.limits import demanding
+    from fascicle.design.remedies import remedies
 
     tuned = fs.Muscle(
         muscle.length, muscle.outer_radius, muscle.wall_thickness, muscle.braid_angle,

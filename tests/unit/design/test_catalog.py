@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Catalog, Product, Space, Task, search
-from fascicle.design.searches.catalog import cheapest, meaning
+from fascicle.design.catalog import cheapest, meaning
 
 
 TASK = Task.of([40.0, 150.0], [0.2, 0.1], 413.7e3)

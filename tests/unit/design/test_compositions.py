@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.design.judge.compositions import curves_of, depths, overlaps
-from fascicle.design.judge.every_level import first_zeros
-from fascicle.design.judge.forces import Resolution
-from fascicle.design.space.rows import Rows
+from fascicle.design.designs import Rows
+from fascicle.design.every_level import first_zeros
+from fascicle.design.reversal import curves_of, depths, overlaps
+from fascicle.design.tables import Resolution
 
 
 SUPPLY, N = 413.7e3, 6

@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.judge import unlike as judge_unlike
-from fascicle.design.judge.forces import Resolution, tabulated
-from fascicle.design.judge.outcome import Demand
-from fascicle.design.space.rows import Rows, sized
+from fascicle.design import unlike as judge_unlike
+from fascicle.design.designs import Rows, sized
+from fascicle.design.outcome import Demand
+from fascicle.design.tables import Resolution, tabulated
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS

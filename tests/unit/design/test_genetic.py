@@ -12,7 +12,7 @@ from fascicle.design import Limit, Space, Task, hypervolume, search
 
 
 pytest.importorskip("pymoo", reason="needs the extra `design`")
-from fascicle.design.searches.genetic import Coding, evolve
+from fascicle.design.genetic import Coding, evolve
 
 
 SENSES = {"mean_efficiency": "max", "envelope": "min", "valves": "min"}

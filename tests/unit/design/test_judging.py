@@ -8,13 +8,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
-from fascicle.design.judge.forces import Resolution
-from fascicle.design.judge.judging import sizes_of
-from fascicle.design.judge.objectives import judged
-from fascicle.design.judge.outcome import Demand
-from fascicle.design.judge.shared import prepared, shared_objectives
-from fascicle.design.judge.unlike import unlike_objectives, unlike_outcome
-from fascicle.design.space.splits import compositions, partitions
+from fascicle.design.evaluation import sizes_of
+from fascicle.design.objectives import judged
+from fascicle.design.outcome import Demand
+from fascicle.design.shared import prepared, shared_objectives
+from fascicle.design.splits import compositions, partitions
+from fascicle.design.tables import Resolution
+from fascicle.design.unlike import unlike_objectives, unlike_outcome
 
 
 NAMES = tuple(OBJECTIVES)
@@ -159,7 +159,7 @@ def test_all_partitions_of_thirty(muscle, task):
 
 def test_few_designs_are_judged_without_a_compiler(muscle, task, caplog):
     """Of one muscle, their reversal too, and of unlike ones; nor is what one of them does."""
-    from fascicle.design.judge.cases import cases
+    from fascicle.design.cases import cases
 
     like = Designs.of(muscle, [(1, 2), (3,)])
     radius = like.radius * np.array([1.0, 1.2])

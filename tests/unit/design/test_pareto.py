@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design.searches.pareto import directed, hypervolume, non_dominated
+from fascicle.design.exhaustive_search import directed, hypervolume, non_dominated
 
 
 def plain_front(points):

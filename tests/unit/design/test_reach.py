@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.judge.allowed import within_limits
-from fascicle.design.judge.reach import demanding, enough, may_miss, others
+from fascicle.design.limits import demanding, enough, may_miss, others, within_limits
 
 
 def test_all_is_demanded_if_nothing_is_said():

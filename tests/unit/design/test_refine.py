@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.searches.refine import refined
+from fascicle.design.refine import refined
 
 
 pytest.importorskip("optax", reason="needs the extra `design`")

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Product, Task, evaluate
-from fascicle.design.judge.reach import demanding
-from fascicle.design.searches.remedies import remedies
+from fascicle.design.limits import demanding
+from fascicle.design.remedies import remedies
 
 
 SUPPLY = 300e3

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
-from fascicle.design.searches.robust import sensitivities, spread
+from fascicle.design.robust import sensitivities, spread
 from fascicle.records.fabrication import Scatter
 
 

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Space
-from fascicle.design.space.packing import packed_radius
+from fascicle.design.designs import packed_radius
 
 
 def every(space):

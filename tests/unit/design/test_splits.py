@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.core.errors import InvalidInputError
-from fascicle.design.space.splits import (
+from fascicle.design.splits import (
     MOST_SPLITS,
     check_number,
     compositions,

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Catalog, Designs, Product, Task, evaluate
-from fascicle.design.judge.cases import ATMOSPHERE
-from fascicle.design.searches.summary import summary_of
+from fascicle.design.cases import ATMOSPHERE
+from fascicle.design.summary import summary_of
 
 
 @pytest.fixture(scope="module")

@@ -16,10 +16,8 @@ import numpy as np
 import pytest
 
 from fascicle.design import Space, Task
-from fascicle.design.searches.study import Study
-from fascicle.design.sweeps.cluster import local, remote
-from fascicle.design.sweeps.running import run_block, sweep
-from fascicle.design.sweeps.store import DATA, JOURNAL, MANIFEST, Store
+from fascicle.design.cluster import local, remote
+from fascicle.design.sweep import DATA, JOURNAL, MANIFEST, Store, Study, run_block, sweep
 
 
 zarr = pytest.importorskip("zarr", reason="needs the extra `sweep`")

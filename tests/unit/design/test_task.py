@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Task, example_task
-from fascicle.design.space.examples import TASKS
+from fascicle.design.task import TASKS
 
 
 def test_points_in_time_count_for_as_long_as_they_last():

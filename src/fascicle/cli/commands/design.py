@@ -92,7 +92,7 @@ def run(
     folder = folder_for("design", out, task, as_json, overwrite)
     _check(generations, checkpoint)
     prepare()
-    from ...design.searches.exhaustive import search
+    from ...design.exhaustive_search import search
     from ...files.task import load_task
 
     with refusing():
@@ -136,7 +136,7 @@ def _sure(found: Any, chance: Any) -> Any:
     """How the front's designs come out, where the task file asks for it."""
     if chance is None or not found.listed.size:
         return None
-    from ...design.searches.robust import spread
+    from ...design.robust import spread
 
     names = tuple(found.values)
     return spread(
@@ -168,7 +168,7 @@ def _evolved(
     extra: tuple[str, ...],
     tell: Callable[[str], None],
 ) -> Any:
-    from ...design.searches.genetic import evolve
+    from ...design.genetic import evolve
 
     return evolve(
         file.space, file.task, file.senses, file.limits, population, generations, seed,

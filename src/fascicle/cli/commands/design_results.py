@@ -9,9 +9,9 @@ from ..problems import INCOMPLETE
 
 
 if TYPE_CHECKING:
-    from ...design.searches.exhaustive import Found
-    from ...design.searches.robust import Spread
-    from ...design.searches.summary import Summary
+    from ...design.exhaustive_search import Found
+    from ...design.robust import Spread
+    from ...design.summary import Summary
     from ...reports.unreached import Unreached
 
 _SHOWN, _SAVED = 20, 30  # designs of the front that are printed, and that get a file

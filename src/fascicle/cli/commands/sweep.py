@@ -74,8 +74,7 @@ def run(
 
     prepare()
     with telling("loading the task"):
-        from ...design.searches.study import Study
-        from ...design.sweeps.running import sweep
+        from ...design.sweep import Study, sweep
         from ...files.task import load_task
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
@@ -84,7 +83,7 @@ def run(
         made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
     # what can't be is said before a cluster is started
     with refusing(), telling("looking into the folder"):
-        from ...design.sweeps.store import Store
+        from ...design.sweep import Store
         from ...files.ours import check_file
 
         Store.check(folder, made, resume)
@@ -120,7 +119,7 @@ def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
     """Print and write which design to take and the front; gives the exit code."""
     import numpy as np
 
-    from ...design.searches.exhaustive import concluded
+    from ...design.exhaustive_search import concluded
     from ...files.ours import replacing
     from ...reports.unreached import Unreached, answer
     from ...results.designed import case_variables, front_variables
@@ -150,7 +149,7 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     if workers == 0:
         yield None
         return
-    from ...design.sweeps.cluster import local, remote
+    from ...design.cluster import local, remote
 
     if scheduler is None:
         with contextlib.ExitStack() as stack:

@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import numpy as np
 
-from ...bundle.schemes import AbstractScheme
-from ...bundle.states import States, extends, states_of
-from ...core.array_namespace import array_namespace, maximum, minimum, where
-from ...core.types import Marks, Numbers, Whole
-from ...core.validation import LARGEST_STRAIN
-from ..space.task import Task
+from ..bundle.schemes import AbstractScheme
+from ..bundle.states import States, extends, states_of
+from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.types import Marks, Numbers, Whole
+from ..core.validation import LARGEST_STRAIN
+from .task import Task
 
 
 MET = 1e-9  # N, a shortfall that is none

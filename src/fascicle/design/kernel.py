@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...bundle.states import States
-from ...core.array_namespace import array_namespace, maximum, where
-from ...core.types import Bool, Numbers, Whole
-from ..space.packing import bowed_diameter
-from .forces import Table
+from ..bundle.states import States
+from ..core.array_namespace import array_namespace, maximum, where
+from ..core.types import Bool, Numbers, Whole
+from .designs import bowed_diameter
 from .outcome import Demand, Outcome, existing, laid, states_for, visited
+from .tables import Table
 
 
 Mask = Bool[np.ndarray, " unit"]

@@ -1,28 +1,94 @@
-"""All designs of a space judged, what none of them betters, and which to take.
+"""Every design of a space evaluated, the Pareto front, and which design to take.
+
+A design dominates another if it is at least as good in every objective and better in one. The front
+is the set that none dominates; its *hypervolume* is that of the points which it dominates, up to a
+reference point that is worse than all. Both are moocore's (López-Ibáñez and others).
 
 Designs that break a limit are left out of the front, not out of the record; to reach the whole
 task is a limit that every search has. Recommended is the cheapest design that keeps all limits,
 on the front or not. The front's *compromise* is the design whose worst objective, counted from
 the front's best (0) to its worst (1), is least bad; on a tie, the least sum. Where no design
-reaches the task, none is recommended: the *nearest* is told, whose worst point it misses by the
-smallest share of what is demanded there.
+reaches the task, none is recommended; the *nearest* misses its worst point by the smallest share of
+what is demanded there.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from ...core.types import Bool, Float, Int
-from ..judge.allowed import Limit, Limits, checked, within_limits
-from ..judge.judging import Values, evaluate
-from ..judge.reach import SHARES, demanding, others, reaching, recorded
-from ..space.designs import Designs
-from ..space.grids import Space
-from ..space.task import Task
+from ..core.errors import InvalidInputError
+from ..core.types import Bool, Float, Int
 from .catalog import Catalog, cheapest
-from .pareto import directed, non_dominated
+from .designs import Designs
+from .evaluation import Values, evaluate
+from .limits import (
+    SHARES,
+    Limit,
+    Limits,
+    checked,
+    demanding,
+    others,
+    reaching,
+    recorded,
+    within_limits,
+)
+from .space import Space
+from .task import Task
+
+
+Matrix = Float[np.ndarray, "design objective"]
+
+
+def directed(
+    values: Mapping[str, Float[np.ndarray, " design"]], senses: Mapping[str, str]
+) -> Matrix:
+    """Objectives as columns in which smaller is better.
+
+    **Arguments:**
+
+    - `values`: an array for each objective [SI].
+    - `senses`: "min" or "max" by name [-]; only these objectives are taken.
+
+    **Returns:** a row for each design [SI].
+
+    **Raises:** `ValueError` for an unknown sense.
+    """
+    for name, sense in senses.items():
+        if sense not in ("min", "max"):
+            raise InvalidInputError(name, "must be 'min' or 'max'", sense)
+    columns = [values[name] if sense == "min" else -values[name] for name, sense in senses.items()]
+    return np.stack(columns, axis=1) + 0.0
+
+
+def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
+    """Which points none dominates.
+
+    **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
+
+    **Returns:** a mask [-]; of equal points all are kept.
+    """
+    import moocore
+
+    kept = ~np.any(np.isnan(points), axis=1)
+    kept[kept] = moocore.is_nondominated(points[kept], keep_weakly=True)
+    return kept
+
+
+def hypervolume(points: Matrix, reference: Sequence[float] | np.ndarray) -> float:
+    """Volume dominated by points, up to a reference.
+
+    **Arguments:**
+
+    - `points`: smaller is better [-], a row each; those beyond the reference don't count.
+    - `reference`: worse than what counts [-], one number for each objective.
+
+    **Returns:** the volume [-], product of the objectives' units.
+    """
+    import moocore
+
+    return float(moocore.hypervolume(points, ref=np.asarray(reference, float)))
 
 
 _BLOCK = 2**16

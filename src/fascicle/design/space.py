@@ -18,13 +18,12 @@ from typing import Any
 import jax
 import numpy as np
 
-from ...core.errors import InvalidInputError
-from ...core.types import Float, Int
-from ...core.validation import RANGES, check_choice, check_interval, check_plausible
-from ...muscle import Muscle
-from ...units import pretty
-from .designs import Designs, of_sizes
-from .packing import packed_radius
+from ..core.errors import InvalidInputError
+from ..core.types import Float, Int
+from ..core.validation import RANGES, check_choice, check_interval, check_plausible
+from ..muscle import Muscle
+from ..units import pretty
+from .designs import Designs, of_sizes, packed_radius
 from .splits import MOST_SPLITS, SPLITS, check_number, compositions, padded, partitions
 
 

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..judge.cases import ATMOSPHERE, Cases, cases
-from ..judge.judging import evaluate
-from ..space.designs import Designs
-from ..space.packing import packed_radius
-from ..space.task import Task
+from .cases import ATMOSPHERE, Cases, cases
 from .catalog import Catalog, Product
-from .exhaustive import Found
+from .designs import Designs, packed_radius
+from .evaluation import evaluate
+from .exhaustive_search import Found
+from .task import Task
 
 
 STANDARD_GRAVITY = 9.80665  # m/s²

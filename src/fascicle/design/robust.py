@@ -17,20 +17,19 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from ...core.errors import InvalidInputError
-from ...core.types import Bool, Float, Values
-from ...muscle import Muscle
-from ...records.fabrication import Scatter
-from ..judge.allowed import Limits, within_limits
-from ..judge.forces import UNLIKE, Resolution
-from ..judge.judging import size_of
-from ..judge.objectives import check_turns, judged, known, needs
-from ..judge.outcome import Demand
-from ..judge.reach import demanding
-from ..judge.unlike import Sizes, unlike_outcome
-from ..space.designs import Designs
-from ..space.task import Task
-from .pareto import directed, non_dominated
+from ..core.errors import InvalidInputError
+from ..core.types import Bool, Float, Values
+from ..muscle import Muscle
+from ..records.fabrication import Scatter
+from .designs import Designs
+from .evaluation import size_of
+from .exhaustive_search import directed, non_dominated
+from .limits import Limits, demanding, within_limits
+from .objectives import check_turns, judged, known, needs
+from .outcome import Demand
+from .tables import UNLIKE, Resolution
+from .task import Task
+from .unlike import Sizes, unlike_outcome
 
 
 _LARGEST_ANGLE = 0.95  # rad, short of where a muscle no longer contracts
@@ -205,7 +204,7 @@ def sensitivities(
     from SALib.analyze import sobol as analyze
     from SALib.sample import sobol as sample
 
-    from ...core.validation import check_choice
+    from ..core.validation import check_choice
 
     names, drawing = known(objectives), _only(designs)
     check_turns(names, task.scheme)

@@ -14,15 +14,14 @@ from dataclasses import dataclass, replace
 import equinox as eqx
 import numpy as np
 
-from ...core.types import Float
-from ...core.validation import HIGHEST_PRESSURE
-from ..judge.allowed import Limits
-from ..judge.cases import Bench
-from ..judge.judging import evaluate
-from ..judge.reach import enough, others
-from ..space.designs import Designs
-from ..space.task import Task
+from ..core.types import Float
+from ..core.validation import HIGHEST_PRESSURE
+from .cases import Bench
 from .catalog import Product
+from .designs import Designs
+from .evaluation import evaluate
+from .limits import Limits, enough, others
+from .task import Task
 
 
 _LONGEST, _WIDEST = 10.0, 0.25  # m; some three times what has been built

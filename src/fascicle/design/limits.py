@@ -1,4 +1,4 @@
-"""What every search holds to: a design reaches the whole task, or as much as the user lets go.
+"""Limits on objectives, and the one that every search has: to reach the task.
 
 All points must be reached. `not_reached`, limited, is the share of the task that may be missed;
 it is counted by weight *and* by points, so that a peak load that counts a thirtieth can't be
@@ -6,14 +6,67 @@ lost among the others: with a tenth to miss, one of nine points is too many.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.types import Bool, Float
-from .allowed import Limit, Limits, Values, within_limits
-from .objectives import known
+from ..core.errors import InvalidInputError
+from ..core.types import Bool, Float
+from ..core.validation import check_choice
+from .objectives import OBJECTIVES, known
 from .outcome import MET
+
+
+_ROUNDING = 1e-12  # of a limit, or of 1 in its unit: sums of shares don't end in round numbers
+
+
+class Limit(NamedTuple):
+    """The least and the largest that an objective may be, in its own unit [SI]."""
+
+    least: float = -np.inf
+    most: float = np.inf
+
+    def holds(self, values: Any) -> Any:
+        """Whether `values` [SI], of any shape, are within [-], up to rounding; a NaN isn't."""
+        return (values >= self.least - _hair(self.least)) & (values <= self.most + _hair(self.most))
+
+    def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
+        """How far `values` [SI] are outside [SI]; not positive within."""
+        below = self.least - _hair(self.least) - values
+        return np.maximum(below, values - self.most - _hair(self.most))
+
+
+Limits = Mapping[str, Limit]
+Values = Mapping[str, Float[np.ndarray, " design"]]
+
+
+def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
+    """Which designs keep all limits; `values` [SI] and `limits` [SI] by objective."""
+    kept = np.ones(len(next(iter(values.values()))), bool)
+    for name, limit in limits.items():
+        kept &= limit.holds(values[name])
+    return kept
+
+
+def checked(senses: Mapping[str, str], limits: Limits) -> None:
+    """Refuse senses and limits that can't be; both by objective [-]."""
+    if not senses:
+        raise InvalidInputError("objectives", "must name at least one", None, shown="none")
+    for name, sense in senses.items():
+        check_choice(sense, ("min", "max"), name)
+    for name, limit in limits.items():
+        if not limit.least <= limit.most:
+            unit = OBJECTIVES[name].unit
+            raise InvalidInputError(
+                name,
+                f"is limited to at least {limit.least:g} and at most {limit.most:g} {unit}",
+                None,
+                "nothing can be both",
+            )
+
+
+def _hair(end: Any) -> float:
+    return _ROUNDING * max(1.0, abs(end)) if np.isfinite(end) else 0.0
 
 
 BY_WEIGHT, BY_POINTS = "not_reached", "points_not_reached"

@@ -10,13 +10,13 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from ...bundle.schemes import Orderly
-from ...bundle.states import States, common, states_of
-from ...core.types import Float, Numbers, Whole
-from ..space.rows import Rows
-from .first_zero import first_push, share
-from .forces import Resolution, Table, sizes_at
+from ..bundle.schemes import Orderly
+from ..bundle.states import States, common, states_of
+from ..core.types import Float, Numbers, Whole
+from .designs import Rows
 from .outcome import Demand, existing, states_for
+from .reversal import first_push, share
+from .tables import Resolution, Table, sizes_at
 
 
 class Looked(NamedTuple):

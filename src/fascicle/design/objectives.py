@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...bundle.schemes import AbstractScheme
-from ...core.array_namespace import array_namespace, stack, where
-from ...core.errors import InvalidInputError
-from ...core.types import Numbers
-from ...core.validation import check_choice
+from ..bundle.schemes import AbstractScheme
+from ..core.array_namespace import array_namespace, stack, where
+from ..core.errors import InvalidInputError
+from ..core.types import Numbers
+from ..core.validation import check_choice
 from .outcome import Outcome
 
 

@@ -14,16 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...bundle.states import states_of
-from ...core.array_namespace import array_namespace, where
-from ...core.types import Numbers, Whole
-from ...muscle import Muscle
-from ..space.rows import Rows
-from .compositions import Curves, curves_of, depths, overlaps
-from .forces import SHARED, Resolution, Table, run, tabulated
+from ..bundle.states import states_of
+from ..core.array_namespace import array_namespace, where
+from ..core.types import Numbers, Whole
+from ..muscle import Muscle
+from .designs import Rows
 from .kernel import Alike, outcome
 from .objectives import judged
 from .outcome import Demand, Outcome, existing, states_for
+from .reversal import Curves, curves_of, depths, overlaps
+from .tables import SHARED, Resolution, Table, run, tabulated
 
 
 class Prepared(NamedTuple):

@@ -9,12 +9,37 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...bundle.states import common
-from ...core.types import Float, Int, Numbers
-from ...muscle.piecewise import Pressurized
-from ..space.rows import Rows
-from .first_zero import first_push, share
-from .forces import COMPILE_ABOVE, Resolution, run
+from ..bundle.states import common
+from ..core.array_namespace import array_namespace, minimum, where
+from ..core.types import AnyArray, Float, Int, Numbers
+from ..muscle.piecewise import Pressurized
+from .designs import Rows
+from .tables import COMPILE_ABOVE, Resolution, run
+
+
+def first_push(force: Float[AnyArray, "*any strain"]) -> Int[AnyArray, "*any"]:
+    """The first strain after rest at which a force doesn't pull.
+
+    **Arguments:** `force`: over strains, on the last axis [N].
+
+    **Returns:** its place [-]; the last, if there is none.
+    """
+    at_work = array_namespace(force)
+    place = at_work.arange(force.shape[-1])
+    pushes = ((force <= 0) & (place > 0)) | (place == force.shape[-1] - 1)
+    return at_work.argmax(pushes, axis=-1)
+
+
+def share(left: Numbers, right: Numbers) -> Numbers:
+    """How far from one strain to the next a force vanishes.
+
+    **Arguments:** `left`, `right`: at both [N].
+
+    **Returns:** the share of the way [-].
+    """
+    # the last of all may still pull by rounding: it is the zero itself
+    drop = left - minimum(right, 0.0)
+    return where(left > 0, left / where(drop > 0, drop, 1.0), 0.0)
 
 
 _TOGETHER = 8  # muscles of one call: with more their forces leave the cache

@@ -19,18 +19,18 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ...core.errors import InvalidInputError
-from ...core.types import Float
-from ...core.validation import check_choice
-from ...muscle import Muscle
-from ..judge.forces import UNLIKE
-from ..judge.judging import evaluate, size_of
-from ..judge.objectives import OBJECTIVES, judged, known, needs
-from ..judge.outcome import Demand
-from ..judge.reach import SHARES
-from ..judge.unlike import Sizes, unlike_outcome
-from ..space.designs import Designs, joined
-from ..space.task import Task
+from ..core.errors import InvalidInputError
+from ..core.types import Float
+from ..core.validation import check_choice
+from ..muscle import Muscle
+from .designs import Designs, joined
+from .evaluation import evaluate, size_of
+from .limits import SHARES
+from .objectives import OBJECTIVES, judged, known, needs
+from .outcome import Demand
+from .tables import UNLIKE
+from .task import Task
+from .unlike import Sizes, unlike_outcome
 
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")

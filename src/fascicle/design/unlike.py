@@ -12,14 +12,14 @@ import jax
 import numpy as np
 from jax import Array, lax
 
-from ...core.types import Float, Numbers, Whole
-from ...muscle import Muscle
-from ..space.rows import Rows
+from ..core.types import Float, Numbers, Whole
+from ..muscle import Muscle
+from .designs import Rows
 from .every_level import at_every_level
-from .forces import COMPILE_ABOVE, UNLIKE, Resolution, Table, filled_up, run, tabulated
 from .kernel import Unlike, outcome
 from .objectives import judged
 from .outcome import Demand, Outcome, states_for
+from .tables import COMPILE_ABOVE, UNLIKE, Resolution, Table, filled_up, run, tabulated
 
 
 _AT_ONCE = 2**16  # forces worked on at once: what stays in cache

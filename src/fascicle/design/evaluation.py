@@ -10,19 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...bundle.schemes import AbstractScheme
-from ...bundle.states import extends
-from ...core.errors import InvalidInputError
-from ...core.module import to_numpy
-from ...core.types import Bool, Float, Int
-from ...muscle import Muscle
-from ..space.designs import Designs
-from ..space.rows import Rows
-from ..space.task import Task
-from .forces import COMPILE_ABOVE
+from ..bundle.schemes import AbstractScheme
+from ..bundle.states import extends
+from ..core.errors import InvalidInputError
+from ..core.module import to_numpy
+from ..core.types import Bool, Float, Int
+from ..muscle import Muscle
+from .designs import Designs, Rows
 from .objectives import check_turns, known, needs
 from .outcome import Demand, states_for
 from .shared import Prepared, all_prepared, shared_objectives
+from .tables import COMPILE_ABOVE
+from .task import Task
 from .unlike import Sizes, unlike_objectives, whole_law
 
 

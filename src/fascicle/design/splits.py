@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.errors import InvalidInputError
-from ...core.types import Int
+from ..core.errors import InvalidInputError
+from ..core.types import Int
 
 
 MOST_MUSCLES, MOST_SPLITS = 100, 2_000_000  # of a bundle whose splits are enumerated, and of these

@@ -14,14 +14,14 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from ...core.apart import apart
-from ...core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
-from ...core.jax_backend import compile_law
-from ...core.types import Bool, Float, Numbers
-from ...muscle import Muscle
-from ...muscle.column import ROUNDING
-from ...muscle.piecewise import Piecewise, Pressurized
-from ..space.rows import Rows
+from ..core.apart import apart
+from ..core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
+from ..core.jax_backend import compile_law
+from ..core.types import Bool, Float, Numbers
+from ..muscle import Muscle
+from ..muscle.column import ROUNDING
+from ..muscle.piecewise import Piecewise, Pressurized
+from .designs import Rows
 from .outcome import Demand
 
 

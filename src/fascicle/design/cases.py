@@ -22,17 +22,16 @@ from functools import cached_property
 
 import numpy as np
 
-from ...bundle.schemes import AbstractScheme
-from ...bundle.states import states_of
-from ...core.types import Bool, Float, Int
-from ...core.validation import LARGEST_STRAIN
-from ...muscle import Muscle
-from ..space.designs import Designs
-from ..space.rows import Rows
-from ..space.task import Task
-from .forces import SHARED, UNLIKE, tabulated
+from ..bundle.schemes import AbstractScheme
+from ..bundle.states import states_of
+from ..core.types import Bool, Float, Int
+from ..core.validation import LARGEST_STRAIN
+from ..muscle import Muscle
+from .designs import Designs, Rows
 from .kernel import Unlike, highest
 from .outcome import MET, MOST_SETS, Demand
+from .tables import SHARED, UNLIKE, tabulated
+from .task import Task
 
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.types import Float, Int
-from ...muscle import Muscle
-from ..judge.allowed import Values
-from ..space.designs import Designs
-from ..space.task import Task
+from ..core.types import Float, Int
+from ..muscle import Muscle
+from .designs import Designs
+from .limits import Values
+from .task import Task
 
 
 _BLOCK = 2**16

@@ -1,1 +1,0 @@
-"""What each design does, and how good that is."""

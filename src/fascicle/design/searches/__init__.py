@@ -1,1 +1,0 @@
-"""Ways to find the best of a space, and how sure that is."""

@@ -1,1 +1,0 @@
-"""What is wanted and what may be built: tasks, products, splits and sizes."""

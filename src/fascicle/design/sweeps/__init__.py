@@ -1,1 +1,0 @@
-"""A search on many workers, that can be stopped and resumed."""
