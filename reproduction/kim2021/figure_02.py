@@ -6,23 +6,24 @@ from fascicle.plot.shapes import draw_states
 from fascicle.plot.style import in_kilopascals
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
 from .progression import JUST, PRESSURE, Progression, progression
+from .setting import claim
 
 
 STATES = ("free length", "free strain", "post-buckling", "post-collapse")
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """The four states of Fig. 6's muscle, with their shapes."""
     p = progression()
     titles = [
         f"{name}: {in_kilopascals(P)}, ε = {eps:.3f}"
         for name, P, eps in zip(STATES, p.pressure, p.strain, strict=True)
     ]
-    return Record(
+    return PaperFigure(
         key="figure_02",
         title="Fig. 2. From free length to past collapse",
         conditions=(
@@ -64,41 +65,18 @@ def claims(p: Progression) -> tuple[Claim, ...]:
     soon = p.first_deflection * 1e3
     off = abs(p.moment_at_collapse / p.collapse_moment - 1)
     return (
-        Claim(
-            key="bows_out_at_once",
-            where="section 3.1",
-            kind="definition",
-            text="Past its free strain a muscle bows out at once, without a straight compression "
-            "before.",
-            quote="we assume that the FAM bladder enters post-buckling immediately beyond the "
-            "free-strain condition",
-            criteria=(
-                Criterion("deflection at the free strain", free * 1e3, "=", 0.0, "mm"),
-                Criterion(f"deflection {JUST:g} of strain past it", soon, ">", 0.0, "mm"),
-            ),
-            model=f"The deflection is {free * 1e3:.2f} mm at the free strain, {soon:.2f} mm "
+        claim(
+            "bows_out_at_once",
+            (free * 1e3, soon),
+            f"The deflection is {free * 1e3:.2f} mm at the free strain, {soon:.2f} mm "
             f"{JUST:g} past it, {bent * 1e3:.1f} mm at ε = {p.strain[2]:.3f} and "
             f"{hinged * 1e3:.1f} mm at ε = {p.strain[3]:.3f}.",
         ),
-        Claim(
-            key="collapse_at_the_collapse_moment",
-            where="section 3.1",
-            kind="definition",
-            text="It collapses where the moment inside it reaches the collapse moment, and only "
-            "there.",
-            quote="When this moment exceeds the collapse moment, the bladder folds upon itself",
-            criteria=(
-                Criterion(
-                    "moment at the collapse strain over the collapse moment, off 1 by",
-                    off, "<", 1e-9, ours="one root gives both, found to the last bits",
-                ),
-                Criterion(
-                    "moment before it over the collapse moment",
-                    float(p.moment[2]) / p.collapse_moment, "<", 1.0,
-                ),
-            ),
-            model=f"At ε = {p.collapse_strain:.4f} the moment is {p.moment_at_collapse:.5f} N·m, "
+        claim(
+            "collapse_at_the_collapse_moment",
+            (off, float(p.moment[2]) / p.collapse_moment),
+            f"At ε = {p.collapse_strain:.4f} the moment is {p.moment_at_collapse:.5f} N·m, "
             f"the collapse moment {p.collapse_moment:.5f} N·m; before it is "
             f"{p.moment[2]:.5f} N·m.",
         ),
-    )  # fmt: skip
+    )

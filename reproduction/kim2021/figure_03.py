@@ -7,20 +7,20 @@ from fascicle.plot.shapes import dimension
 from fascicle.plot.style import in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
-from .pair import draw_pair
-from .progression import BENT, PRESSURE, Progression, progression
+from .progression import BENT, PRESSURE, Progression, draw_pair, progression
+from .setting import claim
 
 
 _NEAR = 0.05  # of the chord: where a moment still counts as at an end or in the middle
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Fig. 2's (b) and (c) again, with what (8) to (12) call the lengths."""
     p = progression()
-    return Record(
+    return PaperFigure(
         key="figure_03",
         title="Fig. 3. Parameters at free strain and in the post-buckling state",
         conditions=(
@@ -79,24 +79,14 @@ def claims(p: Progression) -> tuple[Claim, ...]:
     mode = bent.y.min() / 2 * (1 - np.cos(2 * np.pi * bent.z / bent.z[-1]))
     off = float(np.abs(bent.y - mode).max() / -bent.y.min())
     return (
-        Claim(
-            key="first_mode_shape",
-            where="section 3.2",
-            kind="definition",
-            text="The buckled axis has the first mode shape of a column with clamped ends: level "
-            "at both ends, largest deflection in the middle.",
-            quote="the first mode shape of a clamped-clamped column",
-            criteria=(
-                Criterion(
-                    "distance from that cosine over the deflection", off, "<", 1e-9,
-                    ours="rounding",
-                ),
-            ),
-            model=f"The drawn centerline is within {off:.0e} of its deflection from that cosine; "
+        claim(
+            "first_mode_shape",
+            (off,),
+            f"The drawn centerline is within {off:.0e} of its deflection from that cosine; "
             f"the deflection is {-bent.y.min() * 1e3:.2f} mm.",
         ),
         moment_claim(bent.z, moments(p), float(p.moment[BENT])),
-    )  # fmt: skip
+    )
 
 
 def moments(p: Progression) -> np.ndarray:
@@ -113,27 +103,13 @@ def moment_claim(z: np.ndarray, moment: np.ndarray, largest: float) -> Claim:
     size, place = np.abs(moment), z / z[-1]
     three = size[[0, z.size // 2, -1]]
     away = np.min(np.abs(place[:, None] - np.array([0.0, 0.5, 1.0])), axis=1) > _NEAR
-    return Claim(
-        key="largest_moments_at_ends_and_middle",
-        where="section 3.1",
-        kind="definition",
-        text="In the buckled column the largest moments are at each end and in the middle.",
-        quote="the maximum internal moments occur at each end and at the middle",
-        criteria=(
-            Criterion(
-                "least of the three over the largest anywhere, off 1 by",
-                abs(float(three.min() / size.max()) - 1), "<", 1e-3,
-                ours="the curvature is a second difference of the drawn shape",
-            ),
-            Criterion(
-                f"largest further than {_NEAR:g} of the chord from these three, over it",
-                float(size[away].max() / size.max()), "<", 1.0,
-            ),
-            Criterion(
-                "law's largest moment over that of the shape, off 1 by",
-                abs(largest / float(size.max()) - 1), "<", 1e-3, ours="as above",
-            ),
+    return claim(
+        "largest_moments_at_ends_and_middle",
+        (
+            abs(float(three.min() / size.max()) - 1),
+            float(size[away].max() / size.max()),
+            abs(largest / float(size.max()) - 1),
         ),
-        model=f"{three[0]:.4f} N·m at the ends, {three[1]:.4f} N·m in the middle, none a quarter "
+        f"{three[0]:.4f} N·m at the ends, {three[1]:.4f} N·m in the middle, none a quarter "
         f"of the chord from them; the law's largest is {largest:.4f} N·m.",
-    )  # fmt: skip
+    )

@@ -7,20 +7,20 @@ from fascicle.plot.shapes import dimension, guide, label
 from fascicle.plot.style import BLACK, in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
-from .pair import draw_pair
-from .progression import HINGED, PRESSURE, Progression, progression
+from .progression import HINGED, PRESSURE, Progression, draw_pair, progression
+from .setting import claim
 
 
 _REACH = 24.0  # mm, of the angle's arms
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Fig. 2's (b) and (d) again, with the angle at the hinge."""
     p = progression()
-    return Record(
+    return PaperFigure(
         key="figure_05",
         title="Fig. 5. Parameters at free strain and after collapse",
         conditions=(
@@ -48,24 +48,13 @@ def angles(p: Progression) -> tuple[float, float]:
 def claims(drawn: float, printed: float) -> tuple[Claim, ...]:
     """What the paper says of the hinge, of its angle as `drawn` and as `printed` [rad]."""
     return (
-        Claim(
-            key="hinge_angle",
-            where="section 3.3",
-            kind="definition",
-            text="The halves meet the axis at the angle whose tangent is √(x/(L_fs − x)), (24).",
-            quote="can be calculated from the slope of the column's free end",
-            criteria=(
-                Criterion(
-                    "angle of the drawn halves off (24) by",
-                    float(np.degrees(abs(drawn - printed))), "<", 0.006, "°",
-                    ours="the slope is taken over the last 1/240 of the chord: curvature enters "
-                    "squared",
-                ),
-            ),
-            model=f"The drawn halves end at {np.degrees(drawn):.3f}°, (24) gives "
+        claim(
+            "hinge_angle",
+            (float(np.degrees(abs(drawn - printed))),),
+            f"The drawn halves end at {np.degrees(drawn):.3f}°, (24) gives "
             f"{np.degrees(printed):.3f}°.",
         ),
-    )  # fmt: skip
+    )
 
 
 @styled

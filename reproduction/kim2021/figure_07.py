@@ -8,24 +8,24 @@ from fascicle.muscle import Muscle
 from fascicle.plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
+from .setting import claim
 
 
 RATES = np.array([5.0, 10.0, 25.0, 50.0, 100.0])
 ROW = 1  # 34.5 kPa
 _STEP = 1e-9  # of strain past the collapse
-_JUMP = 0.01  # of the force at collapse: what is a jump, where the paper gives no number
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Forces of Fig. 6's muscle at 34.5 kPa for five rates."""
     muscle = setting.muscle("figure_6")
     parts = setting.forces("figure_6")
     strain, collapse = parts.strain, float(parts.collapse_strain[ROW])
     force = np.array([_force(muscle, rate, strain) for rate in RATES.tolist()])
-    return Record(
+    return PaperFigure(
         key="figure_07",
         title="Fig. 7. The transition rate β",
         conditions=(f"Fig. 6's muscle at 34.5 kPa: {setting.sizes(muscle)}.",),
@@ -66,28 +66,17 @@ def claims(strain: np.ndarray, force: np.ndarray, collapse: float) -> tuple[Clai
     place = collapse + 0.02
     soon = [float(np.interp(place, strain, row)) for row in force]
     return (
-        Claim(
-            key="lower_rate_is_more_gradual",
-            where="section 3.4",
-            kind="definition",
-            text="A lower β makes the transition to the post-collapse state more gradual; nothing "
-            "before the collapse depends on it.",
-            quote="characterize a gradual transition to the post-collapse state",
-            criteria=(
-                Criterion(
-                    "least gain of force from one β to the next higher, 0.02 past the collapse",
-                    float(np.diff(soon).min()), ">", 0.0, "N",
-                ),
-                Criterion("difference before the collapse", same, "=", 0.0, "N"),
-            ),
-            model=f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
+        claim(
+            "lower_rate_is_more_gradual",
+            (float(np.diff(soon).min()), same),
+            f"At ε = {place:.3f}, 0.02 past the collapse, the force is "
             + ", ".join(f"{f:.2f}" for f in soon)
             + " N for β = "
             + ", ".join(f"{rate:g}" for rate in RATES)
             + "; before it the curves "
             + ("coincide." if same == 0 else f"differ by up to {same:.0e} N."),
         ),
-    )  # fmt: skip
+    )
 
 
 def ends(muscle: Muscle, collapse: float) -> tuple[float, float, float]:
@@ -102,22 +91,9 @@ def jump_claim(at: float, hinged: float, soon: float) -> Claim:
     """What the paper says of the force where the bladder collapses: `at` it, after it without a
     transition, `hinged`, and with one, `soon` [N].
     """
-    return Claim(
-        key="jump_before_the_transition",
-        where="section 3.3",
-        kind="definition",
-        text="Without the transition (26) the force jumps at the collapse; with it, it doesn't.",
-        quote="results in a piecewise model with a discontinuity at the collapse strain",
-        criteria=(
-            Criterion(
-                "jump from (16) to (25) over the force at collapse", abs(hinged / at - 1), ">",
-                _JUMP, ours="the paper gives no number",
-            ),
-            Criterion(
-                f"change over {_STEP:g} of strain with (26)", abs(soon - at), "<", 1e-6, "N",
-                ours="the slope times that strain",
-            ),
-        ),
-        model=f"At 34.5 kPa the force is {at:.2f} N at collapse and would be {hinged:.2f} N just "
+    return claim(
+        "jump_before_the_transition",
+        (abs(hinged / at - 1), abs(soon - at)),
+        f"At 34.5 kPa the force is {at:.2f} N at collapse and would be {hinged:.2f} N just "
         f"after it; with (26) it changes by {abs(soon - at):.0e} N.",
-    )  # fmt: skip
+    )

@@ -10,9 +10,10 @@ from fascicle.bundle.recruitment import pressures_of
 from fascicle.plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
+from .setting import claim
 
 
 STATES = UNITS = 2
@@ -20,11 +21,11 @@ LEVEL = np.linspace(0.0, 1.0, 51)  # of a state's throttled pressure, over the s
 SCHEMES = ("orderly", "batch")
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Pressures of two motor units through both recruitment states."""
     found = {scheme: activation(scheme) for scheme in SCHEMES}
     axis = np.r_[LEVEL, 1 + LEVEL]
-    return Record(
+    return PaperFigure(
         key="figure_08",
         title="Fig. 8. Activation of two motor units",
         conditions=(
@@ -82,30 +83,17 @@ def _panel(ax: Axes, axis: np.ndarray, P: np.ndarray) -> None:
 def claims(P: np.ndarray) -> tuple[Claim, ...]:
     """What the paper says of orderly recruitment, of pressures [Pa] by step and unit."""
     first, second = P[: LEVEL.size], P[LEVEL.size :]
-    full = setting.HIGHEST
     return (
-        Claim(
-            key="orderly_recruitment",
-            where="section 4.1",
-            kind="definition",
-            text="In recruitment state 1 only unit 1 is pressurized; in state 2 it stays at full "
-            "pressure while unit 2 goes from zero to full.",
-            quote="the first MU stays at its maximum pressure and a second MU is either partially "
-            "or fully activated",
-            criteria=(
-                Criterion("unit 2 in state 1", float(first[:, 1].max()) / 1e3, "=", 0.0, "kPa"),
-                Criterion(
-                    "unit 1 in state 2, at least",
-                    float(second[:, 0].min()) / 1e3, "=", full / 1e3, "kPa",
-                ),
-                Criterion(
-                    "unit 2 at the end of state 2",
-                    float(second[-1, 1]) / 1e3, "=", full / 1e3, "kPa",
-                ),
+        claim(
+            "orderly_recruitment",
+            (
+                float(first[:, 1].max()) / 1e3,
+                float(second[:, 0].min()) / 1e3,
+                float(second[-1, 1]) / 1e3,
             ),
-            model=f"State 1: unit 1 from {first[0, 0] / 1e3:g} to {first[-1, 0] / 1e3:g} kPa, "
+            f"State 1: unit 1 from {first[0, 0] / 1e3:g} to {first[-1, 0] / 1e3:g} kPa, "
             f"unit 2 at {first[:, 1].max() / 1e3:g}. State 2: unit 1 at "
             f"{second[:, 0].min() / 1e3:g}, unit 2 from {second[0, 1] / 1e3:g} to "
             f"{second[-1, 1] / 1e3:g} kPa.",
         ),
-    )  # fmt: skip
+    )

@@ -18,10 +18,11 @@ from fascicle.plot.style import (
 )
 from fascicle.results.labelled import Variable
 
-from ..claims import Claim, Criterion
-from ..reproduced import Record
+from ..claims import Claim
+from ..figures import PaperFigure
 from . import setting
 from .figure_06 import least_force
+from .setting import claim
 
 
 NAMES = ("slenderness_8", "slenderness_10")
@@ -29,12 +30,12 @@ PRESSURES = setting.PRESSURES[setting.FIGURE_12]
 _HIGHER = np.linspace(172.4e3, setting.HIGHEST, 6)  # Pa, above 137.9 kPa to the tests' end
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Forces of the two muscles with Table 1's factors."""
     muscles = [setting.muscle(name) for name in NAMES]
     parts = [setting.forces(name).at(setting.FIGURE_12) for name in NAMES]
     reach = setting.tested(muscles[0])
-    return Record(
+    return PaperFigure(
         key="figure_12",
         title="Fig. 12. Table 1's two muscles",
         conditions=(
@@ -123,32 +124,11 @@ def _stouter_claim(key: str, parts: list[Components], reach: float) -> Claim:
         f"{-a:.1f} against {-b:.1f} N at {in_kilopascals(p)}"
         for p, a, b in zip(PRESSURES, stout, slender, strict=True)
     )
-    ratio = Criterion(
-        "largest resistance of the stouter over the slenderer's, the least of five pressures",
-        float((stout / slender).min()), ">", 1.0,
-    )  # fmt: skip
-    if tuned:
-        return Claim(
-            key=key,
-            where="section 5.4",
-            kind="input",
-            text="With Table 1's factors the stouter muscle resists much more.",
-            quote="A significant difference in resistive force magnitude is observed between the "
-            "two FAMs",
-            criteria=(ratio,),
-            model=f"{model}, with the factors.",
-            chosen="Table 1: the paper fitted its factors, on E 1.25 against 0.95, to "
-            "measurements of these two muscles.",
-        )
-    return Claim(
-        key=key,
-        where="section 5.4",
-        kind="prediction",
-        text="Of two muscles that differ in length alone the stouter one resists more.",
-        quote="As predicted in the model, the FAM with a lower slenderness ratio exhibited a "
-        "larger magnitude of resistive force",
-        criteria=(ratio,),
-        model=f"{model}, without Table 1's factors.",
+    ratio = float((stout / slender).min())  # fmt: skip
+    return claim(
+        key,
+        (ratio,),
+        f"{model}, with the factors." if tuned else f"{model}, without Table 1's factors.",
     )
 
 
@@ -157,68 +137,37 @@ def _calm_claim(muscles: list[Muscle], reach: float) -> Claim:
         [setting.resistance_after(muscle, float(P), reach) for P in PRESSURES] for muscle in muscles
     ]
     worst = float(np.nanmax(ratios))
-    return Claim(
-        key="less_after_collapse_with_table_1",
-        where="section 3.4",
-        kind="input",
-        text="With Table 1's factors too the resistance after collapse never exceeds its value at "
-        "collapse, up to the end of the tested range.",
-        quote="the magnitude of resistive force remains less than its maximum value at collapse",
-        criteria=(Criterion("largest from collapse on over that at collapse", worst, "≤", 1.0),),
-        model="Over the tested range, where it collapses: "
+    return claim(
+        "less_after_collapse_with_table_1",
+        (worst,),
+        "Over the tested range, where it collapses: "
         + "; ".join(
             f"slenderness {name}, at most {np.nanmax(row):.3f} of it"
             for name, row in zip((8, 10), ratios, strict=True)
         )
         + ".",
-        chosen="The unit of P in Table 1's factor on k_r, bar [R14]: with kPa or psi it would be "
-        "several times more.",
     )
 
 
 def _high_claim(muscles: list[Muscle], reach: float) -> Claim:
     collapses = [float(m.collapse_strain(_HIGHER).min()) for m in muscles]
-    return Claim(
-        key="no_collapse_above_137_9_kpa",
-        where="section 5.4",
-        kind="input",
-        text="Above 137.9 kPa the bladders do not collapse within the tested range.",
-        quote="occur closer to the maximum free strain and do not show the collapse of the bladder",
-        criteria=(
-            Criterion(
-                "strain from the end of the range to the earliest collapse",
-                min(collapses) - reach, ">", 0.0, scale=reach, ours=setting.RANGE_END,
-            ),
-        ),
-        model=f"The earliest collapse, from {_HIGHER[0] / 1e3:g} to {_HIGHER[-1] / 1e3:g} kPa: "
+    return claim(
+        "no_collapse_above_137_9_kpa",
+        ((min(collapses) - reach, {"scale": reach}),),
+        f"The earliest collapse, from {_HIGHER[0] / 1e3:g} to {_HIGHER[-1] / 1e3:g} kPa: "
         + " and ".join(f"ε = {x:.4f}" for x in collapses)
         + f" (slenderness 8 and 10); the range ends at {reach:.4f}.",
-        chosen="C₁₀ and C₀₁ [R3], so that no bladder collapses at 137.9 kPa before the end of the "
-        "range, and Table 1, fitted to these muscles: the same evidence.",
-    )  # fmt: skip
+    )
 
 
 def blocked_claim(muscles: list[Muscle]) -> Claim:
     """What the paper says of the blocked forces of the two `muscles` [-]."""
     blocked = [float(m.blocked_force(PRESSURES[-1])) for m in muscles]
-    return Claim(
-        key="unequal_blocked_forces",
-        where="section 5.4",
-        kind="prediction",
-        text="The two muscles have unequal blocked forces, though equal sections.",
-        quote="a difference in blocked force is observed due to a difference in bladder force at "
-        "zero strain",
-        criteria=(
-            Criterion(
-                "blocked forces at 137.9 kPa, apart by", 100 * abs(blocked[0] / blocked[1] - 1),
-                ">", 0.1, "%", ours="the paper gives no number",
-            ),
-        ),
-        model=f"{blocked[0]:.3f} and {blocked[1]:.3f} N at 137.9 kPa.",
-        why="At zero strain neither mesh nor bladder force depends on the length, and the "
-        "bladder's is zero; a difference can come only from C₁ and C₂, that is, from the "
-        "measurements themselves.",
-    )  # fmt: skip
+    return claim(
+        "unequal_blocked_forces",
+        (100 * abs(blocked[0] / blocked[1] - 1),),
+        f"{blocked[0]:.3f} and {blocked[1]:.3f} N at 137.9 kPa.",
+    )
 
 
 def intercept_claim(muscle: Muscle) -> Claim:
@@ -227,21 +176,8 @@ def intercept_claim(muscle: Muscle) -> Claim:
     blocked = setting.array(muscle.blocked_force(P))
     slope, least = np.polyfit(P, blocked, 1)
     intercept, off = -least / slope, np.abs(blocked - slope * P - least).max() / blocked.max()
-    return Claim(
-        key="blocked_force_intercept",
-        where="section 5.1",
-        kind="prediction",
-        text="The blocked force rises linearly with pressure, from a pressure above zero on.",
-        quote="blocked force typically increased linearly with pressure with a positive force "
-        "x-intercept",
-        criteria=(
-            Criterion("distance from a line over the largest", float(off), "<", 1e-9,
-                      ours="rounding"),
-            Criterion("pressure where that line is zero", float(intercept), ">", 1.0, "Pa",
-                      ours="rounding"),
-        ),
-        model=f"A line to {off:.0e} of the largest, which is zero at {abs(intercept):.0e} Pa.",
-        why="At zero strain the bladder's force is zero and the mesh's proportional to the "
-        "pressure. An intercept can come only from C₁ and C₂, that is, from the measurements that "
-        "the paper says it of.",
-    )  # fmt: skip
+    return claim(
+        "blocked_force_intercept",
+        (float(off), float(intercept)),
+        f"A line to {off:.0e} of the largest, which is zero at {abs(intercept):.0e} Pa.",
+    )

@@ -26,10 +26,10 @@ from fascicle.plot.style import (
     styled,
 )
 from fascicle.records.dynamometer import VirtualDynamometer
-from fascicle.records.record import Record as Measured
+from fascicle.records.record import Record
 from fascicle.results.labelled import Variable
 
-from ..reproduced import Record
+from ..figures import PaperFigure
 from . import setting
 from .figure_12 import NAMES, PRESSURES
 
@@ -44,18 +44,18 @@ class Recovered:
 
     name: str
     truth: Muscle
-    measured: Measured
+    measured: Record
     found: Calibration
     strain: np.ndarray
     table: np.ndarray
     force: np.ndarray
 
 
-def compute() -> Record:
+def compute() -> PaperFigure:
     """Both muscles calibrated to their synthetic records."""
     both = [_recovered(name, seed) for name, seed in zip(NAMES, _SEEDS, strict=True)]
     noise = 100 * VirtualDynamometer().noise
-    return Record(
+    return PaperFigure(
         key="figure_12_calibrated",
         title="Calibrated to synthetic records: Fig. 12's two muscles",
         conditions=(
@@ -114,7 +114,7 @@ def draw(both: list[Recovered]) -> Figure:
     return figure
 
 
-def _near(measured: Measured, pressure: float) -> tuple[np.ndarray, np.ndarray]:
+def _near(measured: Record, pressure: float) -> tuple[np.ndarray, np.ndarray]:
     """Readings [-], [N] at the tested pressure nearest to `pressure` [Pa], thinned."""
     level = measured.pressure[np.argmin(np.abs(measured.pressure - pressure))]
     places = np.flatnonzero(measured.pressure == level)

@@ -1,18 +1,22 @@
-"""Four states of Fig. 6's muscle, from rest to past collapse: what Figs 2 to 5 draw."""
+"""Four states of Fig. 6's muscle, from rest to past collapse, which Figs 2 to 5 draw."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.shapes import Outline, outlines
+from fascicle.plot.shapes import Outline, dimension, draw_muscle, guide, name_row, outlines, stack
+from fascicle.plot.style import BLACK
 
 from . import setting
 
 
 PRESSURE = float(setting.PRESSURES[1])  # the lower of Fig. 6's two pressures with all three regions
-FREE, BENT, HINGED = 1, 2, 3  # places of the states; rest is 0
+FREE, BENT, HINGED = 1, 2, 3  # indices of the states; rest is 0
 JUST = 0.001  # of strain past the free strain
+_NARROW = 12.0  # mm, too little for the length's text to stand inside
 _SHARE = 0.9  # of the way from free strain to collapse
 
 
@@ -61,3 +65,27 @@ def progression() -> Progression:
         muscle, P, eps, moments[:4], drawn[:4], free, float(collapse[1]),
         float(muscle.collapse_moment(PRESSURE)), float(moments[4]), float(-drawn[4].y.min()),
     )  # fmt: skip
+
+
+def draw_pair(p: Progression, state: int, title: str) -> tuple[Figure, Axes, float]:
+    """The free strain as (a), `state` of the progression as (b); and the level of (b) [mm]."""
+    drawn = [p.outlines[FREE], p.outlines[state]]
+    figure, ax, (upper, lower) = stack(float(p.muscle.length), drawn, gap=15.0)
+    titles = f"free strain, ε = {p.free_strain:.3f}", f"{title}, ε = {p.strain[state]:.3f}"
+    for one, level, mark, text in zip(drawn, (upper, lower), "ab", titles, strict=True):
+        draw_muscle(ax, one, level)
+        name_row(ax, one, level + 6, mark, text)
+    L_fs, x = p.free_length * 1e3, p.compression(state) * 1e3
+    chord, above = L_fs - x, 1.3 * drawn[0].rest_radius * 1e3 + 3.5
+    dimension(ax, (0, upper + above), (L_fs, upper + above), rf"$L_{{fs}}$ = {L_fs:.1f} mm")
+    line = lower + above
+    dimension(ax, (0, line), (chord, line), rf"$L = L_{{fs}} - x$ = {chord:.1f} mm")
+    beside = x < _NARROW
+    dimension(ax, (chord, line), (L_fs, line), "" if beside else f"$x$ = {x:.1f} mm")
+    if beside:
+        ax.text(L_fs + 1.5, line, f"$x$ = {x:.1f} mm", va="center")
+    guide(ax, (L_fs, upper - above), (L_fs, line + 1))
+    guide(ax, (0, lower), (chord, lower))
+    axis = drawn[1]
+    ax.plot(axis.z * 1e3, axis.y * 1e3 + lower, color=BLACK, linewidth=0.7, zorder=5)
+    return figure, ax, lower

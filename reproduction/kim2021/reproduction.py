@@ -1,4 +1,4 @@
-"""The whole reproduction: every figure computed, drawn, written, and its claims reported."""
+"""The whole reproduction: every figure computed, drawn and written, its claims reported."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -7,7 +7,7 @@ from pathlib import Path
 from fascicle.io.atomic import write_text
 
 from ..claims import Claim, Reading
-from ..reproduced import Record, Written, write_record
+from ..figures import PaperFigure, WrittenFigure, write_figure
 from . import (
     alternatives,
     figure_02,
@@ -28,8 +28,7 @@ from . import (
 from .report import claims_file, report
 
 
-Progress = Callable[[int, int, str], object]
-Compute = Callable[[], Record]
+Compute = Callable[[], PaperFigure]
 
 FIGURES: tuple[Compute, ...] = tuple(
     module.compute
@@ -39,57 +38,64 @@ FIGURES: tuple[Compute, ...] = tuple(
     )
 )  # fmt: skip
 # calibrated records are no claims of the paper, and take longest
-CLAIMING: tuple[Compute, ...] = tuple(
-    one for one in FIGURES if one is not figure_12_calibrated.compute
-)
-ALTERNATIVES: tuple[Compute, ...] = alternatives.RECORDS
+CLAIMING: tuple[Compute, ...] = tuple(c for c in FIGURES if c is not figure_12_calibrated.compute)
+ALTERNATIVES: tuple[Compute, ...] = alternatives.FIGURES
 
 
-def by_readings() -> dict[str, dict[str, Claim]]:
+def run(out: Path, progress: Callable[[int, int, str], object] | None = None) -> list[Claim]:
+    """Make every figure, its data, the claims as `claims.json`, and the report.
+
+    **Arguments:**
+
+    - `out`: the folder, which is made if it isn't there; files in it are replaced.
+    - `progress`: called with the steps done, their number, and the name of the present one.
+
+    **Returns:** the claims, in the order of the figures.
+
+    **Raises:** `OSError` where something can't be written.
+    """
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    show = progress or (lambda _done, _total, _name: None)
+    steps = (*FIGURES, *ALTERNATIVES)
+    written: list[WrittenFigure] = []
+    show(0, len(steps), "computing")
+    readings = claims_by_reading()
+    for compute in steps:
+        figure = compute()
+        figure = replace(figure, claims=add_readings(figure.claims, readings))
+        show(len(written), len(steps), figure.name)
+        written.append(write_figure(figure, folder))
+    figures, others = written[: len(FIGURES)], written[len(FIGURES) :]
+    claims = [claim for entry in figures for claim in entry.figure.claims]
+    write_text(folder / "claims.json", claims_file(claims))
+    write_text(folder / "report.html", report(figures, others))
+    show(len(steps), len(steps), "done")
+    return claims
+
+
+def claims_by_reading() -> dict[str, dict[str, Claim]]:
     """Claims by their keys, by each of the paper's other readings."""
     _, *others = setting.READINGS  # the first is that of every figure
-    found = {}
+    claims = {}
     for name in others:
         with setting.reading(name):
-            found[name] = {claim.key: claim for one in CLAIMING for claim in one().claims}
-    return found
+            claims[name] = {claim.key: claim for compute in CLAIMING for claim in compute().claims}
+    return claims
 
 
-def with_readings(
+def add_readings(
     claims: Iterable[Claim], readings: Mapping[str, Mapping[str, Claim]]
 ) -> tuple[Claim, ...]:
-    """Claims with what the other `readings` [-] say of each, of those that have it."""
+    """Add to each claim its verdict by the other `readings`."""
     return tuple(
         replace(
             claim,
             readings=tuple(
-                Reading(name, other.holds, tuple(one.text for one in other.criteria))
+                Reading(name, other.holds, tuple(number.text for number in other.criteria))
                 for name, others in readings.items()
                 if (other := others.get(claim.key)) is not None
             ),
         )
         for claim in claims
     )
-
-
-def run(out: Path, progress: Progress | None = None) -> list[Claim]:
-    """Make everything in folder `out`; see `fascicle.reproduce.kim2021.run`."""
-    folder = Path(out)
-    folder.mkdir(parents=True, exist_ok=True)
-    told = progress or (lambda _done, _total, _what: None)
-    steps = (*FIGURES, *ALTERNATIVES)
-    written: dict[Compute, Written] = {}
-    told(0, len(steps), "computing")
-    readings = by_readings()
-    for compute in steps:
-        record = compute()
-        record = replace(record, claims=with_readings(record.claims, readings))
-        told(len(written), len(steps), record.name)
-        written[compute] = write_record(record, folder)
-    figures = [written[compute] for compute in FIGURES]
-    second = [written[compute] for compute in ALTERNATIVES]
-    claims = [claim for one in figures for claim in one.record.claims]
-    write_text(folder / "claims.json", claims_file(claims))
-    write_text(folder / "report.html", report(figures, second))
-    told(len(steps), len(steps), "done")
-    return claims

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -19,6 +20,8 @@ from fascicle.muscle import Muscle, Tuning
 from fascicle.muscle.materials import LATEX, MooneyRivlin
 from fascicle.plot.components import Components, components_of
 
+from ..claims import claim_builder
+
 
 PRESSURES = np.array([0.0, 34.5, 68.9, 103.4, 137.9, 344.7]) * 1e3  # Pa, Figs 6, 7 and 12
 FIGURE_6, FIGURE_12 = [0, 1, 4, 5], [0, 1, 2, 3, 4]  # which of them
@@ -26,8 +29,8 @@ STRAIN = np.linspace(0.0, 0.3, 301)
 TABLE = np.linspace(0.0, 413.7e3, 13)  # Pa, of C1 and C2: every 5 psi, as tested
 HIGHEST = 413.7e3  # Pa, the largest pressure tested, and the supply's in sections 4.1 and 4.2
 UNIT_1 = 344.7e3  # Pa, motor unit 1 in section 6
+claim = claim_builder(Path(__file__).with_name("claims.toml"))
 Function = TypeVar("Function", bound=Callable[..., Any])
-RANGE_END = "the range ends at the model's free strain at 413.7 kPa, our reading of section 5.3"
 UNTUNED = "C₁ = 0 and C₂ = 1: the paper shows these two tables of section 5.1 nowhere."
 
 

@@ -335,17 +335,19 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
         progress(0, 1, "Fig. 6")
         (folder / "report.html").write_text("a report")
         number = Criterion("strain left", 0.0674, "<", 0.1 if verdict else 0.05)
-        chosen = Criterion("free strain", 0.2403, "=", 0.24, tolerance=0.005, ours="two digits")
+        chosen = Criterion(
+            "free strain", 0.2403, "=", 0.24, tolerance=0.005, limit_reason="two digits"
+        )
         far = Criterion("times", 1.0, ">", 2.0)
         return [
             Claim("a", "Fig. 6", "prediction", "it collapses", "it folds", (number,), "at 0.067"),
             Claim("b", "Sec. 4", "prediction", "it never does", "no", (far,), "it does",
-                  why="its own sizes"),
+                  explanation="its own sizes"),
             Claim("c", "Sec. 5", "input", "it is 0.24", "0.24", (chosen,), "0.2403",
-                  chosen="a constant"),
+                  choice="a constant"),
         ]  # fmt: skip
 
-    monkeypatch.setattr("reproduction.kim2021.run", run, raising=False)
+    monkeypatch.setattr("reproduction.kim2021.reproduction.run", run, raising=False)
     code, out, err = fascicle("reproduce", "kim2021", "--out", "made")
     assert (code, err) == (0 if verdict else 1, "")
     for words in ("Fig. 6", "holds" if verdict else "fails", "differs", "its own sizes", "chosen",

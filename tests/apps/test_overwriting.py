@@ -85,7 +85,7 @@ def test_a_reproduction_keeps_what_is_there(fascicle, monkeypatch, tmp_path):
         (folder / "report.html").write_text("a report")
         return []
 
-    monkeypatch.setattr("reproduction.kim2021.run", run)
+    monkeypatch.setattr("reproduction.kim2021.reproduction.run", run)
     (tmp_path / "made").mkdir()
     (tmp_path / "made" / "report.html").write_text("mine")
     code, _, err = fascicle("reproduce", "kim2021", "--out", "made")

@@ -189,7 +189,7 @@ def test_reproduce_onto_a_full_disk(refused, monkeypatch):
     def run(_folder, _progress):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("reproduction.kim2021.run", run)
+    monkeypatch.setattr("reproduction.kim2021.reproduction.run", run)
     message = refused("reproduce", "kim2021", "--out", "made")
     assert message == "--out made: can't be written: No space left on device."
 

@@ -8,7 +8,7 @@ from reproduction.claims import (
     Claim,
     Criterion,
     Reading,
-    as_data,
+    claims_data,
     failed,
     remarks,
     summary,
@@ -19,11 +19,13 @@ def criterion(value: float = 1.0, sign: str = ">", limit: float = 0.0, **more) -
     return Criterion("what", value, sign, limit, **more)
 
 
-def claim(holds: bool = True, kind: str = "prediction", why: str = "", key: str = "it") -> Claim:
+def claim(
+    holds: bool = True, kind: str = "prediction", explanation: str = "", key: str = "it"
+) -> Claim:
     return Claim(
         key, "Fig. 1", kind, "what it says", "its words",
-        (criterion(1.0 if holds else -1.0),), "what came out", why,
-        chosen="a constant" if kind == "input" else "",
+        (criterion(1.0 if holds else -1.0),), "what came out", explanation,
+        choice="a constant" if kind == "input" else "",
     )  # fmt: skip
 
 
@@ -47,15 +49,15 @@ def test_a_criterion_says_what_must_be():
 
 
 @pytest.mark.parametrize(
-    ("holds", "kind", "why", "verdict"),
+    ("holds", "kind", "explanation", "verdict"),
     [(True, "prediction", "", "holds"), (True, "prediction", "known", "holds"),
      (False, "prediction", "known", "differs"), (False, "prediction", "", "fails"),
      (True, "input", "", "chosen"), (False, "input", "", "fails"),
      (False, "input", "known", "differs"),
      (True, "definition", "", "by definition"), (False, "definition", "", "fails")],
 )  # fmt: skip
-def test_verdicts(holds, kind, why, verdict):
-    assert claim(holds, kind, why).verdict == verdict
+def test_verdicts(holds, kind, explanation, verdict):
+    assert claim(holds, kind, explanation).verdict == verdict
 
 
 def test_all_criteria_must_be_met():
@@ -65,23 +67,23 @@ def test_all_criteria_must_be_met():
 
 def test_what_is_not_known_to_differ_can_fail():
     bad = claim(holds=False)
-    assert failed([claim(), claim(holds=False, why="known"), bad]) == [bad]
+    assert failed([claim(), claim(holds=False, explanation="known"), bad]) == [bad]
 
 
 @pytest.mark.parametrize(
     "given",
-    [{"kind": "guess"}, {"criteria": ()}, {"kind": "input"}, {"chosen": "a constant"}],
+    [{"kind": "guess"}, {"criteria": ()}, {"kind": "input"}, {"choice": "a constant"}],
 )
 def test_a_claim_without_what_it_needs_is_refused(given):
-    whole = {"key": "k", "where": "w", "kind": "prediction", "text": "t", "quote": "q",
-             "criteria": (criterion(),), "model": "m"}  # fmt: skip
-    with pytest.raises(ValueError, match=r"kind|criteria|chosen"):
+    whole = {"key": "k", "place": "w", "kind": "prediction", "text": "t", "quote": "q",
+             "criteria": (criterion(),), "outcome": "m"}  # fmt: skip
+    with pytest.raises(ValueError, match=r"kind|criteria|choice"):
         Claim(**{**whole, **given})
 
 
 def test_predictions_are_counted_apart():
     claims = [
-        claim(), claim(), claim(False, why="known"),
+        claim(), claim(), claim(False, explanation="known"),
         claim(kind="input"), claim(kind="definition"), claim(kind="definition"),
     ]  # fmt: skip
     assert summary(claims) == (
@@ -96,7 +98,7 @@ def test_predictions_are_counted_apart():
 
 def test_the_file_has_what_the_page_says_and_no_nan():
     odd = Claim("k", "w", "prediction", "t", "q", (criterion(math.nan),), "m")
-    data = as_data([claim(), odd])
+    data = claims_data([claim(), odd])
     assert data["summary"] == summary([claim(), odd])
     assert data["kinds"] == dict(KINDS)
     assert data["claims"][0]["criteria"][0]["met"] is True
@@ -111,16 +113,16 @@ def test_the_file_has_what_the_page_says_and_no_nan():
      (0.2449, "=", 0.24, 0.005, True), (1e-9, ">", 0.0, 0.0, False)],
 )  # fmt: skip
 def test_a_limit_of_ours_can_be_close(value, sign, limit, tolerance, close):
-    one = criterion(value, sign, limit, tolerance=tolerance, ours="no number is given")
-    assert one.close is close and ("close" in one.whose) is close
+    one = criterion(value, sign, limit, tolerance=tolerance, limit_reason="no number is given")
+    assert one.close is close and ("close" in one.limit_note) is close
     # the paper's own limit is what it is
     assert not criterion(value, sign, limit, tolerance=tolerance).close
 
 
 def test_a_limit_of_zero_is_close_by_the_size_it_is_compared_with():
-    small = criterion(0.0028, ">", 0.0, ours="our reading", scale=0.26)
+    small = criterion(0.0028, ">", 0.0, limit_reason="our reading", scale=0.26)
     assert small.close and not dataclasses.replace(small, value=0.1).close
-    assert not dataclasses.replace(small, ours="").close
+    assert not dataclasses.replace(small, limit_reason="").close
 
 
 def test_a_verdict_that_depends_on_a_reading_says_so():
@@ -128,11 +130,11 @@ def test_a_verdict_that_depends_on_a_reading_says_so():
     same = Reading("wood1958", True, ("what: 0.5, must be < 1",))
     first = dataclasses.replace(claim(key="first"), readings=(other, same))
     second = dataclasses.replace(claim(key="second"), readings=(same,))
-    assert first.turned == (other,) and not second.turned
+    assert first.opposite_readings == (other,) and not second.opposite_readings
     assert "does not hold by printed (what: 2" in first.dependence
     assert second.dependence == "The same by every reading."
     (told,) = remarks([first, second])
     assert "first (printed)" in told and "second" not in told
-    assert as_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
-    near = criterion(0.95, ">", 0.9, ours="no number is given")
+    assert claims_data([first])["claims"][0]["readings"] == {"printed": False, "wood1958": True}
+    near = criterion(0.95, ">", 0.9, limit_reason="no number is given")
     assert "third" in remarks([dataclasses.replace(claim(key="third"), criteria=(near,))])[0]

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fascicle.cli import main
-from reproduction import kim2021
 from reproduction.claims import Claim, Criterion, failed, summary
 from reproduction.kim2021 import figure_06, figure_08, reproduction, setting
 
@@ -69,7 +68,7 @@ def check_said_alike(claims, html: str, data: dict) -> None:
 def test_a_report_of_one_figure(tmp_path, monkeypatch):
     only(monkeypatch, figure_08.compute)
     told = []
-    claims = kim2021.run(tmp_path, lambda *step: told.append(step))
+    claims = reproduction.run(tmp_path, lambda *step: told.append(step))
     assert [claim.verdict for claim in claims] == ["by definition"]
     assert told[0][:2] == (0, 1)
     assert told[-1] == (1, 1, "done")
@@ -101,7 +100,7 @@ def test_a_figure_that_breaks_stops_the_run(tmp_path, monkeypatch):
 
     only(monkeypatch, broken)
     with pytest.raises(ZeroDivisionError):
-        kim2021.run(tmp_path)
+        reproduction.run(tmp_path)
     assert not (tmp_path / "report.html").exists()
 
 
@@ -177,7 +176,7 @@ def test_what_the_constants_were_chosen_to_meet_is_no_prediction():
 
 @pytest.mark.slow
 def test_the_whole_reproduction(tmp_path):
-    claims = kim2021.run(tmp_path)
+    claims = reproduction.run(tmp_path)
     assert not failed(claims)
     assert {claim.key for claim in claims if not claim.holds} == DIFFERENCES
     for number in (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 13, 14):

@@ -56,14 +56,14 @@ def run(
     with refusing("--out "):
         _check(folder, overwrite)
     prepare()
-    reproduction = _load("kim2021")
+    reproduction = _load("kim2021.reproduction")
     with refusing("--out "):  # a full disk, a folder gone
         claims = _made(reproduction, folder, overwrite)
-    tables = _load("tables")
-    tables.print_claims(claims)
+    terminal = _load("terminal")
+    terminal.print_claims(claims)
     say(f"claims: {folder / 'claims.json'}")
     say(f"report: {folder / 'report.html'}")
-    if tables.failed(claims):
+    if terminal.failed(claims):
         raise typer.Exit(1)
 
 
@@ -113,7 +113,7 @@ def _measured(folder: Path, overwrite: bool) -> None:
             lambda draft: comparisons.extend(measurements.run(draft, records, tell)),
             overwrite,
         )
-    _load("tables").print_comparisons(comparisons)
+    _load("terminal").print_comparisons(comparisons)
     for text in measurements.UNTESTED:
         say(text)
     say(f"report: {folder / 'report.html'}")

@@ -41,20 +41,20 @@ def print_claims(claims: Sequence[Claim]) -> None:
         for claim in chosen:
             verdict = Text(claim.verdict, style=_STYLES[claim.verdict])
             words = Text.assemble(claim.text, (f" “{claim.quote}”", "dim"))
-            table.add_row(Text(claim.where), verdict, words, Text(_criteria(claim)))
+            table.add_row(Text(claim.place), verdict, words, Text(_criteria(claim)))
         console.print(table)
     for claim in claims:
         if not claim.holds:
-            text = f"{claim.verdict}: {claim.text} {claim.model} {claim.why}".rstrip()
+            text = f"{claim.verdict}: {claim.text} {claim.outcome} {claim.explanation}".rstrip()
             console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
     for sentence in (*remarks(claims), summary(claims)):
         console.print(Text(sentence), soft_wrap=True)
 
 
 def _criteria(claim: Claim) -> str:
-    lines = [f"{criterion.text}{criterion.whose}" for criterion in claim.criteria]
-    if claim.chosen and claim.holds:
-        lines.append(f"chosen: {claim.chosen}")
+    lines = [f"{criterion.text}{criterion.limit_note}" for criterion in claim.criteria]
+    if claim.choice and claim.holds:
+        lines.append(f"chosen: {claim.choice}")
     return "; ".join(lines)
 
 

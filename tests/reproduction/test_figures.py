@@ -6,10 +6,10 @@ import pytest
 from fascicle.plot import free_strain
 from fascicle.results import labelled as results
 from fascicle.results.labelled import Variable
-from reproduction.reproduced import Record, tables, write_record
+from reproduction.figures import PaperFigure, tables, write_figure
 
 
-RECORD = Record(
+FIGURE = PaperFigure(
     key="figure_99",
     title="Fig. 99. Nothing much",
     conditions=(),
@@ -25,7 +25,7 @@ RECORD = Record(
 
 
 def test_variables_of_like_dimensions_share_a_table():
-    found = tables(RECORD)
+    found = tables(FIGURE)
     assert {name: list(table) for name, table in found.items()} == {
         "figure_99.csv": ["x", "y"],
         "figure_99_numbers.csv": ["k"],
@@ -34,7 +34,7 @@ def test_variables_of_like_dimensions_share_a_table():
 
 
 def test_every_file_is_written_and_read_back(tmp_path):
-    written = write_record(RECORD, tmp_path)
+    written = write_figure(FIGURE, tmp_path)
     others = [f"figure_99.{kind}" for kind in ("nc", "png", "svg")]
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*written.tables, *others])
     assert (tmp_path / "figure_99.svg").read_bytes() == written.svg
@@ -50,4 +50,4 @@ def test_every_file_is_written_and_read_back(tmp_path):
 
 
 def test_the_name_of_a_figure_is_its_number():
-    assert RECORD.name == "Fig. 99"
+    assert FIGURE.name == "Fig. 99"
