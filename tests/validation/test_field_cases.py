@@ -4,7 +4,7 @@ import pytest
 from measured import measured
 
 from fascicle.records import load
-from fascicle.records.asking import Asked
+from fascicle.records.columns import MissingMetadataError
 
 
 def test_a_rigs_clock_does_not_stop_the_reading():
@@ -19,7 +19,7 @@ def test_a_rigs_clock_does_not_stop_the_reading():
 )
 def test_hanging_masses_are_weights(name, column, unit):
     path, given = measured(f"field-cases/{name}.csv"), {"columns": {"force": column}}
-    with pytest.raises(Asked) as asked:
+    with pytest.raises(MissingMetadataError) as asked:
         load(path, rest_length=0.18, **given)
     assert (asked.value.argument, asked.value.role, asked.value.value) == ("units", "force", unit)
     record = load(path, rest_length=0.18, units={"force": unit}, **given)

@@ -20,7 +20,7 @@ from jax import Array, lax
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Float, Values
 from ..muscle import Muscle
-from ..records.fabrication import Scatter
+from ..records.dynamometer import Scatter
 from .designs import Designs
 from .evaluation import size_of
 from .exhaustive_search import directed, non_dominated

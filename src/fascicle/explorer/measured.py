@@ -11,9 +11,9 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.entry import extension_message, lowest_of, lowest_strain
 from ..records import loads
-from ..records.asking import Asked
+from ..records.columns import MissingMetadataError
+from ..records.csv_table import open_table
 from ..records.record import Record
-from ..records.table import open_table
 from ..units import pretty
 
 
@@ -96,7 +96,7 @@ def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None)
     given: dict[str, Any] = said.given
     try:
         record = loads(text, source=name, **given)
-    except Asked as error:  # a length or displacement in a file that names no rest length
+    except MissingMetadataError as error:  # a length in a file that names no rest length
         if error.argument != "rest_length":
             # in the words of the fields that are there
             what = "" if error.argument == "columns" else "its unit in "
@@ -127,7 +127,7 @@ def synthetic(muscle: Muscle) -> bytes:
     is a little thicker and steeper than drawn, as one that was built is.
     """
     from ..records import VirtualDynamometer
-    from ..records.writing import dumps
+    from ..records.record import dumps
 
     machine = VirtualDynamometer(list(_PRESSURES), samples=60, both_ways=False)
     built = muscle.replace(

@@ -23,7 +23,7 @@ from ..design.splits import read as read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
-from ..records.fabrication import Scatter
+from ..records.dynamometer import Scatter
 from ..units import parse
 from .catalog import Offer, offer, sections_of
 from .drawn import drawn

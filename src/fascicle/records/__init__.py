@@ -1,7 +1,6 @@
-"""Measured data: from a dynamometer's CSV to a record, its runs, and back to a file.
+"""Measured data: a dynamometer's CSV as a record, its runs, and back to a file.
 
-Names are looked up when they are asked for, so that a record's shape can be had without
-pandas, and a file can be read without JAX.
+Names are imported when they are first used: a record's shape needs no pandas, a file no model.
 """
 
 from typing import TYPE_CHECKING
@@ -10,68 +9,42 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .averaging import Averaged as Averaged
-    from .averaging import averaged as averaged
-    from .dynamometer import Sweeps as Sweeps
-    from .dynamometer import VirtualDynamometer as VirtualDynamometer
-    from .fabrication import Scatter as Scatter
-    from .loops import Loop as Loop
-    from .loops import loop_of as loop_of
-    from .pairs import Pairs as Pairs
-    from .pairs import agreements as agreements
-    from .pairs import fabricated_pairs as fabricated_pairs
-    from .reading import load as load
-    from .reading import loads as loads
-    from .record import Record as Record
-    from .record import Source as Source
-    from .record import join as join
-    from .splitting import Run as Run
-    from .splitting import runs as runs
-    from .writing import dumps as dumps
-    from .writing import write as write
+    from .columns import MissingMetadataError
+    from .dynamometer import (
+        Pairs,
+        Scatter,
+        Sweeps,
+        VirtualDynamometer,
+        agreements,
+        fabricated_pairs,
+    )
+    from .hysteresis import Averaged, Loop, averaged, loop_of
+    from .reading import load, loads
+    from .record import Record, Source, dumps, join, write
+    from .segmentation import Run, runs
 
 __all__ = [
-    "Averaged",
-    "Loop",
-    "Pairs",
-    "Record",
-    "Run",
-    "Scatter",
-    "Source",
-    "Sweeps",
-    "VirtualDynamometer",
-    "agreements",
-    "averaged",
-    "dumps",
-    "fabricated_pairs",
-    "join",
-    "load",
-    "loads",
-    "loop_of",
-    "runs",
-    "write",
-]
+    "Averaged", "Loop", "MissingMetadataError", "Pairs", "Record", "Run", "Scatter", "Source",
+    "Sweeps", "VirtualDynamometer", "agreements", "averaged", "dumps", "fabricated_pairs", "join",
+    "load", "loads", "loop_of", "runs", "write",
+]  # fmt: skip
 
 _HOMES = {
-    "Averaged": "averaging",
-    "Loop": "loops",
-    "Pairs": "pairs",
-    "Record": "record",
-    "Run": "splitting",
-    "Scatter": "fabrication",
-    "Source": "record",
-    "Sweeps": "dynamometer",
-    "VirtualDynamometer": "dynamometer",
-    "agreements": "pairs",
-    "averaged": "averaging",
-    "dumps": "writing",
-    "fabricated_pairs": "pairs",
-    "join": "record",
-    "load": "reading",
-    "loads": "reading",
-    "loop_of": "loops",
-    "runs": "splitting",
-    "write": "writing",
+    **dict.fromkeys(("Averaged", "Loop", "averaged", "loop_of"), "hysteresis"),
+    **dict.fromkeys(("Record", "Source", "dumps", "join", "write"), "record"),
+    **dict.fromkeys(("load", "loads"), "reading"),
+    **dict.fromkeys(("Run", "runs"), "segmentation"),
+    **dict.fromkeys(
+        ("Pairs", "Scatter", "Sweeps", "VirtualDynamometer", "agreements", "fabricated_pairs"),
+        "dynamometer",
+    ),
+    "MissingMetadataError": "columns",
 }
+_MOVED = {
+    "asking": "records.columns", "averaging": "records.hysteresis",
+    "fabrication": "records.dynamometer", "loops": "records.hysteresis",
+    "pairs": "records.dynamometer", "splitting": "records.segmentation",
+    "writing": "records.record",
+}  # fmt: skip
 
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)

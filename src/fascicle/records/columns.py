@@ -1,24 +1,32 @@
-"""Which column is what, and in which unit: guessed from the header, and said.
+"""Roles and units of a table's columns, inferred from the header.
 
-A column is recognized by its name, in the words of this field, and by its unit, since a
-`contraction [mm]` is a displacement and a `contraction [%]` a strain. What was guessed becomes
-a note of the record; what could be read two ways is refused.
+A column is recognized by its name, in the words of this field, and by its unit: a
+`contraction [mm]` is a displacement, a `contraction [%]` a strain. Every inference becomes a note
+of the record; an ambiguous header is refused.
 """
 
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 from ..core.errors import InvalidInputError
-from .asking import Asked
-from .spelling import bare, factor, is_absolute, is_unit, remedy_unit
-from .table import Table
+from .csv_table import Table
+from .units import (
+    POSITIONS,
+    USUAL_UNITS,
+    Column,
+    is_absolute,
+    is_unit,
+    strip_brackets,
+    unit_factor,
+    weight_unit,
+)
 
 
-OPTIONAL = ("time", "branch")  # a column that was only guessed to be one doesn't stop the reading
+OPTIONAL = ("time", "branch")  # a wrong guess of these doesn't stop the reading
 ROLES = ("pressure", "force", "strain", "length", "displacement", "time", "branch", "clipped")
-POSITIONS = ("strain", "length", "displacement")  # one is enough, the first that is there
 _WORDS = {
     "pressure": ("pressure", "p", "press", "pgauge", "druck", "p gauge"),
     "force": ("force", "f", "load", "tension", "pull", "kraft", "thrust"),
@@ -34,170 +42,155 @@ _WORDS = {
 }  # fmt: skip
 _DIMENSIONS = {"displacement": "length"}
 _LONGER = {"extension", "elongation"}  # these grow as the muscle lengthens
-# what is said of a quantity, but isn't it
-_ABOUT = {
+# words for something else about a quantity than its reading
+_QUALIFIERS = {
     "setpoint", "target", "command", "commanded", "reference", "desired", "rate", "velocity",
     "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms", "work",
     "id", "index", "count", "absolute", "abs",
 }  # fmt: skip
-_SPELLED = {
-    "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
-}  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column that will be read.
+class MissingMetadataError(ValueError):
+    """A file that can be read only with further information.
 
-    - `role`: what it holds [-].
-    - `place`: where it stands in the header [-].
-    - `header`: its name as written [-].
-    - `unit`: as written [-]; `factor`: how many SI units that is [-].
-    - `sign`: −1 where the file counts the other way [-].
-    - `written`: the header's unit, where another one was given [-].
+    The message is `before` + the argument of `load` as Python writes it + `after`.
+
+    - `argument`: of `load`, that would supply the information.
+    - `role`, `value`: key and value of it, if it is a mapping.
     """
 
-    role: str
-    place: int
-    header: str
-    unit: str = ""
-    factor: float = 1.0
-    sign: int = 1
-    written: str = ""
+    def __init__(
+        self, before: str, argument: str, role: str = "", value: str = "", after: str = ""
+    ):
+        self.before, self.argument, self.role, self.value = before, argument, role, value
+        self.after = after
+        python = f'{argument} {{"{role}": "{value}"}}' if role else argument
+        super().__init__(f"{before}{python}{after}")
 
-    def told(self) -> str:
-        """What it was taken for [-], in words."""
-        unit = f" in {self.unit or 'fractions'}" if self.role in {*POSITIONS, *_SPELLED} else ""
-        turned = ", its sign turned" if self.sign < 0 else ""
-        instead = f" as given, not in {self.written}" if self.written else ""
-        return f"column `{self.header}` read as {self.role}{unit}{instead}{turned}"
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.before, self.argument, self.role, self.value, self.after)
 
 
-def choose(
-    table: Table, columns: Mapping[str, str], units: Mapping[str, str]
+def choose_columns(
+    table: Table, headers: Mapping[str, str], units: Mapping[str, str]
 ) -> tuple[dict[str, Column], tuple[str, ...]]:
-    """The columns to read, by role.
+    """Columns of a `table` to read, by role, and a note for each guess.
 
-    **Arguments:**
-
-    - `table`: whose header to look at [-].
-    - `columns`: headers that were given by role [-].
-    - `units`: units that were given by role [-].
-
-    **Returns:** the columns, and what was guessed, a line each [-].
-
-    **Raises:** `ValueError`, in one line, for a column or a unit that is missing, unknown or
-    ambiguous.
+    `headers` and `units`, by role, overrule what the table's header says. Raises a `ValueError`
+    for a column or a unit that is missing, unknown or ambiguous.
     """
-    where = f"{table.source}, line {table.line}"
     found: dict[str, Column] = {}
-    for role, header in columns.items():
-        found[role] = Column(role, _given(table, role, header), header)
-    taken = {column.place for column in found.values()}
+    for role, header in headers.items():
+        found[role] = Column(role, _index_of(table, role, header), header)
+    taken = {column.index for column in found.values()}
     for role in ROLES:
         if role in found or (role in POSITIONS and any(p in found for p in POSITIONS)):
             continue
-        places = _guessed(table, role, taken, units.get(role))
-        if len(places) > 1 and role not in OPTIONAL:
-            raise _several(table, role, places)
-        if len(places) == 1:
-            found[role] = Column(role, places[0], table.header[places[0]])
-            taken.add(places[0])
+        indices = _candidates(table, role, taken, units.get(role))
+        if len(indices) > 1 and role not in OPTIONAL:
+            raise _ambiguous(table, role, indices)
+        if len(indices) == 1:
+            found[role] = Column(role, indices[0], table.header[indices[0]])
+            taken.add(indices[0])
     for role in ("pressure", "force"):
         if role not in found:
-            raise _missing(table, where, role, found)
+            raise _missing(table, role, found)
     if not any(role in found for role in POSITIONS):
-        raise _missing(table, where, "length", found)
-    found = _with_units(table, found, columns, units)
-    taken = {column.place for column in found.values()}
-    notes = [column.told() for column in found.values()]
+        raise _missing(table, "length", found)
+    columns = {}
+    for role, column in found.items():
+        try:
+            columns[role] = _with_unit(table, column, units.get(role))
+        except ValueError:
+            if role not in OPTIONAL or role in headers or role in units:
+                raise
+    notes = [column.note() for column in columns.values()]
     notes += [
         f"unit {units[role]!r} of {role} not used: there is no such column"
         for role in units
-        if role not in found
+        if role not in columns
     ]
-    ignored = [
-        f"`{h}`" for i, h in enumerate(table.header) if h and i not in taken
-    ]  # a nameless last column is a trailing delimiter
-    if ignored:
-        notes.append(f"columns not read: {', '.join(ignored)}")
-    return found, tuple(notes)
+    taken = {column.index for column in columns.values()}
+    # a nameless last column is a trailing delimiter
+    unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in taken]
+    if unread:
+        notes.append(f"columns not read: {', '.join(unread)}")
+    return columns, tuple(notes)
 
 
-def check_roles(given: Mapping[str, object], what: str) -> None:
-    """Refuse keys of `given` [-] that are no roles, named as `what` [-]."""
-    for role in given:
+def check_roles(mapping: Mapping[str, object], argument: str) -> None:
+    """Refuse keys of a `mapping` that are no roles; `argument` names it in the error."""
+    for role in mapping:
         if role not in ROLES:
             near = difflib.get_close_matches(str(role), ROLES, n=1, cutoff=0.5)
             hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(ROLES)}"
-            raise InvalidInputError(what, f"has the unknown key {role!r}", role, hint, shown="")
+            raise InvalidInputError(argument, f"has the unknown key {role!r}", role, hint, shown="")
 
 
-def _given(table: Table, role: str, header: str) -> int:
-    wanted = header.strip().lower()
-    places = [i for i, name in enumerate(table.header) if name.lower() == wanted]
-    places = places or [
-        i for i, name in enumerate(table.header)
-        if any(n == wanted for n, _ in _parts(name))
-    ]  # fmt: skip
-    if not places:
+def _index_of(table: Table, role: str, header: str) -> int:
+    """Index of the column that the caller named."""
+    target = header.strip().lower()
+    indices = [i for i, name in enumerate(table.header) if name.lower() == target]
+    if not indices:
+        indices = [
+            i
+            for i, name in enumerate(table.header)
+            if any(plain == target for plain, _ in _readings(name))
+        ]
+    if not indices:
         names = [name for name in table.header if name]
         near = difflib.get_close_matches(header, names, n=1, cutoff=0.5)
         hint = f"did you mean `{near[0]}`?" if near else f"there are {_listed(names)}."
-        raise ValueError(
-            f"{table.source}, line {table.line}: no column `{header}` for {role}: {hint}"
-        )
-    if len(places) > 1:
-        raise _several(table, role, places)
-    return places[0]
+        raise ValueError(f"{table.where}: no column `{header}` for {role}: {hint}")
+    if len(indices) > 1:
+        raise _ambiguous(table, role, indices)
+    return indices[0]
 
 
-def _guessed(table: Table, role: str, taken: set[int], unit: str | None) -> list[int]:
-    """Places of the columns that could be `role`."""
-    exact, partly = [], []
-    for i, header in enumerate(table.header):
-        if i in taken or not header:
-            continue
-        likeness = _likeness(header, table.units[i] or unit or "", role)
-        if likeness:
-            (exact if likeness == 2 else partly).append(i)
-    return exact or partly
+def _candidates(table: Table, role: str, taken: set[int], unit: str | None) -> list[int]:
+    """Indices of the columns that could have a role."""
+    scores = {
+        i: _score(header, table.units[i] or unit or "", role)
+        for i, header in enumerate(table.header)
+        if header and i not in taken
+    }
+    best = max(scores.values(), default=0)
+    return [i for i, score in scores.items() if score == best > 0]
 
 
-def _likeness(header: str, unit: str, role: str) -> int:
-    """2 where a header says `role`, 1 where it mentions it, else 0."""
+def _score(header: str, unit: str, role: str) -> int:
+    """2 for a header that names the role, 1 for one that mentions it, else 0."""
     dimension, best = _DIMENSIONS.get(role, role), 0
-    parts = _parts(header)
-    for name, written in parts:
+    readings = _readings(header)
+    for name, written in readings:
         # a remark in brackets may follow a strain; T [degC] is no time
-        said = written or unit or ("" if role == "strain" else parts[0][1])
-        if role in {"strain", "length", "displacement", "time"} and said:
-            # the unit says which of them it is
-            if not is_unit(said, (dimension,)):
+        stated = written or unit or ("" if role == "strain" else readings[0][1])
+        if role in {*POSITIONS, "time"} and stated:
+            if not is_unit(stated, (dimension,)):  # the unit tells which of them it is
                 continue
         elif role == "displacement" and name in {"contraction", "shortening", *_LONGER, "x"}:
             continue  # without a unit these are strains, and x is anything
         words = set(name.split())
         if name in _WORDS[role]:
             best = 2
-        elif not words & _ABOUT and words & {w for w in _WORDS[role] if len(w) > 1}:
+        elif not words & _QUALIFIERS and words & {w for w in _WORDS[role] if len(w) > 1}:
             best = max(best, 1)
     return best
 
 
-def _parts(header: str) -> list[tuple[str, str]]:
-    """What a header could mean: its name in plain words, and the unit that follows it."""
+def _readings(header: str) -> list[tuple[str, str]]:
+    """Possible meanings of a header: its name in plain words, and the unit that follows it."""
     found = []
     brackets = re.findall(r"[\[({<]([^\[\](){}<>]*(?:\([ga]\))?)[\])}>]", header)
     outside = re.sub(r"[\[({<].*?[\])}>]+", " ", header) if brackets else header
     units = [text for text in brackets if is_unit(text)]
     if brackets:
-        # a bracket that is no unit may be one misspelled, or a remark
+        # a bracket that is no unit may be a misspelled one, or a remark
         found.append((_plain(outside), (units or brackets)[-1].strip()))
     for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)", r"(.+)[_\s]+(\S+)"):
         match = re.fullmatch(pattern, outside.strip())
         if match and is_unit(match[2]) and not units:
-            found.append((_plain(match[1]), bare(match[2])))
+            found.append((_plain(match[1]), strip_brackets(match[2])))
     understood = any(is_unit(unit) for _, unit in found)
     return found if understood else [*found, (_plain(outside), "")]
 
@@ -207,99 +200,79 @@ def _plain(text: str) -> str:
     return " ".join(re.sub(r"[\W_]+", " ", text).lower().split())
 
 
-def _with_units(
-    table: Table,
-    found: Mapping[str, Column],
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
-) -> dict[str, Column]:
-    """The columns with their units; without those that were only guessed, have none that is known,
-    and aren't needed.
-    """
-    complete = {}
-    for role, column in found.items():
-        try:
-            complete[role] = _with_unit(table, column, units.get(role))
-        except ValueError:
-            if role not in OPTIONAL or role in columns or role in units:
-                raise
-    return complete
-
-
-def _with_unit(table: Table, column: Column, given: str | None) -> Column:
+def _with_unit(table: Table, column: Column, override: str | None) -> Column:
+    """The column with its unit, factor and sign."""
     if column.role in {"branch", "clipped"}:
         return column
-    header = table.header[column.place]
-    parts = _parts(header)
+    header, row_unit = table.header[column.index], strip_brackets(table.units[column.index])
+    readings = _readings(header)
     dimension = _DIMENSIONS.get(column.role, column.role)
-    written = [unit for _, unit in parts if unit and is_unit(unit, (dimension,))]
-    other = [unit for _, unit in parts if unit]
-    unit = given or (bare(table.units[column.place]) or None) or next(iter(written or other), None)
-    where = f"{table.source}, line {table.line}, column `{header}`"
-    if unit is None and column.role in _SPELLED:
+    units = [unit for _, unit in readings if unit]
+    units.sort(key=lambda unit: not is_unit(unit, (dimension,)))
+    own_unit = row_unit or next(iter(units), "")
+    unit = override or own_unit or None
+    where = f"{table.where}, column `{header}`"
+    if unit is None and column.role in USUAL_UNITS:
         if column.role == "time":
             unit = "s"
         else:
-            best = _SPELLED[column.role]
+            best = USUAL_UNITS[column.role]
             how = f"{where}: no unit: write it in the header, such as `{header} [{best}]`, or give "
-            raise Asked(how, "units", column.role, best, ".")
+            raise MissingMetadataError(how, "units", column.role, best, ".")
     try:
-        by = factor(unit or "", dimension)
+        factor = unit_factor(unit or "", dimension)
     except ValueError as error:
         # a remark in brackets is no unit of a strain
-        if column.role == "strain" and given is None and not is_unit(unit or ""):
-            unit, by = "", 1.0
-        else:
+        if column.role != "strain" or override is not None or is_unit(unit or ""):
             raise _wrong_unit(where, column.role, unit or "", dimension, error) from None
-    own = bare(table.units[column.place]) or next(iter(written or other), "")
-    meant = own if is_unit(own) or is_absolute(own) else remedy_unit(own, dimension)
-    instead = own if given and meant not in ("", given) else ""
-    longer = column.role in {"strain", "displacement"} and any(
-        set(name.split()) & _LONGER for name, _ in parts
+        unit, factor = "", 1.0
+    known = is_unit(own_unit) or is_absolute(own_unit)
+    meant = own_unit if known else weight_unit(own_unit, dimension)
+    longer = any(set(name.split()) & _LONGER for name, _ in readings)
+    return replace(
+        column,
+        header=header,
+        unit=unit or "",
+        factor=factor,
+        sign=-1 if longer and column.role in {"strain", "displacement"} else 1,
+        replaced_unit=own_unit if override and meant not in ("", override) else "",
     )
-    sign = -1 if longer else 1
-    return replace(column, header=header, unit=unit or "", factor=by, sign=sign, written=instead)
 
 
 def _wrong_unit(where: str, role: str, unit: str, dimension: str, error: ValueError) -> ValueError:
-    """What to say of a unit that isn't of its column's dimension: another unit is offered only
-    where the numbers are in it.
-    """
+    """The error for a unit of another dimension than its column's."""
     if role == "pressure" and is_absolute(unit):
         return ValueError(
             f"{where}: {error}, muscles are computed in gauge pressure: subtract the atmosphere"
             " from the column, and write the unit without it."
         )
-    if best := remedy_unit(unit, dimension):
+    if best := weight_unit(unit, dimension):
         how = f"{where}: {error}: write `[{best}]` in the header, the weight of that mass, or give "
-        return Asked(how, "units", role, best, ".")
-    best = _SPELLED.get(role, "%")
+        return MissingMetadataError(how, "units", role, best, ".")
     return ValueError(
         f"{where}: {error}: convert its numbers, and write their unit in the header, such as"
-        f" `[{best}]`; or choose another column."
+        f" `[{USUAL_UNITS.get(role, '%')}]`; or choose another column."
     )
 
 
-def _several(table: Table, role: str, places: Sequence[int]) -> ValueError:
-    names = [table.header[i] for i in places]
-    where = f"{table.source}, line {table.line}"
+def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
+    names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
-        return ValueError(
-            f"{where}: column `{names[0]}` is there {len(names)} times: rename or delete one."
-        )
-    how = f"{where}: several columns could be {role}, {_listed(names)}: choose one with "
-    return Asked(how, "columns", role, names[0], ".")
+        times = f"is there {len(names)} times: rename or delete one."
+        return ValueError(f"{table.where}: column `{names[0]}` {times}")
+    how = f"{table.where}: several columns could be {role}, {_listed(names)}: choose one with "
+    return MissingMetadataError(how, "columns", role, names[0], ".")
 
 
-def _missing(table: Table, where: str, role: str, found: Mapping[str, Column]) -> ValueError:
+def _missing(table: Table, role: str, found: Mapping[str, Column]) -> ValueError:
     what = "length, strain or displacement" if role == "length" else role
-    taken = {column.place for column in found.values()}
+    taken = {column.index for column in found.values()}
     left = [name for i, name in enumerate(table.header) if name and i not in taken]
-    none = f"{where}: no column of {what} found: "
+    none = f"{table.where}: no column of {what} found: "
     if not left:
-        return ValueError(f"{none}add it, such as `{role} [{_SPELLED[role]}]`.")
+        return ValueError(f"{none}add it, such as `{role} [{USUAL_UNITS[role]}]`.")
     after = f" if it is one of {_listed(left)}."
-    return Asked(f"{none}name it with ", "columns", role, left[0], after)
+    return MissingMetadataError(f"{none}name it with ", "columns", role, left[0], after)
 
 
 def _listed(names: Sequence[str]) -> str:

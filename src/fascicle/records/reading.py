@@ -1,11 +1,33 @@
-"""From a dynamometer's file to a `Record`: everything is checked here, once, and what was
-guessed on the way is in its notes.
+"""From a dynamometer's file, and the TOML file beside it, to a checked `Record`.
+
+The TOML file, or `sidecar`, says what the table's header can't:
+
+```toml
+rest_length = "300 mm"
+clipped_at_zero = true                # readings of exactly zero are clipped
+displacement_at_rest = "12.5 mm"      # the displacement's reading at the rest length
+source = "who measured it, and when"
+notes = ["what was measured, and how"]
+synthetic = false
+
+[columns]                             # where a header isn't recognized
+force = "Load cell 2"
+
+[units]                               # where a header has none
+force = "N"
+
+[signs]
+force = "pushing positive"            # or "pulling positive"
+strain = "extension positive"         # or "contraction positive"; displacement likewise
+```
 """
 
+import difflib
 import hashlib
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +36,30 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
+from ..io.toml import parse_toml
 from ..units import parse, pretty
-from .asking import Asked
-from .columns import OPTIONAL, POSITIONS, Column, check_roles, choose
-from .plausible import Fault, check_force, check_pressure, check_strain
+from .columns import (
+    OPTIONAL,
+    MissingMetadataError,
+    check_roles,
+    choose_columns,
+)
+from .csv_table import Cells, Table, open_table
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
-from .sidecar import Sidecar, beside
-from .sidecar import read as read_sidecar
-from .spelling import scaled
-from .table import Cells, Table, open_table
+from .units import (
+    POSITIONS,
+    CellError,
+    Column,
+    check_forces,
+    check_pressures,
+    check_strains,
+    to_si_units,
+)
 
 
 LARGEST_FILE = 1_000_000_000  # bytes
+_LARGEST_SIDECAR = 1_000_000  # bytes
+_STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 
 _BRANCHES = {
     **dict.fromkeys(
@@ -40,9 +74,39 @@ _FLAGS = {
     **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
 }
-_WORDS = ("branch", "clipped")  # roles of columns that hold words
+_WORD_ROLES = ("branch", "clipped")
 _NUMBER = re.compile(r"[+−-]?\d+(?:\.\d*)?", re.ASCII)
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
+_CONTRACTION = {"contraction positive": 1, "extension positive": -1}
+_SIGNS = {
+    "force": {"pulling positive": 1, "pushing positive": -1},
+    "strain": _CONTRACTION,
+    "displacement": _CONTRACTION,
+}
+_SIDECAR_KEYS = ("rest_length", "displacement_at_rest", "clipped_at_zero", "columns", "units",
+                 "signs", "synthetic", "source", "notes")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """Information about a table that its header doesn't hold.
+
+    - `rest_length`: reference length of the strains [m].
+    - `displacement_at_rest`: the displacement's reading there [m].
+    - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
+    - `columns`, `units`: headers and units by role; `signs`: 1 or −1 by role.
+    - `synthetic`: true for readings of a model.
+    - `notes`: remarks, the source among them.
+    """
+
+    rest_length: float | None = None
+    displacement_at_rest: float | None = None
+    clipped_at_zero: bool | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    signs: Mapping[str, int] = field(default_factory=dict)
+    synthetic: bool = False
+    notes: tuple[str, ...] = ()
 
 
 def load(
@@ -55,41 +119,42 @@ def load(
     header: int | None = None,
     sidecar: str | os.PathLike[str] | None = None,
 ) -> Record:
-    """Read what a dynamometer wrote.
+    """Read a dynamometer's file.
 
-    What is given here wins over what the TOML beside the file says, and that over the file.
+    An argument overrules the TOML file beside the table, and that overrules the table.
 
     **Arguments:**
 
-    - `path`: the CSV [-], or several of the same muscle.
-    - `columns`: the headers of columns that aren't recognized, by role [-]: pressure, force,
-      strain, length, displacement, time, branch, clipped.
+    - `path`: the CSV file, or several of one muscle [-].
+    - `columns`: headers of columns that aren't recognized, by role: pressure, force, strain,
+      length, displacement, time, branch, clipped [-].
     - `units`: units of columns whose header has none, by role [-].
-    - `rest_length`: the length that strains refer to [m]; lengths and displacements need it.
-    - `clipped_at_zero`: whether forces of exactly zero are clipped readings [-].
-    - `header`: the line that the columns' names stand in [-]; left out, it is looked for.
-    - `sidecar`: the TOML [-]; left out, the one of the same name, if there is one.
+    - `rest_length`: reference length of the strains [m]; lengths and displacements need it.
+    - `clipped_at_zero`: true if forces of exactly zero are clipped readings [-].
+    - `header`: line of the columns' names, counted from 1 [-]; default: it is looked for.
+    - `sidecar`: the TOML file [-]; default: the one of the table's name, if there is one.
 
-    **Returns:** the record [-].
+    **Returns:** the record [SI].
 
-    **Raises:** `OSError` for a file that can't be read; `ValueError`, in one line with file,
-    line and column, for one that says what can't be.
+    **Raises:** `OSError` if a file can't be read; `ValueError`, in one line with file, line and
+    column, for contents that aren't valid.
     """
     if not isinstance(path, str | os.PathLike):
         if not path:
             raise InvalidInputError("path", "must name at least one file", None, shown="none")
-        return join([
-            load(one, columns=columns, units=units, rest_length=rest_length,
-                 clipped_at_zero=clipped_at_zero, header=header, sidecar=sidecar) for one in path
-        ])  # fmt: skip
+        options: Any = {
+            "columns": columns, "units": units, "rest_length": rest_length,
+            "clipped_at_zero": clipped_at_zero, "header": header, "sidecar": sidecar,
+        }  # fmt: skip
+        return join([load(file, **options) for file in path])
     path = Path(path)
     raw = read_bytes(path, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
     if sidecar is None:
-        said, notes = beside(path)
+        info, notes = _sidecar_beside(path)
     else:
-        said, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
-    given = _given(said, columns, units, rest_length, clipped_at_zero)
-    return _record(raw, str(path), path.name, given, notes, header)
+        info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
+    info = _overrule(info, columns, units, rest_length, clipped_at_zero)
+    return _read_record(raw, str(path), path.name, info, notes, header)
 
 
 def loads(
@@ -102,153 +167,139 @@ def loads(
     clipped_at_zero: bool | None = None,
     header: int | None = None,
 ) -> Record:
-    """Read what such a file holds.
+    """Read a dynamometer's table from text.
 
     **Arguments:**
 
     - `text`: the table [-].
-    - `source`: what to call it in an error [-].
+    - `source`: its name in errors [-].
     - `columns`: as for `load` [-].
     - `units`: as for `load` [-].
     - `rest_length`: as for `load` [m].
     - `clipped_at_zero`: as for `load` [-].
     - `header`: as for `load` [-].
 
-    **Returns:** the record [-].
+    **Returns:** the record [SI].
 
     **Raises:** `ValueError` as `load`.
     """
-    given = _given(Sidecar(), columns, units, rest_length, clipped_at_zero)
-    return _record(text.encode(), source, source, given, (), header)
+    info = _overrule(Sidecar(), columns, units, rest_length, clipped_at_zero)
+    return _read_record(text.encode(), source, source, info, (), header)
 
 
-def _given(
-    said: Sidecar,
+def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
+    """Read a sidecar file; `ValueError` names file and key of what isn't valid."""
+    return _check_sidecar(_sidecar_tables(Path(path)), str(path))
+
+
+def _overrule(
+    info: Sidecar,
     columns: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
     rest_length: Any,
     clipped_at_zero: bool | None,
 ) -> Sidecar:
-    """What the TOML and the caller say together, the caller first."""
-    for what, table in (("columns", columns or {}), ("units", units or {})):
-        check_roles(table, what)
+    """The sidecar's information, overruled by the caller's."""
+    for argument, mapping in (("columns", columns or {}), ("units", units or {})):
+        check_roles(mapping, argument)
     rest_length = to_si(rest_length, "rest_length", "m")
     if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
-        raise InvalidInputError(
-            "rest_length", "must be positive and finite", rest_length, shown=f"{rest_length} m"
-        )
-    return Sidecar(
-        rest_length=said.rest_length if rest_length is None else float(rest_length),
-        displacement_at_rest=said.displacement_at_rest,
-        clipped_at_zero=said.clipped_at_zero if clipped_at_zero is None else clipped_at_zero,
-        columns={**said.columns, **(columns or {})},
-        units={**said.units, **(units or {})},
-        signs=said.signs,
-        synthetic=said.synthetic,
-        notes=said.notes,
+        rule, shown = "must be positive and finite", f"{rest_length} m"
+        raise InvalidInputError("rest_length", rule, rest_length, shown=shown)
+    return replace(
+        info,
+        rest_length=info.rest_length if rest_length is None else float(rest_length),
+        clipped_at_zero=info.clipped_at_zero if clipped_at_zero is None else clipped_at_zero,
+        columns={**info.columns, **(columns or {})},
+        units={**info.units, **(units or {})},
     )
 
 
-def _record(
-    raw: bytes,
-    source: str,
-    name: str,
-    given: Sidecar,
-    notes: tuple[str, ...],
-    header: int | None,
+def _read_record(
+    raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...], header: int | None
 ) -> Record:
     table = open_table(raw, source, header)
-    chosen, guessed = choose(table, given.columns, given.units)
+    columns, guesses = choose_columns(table, info.columns, info.units)
     above = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]
-    rest, told = _rest_length(table, given, dict(remarks))
-    position = chosen[next(role for role in POSITIONS if role in chosen)]
+    rest, rest_notes = _rest_length(table, info, dict(remarks))
+    position = columns[next(role for role in POSITIONS if role in columns)]
     if rest is None and position.role != "strain":
-        where = f"{source}, line {table.line}, column `{position.header}`"
-        raise Asked(
-            f"{where}: a {position.role} needs the rest length: give ",
-            "rest_length",
-            after=', or write rest_length = "300 mm" in'
-            f" {Path(name).stem or 'its'}.toml beside it.",
-        )
-    cells, left_out = _cells(table, chosen, given)
-    for column in left_out:
-        del chosen[column.role]
-        passed = f"column `{column.header}` not read as {column.role}: it holds something else"
-        guessed = (*(note for note in guessed if note != column.told()), passed)
+        where = f"{table.where}, column `{position.header}`"
+        before = f"{where}: a {position.role} needs the rest length: give "
+        toml = f"{Path(name).stem or 'its'}.toml"
+        after = f', or write rest_length = "300 mm" in {toml} beside it.'
+        raise MissingMetadataError(before, "rest_length", after=after)
+    cells, misread = _read_cells(table, columns, info)
+    for column in misread:
+        del columns[column.role]
+        note = f"column `{column.header}` not read as {column.role}: it holds something else"
+        guesses = (*(guess for guess in guesses if guess != column.note()), note)
 
-    def fault(row: int, column: Column, rule: str) -> ValueError:
-        return table.fault(int(cells.lines[row]), column.place, rule)
+    def cell_error(row: int, column: Column, rule: str) -> ValueError:
+        return table.cell_error(int(cells.lines[row]), column.index, rule)
 
-    load_cell = chosen["force"]
     raws = {
-        role: cells.numbers[column.place] for role, column in chosen.items() if role not in _WORDS
+        role: cells.numbers[column.index]
+        for role, column in columns.items()
+        if role not in _WORD_ROLES
     }
-    force = scaled(raws["force"], load_cell.factor) * given.signs.get("force", 1)
-    pressure, noted = check_pressure(chosen["pressure"], raws["pressure"], force, fault)
-    noted += check_force(load_cell, raws["force"], force, pressure, fault)
-    strain, stretched = _strain(position, raws[position.role], rest or np.nan, given, fault)
-    censored, clipped = _censored(table, cells, chosen.get("clipped"), force, given)
+    force = to_si_units(raws["force"], columns["force"].factor) * info.signs.get("force", 1)
+    pressure, doubts = check_pressures(columns["pressure"], raws["pressure"], force, cell_error)
+    doubts += check_forces(columns["force"], raws["force"], force, pressure, cell_error)
+    strain, stretched = _strain(position, raws[position.role], rest or np.nan, info, cell_error)
+    censored, clipped = _censored(table, cells, columns.get("clipped"), force, info)
     branch = np.full(force.size, UNKNOWN, dtype=np.int8)
-    if "branch" in chosen:
-        branch = _mapped(table, cells, chosen["branch"], _BRANCHES, "up or down").astype(np.int8)
+    if "branch" in columns:
+        branch = _meanings(table, cells, columns["branch"], _BRANCHES, "up or down")
     time = None
-    if "time" in chosen:
-        time = scaled(raws["time"], chosen["time"].factor)
+    if "time" in columns:
+        time = to_si_units(raws["time"], columns["time"].factor)
         back = np.flatnonzero(np.diff(time) < 0)
         if back.size:
-            noted += (f"time goes back in line {cells.lines[back[0] + 1]}",)
-    said = tuple(f"{key}: {text}" for key, text in remarks if key in {"source", "note"})
-    every = (
-        *notes,
-        *_passed(table),
-        *guessed,
-        *told,
-        *stretched,
-        *clipped,
-        *noted,
-        *given.notes,
-        *said,
-    )
+            doubts += (f"time goes back in line {cells.lines[back[0] + 1]}",)
+    own = tuple(f"{key}: {text}" for key, text in remarks if key in {"source", "note"})
+    all_notes = (
+        *notes, *_title_note(table), *guesses, *rest_notes, *stretched, *clipped, *doubts,
+        *info.notes, *own,
+    )  # fmt: skip
     return Record(
-        pressure=pressure, strain=strain, force=force, censored=censored, branch=branch, time=time,
-        rest_length=rest, synthetic=given.synthetic or _synthetic(above),
+        pressure, strain, force, censored, branch.astype(np.int8), time, rest,
+        synthetic=info.synthetic or _is_synthetic(above),
         sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
-        notes=tuple(f"{name}: {note}" for note in every),
+        notes=tuple(f"{name}: {note}" for note in all_notes),
     )  # fmt: skip
 
 
-def _cells(
-    table: Table, chosen: Mapping[str, Column], given: Sidecar
+def _read_cells(
+    table: Table, columns: Mapping[str, Column], info: Sidecar
 ) -> tuple[Cells, list[Column]]:
-    """The columns' cells, and the optional columns that were left out: they were only guessed, and
-    can't be read as what they were taken for.
-    """
+    """The columns' cells, and guessed optional columns that hold something else."""
 
     def read(roles: Sequence[str]) -> Cells:
-        words = [chosen[role].place for role in roles if role in _WORDS]
-        return table.read([chosen[role].place for role in roles if role not in _WORDS], words)
+        words = [columns[role].index for role in roles if role in _WORD_ROLES]
+        return table.read([columns[r].index for r in roles if r not in _WORD_ROLES], words)
 
-    asked = {*given.columns, *given.units}
-    guessed = [role for role in OPTIONAL if role in chosen and role not in asked]
-    left_out = []
+    named = {*info.columns, *info.units}
+    guessed = [role for role in OPTIONAL if role in columns and role not in named]
+    misread = []
     if "branch" in guessed:
-        column = chosen["branch"]
-        _, words = read(["branch"]).words[column.place]
+        column = columns["branch"]
+        words = read(["branch"]).words[column.index].categories
         # sweeps that are counted: numbers other than those of branches
         if all(map(_NUMBER.fullmatch, words)) and not set(words) <= set(_BRANCHES):
-            left_out.append(column)
-    roles = [role for role, column in chosen.items() if column not in left_out]
+            misread.append(column)
+    roles = [role for role, column in columns.items() if column not in misread]
     try:
-        return read(roles), left_out
+        return read(roles), misread
     except ValueError:
         if "time" not in guessed:
             raise
-    left_out.append(chosen["time"])
-    return read([role for role in roles if role != "time"]), left_out
+    misread.append(columns["time"])
+    return read([role for role in roles if role != "time"]), misread
 
 
-def _passed(table: Table) -> tuple[str, ...]:
+def _title_note(table: Table) -> tuple[str, ...]:
     """A note of the lines above the header, if there are any."""
     if not table.titles:
         return ()
@@ -257,18 +308,19 @@ def _passed(table: Table) -> tuple[str, ...]:
     return (f"lines above the header not read as data: {lines}{more}",)
 
 
-def _synthetic(remarks: Sequence[str]) -> bool:
-    """Whether a remark says so, in as many words as it likes."""
-    said = [text.lower()[len("synthetic") :].strip(" :=.") for text in remarks
-            if text.lower().startswith("synthetic")]  # fmt: skip
-    return any(text not in {"false", "no", "0"} for text in said)
+def _is_synthetic(remarks: Sequence[str]) -> bool:
+    """True if a remark begins with "synthetic" and doesn't deny it."""
+    texts = [text.lower() for text in remarks if text.lower().startswith("synthetic")]
+    return any(
+        text.removeprefix("synthetic").strip(" :=.") not in {"false", "no", "0"} for text in texts
+    )
 
 
 def _rest_length(
-    table: Table, given: Sidecar, remarks: Mapping[str, str]
+    table: Table, info: Sidecar, remarks: Mapping[str, str]
 ) -> tuple[float | None, tuple[str, ...]]:
-    if given.rest_length is not None or "rest_length" not in remarks:
-        return given.rest_length, ()
+    if info.rest_length is not None or "rest_length" not in remarks:
+        return info.rest_length, ()
     try:
         rest = parse(remarks["rest_length"].strip('" '), "length", "rest_length")
     except ValueError as error:
@@ -279,61 +331,139 @@ def _rest_length(
 
 
 def _strain(
-    column: Column, raw: np.ndarray, rest: float, given: Sidecar, fault: Fault
+    column: Column, raw: np.ndarray, rest: float, info: Sidecar, cell_error: CellError
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Contraction, from whichever position was measured."""
-    values = scaled(raw, column.factor)
-    sign = given.signs.get(column.role, given.signs.get("strain", column.sign))
+    """Contraction, from a column of strains, displacements or lengths."""
+    values = to_si_units(raw, column.factor)
+    sign = info.signs.get(column.role, info.signs.get("strain", column.sign))
     if column.role == "strain":
         strain = values * sign
     elif column.role == "displacement":
-        strain = (values - (given.displacement_at_rest or 0.0)) * sign / rest
+        strain = (values - (info.displacement_at_rest or 0.0)) * sign / rest
     else:
         wrong = np.flatnonzero(values <= 0)
         if wrong.size:
-            told = f"{raw[wrong[0]]:g} is no length of a muscle"
+            rule = f"{raw[wrong[0]]:g} is no length of a muscle"
             if raw[wrong[0]] == 0:
-                told += (
-                    ": if it counts from rest, say so with columns"
-                    f' {{"displacement": "{column.header}"}}'
-                )
-            raise fault(int(wrong[0]), column, f"{told}.")
+                option = f'columns {{"displacement": "{column.header}"}}'
+                rule += f": if it counts from rest, say so with {option}"
+            raise cell_error(int(wrong[0]), column, f"{rule}.")
         strain = (rest - values) / rest
-    check_strain(column, raw, strain, fault)
-    notes = ()
-    longest = int(np.argmin(strain))
-    # a gauge's zero is off by that much
-    if strain[longest] < -1e-3:
-        count = int(np.count_nonzero(strain < -1e-3))
-        notes = (f"{count} readings stretched beyond rest, down to {strain[longest]:.3g}",)
-    return strain + 0.0, notes
+    check_strains(column, raw, strain, cell_error)
+    notes, longest = (), float(np.min(strain))
+    if longest < _STRETCHED:
+        count = int(np.count_nonzero(strain < _STRETCHED))
+        notes = (f"{count} readings stretched beyond rest, down to {longest:.3g}",)
+    return strain + 0.0, notes  # without negative zeros
 
 
 def _censored(
-    table: Table, cells: Cells, column: Column | None, force: np.ndarray, given: Sidecar
+    table: Table, cells: Cells, column: Column | None, force: np.ndarray, info: Sidecar
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     censored = np.zeros(force.size, dtype=bool)
     if column is not None:
-        censored = _mapped(table, cells, column, _FLAGS, "0 or 1").astype(bool)
-    if given.clipped_at_zero:
+        censored = _meanings(table, cells, column, _FLAGS, "0 or 1").astype(bool)
+    if info.clipped_at_zero:
         censored = censored | (force == 0)
     count, zeros = int(np.count_nonzero(censored)), int(np.count_nonzero(force == 0))
     if count:
         return censored, (f"{count} of {force.size} readings clipped",)
-    if zeros > 2 and column is None and given.clipped_at_zero is None:
-        return censored, (
-            f"{zeros} forces are exactly 0: if the gauge can't push, give clipped_at_zero = true",
-        )
+    if zeros > 2 and column is None and info.clipped_at_zero is None:
+        hint = "if the gauge can't push, give clipped_at_zero = true"
+        return censored, (f"{zeros} forces are exactly 0: {hint}",)
     return censored, ()
 
 
-def _mapped(
+def _meanings(
     table: Table, cells: Cells, column: Column, meanings: Mapping[str, int], rule: str
 ) -> np.ndarray:
-    codes, words = cells.words[column.place]
-    for i, word in enumerate(words):
-        if word.strip().lower() not in meanings:
-            line = int(cells.lines[int(np.argmax(codes == i))])
-            raise table.fault(line, column.place, f"{word!r} isn't known: write {rule}.")
-    known = np.array([meanings[word.strip().lower()] for word in words], dtype=int)
-    return known[codes]
+    """The meaning of the word in each cell of a column."""
+    words = cells.words[column.index]
+    values = [meanings.get(word.strip().lower()) for word in words.categories]
+    for code, value in enumerate(values):
+        if value is None:
+            line = int(cells.lines[int(np.argmax(words.codes == code))])
+            word = words.categories[code]
+            raise table.cell_error(line, column.index, f"{word!r} isn't known: write {rule}.")
+    return np.array(values, dtype=int)[words.codes]
+
+
+def _sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
+    """The sidecar of a table's own name, empty if there is none, and a note of it."""
+    toml = path.with_suffix(".toml")
+    if toml == path or not toml.is_file():
+        return Sidecar(), ()
+    data = _sidecar_tables(toml)
+    if {"muscle", "bundle"} & set(data):
+        # a calibrated muscle may well stand beside its data, under the same name
+        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
+    return _check_sidecar(data, str(toml)), (f"{toml.name} beside it read",)
+
+
+def _sidecar_tables(path: Path) -> dict[str, Any]:
+    raw = read_bytes(path, _LARGEST_SIDECAR, "record's TOML")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
+    return parse_toml(text, str(path))
+
+
+def _check_sidecar(data: dict[str, Any], source: str) -> Sidecar:
+    for key in data:
+        _check_known(key, _SIDECAR_KEYS, f"{source}: {key}")
+    lengths: dict[str, float] = {}
+    for key in ("rest_length", "displacement_at_rest"):
+        if key in data:
+            try:
+                lengths[key] = parse(data[key], "length", key)
+            except ValueError as error:
+                raise ValueError(f"{source}: {key}: {error}") from None
+    if lengths.get("rest_length", 1) <= 0:
+        raise ValueError(f"{source}: rest_length = {data['rest_length']!r}: must be positive.")
+    for key in ("clipped_at_zero", "synthetic"):
+        if not isinstance(data.get(key, False), bool):
+            raise ValueError(f"{source}: {key} = {data[key]!r}: must be true or false.")
+    tables = {}
+    for key in ("columns", "units", "signs"):
+        tables[key] = table = data.get(key, {})
+        if not isinstance(table, dict) or not all(isinstance(x, str) for x in table.values()):
+            rule = 'must be a table of names in quotes, such as force = "N".'
+            raise ValueError(f"{source}: {key}: {rule}")
+    signs = {}
+    for role, sign in tables["signs"].items():
+        _check_known(role, _SIGNS, f"{source}: signs.{role}")
+        _check_known(sign, _SIGNS[role], f"{source}: signs.{role} = {sign!r}")
+        signs[role] = _SIGNS[role][sign]
+    try:
+        for key in ("columns", "units"):
+            check_roles(tables[key], key)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+    return Sidecar(
+        **lengths,
+        columns=tables["columns"],
+        units=tables["units"],
+        signs=signs,
+        clipped_at_zero=data.get("clipped_at_zero"),
+        synthetic=data.get("synthetic", False),
+        notes=_sidecar_notes(data, source),
+    )
+
+
+def _sidecar_notes(data: dict[str, Any], source: str) -> tuple[str, ...]:
+    notes = data.get("notes", [])
+    notes = [notes] if isinstance(notes, str) else notes
+    texts = [data["source"]] if "source" in data else []
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in [*notes, *texts]):
+        raise ValueError(f"{source}: source and notes must be texts in quotes.")
+    notes = [*(f"source: {text}" for text in texts), *notes]
+    return tuple(" ".join(note.split()) for note in notes)
+
+
+def _check_known(name: str, choices: Iterable[str], where: str) -> None:
+    known = list(choices)
+    if name not in known:
+        near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+        hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(known)}."
+        raise ValueError(f"{where}: unknown, {hint}")

@@ -1,22 +1,26 @@
-"""A record: what was measured on one muscle, point by point, in SI and in one sign.
+"""Measurements on one muscle, reading by reading, in SI units and one sign convention.
 
-Whatever the file looked like, here a point is a gauge pressure, a contraction, and the
-pulling force; with it goes what the reading is worth. A *censored* reading is one that was
-clipped at zero: the gauge could not push, so it only says that the force was not above it.
+A reading is a gauge pressure, a contraction and a pulling force. A *censored* reading was clipped
+at zero: the gauge could not push, so the force is only known not to exceed it.
 """
 
+import io
+import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.validation import broadcast_shape
+from ..io.atomic import write_text
+from ..units import exact
 
 
 UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
+COLUMNS = ("pressure", "strain", "force", "censored", "branch")
 
 
 @dataclass(frozen=True)
@@ -34,14 +38,13 @@ class Record:
     - `pressure`: gauge pressure [Pa].
     - `strain`: contraction over `rest_length` [-].
     - `force`: pulling force [N].
-    - `censored`: whether the reading only says "not above" [-].
-    - `branch`: 1 inflating or contracting, −1 deflating or extending, 0 unknown [-].
+    - `censored`: flags of readings that are only upper bounds.
+    - `branch`: 1 inflating or contracting, −1 deflating or extending, 0 unknown.
     - `time`: [s], or `None`.
-    - `rest_length`: the length that strains refer to [m], or `None` where only strains
-      were given.
-    - `synthetic`: whether a model made it and no muscle [-].
-    - `sources`: the files it came from [-].
-    - `notes`: what was guessed or changed on the way in, a line each [-].
+    - `rest_length`: reference length of the strains [m], or `None` if only strains were given.
+    - `synthetic`: true for readings of a model.
+    - `sources`: the files it was read from.
+    - `notes`: guesses and changes made while reading, a line each.
     """
 
     pressure: np.ndarray
@@ -53,7 +56,7 @@ class Record:
     rest_length: float | None = None
     synthetic: bool = False
     sources: tuple[Source, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -65,20 +68,20 @@ class Record:
         branch: Any = None,
         **more: Any,
     ) -> "Record":
-        """A record from arrays.
+        """Build a record from arrays.
 
         **Arguments:**
 
         - `pressure`: gauge pressure [Pa].
         - `strain`: contraction [-].
         - `force`: pulling force [N]; all three broadcast, and are flattened.
-        - `censored`: whether a reading is clipped at zero [-]; left out, none is.
-        - `branch`: 1, −1 or 0 [-]; left out, unknown.
-        - `more`: the other fields [-].
+        - `censored`: flags of clipped readings [-]; default none.
+        - `branch`: 1, −1 or 0 [-]; default unknown.
+        - `more`: the other fields [SI].
 
-        **Returns:** the record [-].
+        **Returns:** the record [SI].
 
-        **Raises:** `ValueError` for shapes that don't fit and readings that aren't finite.
+        **Raises:** `InvalidInputError` for shapes that don't fit and readings that aren't finite.
         """
         readings = {"pressure": pressure, "strain": strain, "force": force}
         shape = broadcast_shape(**{name: np.shape(values) for name, values in readings.items()})
@@ -90,13 +93,9 @@ class Record:
         for name, values in columns.items():
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
-                raise InvalidInputError(
-                    name,
-                    "must be finite",
-                    float(values[bad[0]]),
-                    "drop that reading",
-                    shown=f"{values[bad[0]]} in reading {bad[0] + 1}",
-                )
+                value = float(values[bad[0]])
+                shown = f"{value} in reading {bad[0] + 1}"
+                raise InvalidInputError(name, "must be finite", value, "drop that reading", shown)
         return cls(
             **columns,
             censored=flat(False if censored is None else censored, bool),
@@ -108,67 +107,111 @@ class Record:
         return self.force.size
 
     def only(self, chosen: Any, *notes: str) -> "Record":
-        """The readings that are `chosen` [-], a mask or places, with further `notes` [-]."""
+        """Select readings.
+
+        **Arguments:**
+
+        - `chosen`: a mask or indices [-].
+        - `notes`: added to the record's notes [-].
+
+        **Returns:** the selected readings [SI].
+        """
+        arrays = {name: getattr(self, name)[chosen] for name in COLUMNS}
         time = None if self.time is None else self.time[chosen]
-        arrays = {
-            name: getattr(self, name)[chosen]
-            for name in ("pressure", "strain", "force", "censored", "branch")
-        }
         return replace(self, **arrays, time=time, notes=(*self.notes, *notes))
 
 
 def join(records: Sequence[Record]) -> Record:
-    """One record of several of the same muscle, one after the other.
+    """Concatenate records of one muscle.
 
-    **Arguments:** `records`: at least one [-].
+    **Arguments:** `records`: at least one [SI].
 
-    **Returns:** all their readings [-]; a warning and a note tell of those that are there twice.
+    **Returns:** all their readings [SI]; a warning and a note name records that hold the same ones.
 
-    **Raises:** `ValueError` where their strains refer to unlike lengths.
+    **Raises:** `InvalidInputError` if their strains refer to different lengths.
     """
-    first = records[0]
     lengths = {record.rest_length for record in records} - {None}
     if len(lengths) > 1:
+        shown = sorted(map(str, lengths))
         raise InvalidInputError(
             "records",
             "must share one rest length",
-            sorted(map(str, lengths)),
+            shown,
             "name one in each file's TOML",
-            shown=f"{sorted(map(str, lengths))} m",
+            shown=f"{shown} m",
         )
-    # where only strains were given, they refer to the length that the others name
-    rest_length = next(iter(lengths), None)
-    twice = _twice(records)
-    for told in twice:
-        warnings.warn(f"{told}.", stacklevel=2)
-    timed = all(record.time is not None for record in records)
+    duplicates = _duplicate_messages(records)
+    for message in duplicates:
+        warnings.warn(f"{message}.", stacklevel=2)
+    times = [record.time for record in records if record.time is not None]
+    notes = [note for record in records for note in record.notes]
     return replace(
-        first,
-        **{
-            name: np.concatenate([getattr(record, name) for record in records])
-            for name in ("pressure", "strain", "force", "censored", "branch")
-        },
-        time=np.concatenate([record.time for record in records]) if timed else None,  # pyright: ignore[reportCallIssue, reportArgumentType] timed says that each is an array
-        rest_length=rest_length,
+        records[0],
+        **{name: np.concatenate([getattr(r, name) for r in records]) for name in COLUMNS},
+        time=np.concatenate(times) if len(times) == len(records) else None,
+        # strains without a rest length refer to the length that the other records name
+        rest_length=next(iter(lengths), None),
         synthetic=any(record.synthetic for record in records),
         sources=tuple(source for record in records for source in record.sources),
-        notes=tuple(dict.fromkeys([*(note for one in records for note in one.notes), *twice])),
+        notes=tuple(dict.fromkeys([*notes, *duplicates])),
     )
 
 
-def _twice(records: Sequence[Record]) -> list[str]:
-    """Which of the records hold the same readings, a line for each that is there again [-]."""
+def write(record: Record, path: str | os.PathLike[str]) -> None:
+    """Write a record as CSV, completely or not at all.
 
-    def name(place: int) -> str:
-        return ", ".join(one.name for one in records[place].sources) or f"record {place + 1}"
+    **Arguments:**
 
-    def readings(record: Record) -> bytes:
-        return np.stack([record.pressure, record.strain, record.force]).tobytes()
+    - `record`: the readings [SI].
+    - `path`: the CSV file [-]; an existing file is replaced.
+
+    **Raises:** `OSError` if the file can't be written.
+    """
+    write_text(path, dumps(record))
+
+
+def dumps(record: Record) -> str:
+    """Text of a CSV file that reads back to the same floats.
+
+    **Arguments:** `record`: the readings [SI].
+
+    **Returns:** the text [-]: remarks with rest length and sources, a header, a row per reading.
+    """
+    columns = {"pressure [Pa]": record.pressure, "strain [-]": record.strain}
+    columns["force [N]"] = record.force
+    if record.time is not None:
+        columns["time [s]"] = record.time
+    if record.branch.any():
+        columns["branch"] = record.branch
+    if record.censored.any():
+        columns["clipped"] = record.censored.astype(int)
+    remarks = []
+    if record.synthetic:
+        remarks.append(("synthetic", "a model made these readings, no muscle was measured"))
+    if record.rest_length is not None:
+        remarks.append(("rest_length", exact(record.rest_length, "length")))
+    remarks += [("source", f"{source.name} sha256 {source.sha256}") for source in record.sources]
+    remarks += [("note", note) for note in record.notes]
+    out = io.StringIO()
+    out.writelines(f"# {key}: {' '.join(value.split())}\n" for key, value in remarks)
+    out.write(",".join(columns) + "\n")
+    # repr is the shortest text that reads back to the same float
+    texts = (map(repr, column.tolist()) for column in columns.values())
+    out.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
+    return out.getvalue()
+
+
+def _duplicate_messages(records: Sequence[Record]) -> list[str]:
+    """A line for each record that repeats the readings of an earlier one."""
+
+    def name(index: int) -> str:
+        return ", ".join(s.name for s in records[index].sources) or f"record {index + 1}"
 
     first, lines = {}, []
-    for place, record in enumerate(records):
-        before = first.setdefault(readings(record), place)
-        if before != place:
-            pair = f"{name(before)} and {name(place)}"
+    for index, record in enumerate(records):
+        readings = np.stack([record.pressure, record.strain, record.force]).tobytes()
+        earlier = first.setdefault(readings, index)
+        if earlier != index:
+            pair = f"{name(earlier)} and {name(index)}"
             lines.append(f"{pair} hold the same readings, which count twice: leave one out")
     return list(dict.fromkeys(lines))

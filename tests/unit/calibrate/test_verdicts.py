@@ -13,7 +13,7 @@ from fascicle.calibrate.data.taking import taken
 from fascicle.calibrate.fits.choosing import chosen, trial
 from fascicle.calibrate.fits.fitting import fit
 from fascicle.records.record import DOWN, UP, Record
-from fascicle.records.splitting import runs
+from fascicle.records.segmentation import runs
 
 
 MUSCLE = fs.Muscle.from_dimensions(0.2, 9.5e-3, 1.5e-3, math.radians(26))

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Task, evaluate
 from fascicle.design.robust import sensitivities, spread
-from fascicle.records.fabrication import Scatter
+from fascicle.records.dynamometer import Scatter
 
 
 NAMES = ("mean_efficiency", "largest_force")

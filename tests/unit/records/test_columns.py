@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fascicle.records.columns import choose
-from fascicle.records.spelling import factor, is_unit, scaled
-from fascicle.records.table import open_table
+from fascicle.records.columns import choose_columns
+from fascicle.records.csv_table import open_table
+from fascicle.records.units import is_unit, to_si_units, unit_factor
 
 
 def chosen(header, columns=None, units=None):
     table = open_table(header.encode() + b"\n", "m.csv")
-    return choose(table, columns or {}, units or {})[0]
+    return choose_columns(table, columns or {}, units or {})[0]
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def chosen(header, columns=None, units=None):
 )
 def test_pressures(header, unit, si):
     found = chosen(f"{header},strain,force [N]")["pressure"]
-    assert (found.place, found.unit, found.factor) == (0, unit, pytest.approx(si, rel=1e-15))
+    assert (found.index, found.unit, found.factor) == (0, unit, pytest.approx(si, rel=1e-15))
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_pressures(header, unit, si):
 )  # fmt: skip
 def test_forces(header, si):
     found = chosen(f'pressure [Pa],strain,"{header}"')["force"]
-    assert (found.place, found.factor) == (2, pytest.approx(si, rel=1e-14))
+    assert (found.index, found.factor) == (2, pytest.approx(si, rel=1e-14))
 
 
 @pytest.mark.parametrize(
@@ -69,15 +69,15 @@ def test_forces(header, si):
 )  # fmt: skip
 def test_positions(header, role, si, sign):
     found = chosen(f"pressure [Pa],{header},force [N]")[role]
-    assert (found.place, found.factor, found.sign) == (1, pytest.approx(si), sign)
+    assert (found.index, found.factor, found.sign) == (1, pytest.approx(si), sign)
 
 
 def test_setpoints_and_rates_are_no_readings():
     found = chosen("pressure setpoint [kPa],pressure sensor [kPa],strain rate,strain,force [N]")
-    assert (found["pressure"].place, found["strain"].place) == (1, 3)
+    assert (found["pressure"].index, found["strain"].index) == (1, 3)
     # named in so many words, they are
     given = chosen("pressure setpoint [kPa],strain,force [N]", {"pressure": "pressure setpoint"})
-    assert given["pressure"].place == 0
+    assert given["pressure"].index == 0
 
 
 def test_strain_goes_before_length():
@@ -87,7 +87,7 @@ def test_strain_goes_before_length():
 
 def test_flags_branches_and_times():
     found = chosen("length_m,pressure_Pa,force_N,zero_is_no_tension,t [ms],direction,T [degC]")
-    places = [found[role].place for role in ("clipped", "time", "branch")]
+    places = [found[role].index for role in ("clipped", "time", "branch")]
     assert places == [3, 4, 5]
     assert found["time"].factor == 1e-3
 
@@ -103,18 +103,18 @@ def test_flags_branches_and_times():
 )  # fmt: skip
 def test_what_is_no_such_unit(unit, dimension, said):
     with pytest.raises(ValueError, match=said):
-        factor(unit, dimension)
+        unit_factor(unit, dimension)
 
 
 def test_case_counts_where_it_can():
-    assert factor("mN", "force") == 1e-3
-    assert factor("MPa", "pressure") == 1e6
-    assert factor("bar", "pressure") == factor("BAR", "pressure") == 1e5
+    assert unit_factor("mN", "force") == 1e-3
+    assert unit_factor("MPa", "pressure") == 1e6
+    assert unit_factor("bar", "pressure") == unit_factor("BAR", "pressure") == 1e5
     assert is_unit("[kPa]")
     assert not is_unit("gauge")
 
 
 def test_thousandths_are_divided_by():
     millimeters = np.arange(1000.0)
-    assert_array_equal(scaled(millimeters, 1e-3), [float(f"{i}e-3") for i in range(1000)])
-    assert scaled(np.array([413.7]), 1e3) == 413700
+    assert_array_equal(to_si_units(millimeters, 1e-3), [float(f"{i}e-3") for i in range(1000)])
+    assert to_si_units(np.array([413.7]), 1e3) == 413700

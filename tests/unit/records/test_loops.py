@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from fascicle.records.loops import loop_of
+from fascicle.records.hysteresis import loop_of
 from fascicle.records.record import Record
 
 

@@ -6,8 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.records.fabrication import Scatter
-from fascicle.records.pairs import Pairs, agreements, fabricated_pairs
+from fascicle.records.dynamometer import Pairs, Scatter, agreements, fabricated_pairs
 
 
 muscle = fs.example("kim2021_slenderness_10")

@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.records import load
-from fascicle.records.sidecar import read
+from fascicle.records.reading import read_sidecar
 
 
 TABLE = "A,position [mm],pressure [kPa]\n-50,12.5,100\n0,-17.5,100\n"
@@ -93,6 +93,6 @@ def test_what_it_refuses(tmp_path, text, said):
     path = tmp_path / "m.toml"
     path.write_text(text)
     with pytest.raises(ValueError, match=said) as caught:
-        read(path)
+        read_sidecar(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)

@@ -3,8 +3,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fascicle.records import Record, load, loads, write
-from fascicle.records.record import Source
-from fascicle.records.writing import dumps
+from fascicle.records.record import Source, dumps
 
 
 def random_record(seed=0, n=200, **more):

@@ -11,8 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...muscle import Muscle
-from ...records.averaging import averaged
-from ...records.loops import Loop, loop_of
+from ...records.hysteresis import Loop, averaged, loop_of
 from ...records.record import Record
 from ...repr_table import with_table_repr
 from ...units import pretty

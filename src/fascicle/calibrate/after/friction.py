@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...dynamics.hysteresis import MaxwellSlip
-from ...records.averaging import averaged
+from ...records.hysteresis import averaged
 from ...records.record import DOWN, UP, Record
-from ...records.splitting import Run, runs
+from ...records.segmentation import Run, runs
 
 
 _MOST = 3  # springs: the ends of loops hardly tell more

@@ -205,7 +205,7 @@ def shown(table: np.ndarray, data: Grid) -> np.ndarray:
 
 def _branches(record: Record) -> tuple[np.ndarray, np.ndarray]:
     """Branches as the record tells them, or as its sweeps turn [-]; and which are on ramps."""
-    from ...records.splitting import runs
+    from ...records.segmentation import runs
 
     branches, ramps = record.branch.copy(), np.zeros(len(record), dtype=bool)
     told = bool(np.any(branches != UNKNOWN))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...calibrate.after.calibration import Calibration
     from ...calibrate.problem.beginning import Prior
     from ...muscle import Muscle
-    from ...records.asking import Asked
+    from ...records.columns import MissingMetadataError
     from ...records.record import Record
 
 TUNING = "tuning"  # among what is to be fitted: the paper's way
@@ -153,7 +153,7 @@ def _muscle(begin: Begin) -> "Muscle":
 def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]:
     """The record, and what was assumed of it."""
     from ...records import join, load
-    from ...records.asking import Asked
+    from ...records.columns import MissingMetadataError
 
     given = {
         "units": reading.units,
@@ -170,7 +170,7 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
         nonlocal assumed
         try:
             return load(path, rest_length=rest, **given)
-        except Asked as error:
+        except MissingMetadataError as error:
             if error.argument != "rest_length":
                 raise
         # a length or displacement in a file that names no rest length
@@ -181,7 +181,7 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     with refusing():
         try:
             record = join([one(path) for path in reading.paths])
-        except Asked as error:
+        except MissingMetadataError as error:
             raise ValueError(f"{error.before}{_option(error)}{error.after}") from None
         record = replace(record, notes=tuple(map(_as_typed, record.notes)))
         if reading.push_positive:
@@ -196,7 +196,7 @@ def _record(reading: Reading, length: float) -> tuple["Record", tuple[str, ...]]
     )
 
 
-def _option(asked: "Asked") -> str:
+def _option(asked: "MissingMetadataError") -> str:
     """What is to be given, as this command's option."""
     name = {"columns": "--column", "units": "--unit", "rest_length": "--rest-length"}[
         asked.argument

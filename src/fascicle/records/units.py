@@ -1,0 +1,257 @@
+"""Units of a table's columns: spellings of instruments, and checks of the numbers against them.
+
+`fascicle.units` reads a quantity strictly, since a person has just typed it. A header comes from
+an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are understood here as well. An
+absolute pressure is refused.
+
+A column of pressures in kPa under `pressure [Pa]` is no error that a parser sees, but a fit would
+give a muscle a thousand times too strong. So readings must lie where muscles do: gauge pressures
+up to 1 MPa, contractions from −0.2 to 0.9, and a force that a muscle's cross section can bear.
+"""
+
+import functools
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.validation import HIGHEST_PRESSURE
+from ..units import DIMENSIONS, parse
+
+
+POSITIONS = ("strain", "length", "displacement")  # one is enough: the first that is there
+USUAL_UNITS = {
+    "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
+}  # fmt: skip
+STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
+_LOWEST = 2e3  # Pa: a record that never gets there, but pulls, is in another unit
+_WIDEST = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a fifth of it
+_NOISE = (0.02, 5e3)  # of the highest pressure, and Pa: a transducer's zero may be off by that
+_NEARLY_NO_FORCE = 1.0  # N: too little to infer a unit from
+_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+_DIMENSIONLESS = {"", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio", "dimensionless"}
+# other spellings, in lower case, of the units that `fascicle.units` or `_TIME` know
+_SPELLINGS = {
+    "pressure": {
+        "pa": "Pa", "pascal": "Pa", "pascals": "Pa", "hpa": "hPa", "kpa": "kPa",
+        "kilopascal": "kPa", "mpa": "MPa", "bar": "bar", "bars": "bar", "mbar": "mbar",
+        "psi": "psi", "lbf/in2": "psi", "atm": "atm", "n/mm2": "MPa", "n/mm²": "MPa",
+        "n/mm^2": "MPa", "n/m2": "Pa", "n/m²": "Pa", "n/m^2": "Pa",
+    },
+    "force": {
+        "n": "N", "newton": "N", "newtons": "N", "kn": "kN", "lbf": "lbf", "lb": "lbf",
+        "lbs": "lbf", "pounds": "lbf", "kgf": "kgf", "gf": "gf",
+    },
+    "length": {
+        "m": "m", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mm": "mm",
+        "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "cm": "cm", "um": "µm",
+        "μm": "µm", "in": "in", "inch": "in", "inches": "in", '"': "in", "ft": "ft",
+    },
+    "strain": {"%": "%", "percent": "%", "pct": "%", "prozent": "%", "mm/m": "mm/m"},
+    "time": {
+        "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s", "ms": "ms",
+        "msec": "ms", "milliseconds": "ms", "us": "µs", "μs": "µs", "min": "min",
+        "minutes": "min", "h": "h", "hours": "h",
+    },
+}  # fmt: skip
+_GAUGE = re.compile(r"(?:\s*\(g\)|[\s_]+g(?:auge)?|(?<=[a-z])g)$", re.IGNORECASE)
+_ABSOLUTE = re.compile(r"^(?:psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
+# of masses that hang from a muscle, the unit of their weight
+_WEIGHTS = {
+    **dict.fromkeys(("g", "gram", "grams", "gramm", "gr"), "gf"),
+    **dict.fromkeys(
+        ("kg", "kgs", "kilo", "kilos", "kilogram", "kilograms", "kilogramm"), "kgf"
+    ),
+}  # fmt: skip
+# units to suggest where a column's unit makes no sense, the likeliest first
+_SUGGESTIONS = {"pressure": ("kPa", "bar", "psi", "Pa", "MPa"), "force": ("N", "lbf", "kN")}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column to read.
+
+    - `role`: what it holds, such as "pressure".
+    - `index`: its position in the header; `header`: its name there.
+    - `unit`: as written; `factor`: SI units in it.
+    - `sign`: −1 if the file counts the other way.
+    - `replaced_unit`: the header's unit, if the caller gave another one.
+    """
+
+    role: str
+    index: int
+    header: str
+    unit: str = ""
+    factor: float = 1.0
+    sign: int = 1
+    replaced_unit: str = ""
+
+    def note(self) -> str:
+        """Describe how the column is read."""
+        has_unit = self.role in {*POSITIONS, *USUAL_UNITS}
+        unit = f" in {self.unit or 'fractions'}" if has_unit else ""
+        turned = ", its sign turned" if self.sign < 0 else ""
+        instead = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
+        return f"column `{self.header}` read as {self.role}{unit}{instead}{turned}"
+
+
+CellError = Callable[[int, Column, str], ValueError]  # row, its column, the rule
+
+
+def weight_unit(unit: str, dimension: str) -> str:
+    """The unit of force for a column of masses, such as "kgf" for "kg"; empty for other units."""
+    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
+
+
+def is_absolute(unit: str) -> bool:
+    """True for a unit of absolute pressure, such as "psia"."""
+    return _ABSOLUTE.match(unit.strip().lower()) is not None
+
+
+@functools.lru_cache(maxsize=512)
+def unit_factor(unit: str, dimension: str) -> float:
+    """SI units in one `unit`, as a header writes it, without brackets.
+
+    `dimension` is "pressure", "force", "length", "strain" or "time". Raises a `ValueError` of a
+    few words for a unit that isn't of that dimension.
+    """
+    text = unit.strip()
+    if dimension == "pressure":
+        if is_absolute(text):
+            raise ValueError(f"{unit!r} is absolute")
+        text = _GAUGE.sub("", text) if text.lower() not in _SPELLINGS["pressure"] else text
+    if dimension == "strain" and text.lower() in _DIMENSIONLESS:
+        return 1.0
+    if dimension == "strain" and text.lower() == "mm/m":
+        return 1e-3
+    exact = DIMENSIONS[dimension].factors if dimension in DIMENSIONS else _TIME
+    # the case counts where it can: mN and MN
+    name = text if text in exact else _SPELLINGS[dimension].get(text.lower(), "")
+    if dimension == "time" and name:
+        return _TIME[name]
+    if not name and not (dimension == "force" and text == "mN"):
+        raise ValueError(f"{unit!r} is no unit of {dimension}")
+    return parse(f"1 {name or text}", dimension)
+
+
+def is_unit(text: str, dimensions: tuple[str, ...] = tuple(_SPELLINGS)) -> bool:
+    """True if `text`, in brackets or not, is a unit of one of the `dimensions`."""
+    for dimension in dimensions:
+        try:
+            unit_factor(strip_brackets(text), dimension)
+        except ValueError:
+            continue
+        return True
+    return False
+
+
+def strip_brackets(text: str) -> str:
+    """Remove the brackets around a unit."""
+    text = text.strip()
+    pairs = ("[]", "()", "{}", "<>")
+    return text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in pairs else text
+
+
+def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
+    """Multiply `values` by the `factor` of their unit, with a single rounding where possible.
+
+    A thousandth has no float, but a division by a thousand rounds only once: 9 mm are the float
+    9e-3, and nine times a thousandth is not.
+    """
+    whole = round(1 / factor)
+    if factor < 1 and whole > 1 and 1 / whole == factor:
+        return values / whole
+    return values * factor if factor != 1 else values
+
+
+def check_pressures(
+    column: Column, raw: np.ndarray, force: np.ndarray, cell_error: CellError
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Convert `raw` readings to gauge pressures [Pa] and check them against the `force` [N].
+
+    Returns pressures with noise below zero set to zero, and notes. Raises what `cell_error` makes
+    of a unit that can't be right, and of pressures below zero.
+    """
+    pressure = to_si_units(raw, column.factor)
+    top, strongest = float(np.max(pressure)), float(np.max(np.abs(force)))
+    row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
+    highest = _with_unit(raw[row], column)
+    if top > HIGHEST_PRESSURE:
+        rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
+        raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
+    if 0 < top <= _LOWEST and strongest > _NEARLY_NO_FORCE:
+        rule = f"the highest is {highest}, with forces up to {strongest:.3g} N"
+        raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
+    if pressure[lowest] < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
+        rule = f"{_with_unit(raw[lowest], column)} is below zero by more than noise:"
+        remedy = "write gauge pressures, without the transducer's offset."
+        raise cell_error(lowest, column, f"{rule} {remedy}")
+    notes = []
+    below = int(np.count_nonzero(pressure < 0))
+    if below:
+        notes.append(f"{below} pressures below zero, down to {pressure[lowest]:.3g} Pa, set to 0")
+    if 90e3 < pressure[lowest] < 110e3 and top > 1.5 * pressure[lowest]:
+        atmosphere = f"the lowest pressure is {pressure[lowest] / 1e3:.4g} kPa"
+        notes.append(f"{atmosphere}: if that is the atmosphere, subtract it")
+    return np.maximum(pressure, 0.0), tuple(notes)
+
+
+def check_forces(
+    column: Column,
+    raw: np.ndarray,
+    force: np.ndarray,
+    pressure: np.ndarray,
+    cell_error: CellError,
+) -> tuple[str, ...]:
+    """Refuse a `force` [N] over `pressure` [Pa] that needs too large an area; return notes."""
+    row, top = int(np.argmax(np.abs(force))), float(np.max(pressure))
+    area = abs(float(force[row])) / top if top > _LOWEST else 0.0
+    if area > _WIDEST:
+        rule = f"{_with_unit(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
+        suggestion = _suggest_unit(column, raw[row], area / _WIDEST)
+        message = f"{rule} needs {area:.2g} m² of cross section{suggestion}"
+        raise cell_error(row, column, message)
+    if np.max(force) <= 0 < -np.min(force):
+        return (
+            "no reading pulls: if they do, turn the sign with --push-positive, or with"
+            ' signs.force = "pushing positive"',
+        )
+    return ()
+
+
+def check_strains(
+    column: Column, raw: np.ndarray, strain: np.ndarray, cell_error: CellError
+) -> None:
+    """Refuse contractions `strain` [-] that no muscle has, with the line of the worst reading."""
+    low, high = STRAINS
+    row = int(np.argmax(np.maximum(low - strain, strain - high)))
+    if low <= strain[row] <= high:
+        return
+    if column.role == "strain" and np.max(np.abs(strain)) > 1 and column.factor == 1:
+        hint = "did you mean %? Write it in the header, such as `strain [%]`."
+    elif column.role == "strain":
+        hint = f"it must lie from {low} to {high}, check its unit and sign."
+    else:
+        beyond = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
+        hint = f"{abs(strain[row]):.3g} of it {beyond}: check rest length, unit and sign."
+    reading = _with_unit(raw[row], column)
+    message = f"{reading} is a contraction of {strain[row]:.4g}: {hint}"
+    raise cell_error(row, column, message)
+
+
+def _with_unit(value: float, column: Column) -> str:
+    return f"{value:.6g} {column.unit}".rstrip()
+
+
+def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
+    """A question for the unit in which the worst reading, too large by `excess`, makes sense."""
+    for unit in _SUGGESTIONS[column.role]:
+        factor = unit_factor(unit, column.role)
+        if column.role == "pressure" and not 10e3 <= worst * factor <= HIGHEST_PRESSURE:
+            continue
+        if column.role == "force" and factor > column.factor / excess:
+            continue
+        if factor != column.factor:
+            return f": did you mean {unit}?"
+    return ": check its unit."
