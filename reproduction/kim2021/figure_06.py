@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.components import Components, components_legend, draw_components
+from fascicle.plot.curves import Components, components_legend, draw_components
 from fascicle.plot.style import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
 from fascicle.results.labelled import Variable
 

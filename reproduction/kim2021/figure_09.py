@@ -3,7 +3,7 @@
 import numpy as np
 
 from fascicle.bundle.space import Overlap, Space, overlap, space
-from fascicle.plot.space import spaces
+from fascicle.plot.workspace import workspaces
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim
@@ -42,7 +42,7 @@ def compute() -> PaperFigure:
             "Yellow: points that both states reach, over all pressures of each.",
         ),
         data=_data(without, with_it),
-        draw=lambda: spaces(
+        draw=lambda: workspaces(
             {"resistance neglected": without, "resistance included": with_it}, NEAR
         ),
         claims=claims(without, with_it, float(muscle.free_strain(NAMED))),

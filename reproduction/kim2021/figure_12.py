@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.components import Components, components_of
+from fascicle.plot.curves import Components, components_of
 from fascicle.plot.style import (
     DOUBLE,
     GRAY,

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from fascicle.calibrate.after.calibration import Calibration
 from fascicle.calibrate.fits.fitting import fit
 from fascicle.muscle import Muscle
-from fascicle.plot.components import Components
+from fascicle.plot.curves import Components
 from fascicle.plot.style import (
     BLACK,
     DOUBLE,

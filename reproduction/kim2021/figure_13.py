@@ -8,8 +8,7 @@ from fascicle.bundle import Bundle
 from fascicle.bundle.reversal import Reversal, free_strain_curve, reversal
 from fascicle.muscle import Muscle
 from fascicle.muscle.tension.ideal import Ideal
-from fascicle.plot.curves import draw_free_strain
-from fascicle.plot.jumps import broken
+from fascicle.plot.curves import draw_free_strain, split_at_reversal
 from fascicle.plot.style import BLACK, GRAY, SINGLE, new_figure, styled
 from fascicle.results.labelled import Variable
 
@@ -121,7 +120,7 @@ def draw(found: dict[str, np.ndarray], turn: Reversal) -> Figure:
         if color is not None:
             line.set_color(color)
     line = ax.lines[list(found).index(RESISTING)]
-    curve, jump = broken(PRESSURES, found[RESISTING], turn)
+    curve, jump = split_at_reversal(PRESSURES, found[RESISTING], turn)
     line.set_data(curve[0] / 1e3, curve[1])
     ax.plot(jump[0] / 1e3, jump[1], color=BLACK, linestyle=":")
     ax.plot(turn.pressure / 1e3, turn.free_strain, "o", color=BLACK, markersize=4)

@@ -18,7 +18,7 @@ from fascicle.bundle import Bundle, MotorUnit
 from fascicle.files import example
 from fascicle.muscle import Muscle, Tuning
 from fascicle.muscle.materials import LATEX, MooneyRivlin
-from fascicle.plot.components import Components, components_of
+from fascicle.plot.curves import Components, components_of
 
 from ..claims import claim_builder
 

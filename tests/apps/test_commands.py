@@ -160,7 +160,7 @@ def test_bundle(fascicle, monkeypatch, tmp_path):
     table = list(csv.DictReader(io.StringIO(answer(fascicle, *command, "--csv"))))
     assert [float(row["pressures_2 [Pa]"]) for row in table[::2]] == [0, 51.7e3, 103.4e3]
     assert [float(row["free_strain [-]"]) for row in table[::2]] == found["free_strain"]
-    monkeypatch.setattr("fascicle.plot.results._POINTS", 2)  # compiled already for so few
+    monkeypatch.setattr("fascicle.plot.curves._POINTS", 2)  # compiled already for so few
     answer(fascicle, *command, "--plot", "b.svg")
     assert "51.7 kPa" in (tmp_path / "b.svg").read_text()
     # the other commands are the same functions

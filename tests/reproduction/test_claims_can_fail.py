@@ -12,7 +12,7 @@ import pytest
 from fascicle.bundle.recruitment import overlap, space
 from fascicle.bundle.reversal import Reversal
 from fascicle.muscle.tension import Ideal
-from fascicle.plot.components import components_of
+from fascicle.plot.curves import components_of
 from reproduction.kim2021 import (
     figure_02,
     figure_03,

@@ -24,9 +24,9 @@ from ..energetics import efficiency_map
 from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as plot_fit
-from ..plot.maps import efficiency as draw_efficiency
-from ..plot.space import space as draw_space
 from ..plot.style import to_bytes
+from ..plot.workspace import efficiency as draw_efficiency
+from ..plot.workspace import workspace as draw_space
 from ..records.record import Record
 from ..results import tables
 from ..results.labelled import Variable, to_csv, write
@@ -99,7 +99,7 @@ def bundle(view: View) -> Export:
     imports = (
         "from fascicle import recruitment, tables\n"
         "from fascicle.files import loads\n"
-        "from fascicle.plot.space import space as draw\n"
+        "from fascicle.plot.workspace import workspace as draw\n"
     )
     python = (
         _head("bundle", "bundle", dumps(made), imports)
@@ -170,7 +170,7 @@ def efficiency(view: View) -> Export:
         "from fascicle import tables\n"
         "from fascicle.energetics import efficiency_map\n"
         "from fascicle.files import loads\n"
-        "from fascicle.plot.maps import efficiency as draw\n"
+        "from fascicle.plot.workspace import efficiency as draw\n"
     )
     python = (
         _head("efficiency", "bundle", dumps(made), imports)

@@ -9,7 +9,7 @@ import panel as pn
 from ..bundle import Bundle, MotorUnit
 from ..bundle.reversal import Reversal, free_strain_curve, reversal
 from ..muscle import Muscle
-from ..plot.jumps import broken
+from ..plot.curves import split_at_reversal
 from .background import Latest, shared
 from .link import parse_splits
 from .state import Session, View
@@ -46,7 +46,7 @@ def through(one: Split) -> tuple[np.ndarray, np.ndarray]:
 
     **Returns:** pressures [Pa] and free strains [-], NaN in the gap.
     """
-    return broken(one.pressure, one.resisted, one.turn)[0]
+    return split_at_reversal(one.pressure, one.resisted, one.turn)[0]
 
 
 def jump(one: Split) -> tuple[np.ndarray, np.ndarray]:
@@ -56,7 +56,7 @@ def jump(one: Split) -> tuple[np.ndarray, np.ndarray]:
 
     **Returns:** pressures [Pa] and free strains [-]; empty where it doesn't jump.
     """
-    return broken(one.pressure, one.resisted, one.turn)[1]
+    return split_at_reversal(one.pressure, one.resisted, one.turn)[1]
 
 
 def split_curves(muscle: Muscle, splits: tuple[tuple[int, ...], ...], supply: float) -> list[Split]:

@@ -1,4 +1,4 @@
-"""What `muscle.plot()` and `bundle.plot()` draw: the usual picture, with usual pressures."""
+"""Figures of `muscle.plot()` and `bundle.plot()`, with the usual pressures and strains."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle
 from .curves import bundle_force_strain, force_strain
-from .space import space
+from .workspace import workspace
 
 
 _POINTS = 301  # along a curve
@@ -22,7 +22,7 @@ _PAST = 1.25  # strains go so far past the largest free strain
 def of_muscle(
     muscle: Muscle, pressures: Any = None, strains: Any = None, components: bool = False
 ) -> Figure:
-    """As `Muscle.plot`, of a `muscle` [-] with its arguments.
+    """A `muscle`'s forces, as `Muscle.plot` draws them.
 
     **Arguments:**
 
@@ -53,7 +53,7 @@ def of_muscle(
 def of_bundle(
     bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
 ) -> Figure:
-    """As `Bundle.plot`, of a `bundle` [-] with its arguments.
+    """A `bundle`'s workspace, or its forces at `pressures`, as `Bundle.plot` draws them.
 
     **Arguments:**
 
@@ -74,14 +74,13 @@ def of_bundle(
             "the bundle has no supply pressure, for which its states would be drawn",
         )
     if pressures is None:
-        found = recruitment.space(bundle, strain=strains, resistance=resistance)
-        return space(found, overlap(found))
+        space = recruitment.space(bundle, strain=strains, resistance=resistance)
+        return workspace(space, overlap(space))
     if strains is None:
         strains = _strains(float(bundle.free_strain(pressures, resistance=False)))
-    P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
-    return bundle_force_strain(bundle, P, strains, resistance)
+    return bundle_force_strain(bundle, pressures, strains, resistance)
 
 
 def _strains(free_strain: float) -> np.ndarray:
-    """From rest [-] to past the largest `free_strain` [-]."""
+    """Strains [-] from rest to past the largest `free_strain` [-]."""
     return np.linspace(0.0, min(max(_PAST * free_strain, 0.05), LARGEST_STRAIN), _POINTS)

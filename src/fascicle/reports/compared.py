@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from matplotlib.figure import Figure
 
-from ..plot.simulated import Demanded, shown_in
 from ..plot.style import to_bytes
+from ..plot.trajectory import Demand, display_unit
 from .controlled import beyond
 from .page import Page
 
@@ -30,13 +30,13 @@ class Ran(NamedTuple):
     controlled: "Controlled"
     run: "Trajectory"
     worth: "Worth"
-    demanded: Demanded
+    demanded: Demand
     doubts: list[str]
 
 
 def heads(plant: "Plant", of: str) -> list[str]:
     """Heads of the table [-], of a `plant` [-] that is controlled `of` [-]."""
-    _, unit = shown_in(plant, of)
+    _, unit = display_unit(plant, of)
     share = ["of D"] if of == "force" else []
     return ["policy", f"drawdown {unit}", *share, f"rms {unit}", "lag ms", "energy J",
             "more than\nthreshold", "fluid g", "recruited", "front", ""]  # fmt: skip
@@ -46,7 +46,7 @@ def rows(plant: "Plant", of: str, runs: Mapping[str, Ran], best: Sequence[bool])
     """Rows of the table [-]: of a `plant` [-] that is controlled `of` [-], the `runs` by policy
     [SI], and which are the `best` [-].
     """
-    factor, _ = shown_in(plant, of)
+    factor, _ = display_unit(plant, of)
     plain = runs[_PLAIN].worth.supply_energy
     made = []
     for (name, one), on_front in zip(runs.items(), best, strict=True):
@@ -65,7 +65,7 @@ def rows(plant: "Plant", of: str, runs: Mapping[str, Ran], best: Sequence[bool])
 def notes(scenario: "Scenario", runs: Mapping[str, Ran]) -> list[str]:
     """What must be said beside the table of `runs` [SI] of a `scenario` [-], in words [-]."""
     first = next(iter(runs.values()))
-    of = first.demanded.of
+    of = first.demanded.quantity
     told = []
     if scenario.plant.units == 1:
         told.append("there is one motor unit: nothing is handed over, policies differ by nothing")
@@ -92,7 +92,7 @@ def report(
 
     **Returns:** the page as HTML [-].
     """
-    of = next(iter(runs.values())).demanded.of
+    of = next(iter(runs.values())).demanded.quantity
     page = Page(f"Policies: {scenario.name.replace('_', ' ')}")
     told = [name for name, on_front in zip(runs, best, strict=True) if on_front]
     lead = "On the front of drawdown against energy from the supply"

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from ..control import done, reachable, worth
-from ..plot.simulated import Demanded, shown_in
+from ..plot.trajectory import Demand, display_unit
 
 
 if TYPE_CHECKING:
@@ -20,20 +20,20 @@ def judged(made: "Controlled", run: "Trajectory") -> "Worth":
     return worth(made.controller, run, made.reference)
 
 
-def demanded(scenario: "Scenario", run: "Trajectory") -> Demanded | None:
+def demanded(scenario: "Scenario", run: "Trajectory") -> Demand | None:
     """What a `run` [SI] of a `scenario` [-] was to follow [SI], or none where it was commanded."""
     made = scenario.controlled
     if made is None:
         return None
     can = reachable(made.controller, run.seen, made.reference).can
-    return Demanded(made.controller.of, made.reference, done(made.controller, run), can)
+    return Demand(made.controller.of, made.reference, done(made.controller, run), can)
 
 
 def told(plant: "Plant", of: str, what: "Worth") -> list[tuple[str, str]]:
     """What a run was `what` [SI] worth, of a `plant` [-] that is controlled `of` [-]: words with
     their unit, and figures [-].
     """
-    factor, unit = shown_in(plant, of)
+    factor, unit = display_unit(plant, of)
     rows = [
         (f"drawdown while the demand rises, {unit}", factor * what.drawdown),
         ("deepest dip of a unit on the way, N", what.dip),

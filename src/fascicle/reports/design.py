@@ -14,7 +14,7 @@ from ..design.robust import Spread
 from ..design.summary import Summary
 from ..files import dumps
 from ..plot.style import to_bytes
-from ..plot.task import task as draw_task
+from ..plot.workspace import task as draw_task
 from ..units import pretty
 from .engineering import (
     HEADS,

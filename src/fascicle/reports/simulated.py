@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..plot.sankey import energies
-from ..plot.simulated import MOST, traces
 from ..plot.style import to_bytes
+from ..plot.trajectory import MOST, energy_balances, traces
 from .controlled import beyond, demanded, judged, told
 from .page import Page
 
@@ -150,7 +149,7 @@ def _moments(scenario: "Scenario", run: "Trajectory") -> tuple[list[str], list[l
 
 def _energies(page: Page, audited: "Audit") -> None:
     drawn = [one for one in audited.balances if one.unit == "J" and one.name != "first law"]
-    figure = energies(drawn)
+    figure = energy_balances(drawn)
     page.picture(to_bytes(figure, "svg"), "svg", "Where energy came from and where it went",
                  figure.get_figwidth() * _INCH)  # fmt: skip
     page.paragraph(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fascicle.plot import calibration, to_bytes
-from fascicle.plot.profiles import Profiled, profiles
+from fascicle.plot.calibration import Profiled, profiles
 
 
 P = np.array([0.0, 100e3, 200e3])

@@ -10,8 +10,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.dynamics import audit
 from fascicle.files import example_text, loads_scenario
-from fascicle.plot.sankey import energies, sides
-from fascicle.plot.simulated import MOST, drawn, traces
+from fascicle.plot.trajectory import MOST, energy_balances, sides, thinned, traces
 from fascicle.reports.simulated import report
 
 
@@ -71,9 +70,9 @@ def test_csv_and_json_hold_it_too(ran):
 def test_no_peak_is_lost_where_a_curve_is_thinned():
     values = np.sin(np.linspace(0, 40, 100_000))
     values[31_415], values[77_777] = 3.0, -2.0
-    kept = drawn(values)
+    kept = thinned(values)
     assert len(kept) <= MOST + 2 and {0, 31_415, 77_777, 99_999} <= set(kept.tolist())
-    assert drawn(values[:100]).tolist() == list(range(100))
+    assert thinned(values[:100]).tolist() == list(range(100))
 
 
 def test_what_is_negative_comes_from_the_other_side(ran):
@@ -91,7 +90,7 @@ def test_pictures_are_labelled(ran):
     figure = traces(read.plant, found)
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert labels[:3] == ["Position q [mm]", "Pressure P [kPa]", "Force F [N]"]
-    drawn = energies([one for one in audited.balances if one.unit == "J"])
+    drawn = energy_balances([one for one in audited.balances if one.unit == "J"])
     texts = [text.get_text() for text in drawn.axes[0].texts]
     assert any(re.match(r"supplied .* J, 1?[0-9.]+ %", text) for text in texts)
 

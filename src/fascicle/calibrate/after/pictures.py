@@ -12,7 +12,7 @@ from ...core.errors import InvalidInputError
 from ...core.validation import HIGHEST_PRESSURE
 from ...muscle import Muscle
 from ...plot import calibration as plot
-from ...plot.profiles import Profiled
+from ...plot.calibration import Profiled
 from ...records.record import Record
 from ...units import DIMENSIONS
 from ..data.grid import grid, trimmed

@@ -73,6 +73,7 @@ def _table(variables: Any) -> None:
 
 
 def _figure(bundle: Any, states: list[list[float]], strains: list[float], resistance: bool) -> Any:
-    from ...plot.results import bundle_force
+    from ...plot.curves import bundle_force_strain, smooth
 
-    return bundle_force(bundle, states, strains, resistance)
+    pressures = states[0] if len(states) == 1 else states
+    return bundle_force_strain(bundle, pressures, smooth(strains), resistance)

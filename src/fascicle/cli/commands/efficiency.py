@@ -109,6 +109,6 @@ def _show_points(
 
 
 def _figure(maps: Any) -> Any:
-    from ...plot.results import efficiency
+    from ...plot.workspace import efficiency
 
-    return efficiency(maps)
+    return efficiency(*maps)

@@ -75,6 +75,8 @@ def _table(variables: Any) -> None:
 
 
 def _figure(muscle: Any, pressures: list[float], strains: list[float]) -> Any:
-    from ...plot.results import muscle_force
+    import numpy as np
 
-    return muscle_force(muscle, pressures, strains)
+    from ...plot.curves import force_strain, smooth
+
+    return force_strain(muscle, np.unique(pressures), smooth(strains))

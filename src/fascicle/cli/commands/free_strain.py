@@ -78,7 +78,7 @@ def _table(variables: Any) -> None:
 
 
 def _figure(found: Any, variables: Any, resistance: bool) -> Any:
-    from ...plot.results import free_strain
+    from ...plot.curves import free_strain_states
 
     pressures = variables["pressures" if is_bundle(found) else "pressure"].values
-    return free_strain(found, pressures, variables["free_strain"].values, resistance)
+    return free_strain_states(found, pressures, variables["free_strain"].values, resistance)

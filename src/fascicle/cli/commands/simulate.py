@@ -111,7 +111,7 @@ def run(
         table = simulated(read.plant, found, balanced, *asked)
 
     def draw() -> Any:
-        from ...plot.simulated import traces
+        from ...plot.trajectory import traces
         from ...reports.controlled import demanded
 
         return traces(read.plant, found, demanded(read, found))

@@ -31,8 +31,8 @@ def compare(read: Any, outputs: Outputs, report: str | None, overwrite: bool) ->
     """
     if read.controlled is None:
         raise UserError(f"--compare: {read.name} is commanded by a schedule; it needs [control].")
-    from ...plot.controlled import Priced
-    from ...plot.controlled import compared as drawn
+    from ...plot.trajectory import PolicyCosts
+    from ...plot.trajectory import policies as drawn
     from ...results.controlled import compared
 
     runs = _runs(read)
@@ -44,7 +44,7 @@ def compare(read: Any, outputs: Outputs, report: str | None, overwrite: bool) ->
     def draw() -> Any:
         rows = ([w.drawdown for w in worths], [w.supply_energy for w in worths], best)
         pairs = {name: (one.run, one.demanded) for name, one in runs.items()}
-        return drawn(read.plant, pairs, Priced(*rows))
+        return drawn(read.plant, pairs, PolicyCosts(*rows))
 
     notes = " ".join(_notes(read, runs))
     title = f"Policies of {read.name}"

@@ -100,6 +100,7 @@ def _table(variables: Any, units: int) -> None:
 
 
 def _figure(found: Any) -> Any:
-    from ...plot.results import space
+    from ...bundle.space import overlap
+    from ...plot.workspace import workspace
 
-    return space(found)
+    return workspace(found, overlap(found))

@@ -6,8 +6,7 @@ import pytest
 import fascicle as fs
 from fascicle import plot
 from fascicle.bundle.reversal import free_strain_curve, reversal
-from fascicle.plot import results
-from fascicle.plot.jumps import split_at_jumps
+from fascicle.plot.curves import free_strain_states, split_at_jumps
 
 
 SUPPLY = 344.7e3
@@ -19,7 +18,7 @@ def bundle():
 
 
 def drawn(bundle, states, resistance=True):
-    figure = results.free_strain(bundle, states, bundle.free_strain(states, resistance), resistance)
+    figure = free_strain_states(bundle, states, bundle.free_strain(states, resistance), resistance)
     ax = figure.axes[0]
     return ax, [text.get_text() for text in ax.get_legend().get_texts()]
 
@@ -56,7 +55,7 @@ def test_states_of_other_units_are_curves_of_their_own(bundle):
 def test_a_muscle_has_no_unit():
     muscle = fs.example("kim2021_figure_6")
     P = np.linspace(0.0, SUPPLY, 4)
-    ax = results.free_strain(muscle, P, muscle.free_strain(P)).axes[0]
+    ax = free_strain_states(muscle, P, muscle.free_strain(P)).axes[0]
     assert ax.get_xlabel() == "Pressure P [kPa]"
     assert np.isfinite(ax.get_lines()[0].get_ydata()).all()
 

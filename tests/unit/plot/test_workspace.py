@@ -6,8 +6,8 @@ from fascicle.energetics import efficiency_map
 from fascicle.files import example
 from fascicle.muscle import Muscle
 from fascicle.plot import to_bytes
-from fascicle.plot.maps import efficiency
-from fascicle.plot.space import space as draw_space
+from fascicle.plot.workspace import efficiency
+from fascicle.plot.workspace import workspace as draw_space
 
 
 MUSCLE = example("kim2021_figure_9")

@@ -1,0 +1,220 @@
+"""The force-strain plane of a bundle: states, their overlap, demands of a task, efficiency."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..bundle.space import Overlap, Space
+from ..core.types import Bool, Float
+from ..energetics import EfficiencyMap
+from .style import (
+    BLACK,
+    CYCLE,
+    DOUBLE,
+    GRAY,
+    SINGLE,
+    VERMILION,
+    force_strain_axes,
+    in_kilopascals,
+    letter,
+    new_figure,
+    styled,
+)
+from .theme import WHITE, YELLOW
+
+
+_THIN, _THICK = 0.4, 2.2  # lines of the lowest and the highest pressure
+_SMALLEST, _LARGEST = 2.0, 6.0  # points, of a demand's mark
+_CONTOURS = np.arange(0.1, 1.0, 0.1)  # of efficiency
+
+
+@styled
+def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
+    """A bundle's workspace, a color for each recruitment state.
+
+    **Arguments:**
+
+    - `space`: its curves and regions [-].
+    - `overlap`: the points that two states reach, shaded [-]; left out, none.
+
+    **Returns:** the figure [-].
+    """
+    figure, axes = new_figure(width=SINGLE)
+    ax = axes[0, 0]
+    draw_workspace(ax, space, overlap)
+    highest = in_kilopascals(space.supply_pressure)
+    ax.set_title(f"{space.scheme} recruitment, up to {highest}", loc="left")
+    ax.legend()
+    return figure
+
+
+@styled
+def workspaces(
+    titled: Mapping[str, tuple[Space, Overlap | None]],
+    near: tuple[tuple[float, float], tuple[float, float]],
+    labeled_state: int = 2,
+) -> Figure:
+    """Workspaces side by side, and below each its part `near` the largest strain.
+
+    **Arguments:**
+
+    - `titled`: workspaces and overlaps by title [-], at most three.
+    - `near`: limits of strain [-] and force [N] of the lower row.
+    - `labeled_state`: the state whose curves bear their pressures there [-].
+
+    **Returns:** the figure [-].
+    """
+    figure, axes = new_figure(2, len(titled), DOUBLE, 0.8 * DOUBLE)
+    marks = iter("abcdef")
+    for row, more in zip(axes, ("", ", near the largest strain"), strict=True):
+        for ax, (title, (space, overlap)) in zip(row, titled.items(), strict=True):
+            draw_workspace(ax, space, overlap)
+            letter(ax, next(marks), title + more)
+    for ax, (space, _) in zip(axes[1], titled.values(), strict=True):
+        ax.set(xlim=near[0], ylim=near[1])
+        _label_pressures(ax, space, labeled_state)
+    for ax in axes[:, 1:].flat:
+        ax.set_ylabel("")
+    handles, labels = axes[0, -1].get_legend_handles_labels()
+    order = sorted(range(len(labels)), key=lambda i: labels[i].startswith("overlap"))
+    handles, labels = [handles[i] for i in order], [labels[i] for i in order]
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure
+
+
+def draw_workspace(ax: Axes, space: Space, overlap: Overlap | None = None) -> None:
+    """Draw curves [N] of all states over strain [-], thicker for higher pressures, and overlap."""
+    force_strain_axes(ax)
+    for pair in range(0 if overlap is None else len(overlap.states)):
+        assert overlap is not None
+        strain, force = overlap.outline(pair)
+        if strain.size:
+            label = "overlap of the states" if pair == 0 else None
+            ax.fill(strain, force, color=YELLOW, alpha=0.6, linewidth=0, label=label)
+    widths = np.linspace(_THIN, _THICK, space.level.size)
+    for state, curves in enumerate(space.force, start=1):
+        color = CYCLE[(state - 1) % len(CYCLE)]
+        for i, (curve, width) in enumerate(zip(curves, widths, strict=True), start=1):
+            label = f"recruitment state {state}" if i == len(curves) else None
+            ax.plot(space.strain, curve, color=color, linewidth=width, label=label)
+    ax.set_xlim(space.strain[0], space.strain[-1])
+    ax.set_ylim(bottom=0)
+
+
+def _label_pressures(ax: Axes, space: Space, state: int) -> None:
+    """Write the throttled pressures along the curves of a `state`, in one label for one line."""
+    (left, right), (_, top) = ax.get_xlim(), ax.get_ylim()
+    inside = (space.strain >= left) & (space.strain <= right)
+    strain, curves = space.strain[inside], space.force[state - 1][:, inside]
+    lines: list[tuple[np.ndarray, list[str]]] = []
+    for level, curve in zip(space.level, curves, strict=True):
+        words = f"{level / 1e3:.4g}"
+        if lines and np.abs(lines[-1][0] - curve).max() < 0.01 * top:
+            lines[-1][1].append(words)
+        else:
+            lines.append((curve, [words]))
+    box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
+    for i, (curve, words) in enumerate(lines):
+        # the lowest beneath its line and further on, where no other crosses it
+        height = (0.7 if i == 0 else 0.87) * top
+        low = strain[curve <= height]
+        place = max(float(low[0]) if low.size else right, left + 0.06 * (right - left))
+        step = 0.01 * (right - left)
+        ends = np.interp([place, place + step], strain, curve)
+        ax.text(
+            place, ends[0], f"{', '.join(words)} kPa", ha="center", fontsize=6,
+            rotation=np.degrees(np.arctan2(ends[1] - ends[0], step)), rotation_mode="anchor",
+            transform_rotates_text=True, va="top" if i == 0 else "center", bbox=box,
+        )  # fmt: skip
+
+
+@styled
+def task(
+    space: Space,
+    overlap: Overlap | None,
+    force: Float[np.ndarray, " point"],
+    strain: Float[np.ndarray, " point"],
+    weight: Float[np.ndarray, " point"],
+    reached: Bool[np.ndarray, " point"],
+) -> Figure:
+    """A bundle's workspace, and the points of a task in it.
+
+    **Arguments:**
+
+    - `space`: its curves and regions [-].
+    - `overlap`: points that two states reach [-]; or none.
+    - `force`: demanded [N].
+    - `strain`: of each demand [-].
+    - `weight`: how much each point counts [-]; larger marks count more.
+    - `reached`: demands that the bundle meets [-]; the others are crosses, of one size.
+
+    **Returns:** the figure [-].
+    """
+    figure, axes = new_figure(width=1.4 * SINGLE, height=SINGLE)
+    ax = axes[0, 0]
+    draw_workspace(ax, space, overlap)
+    sizes = _SMALLEST + (_LARGEST - _SMALLEST) * np.sqrt(weight / weight.max())
+    sizes = np.where(reached, sizes, _LARGEST)  # a missed peak isn't to be overlooked
+    for mask, mark, color, label in (
+        (reached, "o", BLACK, "demanded, reached"),
+        (~reached, "x", VERMILION, "demanded, not reached"),
+    ):
+        if np.any(mask):
+            ax.scatter(
+                strain[mask], force[mask], s=sizes[mask] ** 2, marker=mark, color=color, zorder=5,
+                label=label, linewidths=1.0,
+            )  # fmt: skip
+    ax.set_xlim(0, max(space.strain[-1], 1.05 * strain.max()))
+    ax.set_ylim(0, 1.05 * max(space.high.max(), force.max()))
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+@styled
+def efficiency(*maps: EfficiencyMap) -> Figure:
+    """Efficiency over force and strain, a panel for each map, with its average in the title.
+
+    **Arguments:** `maps`: one or two of them [-].
+
+    **Returns:** the figure [-].
+    """
+    figure, axes = new_figure(1, len(maps), SINGLE * len(maps), 0.72 * SINGLE)
+    for ax, mark, result in zip(axes[0], "ab", maps, strict=False):
+        highest = float(np.nanmax(result.efficiency)) if result.state.any() else 1.0
+        image = draw_efficiency(ax, result, highest)
+        figure.colorbar(image, ax=ax, label="Efficiency η [–]", pad=0.02)
+        title = f"{result.path}: average {result.average:.3f}"
+        if len(maps) > 1:
+            letter(ax, mark, title)
+        else:
+            ax.set_title(title, loc="left")
+    return figure
+
+
+def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float) -> Any:
+    """Draw a map with contour lines, colors from zero to `highest` [-]; returns the image."""
+    strain, force, eta = result.strain, result.force, result.efficiency
+    # cividis reads alike to all eyes; a picture inside the vector file, or it is megabytes
+    image = ax.pcolormesh(
+        strain, force, eta, cmap="cividis", vmin=0, vmax=highest, rasterized=True, shading="nearest"
+    )
+    for state in range(1, int(result.state.max()) + 1):
+        # state by state: lines must not crowd where efficiency jumps
+        inside = result.state == state
+        if min(eta.shape) > 1:  # a single row or column has no lines
+            lines = ax.contour(
+                strain, force, np.where(inside, eta, np.nan), _CONTOURS, colors=BLACK,
+                linewidths=0.5,
+            )  # fmt: skip
+            ax.clabel(lines, fmt="%.1f", fontsize=6)
+        if state < result.state.max():
+            columns = inside.any(axis=0)
+            edge = force[len(force) - 1 - np.argmax(inside[::-1], axis=0)]
+            ax.plot(strain[columns], edge[columns], color=WHITE, linewidth=1.0)
+    ax.set(xlabel="Contraction ε [–]", ylabel="Force F [N]", xlim=(0, None), ylim=(0, None))
+    ax.grid(False)
+    ax.tick_params(color=GRAY)
+    return image
