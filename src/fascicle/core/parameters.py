@@ -94,7 +94,7 @@ class Constant:
         """Its bounds with their SI unit [-]."""
         return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
 
-    def checked(self, value: Values) -> Batch:
+    def validate(self, value: Values) -> Batch:
         """A value of it, looked at.
 
         **Arguments:** `value`: in the SI unit of its dimension [-].
@@ -110,9 +110,9 @@ class Constant:
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its constant."""
         left_out: dict[str, Any] = {} if self.default is None else {"default": self.default}
-        return record(converter=self.checked, constant=self, **left_out)
+        return record(converter=self.validate, constant=self, **left_out)
 
-    def told(self) -> Any:
+    def plain_field(self) -> Any:
         """A field [-] that its class checks itself, and tells of its constant."""
         return record(constant=self)
 
@@ -128,10 +128,10 @@ class Switch:
     about: str = ""
     source: str = ""
 
-    def checked(self, value: str) -> str:
+    def validate(self, value: str) -> str:
         """Return `value` [-] if it is an option; else `ValueError`, one line."""
         return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
         """A law's field [-] that is checked as it is set, and tells of its switch."""
-        return static(default=self.options[0], converter=self.checked, switch=self)
+        return static(default=self.options[0], converter=self.validate, switch=self)

@@ -1,6 +1,6 @@
 """One muscle, quasi-static: braid, bladder, tension, buckling, collapse, tuning.
 
-Laws stand in the folders of their kinds, a module each; `laws` has them all.
+Laws stand in the folders of their kinds; `LAWS` has them all.
 """
 
 from ..core.parameters import Constant as Constant
@@ -11,9 +11,9 @@ from . import ends as ends
 from . import materials as materials
 from . import post_collapse as post_collapse
 from . import tension as tension
-from .at import AtPressure as AtPressure
 from .laws import LAWS as LAWS
 from .materials import MooneyRivlin as MooneyRivlin
+from .muscle import AtPressure as AtPressure
 from .muscle import Muscle as Muscle
 from .piecewise import Response as Response
 from .surface import Surface as Surface

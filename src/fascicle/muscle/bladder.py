@@ -19,7 +19,7 @@ import numpy as np
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from .braid import Braid
-from .materials.material_law import AbstractMaterial
+from .materials import AbstractMaterial
 
 
 class Bladder(Module):

@@ -22,7 +22,7 @@ pressure, and so do the stretches: their slopes are part of $V^*$.
 two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,7 +32,9 @@ from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
 
 
-Muscle = Any  # the class, which imports this
+if TYPE_CHECKING:
+    from .muscle import Muscle
+
 
 # between two kinks a force is smooth: 16 points leave 1e-11 of the volume, 8 leave 1e-8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -69,7 +71,7 @@ def coenergy_at_rest(muscle: Pressurized) -> Batch:
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
 
 
-def conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+def conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
     """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
     require("jax")
     from ..core.jax_backend import compile_law
@@ -77,7 +79,7 @@ def conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     return compile_law(_conjugate_volume)(muscle, pressure, strain)
 
 
-def _conjugate_volume(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+def _conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
     from ..core.jax_backend import derivative
 
     def work(P: Batch) -> Batch:

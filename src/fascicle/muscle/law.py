@@ -1,34 +1,34 @@
-"""What every law tells about itself, and how the laws of a folder are found.
+"""Laws: the constants that a law declares, and a registry for each kind of law.
 
-A law is a final class in a module of its own, in the folder of its kind, with a `name` by which
-files, options and results know it. Its constants are declared at its fields. Nothing else lists
-it: the folder is looked through once, when it is imported.
+A law is a final class with a `name` by which files, options and results know it. Its constants are
+declared at its fields. Nothing else lists it: a module in the folder of its kind is all it takes.
 """
 
 import importlib
 import pkgutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
-from types import MappingProxyType
+from types import ModuleType
 from typing import Any, ClassVar, TypeVar
 
 from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.parameters import Constant, Switch
+from ..core.validation import check_choice
 
 
 class Declared(Module):
-    """What declares its constants at its fields."""
+    """A module that declares its constants at its fields."""
 
     @classmethod
     def constants(cls) -> tuple[Constant, ...]:
-        """Its own numbers [-], in the order of its arguments."""
-        return _told(cls, "constant")
+        """Numbers of the law, in the order of its arguments."""
+        return _field_metadata(cls, "constant")
 
     @classmethod
     def switches(cls) -> tuple[Switch, ...]:
-        """What of it is chosen by name [-]."""
-        return _told(cls, "switch")
+        """Options of the law that are chosen by name."""
+        return _field_metadata(cls, "switch")
 
 
 class AbstractLaw(Declared):
@@ -46,51 +46,108 @@ class AbstractLaw(Declared):
 Law = TypeVar("Law", bound=AbstractLaw)
 
 
-def found(
-    package: str, path: Iterable[str], kind: type[Law], first: str
-) -> Mapping[str, type[Law]]:
-    """The laws of a folder.
+class LawRegistry(Mapping[str, type[Law]]):
+    """Laws of one kind by name: the default one first, the others in alphabetical order.
 
-    **Arguments:**
-
-    - `package`, `path`: its name and place, as the folder's own module knows them [-].
-    - `kind`: of law [-].
-    - `first`: name of the one that is taken where none is chosen [-].
-
-    **Returns:** the classes by name, the first one ahead, the others by the alphabet [-].
-
-    **Raises:** `ValueError` where two have one name.
+    The module of a law is imported when the law is asked for: the module of the law's name, else
+    all modules of the folder.
     """
-    laws: dict[str, type[Law]] = {}
-    for module in sorted(one.name for one in pkgutil.iter_modules(path)):
-        for law in vars(importlib.import_module(f"{package}.{module}")).values():
-            if not _is_one(law, kind, f"{package}.{module}"):
+
+    def __init__(
+        self, package: str, path: Iterable[str], kind: type[Law], default: str
+    ) -> None:
+        """**Arguments:**
+
+        - `package`, `path`: name and path of the folder's package.
+        - `kind`: base class of the laws, whose module may have laws, too.
+        - `default`: name of the law of a muscle that chooses none.
+        """
+        self._package, self._path, self._kind, self._default = package, path, kind, default
+        self._laws: dict[str, type[Law]] = {}
+        self._add(importlib.import_module(kind.__module__))
+        self._complete = False
+
+    def __getitem__(self, name: str) -> type[Law]:
+        if name not in self._laws:
+            if isinstance(name, str) and name in self._modules():
+                self._add(importlib.import_module(f"{self._package}.{name}"))
+            if name not in self._laws:
+                self._load_all()
+        return self._laws[name]
+
+    def __iter__(self) -> Iterator[str]:
+        self._load_all()
+        return iter(sorted(self._laws, key=lambda name: (name != self._default, name)))
+
+    def __len__(self) -> int:
+        self._load_all()
+        return len(self._laws)
+
+    @property
+    def default(self) -> type[Law]:
+        """Law of a muscle that chooses none."""
+        return self[self._default]
+
+    def get_class(self, class_name: str) -> type[Law]:
+        """Law whose class has this name; the package's `__getattr__`.
+
+        **Raises:** `AttributeError` where there is none.
+        """
+        if not class_name.startswith("_"):
+            loaded = [*self._laws.values()]
+            for law in loaded if class_name in {law.__name__ for law in loaded} else self.values():
+                if law.__name__ == class_name:
+                    return law
+        raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
+
+    def class_names(self) -> list[str]:
+        """Class names of all laws, for the package's `__dir__`."""
+        return [law.__name__ for law in self.values()]
+
+    def choose(self, value: Any, argument: str) -> Law:
+        """Law given by object or by name.
+
+        **Arguments:**
+
+        - `value`: an object of the kind, or a name.
+        - `argument`: the argument's name, for errors.
+
+        **Returns:** the law.
+
+        **Raises:** `InvalidInputError` for unknown names and other objects.
+        """
+        if isinstance(value, self._kind):
+            return value
+        if isinstance(value, str):
+            try:
+                return self[value]()
+            except KeyError:
+                check_choice(value, self, argument)
+        rule = f"must be one of {', '.join(sorted(self))} or an object of {self._kind.__name__}"
+        raise InvalidInputError(argument, rule, value)
+
+    def _modules(self) -> list[str]:
+        return sorted(module.name for module in pkgutil.iter_modules(self._path))
+
+    def _load_all(self) -> None:
+        if not self._complete:
+            for name in self._modules():
+                self._add(importlib.import_module(f"{self._package}.{name}"))
+            self._complete = True
+
+    def _add(self, module: ModuleType) -> None:
+        """Add the final laws that are written in a module."""
+        for law in vars(module).values():
+            if not (isinstance(law, type) and issubclass(law, self._kind)):
                 continue
-            if law.name in laws:
+            name = getattr(law, "name", None)
+            if law.__module__ != module.__name__ or not isinstance(name, str):
+                continue
+            if self._laws.setdefault(name, law) is not law:
                 raise InvalidInputError(
-                    law.name, f"names two laws of {package}", None, "rename one"
+                    name, f"names two laws of {self._package}", None, "rename one"
                 )
-            laws[law.name] = law
-    return MappingProxyType(
-        {name: laws[name] for name in sorted(laws, key=lambda n: (n != first, n))}
-    )
 
 
-def by_class(package: str, laws: Mapping[str, type[Law]], name: str) -> type[Law]:
-    """The class of a folder's `laws` [-] that is called `name` [-] in Python; `AttributeError` of
-    the `package` [-] for none.
-    """
-    for law in laws.values():
-        if law.__name__ == name:
-            return law
-    raise AttributeError(f"module {package!r} has no attribute {name!r}")
-
-
-def _is_one(thing: Any, kind: type, module: str) -> bool:
-    """Whether it is a final law of a kind, written in this module."""
-    ours = isinstance(thing, type) and issubclass(thing, kind) and thing.__module__ == module
-    return ours and isinstance(getattr(thing, "name", None), str)
-
-
-def _told(law: Any, key: str) -> tuple:
-    return tuple(one.metadata[key] for one in fields(law) if key in one.metadata)
+def _field_metadata(law: Any, key: str) -> tuple:
+    return tuple(field.metadata[key] for field in fields(law) if key in field.metadata)

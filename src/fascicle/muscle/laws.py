@@ -1,4 +1,4 @@
-"""All laws, by the kind of law and by name: what files, fits, tables and pages read."""
+"""All laws, by the kind of law and by name: for files, fits, tables and pages."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -7,14 +7,13 @@ from typing import Any
 from .buckling import BUCKLING_LAWS
 from .collapse import COLLAPSE_LAWS
 from .ends import ENDS_LAWS
-from .entry import chosen
-from .law import AbstractLaw
+from .law import AbstractLaw, LawRegistry
 from .post_collapse import POST_COLLAPSE_LAWS
 from .tension import TENSION_LAWS
 
 
 # a kind's name is that of the muscle's argument, and of the key in files
-LAWS: Mapping[str, Mapping[str, type[AbstractLaw]]] = MappingProxyType({
+LAWS: Mapping[str, LawRegistry[Any]] = MappingProxyType({
     "tension": TENSION_LAWS,
     "buckling": BUCKLING_LAWS,
     "collapse": COLLAPSE_LAWS,
@@ -22,16 +21,10 @@ LAWS: Mapping[str, Mapping[str, type[AbstractLaw]]] = MappingProxyType({
     "ends": ENDS_LAWS,
 })  # fmt: skip
 
-
-def law(value: Any, kind: type, what: str) -> Any:
-    """A law by object or by name [-], of a `kind` [-] that is called `what` [-]."""
-    return chosen(value, kind, LAWS[what], what)
+# kinds of law that files and tables leave out where the default is chosen
+OMIT_IF_DEFAULT = frozenset({"ends"})
 
 
-# where the first of them is chosen, files and sheets don't say so
-UNSAID = frozenset({"ends"})
-
-
-def said(kind: str, law: AbstractLaw) -> bool:
-    """Whether files and sheets say that a muscle has this `law` of a `kind` [-]."""
-    return kind not in UNSAID or law.name != next(iter(LAWS[kind]))
+def is_written_out(kind: str, law: AbstractLaw) -> bool:
+    """True where files and tables name this law of a muscle."""
+    return kind not in OMIT_IF_DEFAULT or type(law) is not LAWS[kind].default

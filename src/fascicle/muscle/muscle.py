@@ -1,7 +1,9 @@
-"""One muscle: sizes at rest, a material, a choice of laws, and what follows from them.
+"""One muscle: sizes at rest, a material, a choice of laws, and its forces and shapes.
 
 The physics is in the parts and in the piecewise law that joins them; here values enter,
-are checked once, and the law is evaluated, at once or compiled.
+are checked once, and the law is evaluated by NumPy, or compiled by JAX where arrays are JAX's.
+`muscle.at(pressure)` solves for free strain and collapse strain, which depend on pressure alone;
+forces and shapes at any strain are closed forms from there.
 
 **Sign:** pulling force and contraction positive, gauge pressure. **Valid for**
 0 ≤ P ≤ 1 MPa and strains from straight fibers, 1 − 1/cos α₀, to 0.6.
@@ -14,65 +16,111 @@ from typing import Any
 
 import numpy as np
 
-from ..core.array_namespace import is_numpy, map_in_chunks
+from ..core.array_namespace import as_jax, is_jax_array, is_numpy, map_in_chunks
 from ..core.errors import InvalidInputError, require
 from ..core.lazy import import_late
-from ..core.module import Module, evaluate
+from ..core.module import Module, evaluate, static, tree_leaves
 from ..core.types import Batch, Values
-from ..core.validation import check_choice, check_size, is_concrete, warn_slenderness
+from ..core.validation import check_choice, check_size, warn_slenderness
 from ..repr_table import with_table_repr
-from .at import AtPressure, at_pressure
 from .bladder import Bladder
 from .braid import Braid
-from .buckling import AbstractBuckling
+from .buckling import BUCKLING_LAWS, AbstractBuckling, Centerline
 from .coenergy import conjugate_volume
-from .collapse import AbstractCollapse
-from .column import Centerline
-from .ends import AbstractEnds
-from .entry import (
-    active,
-    centerline_points,
-    checked,
-    chosen,
-    contracting,
-    gauge,
-    lowest_of,
-    point,
-    points_of,
-    strained,
-    thinner,
-    told,
-)
-from .fitted import replaced
-from .laws import law as law_of
-from .materials import LATEX, MATERIALS, AbstractMaterial
-from .piecewise import Piecewise, Response
-from .post_collapse import AbstractPostCollapse
-from .printing import line, sheet
-from .quantities import (
-    batch_of,
-    blocked_force_of,
-    collapse_moment_of,
-    collapse_strain_of,
-    deflection_of,
-    force_of,
-    free_strain_of,
-    moment_of,
-    radius_of,
-    response_of,
-    rows_of,
-    shape_of,
-    stiffness_of,
-    volume_of,
-)
-from .tension import AbstractTension
+from .collapse import COLLAPSE_LAWS, AbstractCollapse
+from .ends import ENDS_LAWS, AbstractEnds
+from .fitted_length import replace_muscle
+from .materials import LATEX, AbstractMaterial
+from .piecewise import Piecewise, Pressurized, Response
+from .post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
+from .printing import muscle_line, muscle_table
+from .tension import TENSION_LAWS, AbstractTension
 from .tuning import TunedTension, Tuning
+from .validation import (
+    check_active_length,
+    check_centerline_points,
+    check_points,
+    check_wall_thickness,
+    choose_material,
+    strain_domain,
+    validate_braid_angle,
+    validate_point,
+    validate_pressure,
+    validate_strain,
+    warn_limitations,
+)
 
 
 BACKENDS = ("jax", "casadi")  # of a compiled force
 
 
-@with_table_repr(sheet, line)
+class AtPressure(Module):
+    """A muscle at a pressure: `muscle.at(pressure)` makes it.
+
+    `pressure`: gauge [Pa]. `state`: its laws there, for library code: elementwise in strain,
+    nothing checked, a force with its slope.
+    """
+
+    pressure: Batch
+    state: Pressurized
+    _of_jax: bool = static()
+
+    @property
+    def free_strain(self) -> Batch:
+        """Strain $\\varepsilon_f$ [-] at which the force vanishes."""
+        return self._match_type(self.state.column.free_strain)
+
+    @property
+    def onset(self) -> Batch:
+        """Strain [-] at which the muscle buckles; inf where it never does."""
+        return self._match_type(self.state.onset)
+
+    @property
+    def collapse_strain(self) -> Batch:
+        """Strain $\\varepsilon_c$ [-] at which the bladder collapses; inf where it never does."""
+        return self._match_type(self.state.collapse)
+
+    def force(self, strain: Values) -> Batch:
+        """Pulling force $F$ [N] at `strain` [-], equation (27), negative where the muscle pushes.
+        All methods raise `ValueError` for concrete strains off the domain.
+        """
+        return self._evaluate("pulling_force", strain)
+
+    def stiffness(self, strain: Values) -> Batch:
+        """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]; at a kink, that
+        of smaller strains.
+        """
+        return self._evaluate("stiffness", strain)
+
+    def response(self, strain: Values) -> Response:
+        """Force, its components [N] and the region at `strain` [-]."""
+        return self._evaluate("response", strain)
+
+    def deflection(self, strain: Values) -> Batch:
+        """Deflection of the axis $y_{max}$ [m] at `strain` [-]; after collapse the hinged shape's."""
+        return self._evaluate("deflection", strain)
+
+    def moment(self, strain: Values) -> Batch:
+        """Largest bending moment $M_b$ [N·m] at `strain` [-]; after collapse the hinge's."""
+        return self._evaluate("moment", strain)
+
+    def shape(self, strain: Values, points: int = 101) -> Centerline:
+        """Centerline [m] of at least 3 `points` between the clamped ends, at `strain` [-]."""
+        return self._evaluate("shape", strain, check_centerline_points(points))
+
+    def _evaluate(self, quantity: str, strain: Values, *static: Any) -> Any:
+        tension = self.state.law.tension
+        eps = validate_strain(strain, tension.bladder.braid.angle, tension.stretch)
+        eps = self._match_type(eps)
+        check_points(self.pressure, eps)
+        return evaluate(_state_quantity, self, eps, static=(quantity, *static))
+
+    def _match_type(self, values: Batch) -> Batch:
+        """The `values` in the array library of the pressure."""
+        return as_jax(values) if self._of_jax else values
+
+
+@with_table_repr(muscle_table, muscle_line)
 class Muscle(Module):
     """A fluidic artificial muscle: its sizes at rest, its material, and its laws."""
 
@@ -108,22 +156,21 @@ class Muscle(Module):
         self.length = check_size(length, "length")
         self.outer_radius = check_size(outer_radius, "outer_radius")
         self.wall_thickness = check_size(wall_thickness, "wall_thickness")
-        self.braid_angle = contracting(braid_angle)
-        if is_concrete(self.outer_radius, self.wall_thickness):
-            thinner(self.wall_thickness, self.outer_radius)
+        self.braid_angle = validate_braid_angle(braid_angle)
+        check_wall_thickness(self.wall_thickness, self.outer_radius)
         warn_slenderness(self.length, self.outer_radius)
-        self.material = chosen(material, AbstractMaterial, MATERIALS, "material")
-        self.tension = law_of(tension, AbstractTension, "tension")
-        self.buckling = law_of(buckling, AbstractBuckling, "buckling")
-        self.collapse = law_of(collapse, AbstractCollapse, "collapse")
-        self.post_collapse = law_of(post_collapse, AbstractPostCollapse, "post_collapse")
+        self.material = choose_material(material)
+        self.tension = TENSION_LAWS.choose(tension, "tension")
+        self.buckling = BUCKLING_LAWS.choose(buckling, "buckling")
+        self.collapse = COLLAPSE_LAWS.choose(collapse, "collapse")
+        self.post_collapse = POST_COLLAPSE_LAWS.choose(post_collapse, "post_collapse")
         self.transition_rate = check_size(transition_rate, "transition_rate")
         if not isinstance(tuning, Tuning | None):
             raise InvalidInputError("tuning", "must be a Tuning or None", tuning)
         self.tuning = Tuning() if tuning is None else tuning
-        self.ends = law_of(ends, AbstractEnds, "ends")
-        active(self.ends, self.length)
-        told(self)
+        self.ends = ENDS_LAWS.choose(ends, "ends")
+        check_active_length(self.ends, self.length)
+        warn_limitations(self)
 
     @classmethod
     def from_dimensions(
@@ -149,46 +196,47 @@ class Muscle(Module):
         - `outer_radius`: $r_0$ [m] of the bladder, which is the braid's radius.
         - `wall_thickness`: $t_0$ [m], less than the radius.
         - `braid_angle`: $\\alpha_0$ [rad] from the axis, below 0.9553 (54.7°) to contract.
-        - `material`: the bladder's, a name or an object [-].
-        - `tension`: a law of `fascicle.tension`, by name or as an object [-].
-        - `buckling`: a law of `fascicle.buckling` [-].
-        - `collapse`: a law of `fascicle.collapse` [-].
-        - `post_collapse`: a law of `fascicle.post_collapse` [-].
+        - `material`: the bladder's, a name or an object.
+        - `tension`: a law of `fascicle.tension`, by name or as an object.
+        - `buckling`: a law of `fascicle.buckling`.
+        - `collapse`: a law of `fascicle.collapse`.
+        - `post_collapse`: a law of `fascicle.post_collapse`.
         - `transition_rate`: $\\beta$ [-] of (26).
-        - `tuning`: measured corrections [-]; left out, none.
-        - `ends`: a law of `fascicle.ends` [-].
+        - `tuning`: measured corrections; none if left out.
+        - `ends`: a law of `fascicle.ends`.
 
-        **Returns:** the muscle [-].
+        **Returns:** the muscle.
 
         **Raises:** `ValueError`, one line, for sizes that can't exist and unknown names.
         """
-        given = (length, outer_radius, wall_thickness, braid_angle, material, tension, buckling)
-        return cls(*given, collapse, post_collapse, transition_rate, tuning, ends)
+        sizes = (length, outer_radius, wall_thickness, braid_angle, material)
+        laws = (tension, buckling, collapse, post_collapse)
+        return cls(*sizes, *laws, transition_rate, tuning, ends)
 
     def replace(self, **changes: Any) -> "Muscle":
-        """The same muscle, but for some of its arguments.
+        """A muscle with some arguments changed.
 
-        **Arguments:** `changes`: arguments of the class, such as `wall_thickness=1e-3` [-].
+        **Arguments:** `changes`: arguments of the class, such as `wall_thickness=1e-3`.
 
-        **Returns:** a new muscle [-]; this one stays as it is.
+        **Returns:** a new muscle.
 
         **Raises:** `ValueError`, one line, for unknown names and for what a muscle can't be.
         """
-        return replaced(self, changes)
+        return replace_muscle(self, changes)
 
     @cached_property
     def braid(self) -> Braid:
-        """The braid at rest [-]."""
+        """Braid at rest."""
         return Braid(self.length, self.outer_radius, self.braid_angle)
 
     @cached_property
     def bladder(self) -> Bladder:
-        """The bladder inside it [-]."""
+        """Bladder inside the braid."""
         return Bladder(self.braid, self.wall_thickness, self.material)
 
     @cached_property
     def law(self) -> Piecewise:
-        """Equation (27) for its parts [-]: elementwise, and nothing checked."""
+        """Equation (27) for the muscle's parts: elementwise, without checks."""
         pull = TunedTension(self.tension, self.bladder, self.tuning, self.ends)
         laws = (self.buckling, self.collapse, self.post_collapse)
         return Piecewise(pull, *laws, self.transition_rate)
@@ -210,7 +258,7 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(force_of, *point(self, pressure, strain))
+        return self._evaluate(eval_force, *validate_point(self, pressure, strain))
 
     def response(self, pressure: Values, strain: Values) -> Response:
         """Force, its components and the region, at a point.
@@ -220,14 +268,14 @@ class Muscle(Module):
         - `pressure`: gauge pressure $P$ [Pa], 0 to 1 MPa.
         - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
 
-        **Returns:** a `Response`: forces [N], region and whether it is the only one [-].
+        **Returns:** a `Response`: forces [N], region, and whether other equilibria exist.
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(response_of, *point(self, pressure, strain))
+        return self._evaluate_at("response", pressure, strain)
 
     def stiffness(self, pressure: Values, strain: Values) -> Batch:
-        """Stiffness along the axis, by how much more it pulls a meter longer.
+        """Stiffness along the axis.
 
         **Arguments:**
 
@@ -240,19 +288,19 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return self._evaluated(stiffness_of, *point(self, pressure, strain))
+        return self._evaluate_at("stiffness", pressure, strain)
 
     def at(self, pressure: Values) -> AtPressure:
-        """The muscle at a pressure: its roots solved for once, for forces at many strains.
+        """The muscle at a pressure: roots are solved once, for forces at many strains.
 
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
 
-        **Returns:** an `AtPressure`: free strain, onset and collapse strain [-], and methods that
-        take strains.
+        **Returns:** an `AtPressure`: free strain, onset and collapse strain, and methods of strain.
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        return at_pressure(self, gauge(pressure, self.tuning))
+        pressure = validate_pressure(pressure, self.tuning)
+        return AtPressure(pressure, evaluate(_state, self, pressure), is_jax_array(pressure))
 
     def free_strain(self, pressure: Values) -> Batch:
         """Strain at which the force vanishes.
@@ -261,7 +309,7 @@ class Muscle(Module):
 
         **Returns:** $\\varepsilon_f$ [-].
         """
-        return self._evaluated(free_strain_of, gauge(pressure, self.tuning))
+        return self._evaluate(_free_strain, validate_pressure(pressure, self.tuning))
 
     def blocked_force(self, pressure: Values) -> Batch:
         """Force at rest length.
@@ -270,7 +318,7 @@ class Muscle(Module):
 
         **Returns:** $F(P, 0)$ [N].
         """
-        return self._evaluated(blocked_force_of, gauge(pressure, self.tuning))
+        return self._evaluate(_blocked_force, validate_pressure(pressure, self.tuning))
 
     def collapse_strain(self, pressure: Values) -> Batch:
         """Strain at which the buckled bladder collapses.
@@ -279,7 +327,7 @@ class Muscle(Module):
 
         **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
         """
-        return self._evaluated(collapse_strain_of, gauge(pressure, self.tuning))
+        return self._evaluate(_collapse_strain, validate_pressure(pressure, self.tuning))
 
     def collapse_moment(self, pressure: Values) -> Batch:
         """Moment at which the bladder collapses, with the tuning's factors.
@@ -288,7 +336,7 @@ class Muscle(Module):
 
         **Returns:** $M_{collapse}$ [N·m].
         """
-        return self._evaluated(collapse_moment_of, gauge(pressure, self.tuning))
+        return self._evaluate(_collapse_moment, validate_pressure(pressure, self.tuning))
 
     def volume(self, strain: Values) -> Batch:
         """Volume of the fluid inside, without the bladder's own [R17]; where ends give, unloaded.
@@ -297,7 +345,7 @@ class Muscle(Module):
 
         **Returns:** $\\pi r^2 L - V_b$ [m³].
         """
-        return self._evaluated(volume_of, strained(strain, *lowest_of(self)))
+        return self._evaluate(_volume, validate_strain(strain, *strain_domain(self)))
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
         """Volume on which the pressure does the work that the ends and the store take, (V2).
@@ -314,8 +362,8 @@ class Muscle(Module):
 
         **Raises:** `ValueError` for concrete values off the domain.
         """
-        arrays = checked(self, pressure, strain)
-        points_of(*arrays, muscles=batch_of(self))
+        arrays = validate_point(self, pressure, strain)
+        check_points(*arrays, muscles=batch_shape(self))
         volume = conjugate_volume(self, *arrays)
         return np.asarray(volume)[()] if self.is_numpy and is_numpy(*arrays) else volume
 
@@ -326,10 +374,10 @@ class Muscle(Module):
 
         **Returns:** $r$ [m].
         """
-        return self._evaluated(radius_of, strained(strain, *lowest_of(self)))
+        return self._evaluate(_radius, validate_strain(strain, *strain_domain(self)))
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
-        """How far the axis bows out at the middle.
+        """Deflection of the axis in the middle.
 
         **Arguments:**
 
@@ -338,7 +386,7 @@ class Muscle(Module):
 
         **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
         """
-        return self._evaluated(deflection_of, *checked(self, pressure, strain))
+        return self._evaluate_at("deflection", pressure, strain)
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
         """Largest bending moment in the bladder.
@@ -350,7 +398,7 @@ class Muscle(Module):
 
         **Returns:** $M_b$ [N·m]; after collapse the hinge's.
         """
-        return self._evaluated(moment_of, *checked(self, pressure, strain))
+        return self._evaluate_at("moment", pressure, strain)
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
         """Centerline between the clamped ends.
@@ -359,25 +407,24 @@ class Muscle(Module):
 
         - `pressure`: $P$ [Pa], 0 to 1 MPa.
         - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
-        - `points`: how many [-], at least 3.
+        - `points`: number of points, at least 3.
 
         **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
         """
-        static = (centerline_points(points),)
-        return self._evaluated(shape_of, *checked(self, pressure, strain), static=static)
+        return self._evaluate_at("shape", pressure, strain, check_centerline_points(points))
 
     def plot(
         self, pressures: Values = None, strains: Values = None, components: bool = False
     ) -> Any:
-        """Its force over contraction, a curve for each pressure.
+        """Plot the force over contraction, a curve for each pressure.
 
         **Arguments:**
 
         - `pressures`: gauge pressures [Pa]; left out, five up to 400 kPa, or to what was measured.
         - `strains`: contractions [-], rising; left out, to past the largest free strain.
-        - `components`: a panel for each of at most four pressures, with the force's parts [-].
+        - `components`: a panel for each of at most four pressures, with the force's parts.
 
-        **Returns:** a figure of matplotlib's [-].
+        **Returns:** a figure of matplotlib's.
         """
         return import_late("plot.objects.of_muscle")(self, pressures, strains, components)
 
@@ -385,7 +432,7 @@ class Muscle(Module):
         """The force alone as a bare function, with this muscle held constant and nothing checked.
 
         **Arguments:** `backend`: "jax" for arrays, batches and gradients, or "casadi" for single
-        points, some 30 µs each, and their slopes (`with_slopes`) [-].
+        points, some 30 µs each, and their slopes (`with_slopes`).
 
         **Returns:** a function of pressure [Pa] and strain [-] that gives the force [N].
 
@@ -396,17 +443,90 @@ class Muscle(Module):
         require("jax")
         from ..core.jax_backend import jit
 
-        return jit(partial(force_of, self))
+        return jit(partial(eval_force, self))
 
-    def _evaluated(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
-        points_of(*arrays, muscles=() if self._is_single else batch_of(self))
-        evaluated = partial(evaluate, law, self, static=static)
-        # rows of muscles, and whatever has one argument, are too few to be cut
-        if len(arrays) == 2 and self._is_single and not static and is_numpy(*arrays):
-            return map_in_chunks(evaluated, *arrays)
-        return evaluated(*arrays)
+    def _evaluate_at(self, quantity: str, pressure: Values, strain: Values, *static: Any) -> Any:
+        arrays = validate_point(self, pressure, strain)
+        return self._evaluate(_quantity, *arrays, static=(quantity, *static))
+
+    def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
+        if not self.is_single or any(np.ndim(x) for x in arrays):
+            check_points(*arrays, muscles=() if self.is_single else batch_shape(self))
+        # rows of muscles, functions of one argument and centerlines are too few points to be cut
+        cut = self.is_single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
+        if cut and max(np.size(x) for x in arrays) > 1:
+            return map_in_chunks(partial(evaluate, law, self, static=static), *arrays)
+        return evaluate(law, self, *arrays, static=static)
 
     @cached_property
-    def _is_single(self) -> bool:
-        """Whether it is one muscle, rather than rows of it [-]."""
-        return self.tuning.pressures.ndim == 1 and not rows_of(self)
+    def is_single(self) -> bool:
+        """True for one muscle, false for rows of muscles."""
+        tables = tuning_tables(self)
+        leaves = tree_leaves(self)
+        return self.tuning.pressures.ndim == 1 and not any(
+            np.ndim(leaf) and id(leaf) not in tables for leaf in leaves
+        )
+
+
+def batch_shape(muscle: Muscle) -> tuple[int, ...]:
+    """Shape of a row of muscles; `()` of a single one, and where a law has arrays of other shapes."""
+    tables = tuning_tables(muscle)
+    shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in tree_leaves(muscle))
+    try:
+        return np.broadcast_shapes(*(shape[:-1] if table else shape for shape, table in shapes))
+    except ValueError:
+        return ()
+
+
+def tuning_tables(muscle: Muscle) -> set[int]:
+    """Identities of the columns of the tuning's table, whose last axis is not one of muscles."""
+    return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
+
+
+# evaluated functions stand in the module: a compiled one is found again by its identity
+
+
+def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    """Pulling force [N] at `pressure` [Pa] and `strain` [-], nothing checked."""
+    return muscle.law.at(pressure).force(strain)[0]
+
+
+def _quantity(
+    muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any
+) -> Any:
+    return getattr(muscle.law.at(pressure), quantity)(strain, *static)
+
+
+def _state_quantity(at: AtPressure, strain: Batch, quantity: str, *static: Any) -> Any:
+    return getattr(at.state, quantity)(strain, *static)
+
+
+def _state(muscle: Muscle, pressure: Batch) -> Pressurized:
+    return muscle.law.at(pressure)
+
+
+def _free_strain(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle.law.tension.free_strain(pressure)
+
+
+def _blocked_force(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle.law.tension.force(pressure, 0.0 * pressure)
+
+
+def _collapse_moment(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle.law.collapse_moment(pressure)
+
+
+def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
+    return muscle.law.at(pressure).collapse
+
+
+def _volume(muscle: Muscle, strain: Batch) -> Batch:
+    if muscle.ends.gives:
+        s, rest = muscle.ends.stretch(muscle.length), muscle.braid.volume(0.0)
+        return rest + (muscle.braid.volume(s * strain) - rest) / s - muscle.bladder.volume
+    return muscle.braid.volume(strain) - muscle.bladder.volume
+
+
+def _radius(muscle: Muscle, strain: Batch) -> Batch:
+    return muscle.braid.radius_at(muscle.ends.stretch(muscle.length) * strain)

@@ -39,9 +39,8 @@ from ..core.module import Module
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, IntBatch
 from ..repr_table import ReprTable, format_number, title_with_shape, with_table_repr
-from .buckling.buckling_law import AbstractBuckling
+from .buckling.buckling_law import ROUNDING, AbstractBuckling, Centerline, Column
 from .collapse.collapse_law import AbstractCollapse
-from .column import ROUNDING, Centerline, Column
 from .post_collapse.post_collapse_law import AbstractPostCollapse, hinge_moment
 from .tuning import TunedTension
 
@@ -150,6 +149,14 @@ class Pressurized(NamedTuple):
         """Force [N] and its slope in strain [N], at `strain` [-]."""
         (mesh, bladder, bending), slope, _ = self._forces(strain)
         return mesh + bladder + bending, slope
+
+    def pulling_force(self, strain: Batch) -> Batch:
+        """Force [N] at `strain` [-], without its slope."""
+        return self.force(strain)[0]
+
+    def stiffness(self, strain: Batch) -> Batch:
+        """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]."""
+        return -self.force(strain)[1] / self.column.rest_length
 
     def response(self, strain: Batch) -> Response:
         """Force and components [N] at `strain` [-], (26) and (27)."""

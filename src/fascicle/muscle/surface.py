@@ -30,9 +30,9 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest
-from .entry import lowest_of, lowest_strain
 from .muscle import Muscle
 from .piecewise import Pressurized
+from .validation import lowest_strain, strain_domain
 
 
 # of the way down to straight fibers, near which the bladder stiffens beyond any grid
@@ -121,7 +121,7 @@ class UnitSurface(Module):
 
         **Returns:** a `Surface`: co-energy [J], force [N], volume [m³] and slopes.
         """
-        return looked_up(self, pressure, strain)
+        return lookup(self, pressure, strain)
 
     def force(self, pressure: Values, strain: Values) -> Batch:
         """Pulling force, (V3).
@@ -161,32 +161,32 @@ class UnitSurface(Module):
         return P, check_interval(strain, low, high, "strain", "-", why, closed, more)
 
 
-def looked_up(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
+def lookup(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
     """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
     """
-    at_work = array_namespace(pressure, strain, table.coefficients)
+    xp = array_namespace(pressure, strain, table.coefficients)
     lines, columns = table.coefficients.shape[-4:-2]
     h, (low, high) = table.root_step, table.strains
     step = (high - low) / columns
 
-    pressure, strain = at_work.asarray(pressure), at_work.asarray(strain)
+    pressure, strain = xp.asarray(pressure), xp.asarray(strain)
     P = minimum(maximum(pressure, 0.0), table.highest_pressure)
     # a root has no slope at zero, where the first cell doesn't ask for it
     s = sqrt(where(h**2 < P, P, h**2))
-    i = minimum(at_work.floor(s / h), lines - 1.0)
-    i = at_work.where(h**2 < P, i, 0.0).astype(int)
+    i = minimum(xp.floor(s / h), lines - 1.0)
+    i = xp.where(h**2 < P, i, 0.0).astype(int)
     first = i == 0
     u = where(first, P / h**2, s / h - i)
     u_P = where(first, 1 / h**2, 1 / (2 * s * h))
     u_PP = where(first, 0.0, -1 / (4 * s**3 * h))
 
     eps = minimum(maximum(strain, low), high)
-    j = minimum(at_work.floor((eps - low) / step), columns - 1.0).astype(int)
+    j = minimum(xp.floor((eps - low) / step), columns - 1.0).astype(int)
     w = (eps - low) / step - j
 
     cell = (i, j) if which is None else (which, i, j)
-    c = at_work.asarray(table.coefficients)[cell]  # [..., power of u, power of w]
+    c = xp.asarray(table.coefficients)[cell]  # [..., power of u, power of w]
     value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
     p, p_u, p_uu = _cubic(value, u)
     p_w, p_wu, _ = _cubic(slope, u)
@@ -234,7 +234,7 @@ def _table(
     """
     roots, strain = np.array(root_pressures), np.array(strains)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        nodes = _tabulated(muscle, roots**2, strain)
+        nodes = _evaluate_nodes(muscle, roots**2, strain)
     made = partial(
         UnitSurface,
         _coefficients(nodes, roots, strain),
@@ -245,11 +245,11 @@ def _table(
     return made(_errors(made((0.0, 0.0, 0.0)), muscle, roots, strain))
 
 
-def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
+def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
     """The law at the grid's nodes, integrated from node to node and kink to kink."""
     from ..core.jax_backend import compile_law
 
-    values, slopes = compile_law(_integrated)(muscle, pressure, strain)
+    values, slopes = compile_law(_integrate)(muscle, pressure, strain)
     (gained, work, pull), (swollen, swept, pull_slope) = (
         map(np.asarray, x) for x in (values, slopes)
     )
@@ -265,7 +265,7 @@ def _tabulated(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nod
     )
 
 
-def _integrated(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
+def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, tuple]:
     """Co-energy at rest [J], the force's integral from rest [N] and the force [N] at all strains,
     pressures last; and their slopes in pressure.
     """
@@ -297,8 +297,8 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
     step = strain[1] - strain[0]
     h = roots[1]
     nodes = nodes._replace(
-        by_pressure=_smoothed(roots, nodes.coenergy, nodes.by_pressure),
-        by_both=_smoothed(roots, nodes.by_strain, nodes.by_both),
+        by_pressure=_smooth_slopes(roots, nodes.coenergy, nodes.by_pressure),
+        by_both=_smooth_slopes(roots, nodes.by_strain, nodes.by_both),
     )
     # dP/du at both ends of each cell: of P itself in the first one
     per_line = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
@@ -316,7 +316,7 @@ def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.nd
     return _HERMITE @ corners @ _HERMITE.T
 
 
-def _smoothed(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
+def _smooth_slopes(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """Slopes in pressure at the nodes that make bends continuous, too, from line to line; those at
     both ends stay. A volume whose slope in pressure jumps takes an integrator ten times the steps.
     """
@@ -335,12 +335,12 @@ def _errors(
     P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
     eps = (strain[1:] + strain[:-1])[None] / 2
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        off = np.abs(looked_up(table, P, eps).force - muscle.law.at(P).force(eps)[0])
+        off = np.abs(lookup(table, P, eps).force - muscle.law.at(P).force(eps)[0])
     median, most, largest = np.quantile(off, (0.5, 0.99, 1.0))
     return float(median), float(most), float(largest)
 
 
-def off_the_law(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
+def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
     """How far a `table` [-] is off its `muscle`'s [-] law, force [N] and volume [m³], a quarter of
     each cell from its sides: in its middle a slope of Hermite's is better than anywhere else.
     """
@@ -351,8 +351,8 @@ def off_the_law(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     eps = np.linspace(low, high, 4 * columns + 1)
     between = slice(1, None, 2)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        law = _tabulated(muscle, P, eps)
-        said = looked_up(table, P[:, None], eps[between])
+        law = _evaluate_nodes(muscle, P, eps)
+        said = lookup(table, P[:, None], eps[between])
     force = law.by_strain[:, between] / float(muscle.length)
     return np.abs(said.force - force), np.abs(said.volume - law.by_pressure[:, between])
 
@@ -366,10 +366,10 @@ def _shape(shape: tuple[int, int]) -> tuple[int, int]:
 def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Even strains [-] from end to end, zero among them."""
     if ends is None:
-        low = _STRETCHED * float(lowest_strain(*lowest_of(muscle)))
+        low = _STRETCHED * float(lowest_strain(*strain_domain(muscle)))
         high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
     else:
-        least = float(lowest_strain(*lowest_of(muscle)))
+        least = float(lowest_strain(*strain_domain(muscle)))
         low, high = (
             check_interval(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True))
             for end in ends
@@ -379,5 +379,5 @@ def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np
     below = max(1, round(-low / (high - low) * (count - 1)))
     step = max(high / (count - 1 - below), -low / below)
     # a step that reaches past both ends still has to stop before the fibers are straight
-    step = min(step, -float(lowest_strain(*lowest_of(muscle))) / below)
+    step = min(step, -float(lowest_strain(*strain_domain(muscle))) / below)
     return step * (np.arange(count) - below)

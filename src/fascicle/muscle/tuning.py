@@ -23,8 +23,6 @@ and slope are finite there, the slope that of $P > P_d$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35) and Table 1 [R14].
 """
 
-import warnings
-
 import numpy as np
 
 from ..core.array_namespace import add_table_axis, array_namespace, sum_table, where
@@ -40,10 +38,10 @@ from ..core.validation import (
     check_size,
     is_concrete,
     to_si,
+    warn_user,
 )
 from .bladder import Bladder
-from .ends.ends_law import AbstractEnds
-from .ends.rigid import Rigid
+from .ends.ends_law import AbstractEnds, Rigid
 from .tension.tension_law import AbstractTension, Pull
 
 
@@ -120,9 +118,9 @@ class Tuning(Module):
         # not `maximum`, which would halve the slope at P = 0 where there is no dead band
         return where(P_d <= P, P - P_d, 0.0 * P)
 
-    def beyond(self, pressure: Values) -> str:
-        """That a `pressure` [Pa] is above the table's last row, which holds from there on [-];
-        empty where it isn't.
+    def extrapolation_message(self, pressure: Values) -> str:
+        """Warning of a `pressure` [Pa] above the table's last row, which holds from there on; empty
+        below it.
         """
         if self.pressures.shape[-1] < 2 or not is_concrete(
             self.pressures, self.dead_band, pressure
@@ -133,14 +131,14 @@ class Tuning(Module):
         if not np.size(pressure) or np.max(np.asarray(pressure)) <= last * (1 + 1e-9):
             return ""
         return (
-            f"the tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
-            f" it, got {np.max(np.asarray(pressure)) / 1e3:.4g} kPa."
+            f"The tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
+            f" it; the pressure is {np.max(np.asarray(pressure)) / 1e3:.4g} kPa."
         )
 
-    def warn_beyond(self, pressure: Values) -> None:
-        """Warn of a `pressure` [Pa] that is `beyond`."""
-        if told := self.beyond(pressure):
-            warnings.warn(told, stacklevel=4)
+    def warn_extrapolation(self, pressure: Values) -> None:
+        """Warn of a `pressure` [Pa] above the table's last row."""
+        if message := self.extrapolation_message(pressure):
+            warn_user(message)
 
     def c1_at(self, pressure: BatchLike) -> Batch:
         """$C_1$ [N] at effective `pressure` [Pa]."""
@@ -182,7 +180,7 @@ class TunedTension(Module):
         return self.ends.pull(self, pressure, strain)
 
     def bladder_pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """The same [N] at a `strain` [-] of the bladder, (32) and (33)."""
+        """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
         P_e = self.tuning.effective_pressure(pressure)
         c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
         mesh, bladder, mesh_slope, bladder_slope = self.law.pull(self.bladder, P_e, strain)
@@ -219,9 +217,9 @@ class TunedTension(Module):
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:
     """The table with its row at zero pressure, checked where its values can be seen."""
     pressures, c1 = to_si(pressures, "pressures", "Pa"), to_si(c1, "c1", "N")
-    at_work = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
+    xp = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
     P, rows1, rows2 = (
-        at_work.atleast_1d(at_work.asarray(x, dtype=float)) for x in (pressures, c1, c2)
+        xp.atleast_1d(xp.asarray(x, dtype=float)) for x in (pressures, c1, c2)
     )
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
         raise InvalidInputError(
@@ -248,9 +246,9 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
     if seen and P[0] == 0:
         return P, rows1, rows2
     # harmless where a traced table begins at zero already: its own row holds there
-    zero, one = at_work.zeros(1), at_work.ones(1)
+    zero, one = xp.zeros(1), xp.ones(1)
     return (
-        at_work.concatenate([zero, P]),
-        at_work.concatenate([zero, rows1]),
-        at_work.concatenate([one, rows2]),
+        xp.concatenate([zero, P]),
+        xp.concatenate([zero, rows1]),
+        xp.concatenate([one, rows2]),
     )

@@ -1,6 +1,7 @@
-r"""What a buckling law is: the state of a compressed muscle at a strain.
+r"""Buckling laws: the state of a compressed muscle at a strain.
 
-A law past the free strain takes a muscle at one pressure as a column. It gives the state at a
+A law past the free strain sees a muscle at one pressure as a column of bending stiffness $EI$ and
+axial stiffness $EA$ between clamped ends, whose tension law goes on as compression. It gives the state at a
 strain: the force in its components, the deflection and the largest moment, and where that moment
 reaches a given one.
 
@@ -30,8 +31,9 @@ import numpy as np
 
 from ...core.parameters import SHARE, Constant, Switch
 from ...core.types import Batch, BatchLike, BoolBatch
-from ..column import Centerline, Column
 from ..law import AbstractLaw
+from ..tension.tension_law import Pull
+from ..tuning import TunedTension
 
 
 BRAID_SHARE = Constant(
@@ -44,6 +46,45 @@ SHEAR = Switch(
     "shear", ("none", "engesser"), "whether the column shears as it bends", "Engesser (1889)"
 )
 _KAPPA = 0.5  # of a thin tube, whose shear flow goes as the sine around it; a solid rod has 6/7
+
+
+# of a strain: a kink found in another compilation may differ in its last bits, and strains that
+# are meant to be at the kink belong below it
+ROUNDING = 1e-15
+
+
+class Column(NamedTuple):
+    """A muscle at a pressure, as buckling laws see it; `branch`: what the law itself
+    solves for at the pressure, before any strain.
+    """
+
+    tension: TunedTension
+    pressure: Batch
+    free_strain: Batch
+    bending_stiffness: Batch
+    axial_stiffness: Batch
+    branch: Any = None
+
+    @property
+    def rest_length(self) -> Batch:
+        """Length at rest $L_0$ [m]."""
+        return self.tension.bladder.braid.length
+
+    @property
+    def free_length(self) -> Batch:
+        """Length at free strain $L_{fs}$ [m]."""
+        return self.rest_length * (1 - self.free_strain)
+
+    def pull(self, strain: BatchLike) -> Pull:
+        """Force [N] of the tension law at the column's pressure and a `strain` [-]."""
+        return self.tension.pull(self.pressure, strain)
+
+
+class Centerline(NamedTuple):
+    """A muscle's axis as points [m], on the last axis: `z` along, `y` across."""
+
+    z: Batch
+    y: Batch
 
 
 class Push(NamedTuple):

@@ -69,9 +69,8 @@ from ...core.array_namespace import (
 from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
-from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Centerline, Column, Push
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch

@@ -19,21 +19,62 @@ $\varepsilon_{arc} = \varepsilon_f + 2l/L_0$. $F'_b$ opposes contraction [R6]:
 
 $$F = F'_{mesh} + F_{bladder}(\varepsilon_f) - F'_b. \tag{27}$$
 
+In two numbers: a column of fixed mode shape, compressed by $\xi$ of its free length, knows its
+slenderness $c = EA L_{fs}^2/(4\pi^2 EI)$ and nothing else of the muscle. With $b = 1/a$ of (16),
+
+$$b = c\, \xi \frac{(1 - \xi)^4}{1 + \xi}, \qquad
+  u = 1 - w = \frac{b}{b + h(u)}, \qquad
+  h = \frac{\sqrt{1 - w \xi/(2 - \xi)}}{1 - w \xi}, \tag{16a}$$
+
+so that no modulus is left in the share $u$ of the compression that bows the column, and
+its largest moment is
+
+$$\hat m = \frac{M_b L_{fs}}{4 \pi EI} = \sqrt{\xi u}\, (1 - \xi)^{-3/2}. \tag{16b}$$
+
+It rises with $\xi$ to one peak, at a $\xi$ that depends on $c$ alone, and falls to zero where
+the ends meet. Given $\hat m$, (16b) says $u$, and (16a) is one equation for
+$\tau = \xi/\kappa$ with $\kappa = \hat m/\sqrt c$, the compression of a small moment,
+
+$$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g) = (1 + \xi)\, h, \qquad
+  \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
+
+in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another. The steps of (16a) are
+few and fixed, from a start whose error is known, so that one pass over the points does them all.
+
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$.
 **Assumes** the first mode's shape, small slopes; against the exact elastica (12) is 1.4
-times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2.
+times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2, (8)-(16), (16a) to (16c) rearranged here.
 """
 
 from typing import ClassVar
 
 import numpy as np
 
-from ...core.array_namespace import add_table_axis, cos, sqrt, where
+from ...core.array_namespace import (
+    add_table_axis,
+    chebyshev_sum,
+    cos,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
+from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
-from ..column import Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Push
-from .fixed_mode import compression_at_moment, left_over, left_over_slope, unshortened
+from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Centerline, Column, Push
+
+
+_LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
+_NOTHING = 1e-100  # no moment, no compression: but still their ratio
+_EARLY = 0.25  # a compression well before any peak
+# Chebyshev series of the peak's place in 1/(1 + c^(1/4)), fitted to a search on ever finer grids: the
+# place to 6e-6, and so its height to 1e-8 of itself (a test holds it)
+_PEAK_SERIES = (
+    0.64266812, -0.21418739, 0.08224031, -0.00212971, -0.01147222, 0.00214270, 0.00213243,
+    -0.00074331, -0.00045913, 0.00024879, 0.00010188, -0.00008287, -0.00002187, 0.00002835,
+    0.00000410, -0.00001198,
+)  # fmt: skip
 
 
 class Kim2021(AbstractBuckling):
@@ -54,7 +95,7 @@ class Kim2021(AbstractBuckling):
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
         # a quotient by what all strains share would be a division for each of them
         xi = (strain - eps_f) * (1 / (1 - eps_f))
-        v = unshortened(c, xi)
+        v = bow_ratio(c, xi)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
         taut, free = column.pull(arc), column.branch
@@ -62,7 +103,7 @@ class Kim2021(AbstractBuckling):
         # slopes in ξ, v's from the equation that it solves
         per_xi = c * (1 - xi) ** 4 / (1 + xi)
         fall = -c * (1 - xi) ** 3 * (5 + 3 * xi) / (1 + xi) ** 2
-        v_slope = -left_over_slope(per_xi, fall, xi, v) / left_over(per_xi, xi, v)[1]
+        v_slope = -bow_residual_slope(per_xi, fall, xi, v) / bow_residual(per_xi, xi, v)[1]
         growth = 1 - xi * (2 * v + xi * v_slope)
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(
@@ -78,7 +119,7 @@ class Kim2021(AbstractBuckling):
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
         eps_f = column.free_strain
         xi = (strain - eps_f) / (1 - eps_f)
-        v = unshortened(_slenderness(column), xi)
+        v = bow_ratio(_slenderness(column), xi)
         y_max = 2 / np.pi * column.free_length * xi * sqrt(v * (1 - xi))
         return y_max, _moment_unit(column) * xi * sqrt(v / (1 - xi) ** 3)
 
@@ -118,3 +159,142 @@ def _slenderness(column: Column) -> Batch:
 def _moment_unit(column: Column) -> Batch:
     """What $\\hat m$ counts, $4\\pi EI/L_{fs}$ [N·m]."""
     return 4 * np.pi * column.bending_stiffness / column.free_length
+
+
+def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
+    """$u/\\xi$ [-] at slenderness `c` [-] and compression `xi` [-]; finite as it vanishes.
+
+    To rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
+    """
+    per = 1 / ((1 + xi) * (2 - xi))
+    per_xi, share = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
+    # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
+    # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
+    b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
+    rho = sqrt(0.5 * (1 - x) * (2 - x))
+    under = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
+    y = under / (b * under + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
+    for _ in range(2):  # here derivatives go along, right up to the third
+        y = _halley_step(xi * per_xi, xi, share, y)
+    return per_xi * y
+
+
+def _halley_step(b: BatchLike, xi: BatchLike, share: BatchLike, y: BatchLike) -> Batch:
+    """One step of Halley's from $y = u/b$ [-] for the squares of both sides of (16a), over $b^2$:
+    without $h$ there is no root to draw, and one division. `share` is $1/(2 - \\xi)$ [-].
+    """
+    w = 1 - b * y
+    g, bend = xi * w, b * xi
+    opens, squared = (1 - g) * w, 1 - g * share
+    rise, turn = b * (2 * g - 1), share * bend  # slopes in y of `opens` and `squared`
+    value = opens**2 - y**2 * squared
+    slope = opens * rise - y * (squared + 0.5 * y * turn)  # half of it, and of its own slope
+    curve = rise**2 - 2 * b * bend * opens - squared - 2 * y * turn
+    return y - 2 * value * slope / (4 * slope**2 - value * curve)
+
+
+def bow_residual(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch]:
+    """What is left of (16a) times its denominators at $v = u/\\xi$ [-], and its slope in $v$ [-].
+
+    `per_xi` is $b/\\xi$ [-], at compression `xi` [-].
+    """
+    w, g, share, squared = _shape_terms(xi, v)
+    per_h = 1 / sqrt(squared)
+    h = squared * per_h
+    return per_xi * (1 - g) * w - v * h, (
+        per_xi * xi * (g - (1 - g)) - h - 0.5 * share * v * xi**2 * per_h
+    )
+
+
+def bow_residual_slope(per_xi: BatchLike, fall: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
+    """Its slope [-] in `xi` [-], where $v$ [-] is held, at $b/\\xi$ of `per_xi` [-], whose own
+    slope is `fall` [-].
+    """
+    w, g, share, squared = _shape_terms(xi, v)
+    g_slope = 1 - 2 * xi * v
+    return (
+        fall * (1 - g) * w
+        - per_xi * (g_slope * w + (1 - g) * v)
+        + (0.5 * v * share * (g_slope + g * share) * (1 / sqrt(squared)))
+    )
+
+
+def _shape_terms(xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch, Batch, Batch]:
+    """$w$, $w \\xi$, $1/(2 - \\xi)$, and the square of $h$ times $1 - w \\xi$ [-]."""
+    w = 1 - xi * v
+    g, share = xi * w, 1 / (2 - xi)
+    return w, g, share, 1 - g * share
+
+
+def reduced_moment(c: BatchLike, xi: BatchLike) -> Batch:
+    """$\\hat m$ [-] at slenderness `c` [-] and compression `xi` [-], (16b)."""
+    return xi * sqrt(bow_ratio(c, xi) / (1 - xi) ** 3)
+
+
+def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
+    """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether
+    there is one; where there is none, that of half the peak.
+    """
+    peak = _peak_compression(c)
+    # at the peak's place (16c) says whether the moment there is larger than what is asked for
+    asked = maximum(stop_gradient(target), _NOTHING) / sqrt(stop_gradient(c))
+    reached = _moment_residual((stop_gradient(c), asked), peak / asked)[0] <= 0
+    m = where(reached, target, _reachable_moment(stop_gradient(c)))
+    kappa = m / sqrt(c)
+    some = maximum(stop_gradient(m), _NOTHING) / sqrt(stop_gradient(c))
+    start = _start_compression(stop_gradient(c), stop_gradient(m), peak) / some
+    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / some, start, soon=3), reached
+
+
+def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
+    """What (16c) is short of at $\\tau$, and its slope, both times $h$: divisions count."""
+    c, kappa = theta
+    xi = kappa * tau
+    free, share = 1 - xi, 1 / (2 - xi)
+    bowed = c * kappa * free**2
+    g_hat, g_slope = tau - bowed * free, 1 + 3 * kappa * bowed
+    g = kappa * g_hat
+    squared = 1 - g * share
+    h, held = sqrt(squared), tau * g_hat
+    rise = (1 - g) * (free * (g_hat + tau * g_slope) - kappa * held) - g_slope * kappa * free * held
+    turn = squared - 0.5 * (1 + xi) * share * (g_slope + g * share)
+    return (1 + xi) * squared - free * (1 - g) * held * h, kappa * turn - rise * h
+
+
+def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
+    """About $\\xi$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators,
+    with $h$ as it is for $b$ at the place before; near the peak they are kept short.
+    """
+    g = maximum(m, _NOTHING) ** 2
+    small = 0.5 * (g + sqrt(g * (g + 4 / c)))
+    xi = minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
+    for _ in range(2):
+        free = 1 - xi
+        cubed = c * free**3
+        b = cubed * free * xi
+        held = xi * (1 + xi) / (1 + xi + b)  # w ξ
+        h = (1 - 0.5 * held / (2 - xi)) / (1 - held)
+        value = c * xi**2 * free - g * (h * (1 + xi) + b)
+        slope = c * xi * (2 - 3 * xi) - g * (h + cubed * (1 - 5 * xi))
+        step = value / where(slope > 0, slope, 1.0)
+        new = minimum(maximum(xi - step, 0.3 * xi), minimum(1.5 * xi, peak))
+        xi = where(slope > 0, new, peak)
+    return xi
+
+
+def _reachable_moment(c: Batch) -> Batch:
+    """A moment that is surely reached [-]: of a compression before the peak, and too low."""
+    xi, per_xi = _EARLY, c * (1 - _EARLY) ** 4 / (1 + _EARLY)
+    # 1.5 is more than h, which is at most 1/(1 - ξ), and so leaves too little that bows
+    return 0.5 * xi * sqrt(per_xi / (1.5 + xi * per_xi) / (1 - xi) ** 3)
+
+
+def _peak_compression(c: BatchLike) -> Batch:
+    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], without derivatives."""
+    low, high = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
+    x = (2 * _peak_coordinate(minimum(maximum(stop_gradient(c), _LEAST), _MOST)) - low - high) / (high - low)
+    return chebyshev_sum(_PEAK_SERIES, x)
+
+
+def _peak_coordinate(c: Batch) -> Batch:
+    return 1 / (1 + sqrt(sqrt(c)))

@@ -93,27 +93,27 @@ def shortenings() -> np.ndarray:
 def states(oval: Oval) -> States:
     """All states of columns with that `oval` section [-], nodes first."""
     here = Oval(*(stop_gradient(x) for x in oval))
-    at_work: Any = array_namespace(*here)
+    xp: Any = array_namespace(*here)
     shape = np.broadcast_shapes(*(np.shape(x) for x in here))
-    numbers = [at_work.broadcast_to(at_work.asarray(x, dtype=float), shape) for x in here]
-    P = at_work.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
+    numbers = [xp.broadcast_to(xp.asarray(x, dtype=float), shape) for x in here]
+    P = xp.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
     w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
-    if at_work is np:
+    if xp is np:
         x = _solved(P.tobytes()).reshape(_NODES - 1, *shape, -1)
     else:
-        x, _ = _follow(at_work, P)
-        P = at_work.stack([at_work.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
+        x, _ = _follow(xp, P)
+        P = xp.stack([xp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
         for _ in range(2):  # each doubles the order to which derivatives are right
-            value, slopes = _gradient(at_work, P, x, w), _jacobian(at_work, P, x)
-            x = x - at_work.linalg.solve(slopes, value[..., None])[..., 0]
-    rows = _kept(at_work, x, w)
+            value, slopes = _gradient(xp, P, x, w), _jacobian(xp, P, x)
+            x = x - xp.linalg.solve(slopes, value[..., None])[..., 0]
+    rows = _kept(xp, x, w)
     # the straight column: Euler's load, and bows that grow as the root of w
     first = np.zeros(3 + _SINES)
     first[:3] = 4 * np.pi**2, 2 / np.pi, 4 * np.pi
     first[3] = 2.0
-    begun = at_work.broadcast_to(at_work.asarray(first), (1, *shape, 3 + _SINES))
-    rows = at_work.concatenate([begun, rows])
-    sines = at_work.moveaxis(rows[..., 3:], -1, 1)
+    begun = xp.broadcast_to(xp.asarray(first), (1, *shape, 3 + _SINES))
+    rows = xp.concatenate([begun, rows])
+    sines = xp.moveaxis(rows[..., 3:], -1, 1)
     return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
 
 
@@ -181,7 +181,7 @@ def _fill(
     return np.stack(rows)
 
 
-def _follow(at_work: Any, P: Any) -> tuple[Any, Any]:
+def _follow(xp: Any, P: Any) -> tuple[Any, Any]:
     """The states at all nodes but the first, and how they move with the four numbers of `P` and
     with the shortening.
     """
@@ -189,11 +189,11 @@ def _follow(at_work: Any, P: Any) -> tuple[Any, Any]:
     shape = P.shape[:-2]
     start = np.zeros(_SINES + _COSINES + 1)
     start[0], start[-1] = 2 * np.sqrt(w[0]), -4 * np.pi**2 * (1 + w[0] / 2)
-    x = at_work.broadcast_to(at_work.asarray(start), (*shape, start.size))
-    if at_work is not np:
+    x = xp.broadcast_to(xp.asarray(start), (*shape, start.size))
+    if xp is not np:
         from ...core.jax_backend import lax
 
-        done = lax.scan(lambda x, w: _next(at_work, P, x, w), x, at_work.asarray(w))[1]
+        done = lax.scan(lambda x, w: _next(xp, P, x, w), x, xp.asarray(w))[1]
         return done[0], done[1]
     rows = []
     for shortening in w:
@@ -202,37 +202,37 @@ def _follow(at_work: Any, P: Any) -> tuple[Any, Any]:
     return tuple(np.stack(part) for part in zip(*rows, strict=True))  # type: ignore[return-value]
 
 
-def _next(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
+def _next(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
     """The state at a shortening `w` from one nearby, moved on to the next; itself, and how it
     moves.
     """
-    x, slopes = _newton(at_work, P, x, w)
-    by = at_work.linalg.solve(slopes, _by_numbers(at_work, P, x))
+    x, slopes = _newton(xp, P, x, w)
+    by = xp.linalg.solve(slopes, _by_numbers(xp, P, x))
     return x + by[..., -1] * STEP, (x, by)
 
 
-def _moves(at_work: Any, move: Any, x: Any) -> Any:
+def _moves(xp: Any, move: Any, x: Any) -> Any:
     """Whether a `move` is no rounding of a state `x` yet."""
-    size = at_work.max(at_work.abs(x), axis=-1, keepdims=True)
-    return ~at_work.all(at_work.abs(move) < _DONE * size, axis=-1, keepdims=True)  # NaN moves
+    size = xp.max(xp.abs(x), axis=-1, keepdims=True)
+    return ~xp.all(xp.abs(move) < _DONE * size, axis=-1, keepdims=True)  # NaN moves
 
 
-def _newton(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
+def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
     """The state at a shortening `w`, by Newton's method from one nearby; and the Jacobian."""
 
     def step(i: Any, x: Any) -> Any:
-        slopes = _jacobian(at_work, P, x)
-        move = at_work.linalg.solve(slopes, _gradient(at_work, P, x, w)[..., None])[..., 0]
-        long = at_work.max(at_work.abs(move[..., :_SINES]), axis=-1, keepdims=True)
-        short = move * at_work.minimum(1.0, _LONGEST / at_work.maximum(long, 1e-300))
+        slopes = _jacobian(xp, P, x)
+        move = xp.linalg.solve(slopes, _gradient(xp, P, x, w)[..., None])[..., 0]
+        long = xp.max(xp.abs(move[..., :_SINES]), axis=-1, keepdims=True)
+        short = move * xp.minimum(1.0, _LONGEST / xp.maximum(long, 1e-300))
         return i + 1, x - short, short, slopes
 
     def on(state: Any) -> Any:
         i, x, move, _ = state
-        return (i < _STEPS) & at_work.any(_moves(at_work, move, x))
+        return (i < _STEPS) & xp.any(_moves(xp, move, x))
 
     state = step(0, x)
-    if at_work is not np:
+    if xp is not np:
         from ...core.jax_backend import lax
 
         state = lax.while_loop(on, lambda state: step(*state[:2]), state)
@@ -242,14 +242,14 @@ def _newton(at_work: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
     return state[1], state[3]
 
 
-def _kept(at_work: Any, x: Any, w: Any) -> Any:
+def _kept(xp: Any, x: Any, w: Any) -> Any:
     """Load, bow, bend and sines of states `x` at shortenings `w`, on the last axis."""
     basis, root = _basis(), np.sqrt(w)
     theta = x[..., :_SINES] @ basis.S.T
-    bow = basis.weight * at_work.sum(at_work.sin(theta), axis=-1, keepdims=True)
-    return at_work.concatenate([
+    bow = basis.weight * xp.sum(xp.sin(theta), axis=-1, keepdims=True)
+    return xp.concatenate([
         -x[..., -1:], bow / root,
-        2 * np.pi * at_work.sum(x[..., :_SINES], axis=-1, keepdims=True) / root,
+        2 * np.pi * xp.sum(x[..., :_SINES], axis=-1, keepdims=True) / root,
         x[..., :_SINES] / np.arange(1, _SINES + 1) / root,
     ], axis=-1)  # fmt: skip
 
@@ -267,70 +267,70 @@ class _Section(NamedTuple):
     sunk: Any
 
 
-def _section(at_work: Any, P: Any, x: Any) -> _Section:
+def _section(xp: Any, P: Any, x: Any) -> _Section:
     b = _basis()
     t, z = x[..., :_SINES], x[..., _SINES:-1]
     oval = z @ b.Z.T
     return _Section(
         t @ b.S.T, t @ b.S1.T, oval, 1 - 1.5 * oval + 0.625 * oval**2, -1.5 + 1.25 * oval,
-        at_work.maximum(oval - P[..., 3, :], 0.0),
+        xp.maximum(oval - P[..., 3, :], 0.0),
     )  # fmt: skip
 
 
-def _gradient(at_work: Any, P: Any, x: Any, w: Any) -> Any:
+def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
     """The gradient of (O1) for half the column, with its multiplier."""
-    b, here = _basis(), _section(at_work, P, x)
+    b, here = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     z, load = x[..., _SINES:-1], x[..., -1:]
     squashing = 0.5 * here.kappa**2 * here.soft_slope
     pressed = squashing + 2 * alpha * (here.oval + _HARD * here.sunk)
-    return at_work.concatenate([
-        h * ((here.soft * here.kappa) @ b.S1 + load * (at_work.sin(here.theta) @ b.S)),
+    return xp.concatenate([
+        h * ((here.soft * here.kappa) @ b.S1 + load * (xp.sin(here.theta) @ b.S)),
         h * (pressed @ b.Z + 2 * (beta * (z @ b.Z1.T) @ b.Z1 + gamma * (z @ b.Z2.T) @ b.Z2)),
-        (1 - w) / 2 - h * at_work.sum(at_work.cos(here.theta), axis=-1, keepdims=True),
+        (1 - w) / 2 - h * xp.sum(xp.cos(here.theta), axis=-1, keepdims=True),
     ], axis=-1)  # fmt: skip
 
 
-def _jacobian(at_work: Any, P: Any, x: Any) -> Any:
+def _jacobian(xp: Any, P: Any, x: Any) -> Any:
     """The slopes of the gradient."""
-    b, here = _basis(), _section(at_work, P, x)
+    b, here = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     load = x[..., -1:]
-    sine = h * at_work.sin(here.theta) @ b.S
+    sine = h * xp.sin(here.theta) @ b.S
     stiff = 2 * h * (beta[..., None] * (b.Z1.T @ b.Z1) + gamma[..., None] * (b.Z2.T @ b.Z2))
-    cos, cross = load * at_work.cos(here.theta), here.soft_slope * here.kappa
+    cos, cross = load * xp.cos(here.theta), here.soft_slope * here.kappa
     tt = h * (b.S1.T @ (here.soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
     tz = h * b.S1.T @ (cross[..., None] * b.Z)
     own = 0.625 * here.kappa**2 + 2 * alpha * (1 + _HARD * (here.sunk > 0))
     zz = h * b.Z.T @ (own[..., None] * b.Z) + stiff
-    none = at_work.zeros((*x.shape[:-1], _COSINES, 1))
-    last, corner = sine[..., None], at_work.zeros((*x.shape[:-1], 1, 1))
-    flip = at_work.swapaxes
-    return at_work.concatenate([
-        at_work.concatenate([tt, tz, last], axis=-1),
-        at_work.concatenate([flip(tz, -1, -2), zz, none], axis=-1),
-        at_work.concatenate([flip(last, -1, -2), flip(none, -1, -2), corner], axis=-1),
+    none = xp.zeros((*x.shape[:-1], _COSINES, 1))
+    last, corner = sine[..., None], xp.zeros((*x.shape[:-1], 1, 1))
+    flip = xp.swapaxes
+    return xp.concatenate([
+        xp.concatenate([tt, tz, last], axis=-1),
+        xp.concatenate([flip(tz, -1, -2), zz, none], axis=-1),
+        xp.concatenate([flip(last, -1, -2), flip(none, -1, -2), corner], axis=-1),
     ], axis=-2)  # fmt: skip
 
 
-def _by_numbers(at_work: Any, P: Any, x: Any) -> Any:
+def _by_numbers(xp: Any, P: Any, x: Any) -> Any:
     """How the gradient falls with each of the four numbers, and with the shortening, last."""
     b = _basis()
     h, alpha, touch = b.weight, P[..., 0, :], P[..., 3, :]
     z = x[..., _SINES:-1]
     oval = z @ b.Z.T
-    sunk = at_work.maximum(oval - touch, 0.0)
+    sunk = xp.maximum(oval - touch, 0.0)
     rows = [
         2 * h * (oval + _HARD * sunk) @ b.Z,
         2 * h * (z @ b.Z1.T) @ b.Z1,
         2 * h * (z @ b.Z2.T) @ b.Z2,
         -2 * h * (_HARD * alpha * (sunk > 0)) @ b.Z,
     ]
-    at_rest = at_work.zeros((*x.shape[:-1], _SINES))
-    none = at_work.zeros((*x.shape[:-1], 1))
-    every = [at_work.concatenate([at_rest, -row, none], axis=-1) for row in rows]
-    shorter = at_work.zeros_like(every[0]) + np.eye(1, x.shape[-1], x.shape[-1] - 1)[0] * 0.5
-    return at_work.stack([*every, shorter], axis=-1)
+    at_rest = xp.zeros((*x.shape[:-1], _SINES))
+    none = xp.zeros((*x.shape[:-1], 1))
+    every = [xp.concatenate([at_rest, -row, none], axis=-1) for row in rows]
+    shorter = xp.zeros_like(every[0]) + np.eye(1, x.shape[-1], x.shape[-1] - 1)[0] * 0.5
+    return xp.stack([*every, shorter], axis=-1)
 
 
 @cache

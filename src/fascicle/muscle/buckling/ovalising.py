@@ -54,9 +54,8 @@ from ...core.array_namespace import (
 )
 from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
-from ..column import ROUNDING, Centerline, Column
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, AbstractBuckling, Push
+from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, Centerline, Column, Push
 from .oval_column import STEP, Oval, States, between, shortenings, splined, states
 
 

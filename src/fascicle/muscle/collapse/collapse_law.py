@@ -1,12 +1,17 @@
-r"""What a collapse law is: the moment at which the buckled bladder folds for good.
+r"""Collapse laws: the moment at which the buckled bladder folds for good.
 
-Two of them, and the tube without pressure, are one equation with a power $n$,
+Three of them are one equation with a power $n$ of $r_0/t_0$: 1 as printed, which made the paper's
+figures [R8], 3 after Wood, and without pressure Brazier's, whose section ovalizes,
 
 $$M_{collapse} = \frac{2\sqrt2}{9} \pi E r_0 t_0^2
   \sqrt{\frac{1}{1 - \nu^2} + \frac{4P}{E} \Bigl(\frac{r_0}{t_0}\Bigr)^n}. \tag{17}$$
 
-**Sign:** moments positive. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2; Wood (1958); a
-factor on the moment after Wielgosz and Thomas (2002), who use π/4.
+Stein and Hedgepeth's membrane is wrinkled all around; its slopes are infinite at $P = 0$, where it
+is zero: exempt.
+
+**Sign:** moments positive. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2; Wood (1958); Brazier
+(1927); Stein and Hedgepeth (1961); a factor on the moment after Wielgosz and Thomas (2002), who
+use π/4.
 """
 
 import abc
@@ -44,3 +49,55 @@ def tube_moment(bladder: Bladder, E: BatchLike, pressure: BatchLike, power: int)
     r0, t0, nu = bladder.braid.radius, bladder.wall_thickness, bladder.material.poisson_ratio
     stiffening = 1 / (1 - nu**2) + 4 * pressure / E * (r0 / t0) ** power
     return 2 * np.sqrt(2) / 9 * np.pi * E * r0 * t0**2 * sqrt(stiffening)
+
+
+class Kim2021Collapse(AbstractCollapse):
+    """Equation (17) as printed: pressure counts with $r_0/t_0$."""
+
+    name: ClassVar[str] = "kim2021"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (17)"
+
+    factor: Batch = FACTOR.field()
+
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
+        """$M_{collapse}$ [N·m], (17)."""
+        return self.factor * tube_moment(bladder, youngs_modulus, pressure, power=1)
+
+
+class Wood1958(AbstractCollapse):
+    """Wood's moment: pressure counts with $(r_0/t_0)^3$."""
+
+    name: ClassVar[str] = "wood1958"
+    source: ClassVar[str] = "Wood (1958)"
+
+    factor: Batch = FACTOR.field()
+
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
+        """$M_{collapse}$ [N·m], (17) with the cube."""
+        return self.factor * tube_moment(bladder, youngs_modulus, pressure, power=3)
+
+
+class Brazier1927(AbstractCollapse):
+    """An unpressurized tube that ovalises: $0.98731\\, E r_0 t_0^2/\\sqrt{1 - \\nu^2}$."""
+
+    name: ClassVar[str] = "brazier1927"
+    source: ClassVar[str] = "Brazier (1927)"
+
+    factor: Batch = FACTOR.field()
+
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
+        """$M_{collapse}$ [N·m], the same at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
+        return self.factor * tube_moment(bladder, youngs_modulus, 0.0 * pressure, power=1)
+
+
+class SteinHedgepeth1961(AbstractCollapse):
+    """A wrinkled membrane without stiffness: $\\pi P r_0^3$, zero at zero pressure."""
+
+    name: ClassVar[str] = "stein_hedgepeth1961"
+    source: ClassVar[str] = "Stein and Hedgepeth (1961)"
+
+    factor: Batch = FACTOR.field()
+
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:  # noqa: ARG002 a membrane has no modulus
+        """$M_{collapse}$ [N·m], proportional to pressure."""
+        return self.factor * np.pi * pressure * bladder.braid.radius**3

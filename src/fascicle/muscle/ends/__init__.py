@@ -1,17 +1,12 @@
-"""Laws of a muscle's ends, a module each: what of its length doesn't contract, and what gives."""
+"""Laws of a muscle's ends: inactive length and compliance."""
 
-from collections.abc import Mapping
-
-from ..law import by_class, found
+from ..law import LawRegistry
 from .ends_law import AbstractEnds as AbstractEnds
 
 
-ENDS_LAWS: Mapping[str, type[AbstractEnds]] = found(__name__, __path__, AbstractEnds, first="rigid")
-
-
-def __getattr__(name: str) -> type[AbstractEnds]:
-    return by_class(__name__, ENDS_LAWS, name)
+ENDS_LAWS = LawRegistry(__name__, __path__, AbstractEnds, default="rigid")
+__getattr__ = ENDS_LAWS.get_class
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *(law.__name__ for law in ENDS_LAWS.values())})
+    return sorted({*globals(), *ENDS_LAWS.class_names()})

@@ -1,44 +1,178 @@
-r"""What a law of the ends is: the bladder's strain, where the muscle's own is told by its ends.
+r"""Laws of a muscle's ends: an inactive length at the fittings, and compliance under load.
 
 A muscle of length $L_0$ between its fittings may have parts that don't contract, and ends that
-give. Its tension law is that of the bladder, at the bladder's strain $\varepsilon_b$:
+yield. Its tension law is that of the bladder, at the bladder's strain $\varepsilon_b$:
 
 $$F(P, \varepsilon) = T(P, \varepsilon_b(P, \varepsilon)). \tag{E7}$$
 
-**Sign:** pulling force and contraction positive. **Source:** derived here.
+Of the length $L_0$ the fittings hold $l$ still, and ends, fittings and threads yield by $c F$, as a
+spring in series. The bladder of a loaded muscle has contracted more than the muscle:
+
+$$F = T(P, \varepsilon_b), \qquad
+  \varepsilon_b = s \Bigl(\varepsilon + \frac{c F}{L_0}\Bigr), \qquad s = \frac{L_0}{L_0 - l}.
+  \tag{E8}$$
+
+Where $T$ falls with strain there is one $\varepsilon_b$, between $s \varepsilon$ and
+$s (\varepsilon + c\, T(P, s \varepsilon)/L_0)$; where it rises there is still one as long as
+$c\, s\, \mathrm{d}T/\mathrm{d}\varepsilon_b < L_0$. The free strain is the bladder's over $s$:
+without a force nothing yields. Both are in series with the whole tension law, the
+arc of a bowed muscle too; the hinge after collapse is not. With both zero the ends are rigid.
+
+The bladder does the work that the ends take and the spring stores,
+
+$$\Pi^*(P, \varepsilon) = P V(0) + (L_0 - l) \int_0^{\varepsilon_b} T \,\mathrm{d}\varepsilon'
+  - \tfrac12 c F^2, \tag{E9}$$
+
+so that the fluid fills $V(0) + (V(\varepsilon_b) - V(0))/s$.
+
+**Sign:** pulling force and contraction positive. **Valid for** strains at which the bladder's own
+is in its domain. **Source:** derived here.
 """
 
 import abc
-from typing import Any, ClassVar
+from functools import cache
+from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
+from ...core.array_namespace import maximum, minimum, node_axis, sum_nodes, where
+from ...core.parameters import Constant, log1p_scale
+from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ..law import AbstractLaw
 from ..tension.tension_law import Pull
 
 
-Tension = Any  # the tuned one, which asks these
+if TYPE_CHECKING:
+    from ..tuning import TunedTension
+
+
+_FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
+_NEARLY = 0.999  # of the strain that straightens the fibers
 
 
 class AbstractEnds(AbstractLaw):
-    """The ends of a muscle; `gives`: whether the bladder's strain may depend on its force."""
+    """The ends of a muscle; `gives`: true where the bladder's strain may depend on its force."""
 
     gives: ClassVar[bool] = True
 
     @property
     @abc.abstractmethod
     def compliance(self) -> Batch:
-        """By how much both ends together give [m/N]."""
+        """Compliance of both ends together [m/N]."""
 
     @abc.abstractmethod
     def stretch(self, length: BatchLike) -> Batch:
-        """The bladder's strain over the ends' [-] without a force; `length` $L_0$ [m]."""
+        """Ratio of the bladder's strain to the muscle's [-] without a force; `length` $L_0$ [m]."""
 
     @abc.abstractmethod
-    def pull(self, tension: Tension, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """What the `tension` law [-] says [N] at `pressure` [Pa] and the ends' `strain` [-]."""
+    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
 
     @abc.abstractmethod
-    def coenergy_at_rest(self, tension: Tension, pressure: BatchLike) -> Batch:
-        """What a muscle at rest length has of co-energy [J] at `pressure` [Pa], besides that of
-        its volume at rest: none where the bladder is at rest, too.
+    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+        """Co-energy [J] of a muscle at rest length and `pressure` [Pa], less that of its volume at
+        rest: zero where the bladder is at rest, too.
         """
+
+
+class Rigid(AbstractEnds):
+    """Ends of no length and no compliance: the bladder's strain is the muscle's."""
+
+    name: ClassVar[str] = "rigid"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
+    gives: ClassVar[bool] = False
+
+    @property
+    def compliance(self) -> Batch:
+        """Zero [m/N]."""
+        return 0.0
+
+    def stretch(self, length: BatchLike) -> Batch:
+        """1 [-] at any `length` [m]."""
+        del length
+        return 1.0
+
+    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Force [N] of the `tension` law at `pressure` [Pa] and `strain` [-]."""
+        return tension.bladder_pull(pressure, strain)
+
+    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+        """Zero [J] at any `pressure` [Pa]."""
+        del tension
+        return 0.0 * pressure
+
+
+class Compliant(AbstractEnds):
+    """An inactive length at the fittings and a spring in series, equation (E8)."""
+
+    name: ClassVar[str] = "compliant"
+    source: ClassVar[str] = "derived here"
+
+    inactive_length: Batch = Constant(
+        "inactive_length", "l", "length", (0.0, 0.0, 0.1, 1.0), log1p_scale(5e-3), 0.0,
+        "of the muscle's length, held still by its fittings",
+    ).field()  # fmt: skip
+    end_compliance: Batch = Constant(
+        # ends that give a tenth of a meter per kilonewton are none
+        "end_compliance", "c", "axial_compliance", (0.0, 0.0, 1e-4, 1e-2), log1p_scale(1e-5), 0.0,
+        "of both ends in series with the bladder",
+    ).field()  # fmt: skip
+
+    @property
+    def compliance(self) -> Batch:
+        """$c$ [m/N]."""
+        return self.end_compliance
+
+    def stretch(self, length: BatchLike) -> Batch:
+        """$s$ [-] of a muscle of `length` $L_0$ [m]."""
+        return length / (length - self.inactive_length)
+
+    def bladder_strain(
+        self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike
+    ) -> Batch:
+        """$\\varepsilon_b$ [-], (E8), of a `tension` law at `pressure` [Pa] and the muscle's
+        `strain` [-].
+        """
+        L0, braid = tension.bladder.braid.length, tension.bladder.braid
+        s = self.stretch(L0)
+        unloaded, rise = s * strain, s * self.end_compliance / L0
+        # compliant ends keep fibers from being straight, where a bladder's pull has no bound
+        start = where(rise > 0, maximum(unloaded, _NEARLY * braid.straight), unloaded)
+        # where T falls, the bladder's strain lies between both
+        loaded = unloaded + rise * tension.bladder_pull(pressure, start).force
+        low = minimum(start, maximum(loaded, _NEARLY * braid.straight))
+        high = maximum(start, minimum(loaded, _FARTHEST))
+        return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
+
+    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
+        L0 = tension.bladder.braid.length
+        at = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
+        s = self.stretch(L0)
+        # dε_b/dε, from (E8)
+        share = s / (1 - s * self.end_compliance / L0 * at.slope)
+        return Pull(at.mesh, at.bladder, share * at.mesh_slope, share * at.bladder_slope)
+
+    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+        """(E9) at rest length [J] and `pressure` [Pa], less $P V(0)$."""
+        strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
+        node, weight = (node_axis(x, strain) for x in _quadrature())
+        force = tension.bladder_pull(pressure, 0.5 * strain * (1 + node)).force
+        work = 0.5 * strain * sum_nodes(weight * force)
+        F = tension.bladder_pull(pressure, strain).force
+        active = tension.bladder.braid.length - self.inactive_length
+        return active * work - 0.5 * self.end_compliance * F**2
+
+
+@cache
+def _quadrature() -> tuple[np.ndarray, np.ndarray]:
+    # up to the free strain a force is smooth: 16 points leave 1e-12 of its integral
+    return np.polynomial.legendre.leggauss(16)
+
+
+def _strain_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
+    """Strain by which the bladder falls short of (E8) [-], and its slope."""
+    tension, pressure, unloaded, rise = theta
+    pull = tension.bladder_pull(pressure, strain)
+    return unloaded + rise * pull.force - strain, rise * pull.slope - 1

@@ -1,19 +1,12 @@
-"""Post-collapse laws, a module each: readings of (25), how a folded muscle pushes."""
+"""Post-collapse laws: readings of (25), how a folded muscle pushes."""
 
-from collections.abc import Mapping
-
-from ..law import by_class, found
+from ..law import LawRegistry
 from .post_collapse_law import AbstractPostCollapse as AbstractPostCollapse
 
 
-POST_COLLAPSE_LAWS: Mapping[str, type[AbstractPostCollapse]] = found(
-    __name__, __path__, AbstractPostCollapse, first="derived"
-)
-
-
-def __getattr__(name: str) -> type[AbstractPostCollapse]:
-    return by_class(__name__, POST_COLLAPSE_LAWS, name)
+POST_COLLAPSE_LAWS = LawRegistry(__name__, __path__, AbstractPostCollapse, default="derived")
+__getattr__ = POST_COLLAPSE_LAWS.get_class
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *(law.__name__ for law in POST_COLLAPSE_LAWS.values())})
+    return sorted({*globals(), *POST_COLLAPSE_LAWS.class_names()})

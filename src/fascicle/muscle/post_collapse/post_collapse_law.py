@@ -1,4 +1,4 @@
-r"""What a post-collapse law is: two clamped halves and a hinge that push the ends apart.
+r"""Post-collapse laws: two clamped halves and a hinge that push the ends apart.
 
 After collapse two clamped halves meet at a hinge, $y_c = y_{c,max} (1 - \cos(\pi z/L))$ (22),
 whose stiffness $k_r = E I_r/(2\theta_r t_0)$, $I_r = \pi r_0 t_0^3/4$ (23), makes its moment
@@ -23,7 +23,7 @@ import numpy as np
 from ...core.array_namespace import add_table_axis, cos, minimum, sqrt
 from ...core.types import Batch, BatchLike
 from ..bladder import Bladder
-from ..column import Centerline, Column
+from ..buckling.buckling_law import Centerline, Column
 from ..law import AbstractLaw
 
 
@@ -72,3 +72,42 @@ def bent_halves(column: Column, x: Batch) -> tuple[Batch, Batch]:
     EI, L = column.bending_stiffness, column.free_length
     unit = EI * np.pi**2 / (L - x) ** 3
     return unit * (L + x), unit * (4 * L + 2 * x) / (L - x)
+
+
+class Derived(AbstractPostCollapse):
+    """What (24) leads to: halves whose slope at the hinge is $\\sqrt{x/(L_{fs} - x)}$."""
+
+    name: ClassVar[str] = "derived"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    slope_factor: ClassVar[float] = 1.0
+
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 (L_{fs} + x)/(4 (L_{fs} - x)^3)$ [N], and its slope [N/m]."""
+        B, slope = bent_halves(column, compression)
+        return B / 4, slope / 4
+
+
+class Consistent(AbstractPostCollapse):
+    """Inextensible halves, as (10) has it: a slope of $2\\sqrt{x/(L_{fs} - x)}$ at the hinge."""
+
+    name: ClassVar[str] = "consistent"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    slope_factor: ClassVar[float] = 2.0
+
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 (L_{fs} + x)/(L_{fs} - x)^3$ [N], and its slope [N/m]."""
+        return bent_halves(column, compression)
+
+
+class Printed(AbstractPostCollapse):
+    """(25) as printed: a number without the right units, for comparison only."""
+
+    name: ClassVar[str] = "printed"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"
+    slope_factor: ClassVar[float] = 1.0
+
+    def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
+        """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, printed as [N], in truth [N·m]; its slope."""
+        EI, L, x = column.bending_stiffness, column.free_length, compression
+        B = EI * np.pi**2 * L / (4 * (L - x) ** 2)
+        return B, 2 * B / (L - x)

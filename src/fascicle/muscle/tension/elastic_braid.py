@@ -40,7 +40,7 @@ from ...core.types import Batch, BatchLike, BoolBatch, Values
 from ...core.validation import check_positive
 from ..bladder import Bladder
 from ..braid import Braid
-from ..materials.material_law import Slopes
+from ..materials import Slopes
 from .tension_law import SIZES, AbstractTension, Offset, Pull, solved_free_strain
 
 

@@ -1,4 +1,4 @@
-r"""What a tension law is: a pull in two components, and the strain at which it vanishes.
+r"""Tension laws: a pull in two components, and the strain at which it vanishes.
 
 A law $T(P, \varepsilon)$ gives a muscle's pull in two components, of the pressurized mesh
 and of the bladder,
@@ -9,15 +9,26 @@ and finds the strain at which it vanishes, also where an offset force $C_1(P)$ i
 the tuning of section 5 does: $T(P, \varepsilon_f) = C_1(P)$. Past the free strain $T$ goes on as
 compression: buckling laws say what of it is real.
 
+The default law has both, so that its free strain, the root of $T$, rises with pressure from zero; of
+braids below some 11.5 deg it may fall again. The simplest law is the mesh alone,
+
+$$T = \pi r_0^2 P \left(a (1 - \varepsilon)^2 - b\right), \qquad
+  a = \frac{3}{\tan^2\alpha_0}, \qquad b = \frac{1}{\sin^2\alpha_0}, \tag{3}$$
+
+so that its free strain $1 - \sqrt{b/a} = 1 - 1/(\sqrt3 \cos\alpha_0)$ doesn't depend on pressure.
+
 **Valid for** $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
-**Source:** Kim, Mazzoleni and Bryant (2021), section 2.
+**Source:** Chou and Hannaford (1996); Klute and Hannaford (2000); Kim, Mazzoleni and
+Bryant (2021), section 2.
 """
 
 import abc
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
-from ...core.array_namespace import cos, maximum, minimum, sqrt
+import numpy as np
+
+from ...core.array_namespace import maximum, minimum, sqrt, where
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ...core.validation import HIGHEST_PRESSURE
@@ -26,6 +37,9 @@ from ..law import AbstractLaw
 
 
 Offset = Callable[[Batch], Batch]
+# Pa: below this, C1/P is taken here. C1 is proportional to pressure up to the tuning's first row,
+# so the ratio is the same, and subnormal pressures don't divide 0 by 0
+_LEAST_PRESSURE = 1e-3
 SIZES = ("braid_angle", "outer_radius")  # known least well, and what the mesh depends on most
 
 
@@ -69,9 +83,9 @@ class AbstractTension(AbstractLaw):
 
     @classmethod
     def usually_free(cls) -> tuple[str, ...]:
-        """Names of what a fit of it moves where nobody says what [-]."""
-        own = (one.name for one in cls.constants() if one.transform is not None)
-        return cls.free or (*own, *SIZES)
+        """Names of the parameters that a fit of it moves by default."""
+        constants = (c.name for c in cls.constants() if c.transform is not None)
+        return cls.free or (*constants, *SIZES)
 
     @abc.abstractmethod
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
@@ -102,6 +116,49 @@ class AbstractTension(AbstractLaw):
         return pull.mesh, pull.bladder
 
 
+class KluteHannaford(AbstractTension):
+    """Mesh and hyperelastic bladder: Klute and Hannaford (2000)."""
+
+    name: ClassVar[str] = "klute_hannaford"
+    title: ClassVar[str] = "Klute-Hannaford"
+    source: ClassVar[str] = "Klute and Hannaford (2000)"
+    conservative: ClassVar[bool] = True
+    linear_in_pressure: ClassVar[bool] = True
+    free: ClassVar[tuple[str, ...]] = ("c10", "c01", *SIZES)
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N], equations (3) and (4)."""
+        mesh, mesh_slope = bladder.braid.mesh(pressure, strain)
+        wall, wall_slope = bladder.pull(strain)
+        return Pull(mesh, wall, mesh_slope, wall_slope)
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The root of $F_{mesh} + F_{bladder} = C_1$ [-]; 0 at $P = 0$, from there rising."""
+        return solved_free_strain(self, bladder, pressure, offset)
+
+
+class Ideal(AbstractTension):
+    """The mesh alone: Chou and Hannaford (1996), no bladder."""
+
+    name: ClassVar[str] = "ideal"
+    source: ClassVar[str] = "Chou and Hannaford (1996)"
+    conservative: ClassVar[bool] = True
+    linear_in_pressure: ClassVar[bool] = True
+    free: ClassVar[tuple[str, ...]] = SIZES
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh force [N], equation (3), and zero."""
+        mesh, slope = bladder.braid.mesh(pressure, strain)
+        return Pull(mesh, 0.0 * mesh, slope, 0.0 * slope)
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
+        cot2, r0 = bladder.braid.cot2, bladder.braid.radius
+        P = where(pressure > _LEAST_PRESSURE, pressure, _LEAST_PRESSURE)
+        held = 1 + cot2 + offset(P) / (np.pi * r0**2 * P)
+        return 1 - sqrt(held / (3 * cot2))
+
+
 def solved_free_strain(
     law: AbstractTension, bladder: Bladder, pressure: BatchLike, offset: Offset
 ) -> Batch:
@@ -118,19 +175,21 @@ def solved_free_strain(
     """
     theta = (law, bladder, pressure, offset(pressure))
     # the fibers would be straight at twice `low`; at `high` the mesh pushes hard
-    low, high = 0.5 * (1 - 1 / cos(bladder.braid.angle)), 0.8
+    low, high = 0.5 * bladder.braid.straight, 0.8
     # the parabola that leaves rest as the force does, and meets it where the mesh lets go:
     # its zero comes too early, and Newton's steps from there don't overshoot
     far = bladder.braid.ideal_free_strain
-    value, slope = _remaining(theta, 0.0 * pressure)
-    bend = (_remaining(theta, far)[0] - value - slope * far) / far**2
+    value, slope = force_residual(theta, 0.0 * pressure)
+    bend = (force_residual(theta, far)[0] - value - slope * far) / far**2
     inside = sqrt(maximum(slope**2 - 4 * bend * value, 0.0))
     start = minimum(maximum(-2 * value / (slope - inside), low), high)
-    return root(_remaining, theta, low, high, start, soon=4)
+    return root(force_residual, theta, low, high, start, soon=4)
 
 
-def _remaining(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """What is left of the force [N] after $C_1$, and its slope [N]."""
+def force_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
+    """Force [N] beyond $C_1$ at `strain` [-], and its slope [N]; `theta`: law, bladder, pressure
+    [Pa] and $C_1$ [N].
+    """
     law, bladder, pressure, c1 = theta
-    pull = law.pull(bladder, pressure, strain)
-    return pull.force - c1, pull.slope
+    mesh, wall, mesh_slope, wall_slope = law.pull(bladder, pressure, strain)
+    return mesh + wall - c1, mesh_slope + wall_slope

@@ -1,4 +1,4 @@
-r"""Mooney-Rivlin rubber: the energy of a stretched wall in two constants.
+r"""Bladder materials: the energy of a stretched wall, and its modulus in bending.
 
 An incompressible wall stretched by $\lambda_1$ along the axis and $\lambda_2$ around it
 stores, per volume of material (Mooney-Rivlin),
@@ -9,15 +9,50 @@ $$I_1 = \lambda_1^2 + \lambda_2^2 + \lambda_3^2, \qquad
   \lambda_3 = 1/(\lambda_1 \lambda_2).$$
 
 Its Young's modulus for small strains is $E = 6 (C_{10} + C_{01})$. Buckling and collapse
-use a modulus of their own, which may be measured apart from the two constants.
+use a modulus and a Poisson's ratio of their own, which may be measured separately.
 
-**Source:** Klute and Hannaford (2000).
+**Source:** Klute and Hannaford (2000) for (W) and latex; Kim, Mazzoleni and Bryant (2021),
+section 3.4, for the silicone's modulus [R3].
 """
 
-from ...core.parameters import POSITIVE, Constant
-from ...core.types import Batch, BatchLike, Values
-from ...core.validation import check_interval
-from .material_law import AbstractMaterial, Slopes
+import abc
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar, NamedTuple
+
+from ..core.parameters import POSITIVE, Constant
+from ..core.types import Batch, BatchLike, Values
+from ..core.validation import check_interval
+from .law import Declared
+
+
+class Slopes(NamedTuple):
+    """First and second derivatives of an energy density [J/m³] by $p = \\lambda_1^2$ and
+    $q = \\lambda_2^2$.
+    """
+
+    p: Batch
+    q: Batch
+    pp: Batch
+    pq: Batch
+    qq: Batch
+
+
+class AbstractMaterial(Declared):
+    """A wall material: an energy for stretching, a modulus and a ratio for bending."""
+
+    youngs_modulus: ClassVar[Batch]
+    poisson_ratio: ClassVar[Batch]
+
+    @abc.abstractmethod
+    def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
+        """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+
+    @abc.abstractmethod
+    def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
+        """Derivatives of the energy density [J/m³] at squared stretches $\\lambda_1^2$,
+        $\\lambda_2^2$ [-].
+        """
 
 
 LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
@@ -47,10 +82,10 @@ _NU = Constant(
 class MooneyRivlin(AbstractMaterial):
     """The two-constant rubber of equation (W)."""
 
-    c10: Batch = _C10.told()
-    c01: Batch = _C01.told()
-    youngs_modulus: Batch = _E.told()
-    poisson_ratio: Batch = _NU.told()
+    c10: Batch = _C10.plain_field()
+    c01: Batch = _C01.plain_field()
+    youngs_modulus: Batch = _E.plain_field()
+    poisson_ratio: Batch = _NU.plain_field()
 
     def __init__(
         self, c10: Values, c01: Values, youngs_modulus: Values = None, poisson_ratio: Values = 0.5
@@ -64,10 +99,10 @@ class MooneyRivlin(AbstractMaterial):
 
         **Raises:** `ValueError` where a constant is not positive or the ratio is off.
         """
-        self.c10 = _C10.checked(c10)
-        self.c01 = _C01.checked(c01)
+        self.c10 = _C10.validate(c10)
+        self.c01 = _C01.validate(c01)
         modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
-        self.youngs_modulus = _E.checked(modulus)
+        self.youngs_modulus = _E.validate(modulus)
         low, *_, high = _NU.bounds
         closed = (True, True)
         self.poisson_ratio = check_interval(poisson_ratio, low, high, _NU.name, "-", closed=closed)
@@ -83,9 +118,9 @@ class MooneyRivlin(AbstractMaterial):
         - `youngs_modulus`: $E$ [Pa], positive.
         - `poisson_ratio`: $\\nu$ [-], in [0, 0.5].
 
-        **Returns:** the material [-] with $6 (C_{10} + C_{01}) = E$.
+        **Returns:** the material with $6 (C_{10} + C_{01}) = E$.
         """
-        E = _E.checked(youngs_modulus)
+        E = _E.validate(youngs_modulus)
         share = LATEX_C10 / (LATEX_C10 + LATEX_C01)
         return cls(share * E / 6, (1 - share) * E / 6, E, poisson_ratio)
 
@@ -98,7 +133,9 @@ class MooneyRivlin(AbstractMaterial):
         return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
 
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Its derivatives [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
+        """Derivatives of the energy density [J/m³] at squared stretches $\\lambda_1^2$,
+        $\\lambda_2^2$ [-].
+        """
         p, q, a, b = axial_squared, hoop_squared, self.c10, self.c01
         s = 1 / (p * q)
         u, v = q * s, p * s  # 1/p and 1/q, for one division
@@ -109,3 +146,15 @@ class MooneyRivlin(AbstractMaterial):
             pq=a * s**2 + b,
             qq=2 * v**2 * (a * s + b * v),
         )
+
+
+# The default: Klute and Hannaford's latex, E = 1.34 MPa.
+LATEX = MooneyRivlin(c10=LATEX_C10, c01=LATEX_C01)
+
+# The paper gives its silicone's modulus (1.78 MPa, uniaxial) but not its constants. 0.75
+# times latex meets its two statements on free strain and collapse within its figures [R3].
+SILICONE_KIM2021 = MooneyRivlin(c10=88.8e3, c01=79.3e3, youngs_modulus=1.78e6)
+
+MATERIALS: Mapping[str, MooneyRivlin] = MappingProxyType(
+    {"latex": LATEX, "silicone_kim2021": SILICONE_KIM2021}
+)

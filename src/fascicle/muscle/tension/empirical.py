@@ -1,0 +1,364 @@
+r"""Empirical laws of Festo's muscles, with the constants published for single muscles.
+
+Sárosi's six numbers, which take nothing from the muscle: its sizes say only how it buckles,
+
+$$F = (a P + b)\, e^{c \varepsilon} + d P \varepsilon + e P + f, \tag{S}$$
+
+with an exponential that dies out after a few percent and a plane.
+
+Bolen's largest force that grows with length, and two exponentials,
+
+$$F = F_m \left(a_0 (e^{-a_1 \varepsilon/\varepsilon_m} - 1)
+  + \frac{P}{P_m} e^{-a_3 (\varepsilon/\varepsilon_m)^2}\right), \qquad
+  F_m = F_\infty \arctan\frac{L_0 - l_0}{l_1}, \tag{BF}$$
+
+with $P_m$ = 620 kPa and $\varepsilon_m$ the largest contraction at $P_m$, measured on the muscle.
+
+Martens and Boblan's wall, whose modulus follows its length. Fibers at $\theta = \alpha_0 + \delta$
+enclose the bore, of the inner radius $r_i$; with
+$\rho = D/D_0 = \sqrt{1 + \varepsilon (2 - \varepsilon) \cot^2\theta}$
+
+$$T = \pi r_i^2 P \left(3 \lambda^2 \cot^2\theta - \frac{1}{\sin^2\theta}\right)
+  - 2 \pi r_i t_0 E(\lambda) \left((\lambda - 1) \rho
+  + \frac{\rho - 1}{\rho} \lambda^2 \cot^2\theta\right), \quad
+  E = \sum_{k=0}^3 e_k \lambda^k. \tag{MB}$$
+
+The polynomial and the correction $\delta$ of the braid angle, in radians, are fitted to one
+muscle. It is published over the length in meters; here it is one of $\lambda = L/L_0$, which is
+the same at the length it was fitted at and scales with the muscle at others. The wall's axial term
+has the published sign: it pulls where the muscle is shorter than at rest, and the fit of $E$ makes
+up for it. The wall keeps its thickness. Where fibers at $\theta$ are nearly straight the wall's
+force is held.
+
+In (S) and (BF) the terms that grow with pressure are counted as the mesh's, the others as the
+bladder's.
+
+**Sign:** pull and contraction positive. **Assumes** nothing: fits to pulling muscles. **Valid for**
+the muscles they were fitted to, from rest to the free strain: (S) above some 0.5 bar (without
+pressure it gives small forces that aren't zero); (BF) from 0 to 620 kPa, some 0.1 to 0.5 m; (MB) at
+$\alpha_0$ = 28.6 deg and $t_0$ = 1.8 mm.
+**Source:** Sárosi (2012, 2017); Bolen; Martens and Boblan (2017) and its erratum (2018): constants
+and forms as quoted by the public code of the Agile and Adaptive Robotics laboratory, Portland State
+University (functions f_festo and maxBPAforce for (BF), whose comparison calls the law Bolen's). The
+papers themselves weren't at hand.
+"""
+
+import abc
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...core.array_namespace import arctan, exp, minimum, sin, sqrt, tan, where
+from ...core.parameters import POSITIVE, Constant, log1p_scale, symmetric_scale
+from ...core.roots import root
+from ...core.types import Batch, BatchLike
+from ..bladder import Bladder
+from .tension_law import AbstractTension, Offset, Pull, force_residual, solved_free_strain
+
+
+class AbstractEmpirical(AbstractTension):
+    """A law whose constants are `published` for one muscle, in the order and units of the source."""
+
+    conservative: ClassVar[bool] = False
+    linear_in_pressure: ClassVar[bool] = True
+    published: ClassVar[tuple[float, ...]]
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        if "published" in vars(cls):
+            for constant in cls.published_constants():
+                cls.__annotations__[constant.name] = Batch
+                setattr(cls, constant.name, constant.field())
+        super().__init_subclass__(**options)
+
+    @classmethod
+    @abc.abstractmethod
+    def published_constants(cls) -> list[Constant]:
+        """Constants of the law with their published values in SI units."""
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The root of $F = C_1$ [-]."""
+        return solved_free_strain(self, bladder, pressure, offset)
+
+
+_BAR, _PERCENT = 1e5, 1e-2
+_OUTERMOST = 1e6  # of a published value: bounds of a constant of either sign
+# name, symbol, dimension, the paper's unit over SI's, what it is
+_SAROSI = (
+    ("exponential_slope", "a", "slip", 1 / _BAR, "of the exponential, with pressure"),
+    ("exponential_force", "b", "force", 1.0, "of the exponential, without pressure"),
+    ("exponent", "c", "number", 1 / _PERCENT, "of the exponential, over the strain"),
+    ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT), "of the plane, with pressure and strain"),
+    ("pressure_slope", "e", "slip", 1 / _BAR, "of the plane, with pressure"),
+    ("force_offset", "f", "force", 1.0, "of the plane"),
+)
+
+
+class AbstractSarosi(AbstractEmpirical):
+    """Six numbers for a muscle of one size, equation (S), published for bar and percent."""
+
+    free: ClassVar[tuple[str, ...]] = tuple(name for name, *_ in _SAROSI)
+
+    exponential_slope: ClassVar[Batch]
+    exponential_force: ClassVar[Batch]
+    exponent: ClassVar[Batch]
+    strain_slope: ClassVar[Batch]
+    pressure_slope: ClassVar[Batch]
+    force_offset: ClassVar[Batch]
+
+    @classmethod
+    def published_constants(cls) -> list[Constant]:
+        """Constants of the law with their published values in SI units."""
+        constants = []
+        for (name, symbol, dimension, unit, about), number in zip(
+            _SAROSI, cls.published, strict=True
+        ):
+            value = number * unit
+            size = abs(value)
+            bounds = (-_OUTERMOST * size, -100 * size, 100 * size, _OUTERMOST * size)
+            scale = symmetric_scale(size)
+            constants.append(
+                Constant(name, symbol, dimension, bounds, scale, value, about, "Sárosi (2012)")
+            )
+        return constants
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
+        """Terms that grow with pressure, and the others [N], equation (S)."""
+        a, b, c = self.exponential_slope, self.exponential_force, self.exponent
+        d, e, f = self.strain_slope, self.pressure_slope, self.force_offset
+        fading = exp(c * strain)
+        return Pull(
+            mesh=pressure * (a * fading + d * strain + e),
+            bladder=b * fading + f,
+            mesh_slope=pressure * (a * c * fading + d),
+            bladder_slope=b * c * fading + 0.0 * pressure,
+        )
+
+
+class Sarosi(AbstractSarosi):
+    """(S) for a Festo DMSP-20-200N."""
+
+    name: ClassVar[str] = "sarosi"
+    title: ClassVar[str] = "Sárosi, DMSP-20-200"
+    source: ClassVar[str] = "Sárosi (2012), 20 mm, 200 mm long"
+    made_for: ClassVar[str] = "a Festo DMSP-20-200N"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.2
+    published: ClassVar[tuple[float, ...]] = (
+        -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
+    )  # fmt: skip
+
+
+class Sarosi10(AbstractSarosi):
+    """(S) for a Festo DMSP-10."""
+
+    name: ClassVar[str] = "sarosi_10"
+    title: ClassVar[str] = "Sárosi, DMSP-10"
+    source: ClassVar[str] = "Sárosi (2012), 10 mm"
+    made_for: ClassVar[str] = "a Festo DMSP-10"
+    made_diameter: ClassVar[float | None] = 10e-3
+    published: ClassVar[tuple[float, ...]] = (
+        -9.2194029, 203.7012413, -0.34221042, -3.2255991, 109.2038216, -208.372034,
+    )  # fmt: skip
+
+
+class Sarosi20Long(AbstractSarosi):
+    """(S) for a Festo muscle of 20 mm, 400 mm long."""
+
+    name: ClassVar[str] = "sarosi_20_400"
+    title: ClassVar[str] = "Sárosi, DMSP-20-400"
+    source: ClassVar[str] = "Sárosi (2017), 20 mm, 400 mm long"
+    made_for: ClassVar[str] = "a Festo muscle of 20 mm, 400 mm long"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.4
+    published: ClassVar[tuple[float, ...]] = (
+        -4.35573, 281.2237, -0.32866, -9.27035, 302.20107, -263.69185,
+    )  # fmt: skip
+
+
+_HIGHEST = 620e3  # Pa, P_m
+_LEAST = 1e-6  # of an arc: a muscle too short to hold anything still has a free strain
+_DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)
+# name, symbol, dimension, the code's unit over SI's, bounds, what it is
+_BOLEN = (
+    ("bladder_share", "a_0", "number", 1.0, _DIMENSIONLESS,
+     "of the largest force, that the bladder takes"),
+    ("bladder_rate", "a_1", "number", 1.0, _DIMENSIONLESS, "of the bladder's rise"),
+    ("pressure_rate", "a_3", "number", 1.0, _DIMENSIONLESS, "of the mesh's fall"),
+    ("largest_strain", r"\varepsilon_m", "number", 1.0, (0.01, 0.05, 0.4, 0.6),
+     "at 620 kPa, measured"),
+    # the largest force is published over kPa, its length times kPa
+    ("force_scale", r"F_\infty", "force", _HIGHEST / 1e3, (1e-2, 1.0, 1e5, 1e6),
+     "of the largest force"),
+    ("length_scale", "l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
+     "over which the largest force rises"),
+    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "of a muscle that holds nothing"),
+)  # fmt: skip
+
+
+class AbstractBolen(AbstractEmpirical):
+    """A largest force that grows with length, and two exponentials, equation (BF)."""
+
+    source: ClassVar[str] = "Bolen, as public code of the Agile and Adaptive Robotics laboratory"
+
+    bladder_share: ClassVar[Batch]
+    bladder_rate: ClassVar[Batch]
+    pressure_rate: ClassVar[Batch]
+    largest_strain: ClassVar[Batch]
+    force_scale: ClassVar[Batch]
+    length_scale: ClassVar[Batch]
+    end_length: ClassVar[Batch]
+
+    @classmethod
+    def published_constants(cls) -> list[Constant]:
+        """Constants of the law with their published values in SI units."""
+        code = "Agile and Adaptive Robotics laboratory, public code"
+        return [
+            Constant(
+                name, symbol, dimension, bounds,
+                POSITIVE if bounds[0] > 0 else log1p_scale(5e-3), number * unit, about, code,
+            )
+            for (name, symbol, dimension, unit, bounds, about), number in zip(
+                _BOLEN, cls.published, strict=True
+            )
+        ]  # fmt: skip
+
+    def largest_force(self, length: BatchLike) -> Batch:
+        """$F_m$ [N] of a muscle of `length` [m]."""
+        over = (length - self.end_length) / self.length_scale
+        return self.force_scale * arctan(where(over > _LEAST, over, _LEAST))
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Terms that grow with pressure, and the others [N], equation (BF)."""
+        a0, a1, a3 = self.bladder_share, self.bladder_rate, self.pressure_rate
+        F_m, x = self.largest_force(bladder.braid.length), strain / self.largest_strain
+        rising, falling = exp(-a1 * x), exp(-a3 * x**2)
+        share = F_m * pressure / _HIGHEST
+        per_strain = 1 / self.largest_strain
+        return Pull(
+            mesh=share * falling,
+            bladder=F_m * a0 * (rising - 1) + 0.0 * pressure,
+            mesh_slope=-2 * a3 * x * share * falling * per_strain,
+            bladder_slope=-a1 * F_m * a0 * rising * per_strain + 0.0 * pressure,
+        )
+
+
+class Bolen(AbstractBolen):
+    """(BF) for Festo muscles of 10 mm."""
+
+    name: ClassVar[str] = "bolen"
+    title: ClassVar[str] = "Bolen, 10 mm"
+    made_for: ClassVar[str] = "Festo muscles of 10 mm"
+    made_diameter: ClassVar[float | None] = 10e-3
+    # largest strains are 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
+    published: ClassVar[tuple[float, ...]] = (
+        0.5682, 4.254, 0.5597, 0.17, 0.4895, 1 / 0.03068, 7.5e-3,
+    )  # fmt: skip
+
+
+class Bolen20(AbstractBolen):
+    """(BF) for Festo muscles of 20 mm."""
+
+    name: ClassVar[str] = "bolen_20"
+    title: ClassVar[str] = "Bolen, 20 mm"
+    made_for: ClassVar[str] = "Festo muscles of 20 mm"
+    made_diameter: ClassVar[float | None] = 20e-3
+    # the largest strain is a quarter, as that code takes it
+    published: ClassVar[tuple[float, ...]] = (
+        0.2579, 6.477, 1.321, 0.25, 1.4877, 1 / 0.0248, 7.5e-3,
+    )  # fmt: skip
+
+
+_STRAIGHT = 0.02  # of ρ²: below it fibers are so nearly straight that the wall is held
+
+
+class AbstractMartens(AbstractEmpirical):
+    """An ideal mesh and a wall whose modulus follows its length, equation (MB): $e_0$ to $e_3$
+    [Pa/m^k] published for a muscle of `made_length` [m], and $\\delta$ [rad].
+    """
+
+    made_length: ClassVar[float | None]
+
+    modulus_0: ClassVar[Batch]
+    modulus_1: ClassVar[Batch]
+    modulus_2: ClassVar[Batch]
+    modulus_3: ClassVar[Batch]
+    angle_correction: ClassVar[Batch]
+
+    @classmethod
+    def published_constants(cls) -> list[Constant]:
+        """Constants of the law with their published values in SI units."""
+        *moduli, angle = cls.published
+        source, constants = "Martens and Boblan (2017)", []
+        for power, number in enumerate(moduli):
+            value = number * (cls.made_length or 1.0) ** power
+            size = abs(value)
+            constants.append(Constant(
+                f"modulus_{power}", f"e_{power}", "pressure",
+                (-1e3 * size, -10 * size, 10 * size, 1e3 * size), symmetric_scale(size), value,
+                f"of the wall's modulus, times $\\lambda^{power}$", source,
+            ))  # fmt: skip
+        return [*constants, Constant(
+            "angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
+            symmetric_scale(0.05), angle, "added to the braid angle", source,
+        )]  # fmt: skip
+
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh and wall force [N], equation (MB)."""
+        theta = bladder.braid.angle + self.angle_correction
+        cot2, lam, r_i = 1 / tan(theta) ** 2, 1 - strain, bladder.inner_radius
+        unit = np.pi * r_i**2 * pressure
+        wall, wall_slope = self._wall(cot2, lam)
+        section = 2 * np.pi * r_i * bladder.wall_thickness
+        return Pull(
+            mesh=unit * (3 * lam**2 * cot2 - 1 / sin(theta) ** 2),
+            bladder=-section * wall,
+            mesh_slope=-6 * unit * lam * cot2,
+            bladder_slope=section * wall_slope + 0.0 * pressure,
+        )
+
+    def _wall(self, cot2: Batch, lam: BatchLike) -> tuple[Batch, Batch]:
+        """$E$ times the bracket of (MB) [Pa], and its slope in $\\lambda$ [Pa]."""
+        e0, e1, e2, e3 = self.modulus_0, self.modulus_1, self.modulus_2, self.modulus_3
+        longest = sqrt(1 + (1 - _STRAIGHT) / cot2)
+        held = longest < lam
+        lam = minimum(lam, longest)
+        E = e0 + lam * (e1 + lam * (e2 + lam * e3))
+        E_slope = e1 + lam * (2 * e2 + lam * 3 * e3)
+        rho = sqrt(1 + (1 - lam**2) * cot2)
+        rho_slope = -lam * cot2 / rho
+        bracket = (lam - 1) * rho + (1 - 1 / rho) * lam**2 * cot2
+        slope = rho + (lam - 1) * rho_slope + cot2 * (
+            rho_slope / rho**2 * lam**2 + 2 * lam * (1 - 1 / rho)
+        )  # fmt: skip
+        return E * bracket, where(held, 0.0, E_slope * bracket + E * slope)
+
+    def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
+        """The first root of $T = C_1$ [-], at most the strain at which the mesh lets go."""
+        cot2 = 1 / tan(bladder.braid.angle + self.angle_correction) ** 2
+        far = 1 - sqrt((1 + 1 / cot2) / 3) + 0.0 * pressure
+        theta = (self, bladder, pressure, offset(pressure))
+        return root(force_residual, theta, 0.5 * bladder.braid.straight + 0.0 * far, far, 0.5 * far)
+
+
+class Martens2017(AbstractMartens):
+    """(MB) for a Festo DMSP-10-250."""
+
+    name: ClassVar[str] = "martens2017"
+    title: ClassVar[str] = "Martens-Boblan, DMSP-10-250"
+    source: ClassVar[str] = "Martens and Boblan (2017), DMSP-10-250"
+    made_for: ClassVar[str] = "a Festo DMSP-10-250"
+    made_diameter: ClassVar[float | None] = 10e-3
+    made_length: ClassVar[float | None] = 0.25
+    published: ClassVar[tuple[float, ...]] = (7.4085e07, -6.892e08, 1.837e09, -8.4879e08, -0.1)
+
+
+class Martens201720(AbstractMartens):
+    """(MB) for a Festo DMSP-20-300."""
+
+    name: ClassVar[str] = "martens2017_20"
+    title: ClassVar[str] = "Martens-Boblan, DMSP-20-300"
+    source: ClassVar[str] = "Martens and Boblan (2017), DMSP-20-300"
+    made_for: ClassVar[str] = "a Festo DMSP-20-300"
+    made_diameter: ClassVar[float | None] = 20e-3
+    made_length: ClassVar[float | None] = 0.3
+    published: ClassVar[tuple[float, ...]] = (9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08, -0.073)

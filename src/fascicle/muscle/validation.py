@@ -1,0 +1,301 @@
+"""Checks of a muscle's arguments: sizes, pressures and strains of its domain, and its limitations.
+
+Laws trust what has passed here. A single point is checked quickly: the full check, which
+can name any array's worst value, would take longer than the law.
+"""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..core.errors import InvalidInputError
+from ..core.types import Batch, Values
+from ..core.validation import (
+    FAINT_PRESSURE,
+    HIGHEST_PRESSURE,
+    LARGEST_STRAIN,
+    NEUTRAL_ANGLE,
+    broadcast_shape,
+    check_braid_angle,
+    check_choice,
+    check_interval,
+    has_units,
+    is_concrete,
+    match_array_type,
+    to_si,
+    warn_pressure_units,
+    warn_user,
+)
+from ..units import pretty
+from .bladder import Bladder
+from .braid import Braid
+from .ends.ends_law import AbstractEnds
+from .materials import MATERIALS, AbstractMaterial
+from .tension.tension_law import AbstractTension
+from .tuning import Tuning
+
+
+if TYPE_CHECKING:
+    from .muscle import Muscle
+
+
+# (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
+# 2 cosα0/sin²α0 times this: ten million times as much at any angle
+_STRAIGHT_MARGIN = 1e-9
+# a stretched muscle is rarely measured past this; a sign error is: published tests begin at rest
+EXTENSION_WARNED = 0.02
+_NOMINAL = 0.1  # of a size: names of catalogs are no closer to what calipers find
+
+
+def choose_material(value: Any) -> AbstractMaterial:
+    """Material given by object or by name; `InvalidInputError` for others."""
+    if isinstance(value, AbstractMaterial):
+        return value
+    if isinstance(value, str):
+        return MATERIALS[check_choice(value, MATERIALS, "material")]
+    rule = f"must be one of {', '.join(sorted(MATERIALS))} or an object of AbstractMaterial"
+    raise InvalidInputError("material", rule, value)
+
+
+def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
+    """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
+    traced one. Fibers that are straight within rounding have no radius left, and no finite force.
+    `stretch`: the bladder's strain over the muscle's [-].
+    """
+    if not is_concrete(braid_angle, stretch):
+        return -np.inf
+    return (1 - 1 / np.cos(np.asarray(braid_angle))) / np.asarray(stretch) + _STRAIGHT_MARGIN
+
+
+def strain_domain(muscle: Any) -> tuple[Batch, Batch]:
+    """Braid angle of a `muscle` [rad], and its bladder's strain over the muscle's [-]: the
+    arguments of `lowest_strain`.
+    """
+    return muscle.braid_angle, muscle.ends.stretch(muscle.length)
+
+
+def check_active_length(ends: AbstractEnds, length: Batch) -> None:
+    """Refuse `ends` that take a third of the `length` [m] or more: not much would contract."""
+    stretch = ends.stretch(length)
+    if is_concrete(stretch) and not np.all(
+        (np.asarray(stretch) >= 1) & (np.asarray(stretch) < 1.5)
+    ):
+        rule, remedy = "must be less than a third of `length`", "check its unit"
+        raise InvalidInputError(
+            "inactive_length", rule, getattr(ends, "inactive_length", None), remedy
+        )
+
+
+def is_valid_scalar_point(muscle: "Muscle", pressure: Values, strain: Values) -> bool:
+    """True for two floats, `pressure` [Pa] and `strain` [-], that need no check or warning."""
+    if not (isinstance(pressure, float) and isinstance(strain, float)):
+        return False
+    table = muscle.tuning.pressures
+    measured = table.size < 2 or (is_concrete(table) and pressure <= np.asarray(table)[-1])
+    inside = 0.0 <= strain <= LARGEST_STRAIN  # where an extension ends depends on the braid
+    plausible = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
+    return bool(measured and inside and plausible)
+
+
+def validate_point(muscle: "Muscle", pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+    """Return `pressure` [Pa] and `strain` [-] of a muscle, if they are in its domain."""
+    if is_valid_scalar_point(muscle, pressure, strain):
+        return np.float64(pressure), np.float64(strain)
+    pressure = validate_pressure(pressure, muscle.tuning)
+    return pressure, validate_strain(strain, *strain_domain(muscle))
+
+
+def check_points(*arrays: Batch, muscles: tuple[int, ...] = ()) -> None:
+    """Refuse pressures and strains that don't broadcast, or not with rows of `muscles`."""
+    names = ("pressure", "strain") if len(arrays) == 2 else ("values",)
+    shapes = dict(zip(names, map(np.shape, arrays), strict=True))
+    if muscles:
+        broadcast_shape(muscles=muscles, **shapes)
+    broadcast_shape(**shapes)
+
+
+def validate_pressure(value: Values, tuning: Tuning) -> Batch:
+    """Return a gauge pressure [Pa] of the domain; warn where the `tuning` was measured below."""
+    closed = (True, True)
+    pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
+    if not has_units(value):
+        warn_pressure_units(pressure)
+    tuning.warn_extrapolation(pressure)
+    return match_array_type(value, pressure)
+
+
+def validate_strain(value: Values, braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
+    """Return a strain [-] of the domain, of a braid at `braid_angle` [rad]; `stretch`: the
+    bladder's strain over the muscle's [-]. Warns of an extension.
+    """
+    return check_strain(value, lowest_strain(braid_angle, stretch))
+
+
+def check_strain(
+    value: Values,
+    low: Batch,
+    high: Batch = LARGEST_STRAIN,
+    why: str = "(fibers straight at the lower end)",
+) -> Batch:
+    """Return a strain as a float array, refusing it outside its domain, and warn of an extension.
+
+    **Arguments:**
+
+    - `value`: contraction [-].
+    - `low`: strain at which fibers are straight [-], one or one for each muscle of a row.
+    - `high`: largest strain [-].
+    - `why`: reason of the limits, in words.
+
+    **Returns:** the strain [-].
+
+    **Raises:** `ValueError` for a concrete strain outside.
+    """
+    if np.ndim(low):
+        value = to_si(value, "strain", "-")
+        broadcast_shape(muscles=np.shape(low), strain=np.shape(value))
+    strain = check_interval(value, low, high, "strain", "-", why, (False, True))
+    if message := extension_message(strain, low):
+        warn_user(message)
+    return match_array_type(value, strain)
+
+
+def extension_message(strain: Batch, straight: Batch) -> str:
+    """Warning of an extension past 2 %; empty where there is none.
+
+    **Arguments:**
+
+    - `strain`: contraction [-].
+    - `straight`: strain at which fibers are straight [-]; broadcasts against `strain`.
+
+    **Returns:** one sentence or two.
+    """
+    if not is_concrete(strain) or not np.size(strain):
+        return ""
+    strains, straight = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
+    worst = np.argmin(strains)
+    least, straight = strains.flat[worst], straight.flat[worst]
+    if not least < -EXTENSION_WARNED:
+        return ""
+    return (
+        f"Strain {least:g} stretches the muscle by {-least:.3g} times its length: contraction is"
+        f" positive. The braid's fibers are straight at {straight:.4g}, where the force grows"
+        " without limit; real fibers give before that."
+    )
+
+
+def check_centerline_points(value: int) -> int:
+    """Return the number of points of a centerline, if it is at least 3."""
+    if value < 3:
+        raise InvalidInputError("points", "must be at least 3", value)
+    return int(value)
+
+
+def validate_braid_angle(value: Values) -> Batch:
+    """Return a braid angle [rad] of a muscle that contracts."""
+    value = to_si(value, "braid_angle", "rad")
+    try:
+        angle = check_interval(value, 0.0, NEUTRAL_ANGLE, "braid_angle", "rad")
+    except ValueError:
+        if np.asarray(value).dtype.kind not in "fiu":
+            raise
+        degrees, top = np.degrees(np.asarray(value, dtype=float)), np.degrees(NEUTRAL_ANGLE)
+        bad = degrees[~((degrees > 0) & (degrees < top))].flat[0]
+        number = math.radians(bad)
+        # a number that would do in degrees
+        remedy = f'numbers are in rad, write "{number:g} deg"' if math.pi / 2 < number < top else ""
+        rule, shown = f"must lie in (0, {top:.4f}) deg to contract", f"{bad:g} deg"
+        raise InvalidInputError("braid_angle", rule, bad, remedy, shown=shown) from None
+    check_braid_angle(angle)
+    return angle
+
+
+def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
+    """Refuse a `wall_thickness` [m] that fills the `outer_radius` [m]."""
+    if not is_concrete(wall_thickness, outer_radius):
+        return
+    t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
+    if np.any(t0 >= r0):
+        worst = np.argmax(t0 >= r0)
+        raise InvalidInputError(
+            "wall_thickness",
+            "must be less than `outer_radius`",
+            float(t0.flat[worst]),
+            shown=f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m",
+        )
+
+
+def warn_limitations(muscle: "Muscle") -> None:
+    """Warn of a muscle at whose highest pressures or size its tension law does not hold."""
+    for message in (stretched_fibers_message(muscle), published_range_message(muscle)):
+        if message:
+            warn_user(message)
+
+
+def stretched_fibers_message(muscle: "Muscle") -> str:
+    """Warning of a muscle whose fibers stretch too far below 1 MPa; empty for others."""
+    sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
+    if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):
+        return ""
+    bladder = Bladder(Braid(*sizes), muscle.wall_thickness, muscle.material)
+    highest = np.min(np.asarray(muscle.tension.highest_pressure(bladder)))
+    if not highest < HIGHEST_PRESSURE:
+        return ""
+    return (
+        f"`{muscle.tension.name}` is valid up to {highest / 1e3:.4g} kPa at rest length: above it"
+        " the fibers would stretch further than the law allows, and their stretch is kept constant."
+    )
+
+
+def published_range_message(muscle: Any, law: type[AbstractTension] | None = None) -> str:
+    """Warning of a `muscle` whose tension law has the published constants of another muscle.
+
+    A law that is fitted to measured forces gives those of the muscle that was measured, of one
+    diameter and length. Constants that the user has fitted or written are taken as they are.
+
+    **Arguments:**
+
+    - `muscle`: the muscle.
+    - `law`: another law than the muscle's, with its published constants.
+
+    **Returns:** two sentences; empty where the constants are of a muscle of this size.
+    """
+    kind = type(muscle.tension) if law is None else law
+    sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness)
+    if not kind.made_for or not is_concrete(*sizes):
+        return ""
+    if law is None and not _has_published_constants(muscle.tension):
+        return ""
+    differences = []
+    if kind.made_diameter is not None and not diameter_matches(muscle, kind.made_diameter):
+        differences.append(f"{_size_text(2 * muscle.outer_radius)} in diameter")
+    length = kind.made_length
+    if length is not None and np.any(np.abs(np.asarray(muscle.length) / length - 1) > _NOMINAL):
+        differences.append(f"{_size_text(muscle.length)} long")
+    if not differences:
+        return ""
+    return (
+        f"`{kind.name}` was fitted to {kind.made_for}; this muscle is {' and '.join(differences)}."
+        " Results are an extrapolation unless you recalibrate (`fascicle calibrate`)."
+    )
+
+
+def diameter_matches(muscle: Any, diameter: float) -> bool:
+    """True where a `muscle` is as wide as one of a nominal `diameter` [m]: makers name the inner
+    diameter or the braid's.
+    """
+    outer = 2 * np.asarray(muscle.outer_radius)
+    inner = outer - 2 * np.asarray(muscle.wall_thickness)
+    return bool(np.all((inner * (1 - _NOMINAL) <= diameter) & (diameter <= outer * (1 + _NOMINAL))))
+
+
+def _size_text(value: Any) -> str:
+    low, high = (pretty(float(x), "length", 3) for x in (np.min(value), np.max(value)))
+    return low if low == high else f"{low} to {high}"
+
+
+def _has_published_constants(law: AbstractTension) -> bool:
+    return is_concrete(law) and all(
+        np.all(np.asarray(getattr(law, constant.name)) == constant.default)
+        for constant in law.constants()
+    )
