@@ -31,10 +31,11 @@ def table(kind: str) -> str:
 
 
 def modules(kind: str) -> list[str]:
-    """The modules of a kind's laws, by their full names."""
+    """Full names of the modules of a kind's laws, without that of its base class."""
     from fascicle.muscle import LAWS
 
-    return list(dict.fromkeys(law.__module__ for law in LAWS[kind].values()))
+    names = dict.fromkeys(law.__module__ for law in LAWS[kind].values())
+    return [name for name in names if not name.endswith(f".{kind}_law")]
 
 
 def abilities() -> str:

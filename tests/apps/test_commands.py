@@ -45,14 +45,14 @@ def spec_muscle(tmp_path):
     return "spec.toml"
 
 
-@pytest.mark.filterwarnings("default:.*has the numbers of")
+@pytest.mark.filterwarnings("default:.*was fitted to")
 @pytest.mark.parametrize("command", ["force", "free-strain", "bundle"])
 def test_a_catalogs_constants_on_another_muscle_are_told(fascicle, tmp_path, command):
-    with pytest.warns(UserWarning, match="has the numbers of"):
+    with pytest.warns(UserWarning, match="was fitted to"):
         save(example(SIX).replace(tension="martens2017_20"), tmp_path / "other.toml")
     code, out, err = fascicle(command, "other.toml", "-p", "100kPa")
     assert code == 0 and out
-    assert err.startswith("warning: `martens2017_20` has the numbers of a Festo DMSP-20-300, and")
+    assert err.startswith("warning: `martens2017_20` was fitted to a Festo DMSP-20-300")
     assert "this muscle is 12.7 mm wide and 127 mm long" in err and err.count("\n") == 1
 
 

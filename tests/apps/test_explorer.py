@@ -709,7 +709,7 @@ def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(vis
     length = field(page, "Length at rest")
     length.fill("200 mm")
     length.press("Enter")
-    told = "The muscle was fitted at a length of 127 mm and has 200 mm now"
+    told = "The muscle was fitted at a length of 127 mm and its length is now 200 mm"
     page.get_by_text(told).wait_for()
     until(page, "before => location.search !== before", arg=before)
     # and by who opens its link
@@ -718,7 +718,7 @@ def test_a_length_that_a_muscle_was_not_fitted_at_is_said_beside_its_picture(vis
     again.get_by_text("Bundle", exact=True).first.click()
     again.get_by_text(told).last.wait_for()
     field(page, "Tension").select_option("sarosi")
-    page.get_by_text("has the numbers of a Festo DMSP-20-200N, and this muscle is").wait_for()
+    page.get_by_text("was fitted to a Festo DMSP-20-200N").wait_for()
 
 
 def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):

@@ -17,7 +17,7 @@ import pytest
 import fascicle
 import fascicle.results
 from fascicle.muscle import LAWS
-from fascicle.muscle.column import Centerline
+from fascicle.muscle.buckling import Centerline
 from fascicle.muscle.muscle import Response
 
 

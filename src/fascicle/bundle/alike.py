@@ -8,7 +8,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace
 from ..core.module import tree_leaves, tree_replace, tree_structure
 from ..muscle import Muscle
-from ..muscle.quantities import batch_of, tables_of
+from ..muscle.muscle import batch_shape, tuning_tables
 
 
 def stacked(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
@@ -51,7 +51,7 @@ def unlike(things: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
 
 def _row(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
-    if all(muscle is first for muscle in muscles) and not batch_of(first):
+    if all(muscle is first for muscle in muscles) and not batch_shape(first):
         return first
     leaves = tree_leaves(first)
     rows = zip(*map(tree_leaves, muscles), strict=True)
@@ -64,5 +64,5 @@ def _row(muscles: list[Muscle]) -> Muscle:
 
 def _are_tables(muscle: Muscle, leaves: list[Any]) -> list[bool]:
     """Which of a muscle's leaves [-] are tables, whose last axis is their own."""
-    tables = tables_of(muscle)
+    tables = tuning_tables(muscle)
     return [id(leaf) in tables for leaf in leaves]

@@ -53,8 +53,8 @@ from ..core.validation import (
     warn_pressure_units,
 )
 from ..muscle import Muscle
-from ..muscle.entry import lowest_of, lowest_strain, validate_strain
 from ..muscle.muscle import BACKENDS
+from ..muscle.validation import check_strain, lowest_strain, strain_domain
 from ..repr_table import with_table_repr
 from .alike import stacked
 from .at import pressurized
@@ -371,8 +371,8 @@ class Bundle(Module):
             return within_reach(strain, self.plate_distance, muscles)
         # a muscle that stands for several units needn't be asked again
         once = {id(muscle): muscle for muscle in muscles}.values()
-        return validate_strain(
-            strain, reduce(np.maximum, [lowest_strain(*lowest_of(m)) for m in once])
+        return check_strain(
+            strain, reduce(np.maximum, [lowest_strain(*strain_domain(m)) for m in once])
         )
 
     def _pressures(self, pressures: Values) -> PerUnit:
@@ -386,7 +386,7 @@ class Bundle(Module):
                 shown=got,
             )
         for i, unit in enumerate(self.motor_units):
-            unit.muscle.tuning.warn_beyond(P[..., i])
+            unit.muscle.tuning.warn_extrapolation(P[..., i])
         return P
 
     def _shape(self, pressures: PerUnit, **others: Numbers) -> tuple[int, ...]:

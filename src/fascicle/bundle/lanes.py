@@ -12,7 +12,7 @@ from ..core.array_namespace import array_namespace
 from ..core.module import tree_leaves, tree_map
 from ..core.types import Numbers, PerUnit
 from ..core.validation import broadcast_shape
-from ..muscle.quantities import batch_of, tables_of
+from ..muscle.muscle import batch_shape, tuning_tables
 from .at import Pressurized, pressurized
 
 
@@ -51,7 +51,7 @@ def batch(bundle: Any) -> tuple[int, ...]:
     """The shape of a row of bundles [-], `()` of a single one."""
     shapes = {"length": np.shape(bundle.plate_distance)}
     for i, unit in enumerate(bundle.motor_units, start=1):
-        shapes |= {f"motor unit {i}": batch_of(unit.muscle), f"count {i}": np.shape(unit.count)}
+        shapes |= {f"motor unit {i}": batch_shape(unit.muscle), f"count {i}": np.shape(unit.count)}
     return broadcast_shape(**shapes)
 
 
@@ -71,7 +71,7 @@ def laned(bundle: Any, pressures: PerUnit, *others: Numbers) -> tuple[Lanes, tup
     each = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
     if not rows:
         return Lanes(bundle, each), shape
-    tables = set().union(*(tables_of(unit.muscle) for unit in bundle.motor_units))
+    tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
 
     def row(leaf: Any) -> Any:
         own = np.shape(leaf)[-1:] if id(leaf) in tables else ()

@@ -19,7 +19,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
 from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
 from ..muscle import Muscle
-from ..muscle.entry import lowest_of, lowest_strain, validate_strain
+from ..muscle.validation import check_strain, lowest_strain, strain_domain
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -79,10 +79,10 @@ def within_reach(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Ba
     high: Batch = np.float64(np.inf)
     for muscle in muscles:
         ratio = np.asarray(length / muscle.length)
-        straight = lowest_strain(*lowest_of(muscle))
+        straight = lowest_strain(*strain_domain(muscle))
         low = np.maximum(low, plate_strain(ratio, straight))
         high = np.minimum(high, plate_strain(ratio, LARGEST_STRAIN))
-    return validate_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
+    return check_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
 
 
 def _reachable(length: Batch, muscles: Sequence[Muscle]) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..muscle.laws import LAWS, said
-from ..muscle.printing import material, tuned, words
+from ..muscle.laws import LAWS, is_written_out
+from ..muscle.printing import law_text, material_text, tuning_text
 from ..repr_table import ReprTable, format_number, format_range, title_with_shape
 from ..units import exact, pretty
 
@@ -32,9 +32,9 @@ def sheet(bundle: Any) -> ReprTable:
             "not given" if supply is None else format_range(supply, _in("pressure")),
         ),
         ("scheme", bundle.scheme.name),
-        ("material", _each(material(unit.muscle.material) for unit in units)),
+        ("material", _each(material_text(unit.muscle.material) for unit in units)),
         ("laws", _each(_laws(unit.muscle) for unit in units)),
-        ("tuning", _each(tuned(unit.muscle.tuning) for unit in units)),
+        ("tuning", _each(tuning_text(unit.muscle.tuning) for unit in units)),
     ]
     rows = [
         [
@@ -71,7 +71,7 @@ def unit_line(unit: Any) -> str:
 
 def unit_sheet(unit: Any) -> ReprTable:
     """A motor `unit`: its muscle, and how many of it [-]."""
-    from ..muscle.printing import sheet as of_muscle
+    from ..muscle.printing import muscle_table as of_muscle
 
     count = format_range(unit.count, lambda n: f"{n:.0f}")
     return of_muscle(unit.muscle)._replace(title=f"Motor unit of {count} × the muscle")
@@ -201,5 +201,9 @@ def _of(strain: float) -> str:
 
 def _laws(muscle: Any) -> str:
     laws = {kind: getattr(muscle, kind) for kind in LAWS}
-    told = {kind.replace("_", "-"): words(law) for kind, law in laws.items() if said(kind, law)}
+    told = {
+        kind.replace("_", "-"): law_text(law)
+        for kind, law in laws.items()
+        if is_written_out(kind, law)
+    }
     return "; ".join(f"{kind} {law}" for kind, law in told.items())

@@ -274,42 +274,41 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 
 
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
-_OURS = ("fascicle",)
-_said_to_be_faint: list[float] = []
+_SHOWN: set[str] = set()  # warnings that are shown once
 _BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
 # length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
 # pass through such sizes, and every law is finite there
 _DISK = 2.0
-_said_to_be_stubby: list[float] = []
 
 
 def warn_pressure_units(pressure: Any) -> None:
-    """Warn, once, of numbers of `pressure` [Pa] that are none at all: bar or kPa without a unit.
+    """Warn, once, of a `pressure` [Pa] so low that it may be in bar or kPa without a unit.
+
     A range that begins so low is none of these, nor are zeros.
     """
-    if _said_to_be_faint or not is_concrete(pressure) or not np.size(pressure):
+    if "low pressure" in _SHOWN or not is_concrete(pressure) or not np.size(pressure):
         return
     highest = float(np.max(np.asarray(pressure)))
     if 0 < highest < FAINT_PRESSURE:
-        _said_to_be_faint.append(highest)
+        _SHOWN.add("low pressure")
         meant = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
         warn_user(
-            f"a pressure of {highest:g} Pa is next to nothing; numbers are in Pa: for {meant} write"
-            f' "{meant}". This is said once.'
+            f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean"
+            f' "{meant}"? (shown once)'
         )
 
 
 def warn_user(message: str) -> None:
     """Warn with a `message` [-] at the user's line, the first one outside of fascicle."""
     frame, levels = sys._getframe(), 1
-    while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] in _OURS:
+    while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "fascicle":
         frame, levels = frame.f_back, levels + 1
     warnings.warn(message, stacklevel=levels)
 
 
 def disable_pressure_unit_warning() -> None:
-    """Let no low pressure be warned of, where all of them came with their units."""
-    _said_to_be_faint.append(0.0)
+    """Switch off the warning of low pressures, where all pressures came with their units."""
+    _SHOWN.add("low pressure")
 
 
 def check_size(value: Values, name: str) -> Batch:
@@ -378,15 +377,16 @@ def _within(value: Values, known: Range, name: str) -> None:
 
 
 def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
-    """Warn of a muscle shorter than it is wide, and, once, of one that is no beam; `length` and
-    `outer_radius` [m].
+    """Warn of a muscle shorter than it is wide, and, once, of one too short for beam theory.
+
+    **Arguments:** `length`, `outer_radius`: of the muscle [m].
     """
     message, ratio = _proportions(length, outer_radius)
     if ratio < _DISK:
         warn_user(message)
-    elif message and not _said_to_be_stubby:
-        _said_to_be_stubby.append(ratio)
-        warn_user(f"{message} This is said once.")
+    elif message and "slenderness" not in _SHOWN:
+        _SHOWN.add("slenderness")
+        warn_user(f"{message} (shown once)")
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
@@ -411,18 +411,18 @@ def _proportions(length: Batch, outer_radius: Batch) -> tuple[str, float]:
     ratio = lengths.flat[worst] / radii.flat[worst]
     if not ratio < _BEAM:
         return "", ratio
-    what = (
+    sizes = (
         f"`length` {lengths.flat[worst]:g} m is {ratio:.3g} times `outer_radius`"
         f" {radii.flat[worst]:g} m:"
     )
     if ratio < _DISK:
         return (
-            f"{what} a muscle shorter than it is wide is unusual, and the laws leave its ends out."
+            f"{sizes} a muscle shorter than it is wide is unusual, and the laws ignore end effects."
             " Check both units."
         ), ratio
     return (
-        f"{what} below {_BEAM:g} a muscle is no beam, and what is said of it past its free strain"
-        " is a guess."
+        f"{sizes} below {_BEAM:g}, beam theory does not apply; results past the free strain are"
+        " unreliable."
     ), ratio
 
 

@@ -107,7 +107,7 @@ def cases(designs: Designs, place: int, task: Task) -> Cases:
     """
     bench = Bench.of(designs, place)
     for muscle in bench.muscles:
-        muscle.tuning.warn_beyond(task.supply_pressure)
+        muscle.tuning.warn_extrapolation(task.supply_pressure)
     strain, supply = task.strain_of(bench.length), task.supply_pressure
     parts = [
         _used(bench, supply, strain[rows], task.force[rows], task.scheme)

@@ -19,7 +19,7 @@ from ..core.array_namespace import max_nodes, maximum, minimum, node_axis, stack
 from ..core.jax_backend import compile_law
 from ..core.types import Bool, Float, Numbers
 from ..muscle import Muscle
-from ..muscle.column import ROUNDING
+from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
 from .designs import Rows
 from .outcome import Demand

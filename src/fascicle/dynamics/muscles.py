@@ -21,7 +21,7 @@ from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy_at_rest, contraction_work
-from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface, looked_up
+from ..muscle.surface import PRESSURE_ROUNDING, Surface, UnitSurface, lookup
 
 
 class Volumes(NamedTuple):
@@ -90,7 +90,7 @@ class Tables(AbstractMuscles):
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
         """What each does at its `pressure` [Pa] and `strain` [-], (V3)."""
-        return looked_up(self.table, pressure, strain, self.which)
+        return lookup(self.table, pressure, strain, self.which)
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:

@@ -9,7 +9,7 @@ import numpy as np
 from ..calibrate.data.grid import level_of
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
-from ..muscle.entry import extension_message, lowest_of, lowest_strain
+from ..muscle.validation import extension_message, lowest_strain, strain_domain
 from ..records import loads
 from ..records.columns import MissingMetadataError
 from ..records.csv_table import open_table
@@ -152,7 +152,7 @@ def suited(muscle: Muscle, record: Record) -> str:
     """Why a `record` [-] can hardly be of this `muscle` [-], or that it stretches it, in words
     [-]; empty where there is nothing to say.
     """
-    if stretched := extension_message(record.strain, lowest_strain(*lowest_of(muscle))):
+    if stretched := extension_message(record.strain, lowest_strain(*strain_domain(muscle))):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:

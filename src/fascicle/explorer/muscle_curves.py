@@ -12,7 +12,6 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle, Tuning
-from ..muscle.at import at_pressure
 from ..muscle.laws import LAWS
 from ..plot.shapes import ARC_POINTS
 
@@ -105,7 +104,7 @@ def widest(muscle: Muscle, supply: float) -> float:
 
 def _picture(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str, Any]:
     # one solution of the law for all that is shown: the public methods would solve it eight times
-    at = at_pressure(muscle, pressures[:, None]).state
+    at = muscle.law.at(pressures[:, None])
     free, collapse = at.column.free_strain, at.collapse
     kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
     even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))

@@ -18,7 +18,7 @@ from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..files import dumps
 from ..muscle import Muscle
-from ..muscle.fitted import carried
+from ..muscle.fitted_length import copy_fit_info
 
 
 TABS = ("muscle", "bundle", "reversal", "efficiency", "data")
@@ -90,7 +90,7 @@ def scaled(muscle: Muscle, size: float) -> Muscle:
         return muscle
     sizes = (muscle.outer_radius * size, muscle.wall_thickness * size)
     grown = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
-    return carried(muscle, grown)
+    return copy_fit_info(muscle, grown)
 
 
 def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> View:

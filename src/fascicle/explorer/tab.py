@@ -9,10 +9,14 @@ import panel as pn
 from ..bundle.plates import muscle_strain
 from ..core.validation import proportions_message
 from ..muscle import Muscle
-from ..muscle.entry import extension_message, lowest_of, lowest_strain
-from ..muscle.fitted import elsewhere
-from ..muscle.foreign import foreign
+from ..muscle.fitted_length import fitted_length_mismatch
 from ..muscle.tension import TENSION_LAWS
+from ..muscle.validation import (
+    extension_message,
+    lowest_strain,
+    published_range_message,
+    strain_domain,
+)
 from ..plot.theme import APART, FAR, LARGE, TEXT
 from .muscle_curves import is_tuned
 from .state import Session, View, changed
@@ -157,19 +161,23 @@ def doubts(view: View, tab: str) -> list[str]:
         told
         for one in muscles
         for told in (
-            foreign(one),
-            elsewhere(one),
-            one.tuning.beyond(view.supply),
+            published_range_message(one),
+            fitted_length_mismatch(one),
+            one.tuning.extrapolation_message(view.supply),
             in_units(proportions_message(one.length, one.outer_radius), view.shown),
         )
     ]
     if not alone and view.distance is not None:
-        said += [extension_message(muscle_strain(view.distance / one.length, 0.0),
-                                   lowest_strain(*lowest_of(one))) for one in muscles]  # fmt: skip
+        said += [
+            extension_message(
+                muscle_strain(view.distance / one.length, 0.0), lowest_strain(*strain_domain(one))
+            )
+            for one in muscles
+        ]
     if tab == "muscle":
         compared = (key.partition(":") for key in view.compared)
         laws = (TENSION_LAWS.get(name) for kind, _, name in compared if kind == "tension")
-        said += [foreign(view.muscle, law) for law in laws if law]
+        said += [published_range_message(view.muscle, law) for law in laws if law]
     return [told[0].upper() + told[1:] for told in dict.fromkeys(said) if told]
 
 

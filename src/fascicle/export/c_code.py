@@ -15,7 +15,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
-from ..muscle.entry import lowest_of, lowest_strain
+from ..muscle.validation import lowest_strain, strain_domain
 from .pair import checked_bundle, checked_name, write_pair
 from .template import header, source
 
@@ -55,7 +55,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
         "counts": [int(unit.count) for unit in units],
         "ratios": ratios,
         "lowest": max(
-            1 - (1 - float(lowest_strain(*lowest_of(muscle)))) / ratio
+            1 - (1 - float(lowest_strain(*strain_domain(muscle)))) / ratio
             for muscle, ratio in zip(muscles, ratios, strict=True)
         ),
         "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),

@@ -56,7 +56,7 @@ def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle")
     if not isinstance(target, Muscle | Bundle):
         raise InvalidInputError("target", f"must be {kinds}", target)
     bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
-    if not is_concrete(target) or any(not unit.muscle._is_single for unit in bundle.motor_units):
+    if not is_concrete(target) or any(not unit.muscle.is_single for unit in bundle.motor_units):
         raise InvalidInputError(
             "target", "must hold numbers, one for each size", None, shown="arrays"
         )

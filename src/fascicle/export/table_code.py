@@ -22,7 +22,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
-from ..muscle.surface import UnitSurface, off_the_law
+from ..muscle.surface import UnitSurface, table_error
 from .controlling import on_table
 from .controlling import words as controls
 from .pair import checked_bundle, checked_name, write_pair
@@ -239,7 +239,7 @@ def _table(of: np.ndarray, number: Any) -> str:
 
 def _errors(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
     """How far one muscle's table is off its law, the worst of all kinds, in words."""
-    off = [off_the_law(one, muscle) for one, muscle in zip(surfaces, muscles, strict=True)]
+    off = [table_error(one, muscle) for one, muscle in zip(surfaces, muscles, strict=True)]
     force, volume = (
         np.max([np.quantile(one[of], (0.5, 0.99, 1.0)) for one in off], axis=0) for of in (0, 1)
     )

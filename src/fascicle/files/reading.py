@@ -15,7 +15,7 @@ from ..core.validation import check_choice
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
 from ..muscle import Muscle
-from ..muscle.fitted import OF_ENDS, remembering, warn_elsewhere
+from ..muscle.fitted_length import END_PARAMETERS, warn_fitted_length, with_fitted_length
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
@@ -132,9 +132,9 @@ def _fitted(muscle: Muscle, calibration: Any, source: str) -> Muscle:
     except ValueError:
         rule = 'must be a length with its unit, such as "127 mm".'
         raise ValueError(line(source, ["calibration", "fitted_length"], rule, told)) from None
-    ends = calibration.get("fitted_ends") is True or not OF_ENDS.isdisjoint(names)
-    remembering(muscle, length, ends)
-    warn_elsewhere(muscle, stacklevel=4)
+    ends = calibration.get("fitted_ends") is True or not END_PARAMETERS.isdisjoint(names)
+    with_fitted_length(muscle, length, ends)
+    warn_fitted_length(muscle)
     return muscle
 
 

@@ -15,7 +15,7 @@ from ..calibrate.problem.parameters import of_muscle
 from ..core.module import tree_leaves, tree_replace
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
-from ..muscle.fitted import carried
+from ..muscle.fitted_length import copy_fit_info
 from ..units import DIMENSIONS, exact, parse, pretty
 
 
@@ -46,7 +46,7 @@ def as_known(made: Calibration) -> tuple[Muscle, str]:
         rounded = _rounded(made.muscle, given, digits)
         moved = _moved(made, rounded)
         if moved is not None:
-            return carried(made.muscle, rounded), (
+            return copy_fit_info(made.muscle, rounded), (
                 f"to {digits} digits: no fitted constant is off by more than {SHARE:.0%} of its"
                 f" interval, no reading's force by more than {pretty(moved, 'force', 2)}"
             )

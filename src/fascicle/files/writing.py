@@ -17,9 +17,9 @@ from ..core.errors import InvalidInputError
 from ..core.parameters import Constant
 from ..io.atomic import write_text
 from ..muscle import Muscle
-from ..muscle.fitted import memory
+from ..muscle.fitted_length import fit_info_entries
 from ..muscle.law import AbstractLaw
-from ..muscle.laws import LAWS, said
+from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
 from ..units import DIMENSIONS, exact
@@ -65,7 +65,7 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 def _remembered(obj: Any) -> dict[str, Any]:
     """Of a muscle that was fitted, or a bundle of such ones alone: at which length."""
     muscles = [obj] if isinstance(obj, Muscle) else [unit.muscle for unit in obj.motor_units]
-    told = [memory(one) for one in muscles]
+    told = [fit_info_entries(one) for one in muscles]
     same = all(one == muscles[0] for one in muscles) and all(one == told[0] for one in told)
     return told[0] if same else {}
 
@@ -99,7 +99,7 @@ def _muscle(muscle: Muscle, table: str) -> list[str]:
         *(
             f"{kind} = {_chosen(getattr(muscle, kind), kind)}"
             for kind in LAWS
-            if kind != "collapse" and said(kind, getattr(muscle, kind))
+            if kind != "collapse" and is_written_out(kind, getattr(muscle, kind))
         ),
         "",
         f"[{table}.collapse]",

@@ -22,7 +22,7 @@ pressure, and so do the stretches: their slopes are part of $V^*$.
 two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +30,6 @@ from ..core.array_namespace import minimum, node_axis, stack, sum_nodes, where
 from ..core.errors import require
 from ..core.types import Batch, BatchLike
 from .piecewise import Pressurized
-
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 
 # between two kinks a force is smooth: 16 points leave 1e-11 of the volume, 8 leave 1e-8
@@ -71,7 +67,7 @@ def coenergy_at_rest(muscle: Pressurized) -> Batch:
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
 
 
-def conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
+def conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
     """$V^*$ [m³] at `pressure` [Pa] and `strain` [-], (V2): a derivative, so JAX computes it."""
     require("jax")
     from ..core.jax_backend import compile_law
@@ -79,7 +75,7 @@ def conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
     return compile_law(_conjugate_volume)(muscle, pressure, strain)
 
 
-def _conjugate_volume(muscle: "Muscle", pressure: Batch, strain: Batch) -> Batch:
+def _conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
     from ..core.jax_backend import derivative
 
     def work(P: Batch) -> Batch:

@@ -89,9 +89,7 @@ def _fit_info(muscle: Any) -> tuple[float | None, bool]:
 
 def _reason(ends: bool) -> str:
     if ends:
-        return (
-            "with its ends: data at one length separate them from the braid angle only in part."
-        )
+        return "with its ends: data at one length separate them from the braid angle only in part."
     return (
         "without its ends: force depends on length, one maker's 10 mm muscle holds 304 N at 83 mm"
         " and 441 N at 382 mm."

@@ -53,9 +53,7 @@ class LawRegistry(Mapping[str, type[Law]]):
     all modules of the folder.
     """
 
-    def __init__(
-        self, package: str, path: Iterable[str], kind: type[Law], default: str
-    ) -> None:
+    def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
         """**Arguments:**
 
         - `package`, `path`: name and path of the folder's package.

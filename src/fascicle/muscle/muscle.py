@@ -87,8 +87,8 @@ class AtPressure(Module):
         return self._evaluate("pulling_force", strain)
 
     def stiffness(self, strain: Values) -> Batch:
-        """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]; at a kink, that
-        of smaller strains.
+        """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]; at a kink,
+        that of smaller strains.
         """
         return self._evaluate("stiffness", strain)
 
@@ -97,7 +97,7 @@ class AtPressure(Module):
         return self._evaluate("response", strain)
 
     def deflection(self, strain: Values) -> Batch:
-        """Deflection of the axis $y_{max}$ [m] at `strain` [-]; after collapse the hinged shape's."""
+        """Deflection of the axis $y_{max}$ [m] at `strain` [-]; the hinge's after collapse."""
         return self._evaluate("deflection", strain)
 
     def moment(self, strain: Values) -> Batch:
@@ -469,7 +469,7 @@ class Muscle(Module):
 
 
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:
-    """Shape of a row of muscles; `()` of a single one, and where a law has arrays of other shapes."""
+    """Shape of rows of muscles; `()` of one muscle, and where a law has arrays of other shapes."""
     tables = tuning_tables(muscle)
     shapes = ((np.shape(leaf), id(leaf) in tables) for leaf in tree_leaves(muscle))
     try:
@@ -491,9 +491,7 @@ def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     return muscle.law.at(pressure).force(strain)[0]
 
 
-def _quantity(
-    muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any
-) -> Any:
+def _quantity(muscle: Muscle, pressure: Batch, strain: Batch, quantity: str, *static: Any) -> Any:
     return getattr(muscle.law.at(pressure), quantity)(strain, *static)
 
 

@@ -1,6 +1,6 @@
 """Printed muscles: sizes with their units, laws, and a small table."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +11,6 @@ from ..units import exact, figures, pretty
 from .law import Declared
 from .laws import LAWS, is_written_out
 from .materials import MATERIALS
-
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 
 _SIZES = {
@@ -32,7 +28,7 @@ _TOP = 400e3  # Pa, of the table where no tuning says how far it was measured
 _ROWS = 5
 
 
-def muscle_table(muscle: "Muscle") -> ReprTable:
+def muscle_table(muscle: Any) -> ReprTable:
     """Sizes and laws of a muscle, and its forces and strains at a few pressures."""
     facts = [
         (name.replace("_", " "), format_range(getattr(muscle, name), lambda x, d=d: pretty(x, d)))
@@ -65,7 +61,7 @@ def muscle_table(muscle: "Muscle") -> ReprTable:
     return ReprTable(title, facts, heads, rows)
 
 
-def muscle_line(muscle: "Muscle") -> str:
+def muscle_line(muscle: Any) -> str:
     """Python expression that makes a single muscle."""
     if not muscle.is_single:
         return repr_fields(muscle)
@@ -112,7 +108,7 @@ def tuning_text(tuning: Any) -> str:
     return ", ".join(parts)
 
 
-def _highest_pressure(muscle: "Muscle") -> float:
+def _highest_pressure(muscle: Any) -> float:
     """The highest pressure of the table [Pa]: no further than a tuning was measured."""
     rows = np.asarray(muscle.tuning.pressures)
     if rows.size < 2:
@@ -142,7 +138,10 @@ def _constants(law: Declared) -> str:
         + format_range(getattr(law, constant.name), lambda x, d=constant.dimension: pretty(x, d))
         for constant in law.constants()
     ]
-    choices = [f"{constant.name.replace('_', ' ')} {getattr(law, constant.name)}" for constant in law.switches()]
+    choices = [
+        f"{constant.name.replace('_', ' ')} {getattr(law, constant.name)}"
+        for constant in law.switches()
+    ]
     return ", ".join(numbers + choices)
 
 

@@ -218,9 +218,7 @@ def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]
     """The table with its row at zero pressure, checked where its values can be seen."""
     pressures, c1 = to_si(pressures, "pressures", "Pa"), to_si(c1, "c1", "N")
     xp = np if is_concrete(pressures, c1, c2) else array_namespace(pressures, c1, c2)
-    P, rows1, rows2 = (
-        xp.atleast_1d(xp.asarray(x, dtype=float)) for x in (pressures, c1, c2)
-    )
+    P, rows1, rows2 = (xp.atleast_1d(xp.asarray(x, dtype=float)) for x in (pressures, c1, c2))
     if not P.shape == rows1.shape == rows2.shape or P.ndim != 1:
         raise InvalidInputError(
             "pressures",

@@ -5,7 +5,7 @@ can name any array's worst value, would take longer than the law.
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -34,10 +34,6 @@ from .ends.ends_law import AbstractEnds
 from .materials import MATERIALS, AbstractMaterial
 from .tension.tension_law import AbstractTension
 from .tuning import Tuning
-
-
-if TYPE_CHECKING:
-    from .muscle import Muscle
 
 
 # (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
@@ -87,7 +83,7 @@ def check_active_length(ends: AbstractEnds, length: Batch) -> None:
         )
 
 
-def is_valid_scalar_point(muscle: "Muscle", pressure: Values, strain: Values) -> bool:
+def is_valid_scalar_point(muscle: Any, pressure: Values, strain: Values) -> bool:
     """True for two floats, `pressure` [Pa] and `strain` [-], that need no check or warning."""
     if not (isinstance(pressure, float) and isinstance(strain, float)):
         return False
@@ -98,7 +94,7 @@ def is_valid_scalar_point(muscle: "Muscle", pressure: Values, strain: Values) ->
     return bool(measured and inside and plausible)
 
 
-def validate_point(muscle: "Muscle", pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
     """Return `pressure` [Pa] and `strain` [-] of a muscle, if they are in its domain."""
     if is_valid_scalar_point(muscle, pressure, strain):
         return np.float64(pressure), np.float64(strain)
@@ -225,14 +221,14 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
         )
 
 
-def warn_limitations(muscle: "Muscle") -> None:
+def warn_limitations(muscle: Any) -> None:
     """Warn of a muscle at whose highest pressures or size its tension law does not hold."""
     for message in (stretched_fibers_message(muscle), published_range_message(muscle)):
         if message:
             warn_user(message)
 
 
-def stretched_fibers_message(muscle: "Muscle") -> str:
+def stretched_fibers_message(muscle: Any) -> str:
     """Warning of a muscle whose fibers stretch too far below 1 MPa; empty for others."""
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
     if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):

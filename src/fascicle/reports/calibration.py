@@ -14,7 +14,7 @@ from ..calibrate.after.profiling import Profile
 from ..calibrate.after.trends import ALPHA
 from ..calibrate.after.warned import hysteresis
 from ..files.calibrated import laws_of
-from ..muscle.fitted import holds_at
+from ..muscle.fitted_length import fitted_length_note
 from ..plot.style import to_bytes
 from ..units import pretty
 from .page import Page, prose
@@ -264,7 +264,7 @@ def _parameters(page: Page, made: Calibration, profiles: Sequence[Profile]) -> N
     page.paragraph(
         "Identifiable: the data alone, the prior taken off, know the parameter within a factor"
         f" of e. The noise of one reading is {float(made.problem.noise):.3g} N. Intervals:"
-        f" {made.intervals}. {holds_at(made.muscle)}",
+        f" {made.intervals}. {fitted_length_note(made.muscle)}",
         "note",
     )
 

@@ -22,9 +22,7 @@ SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3}
 
 @pytest.fixture
 def unwarned(monkeypatch):
-    monkeypatch.setattr(limits, "_said_to_be_faint", [])
-    # the tests' own checks of annotations stand between, too
-    monkeypatch.setattr(limits, "_OURS", (*limits._OURS, "kinds"))
+    monkeypatch.setattr(limits, "_SHOWN", set())
 
 
 @pytest.mark.parametrize(
@@ -144,7 +142,7 @@ def test_another_quantity_is_refused_in_a_line(ask, words):
     ],
 )
 def test_a_pressure_that_is_plainly_bar_warns_once_at_the_callers_line(unwarned, ask, meant):
-    with pytest.warns(UserWarning, match=f'for {meant} write "{meant}"') as told:
+    with pytest.warns(UserWarning, match=f'did you mean "{meant}"') as told:
         ask()
     assert [one.filename for one in told] == [__file__]
     with warnings.catch_warnings():

@@ -19,7 +19,7 @@ from fascicle.explorer.link import (
 from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.files import dumps, loads
 from fascicle.io.sanitize import sanitize_line
-from fascicle.muscle.fitted import remembering
+from fascicle.muscle.fitted_length import with_fitted_length
 from fascicle.units import parse
 
 
@@ -58,7 +58,7 @@ def test_a_changed_muscle_goes_into_the_address_itself():
 
 
 def test_the_length_of_a_fit_comes_back_too():
-    fitted = remembering(SIX.muscle.replace(), 0.127, ends=True)
+    fitted = with_fitted_length(SIX.muscle.replace(), 0.127, ends=True)
     view = replace(SIX, muscle=fitted.replace(outer_radius=7e-3), name="tuned")
     query = to_query(view)
     found, _ = from_query(query, SIX)

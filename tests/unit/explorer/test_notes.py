@@ -15,7 +15,7 @@ from fascicle.explorer.reversal_tab import POINTS, Split, through
 from fascicle.explorer.state import TABS, Session, Unit, view_of
 from fascicle.explorer.tab import branches, doubts, equilibria, notes, tuned
 from fascicle.explorer.theme import LIGHT
-from fascicle.muscle.fitted import remembering
+from fascicle.muscle.fitted_length import with_fitted_length
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -47,7 +47,7 @@ def test_muscles_that_plates_stretch_are_doubted():
 
 
 def test_a_fit_at_another_length_is_doubted():
-    fitted = remembering(fs.example("kim2021_slenderness_10"), 0.127, ends=False)
+    fitted = with_fitted_length(fs.example("kim2021_slenderness_10"), 0.127, ends=False)
     assert doubts(replace(TUNED, muscle=fitted), "muscle") == []
     with pytest.warns(UserWarning, match="fitted at"):
         longer = fitted.replace(length=0.2)
@@ -55,7 +55,9 @@ def test_a_fit_at_another_length_is_doubted():
         # thinner muscles of a bundle are of the same fit: it is said once
         view = replace(TUNED, muscle=longer, units=(Unit(1), Unit(2, 0.5)))
         (told,) = doubts(view, tab)
-        assert told.startswith("The muscle was fitted at a length of 127 mm and has 200 mm now")
+        assert told.startswith(
+            "The muscle was fitted at a length of 127 mm and its length is now 200 mm"
+        )
     # a unit of its own is looked at where it is drawn
     view = replace(SIX, units=(Unit(1), Unit(2, own=longer)))
     assert doubts(view, "muscle") == [] and len(doubts(view, "bundle")) == 1
@@ -65,7 +67,7 @@ def test_constants_of_another_muscle_are_doubted_also_where_they_are_only_compar
     festo = replace(SIX, muscle=SIX.muscle.replace(tension="sarosi"))
     for tab in ("muscle", "bundle", "reversal", "efficiency"):
         (told,) = doubts(festo, tab)
-        assert told.startswith("`sarosi` has the numbers of a Festo DMSP-20-200N, and this muscle")
+        assert told.startswith("`sarosi` was fitted to a Festo DMSP-20-200N")
     compared = replace(SIX, compared=("tension:sarosi", "tension:ideal", "buckling:elastica"))
     assert doubts(compared, "muscle") == [told]
     assert doubts(compared, "bundle") == []

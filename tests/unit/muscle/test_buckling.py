@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import fascicle as fs
 from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021, Kim2021Series, Ovalising
-from fascicle.muscle.buckling.fixed_mode import moment, unshortened
+from fascicle.muscle.buckling.kim2021 import bow_ratio, reduced_moment
 
 
 L0 = 0.127
@@ -168,7 +168,7 @@ def test_spring_equations_are_solved_for_every_slenderness():
     """w (1 + a h) = a h, from the stubbiest to the most slender and the whole way together."""
     xi = np.concatenate([np.geomspace(1e-9, 0.5, 60), 1 - np.geomspace(1e-3, 0.5, 60)])
     for slender in (10.0, 300.0, 1e5):  # EA L²/EI: 15 for L = 4 r0, 46 000 for 130 r0
-        stretch = np.asarray(unshortened(slender / (4 * np.pi**2), xi))
+        stretch = np.asarray(bow_ratio(slender / (4 * np.pi**2), xi))
         slack = xi * stretch  # 1 − w
         a = 4 * np.pi**2 * (1 + xi) / (slender * (1 - xi) ** 4 * xi)
         h = np.sqrt(1 - (1 - slack) * xi / (2 - xi)) / (1 - (1 - slack) * xi)
@@ -179,6 +179,6 @@ def test_spring_equations_are_solved_for_every_slenderness():
 @pytest.mark.parametrize("slender", [10.0, 100.0, 1e3, 1e5])  # as above
 def test_moment_has_one_peak(slender):
     # the collapse strain is bracketed by it; xi alone counts, and the one slenderness
-    heights = np.asarray(moment(slender / (4 * np.pi**2), jnp.linspace(0, 1 - 1e-6, 2001)))
+    heights = np.asarray(reduced_moment(slender / (4 * np.pi**2), jnp.linspace(0, 1 - 1e-6, 2001)))
     rising = np.diff(heights) > 0
     assert rising[0] and np.count_nonzero(rising[1:] != rising[:-1]) == 1

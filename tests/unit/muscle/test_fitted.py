@@ -8,29 +8,31 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.muscle.fitted import elsewhere, remembering
+from fascicle.muscle.fitted_length import fitted_length_mismatch, with_fitted_length
 
 
 SIZES = (0.15, 6e-3, 1e-3, np.radians(25))
 
 
 def fitted(ends=False):
-    return remembering(fs.Muscle(*SIZES), 0.15, ends)
+    return with_fitted_length(fs.Muscle(*SIZES), 0.15, ends)
 
 
 def test_another_length_warns_with_both_lengths():
-    with pytest.warns(UserWarning, match="fitted at a length of 150 mm and has 300 mm now") as told:
+    with pytest.warns(UserWarning, match="150 mm and its length is now 300 mm") as told:
         longer = fitted().replace(length=0.3)
     assert "304 N at 83 mm and 441 N at 382 mm" in str(told[0].message)
     # what else is changed of it says nothing again, and back at its length there is nothing to say
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         thinner = longer.replace(wall_thickness=8e-4)
-        assert elsewhere(thinner) and not elsewhere(thinner.replace(length=0.15))
+        assert fitted_length_mismatch(thinner) and not fitted_length_mismatch(
+            thinner.replace(length=0.15)
+        )
 
 
 def test_ends_that_were_fitted_are_told_apart():
-    with pytest.warns(UserWarning, match="300 mm now, its ends too: one length tells them"):
+    with pytest.warns(UserWarning, match="is now 300 mm, with its ends"):
         fitted(ends=True).replace(length=0.3)
 
 
@@ -42,7 +44,7 @@ def test_the_same_length_within_a_rulers_error_says_nothing(length):
 
 
 def test_one_of_many_lengths_is_enough():
-    with pytest.warns(UserWarning, match="has 150 mm to 200 mm now"):
+    with pytest.warns(UserWarning, match="is now 150 mm to 200 mm"):
         fitted().replace(length=np.array([0.15, 0.2]))
 
 
@@ -50,7 +52,9 @@ def test_it_is_no_part_of_the_muscle():
     plain, other = fs.Muscle(*SIZES), fitted()
     assert plain == other and repr(plain) == repr(other)
     assert jax.tree.structure(plain) == jax.tree.structure(other)
-    assert not elsewhere(copy.deepcopy(other).replace(length=0.3))  # as all that is kept beside it
+    assert not fitted_length_mismatch(
+        copy.deepcopy(other).replace(length=0.3)
+    )  # as all that is kept beside it
 
 
 def test_a_muscle_that_was_not_fitted_has_any_length():

@@ -7,12 +7,12 @@ import pytest
 from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
-from fascicle.muscle.buckling.fixed_mode import (
+from fascicle.muscle.buckling.kim2021 import (
+    bow_ratio,
+    bow_residual,
+    bow_residual_slope,
     compression_at_moment,
-    left_over,
-    left_over_slope,
-    moment,
-    unshortened,
+    reduced_moment,
 )
 
 
@@ -43,26 +43,26 @@ def field():
 
 def test_the_share_that_bows_is_that_of_the_equation(field):
     c, xi = field
-    assert_allclose(xi * unshortened(c, xi), share(c, xi), rtol=1e-13)
-    assert_allclose(xi * jax.jit(unshortened)(c, xi), share(c, xi), rtol=1e-13)
+    assert_allclose(xi * bow_ratio(c, xi), share(c, xi), rtol=1e-13)
+    assert_allclose(xi * jax.jit(bow_ratio)(c, xi), share(c, xi), rtol=1e-13)
 
 
 def test_slopes_of_what_is_left_over():
     c, xi, v = np.meshgrid([2.0, 25.0, 300.0], [0.0, 0.1, 0.5, 0.7], [0.3, 1.2], indexing="ij")
 
     def left(c, xi, v):
-        return left_over(c * (1 - xi) ** 4 / (1 + xi), xi, v)[0]
+        return bow_residual(c * (1 - xi) ** 4 / (1 + xi), xi, v)[0]
 
     by_xi, by_v = jax.vmap(jax.grad(left, (1, 2)))(c.ravel(), xi.ravel(), v.ravel())
     per_xi = c * (1 - xi) ** 4 / (1 + xi)
     fall = per_xi * (-4 / (1 - xi) - 1 / (1 + xi))
-    assert_allclose(left_over(per_xi, xi, v)[1].ravel(), by_v, rtol=1e-12)
-    assert_allclose(left_over_slope(per_xi, fall, xi, v).ravel(), by_xi, rtol=1e-11)
+    assert_allclose(bow_residual(per_xi, xi, v)[1].ravel(), by_v, rtol=1e-12)
+    assert_allclose(bow_residual_slope(per_xi, fall, xi, v).ravel(), by_xi, rtol=1e-11)
 
 
 def test_without_compression_the_share_is_its_limit():
-    assert_allclose(unshortened(SLENDER, 0.0), SLENDER, rtol=1e-14)
-    slope = jax.vmap(jax.grad(unshortened, 1), (0, None))(jnp.asarray(SLENDER), 0.0)
+    assert_allclose(bow_ratio(SLENDER, 0.0), SLENDER, rtol=1e-14)
+    slope = jax.vmap(jax.grad(bow_ratio, 1), (0, None))(jnp.asarray(SLENDER), 0.0)
     # u/xi = c (1 - 5 xi) / (1 + 3/4 xi + c xi), to first order
     assert_allclose(slope, -SLENDER * (SLENDER + 5.75), rtol=1e-12)
 
@@ -75,7 +75,7 @@ def test_without_compression_the_share_is_its_limit():
     ],
 )
 def test_derivatives_are_the_equations(c, xi):
-    check_grads(jax.jit(unshortened), (c, xi), order=2, modes=("fwd", "rev"), rtol=1e-5)
+    check_grads(jax.jit(bow_ratio), (c, xi), order=2, modes=("fwd", "rev"), rtol=1e-5)
     reached = jax.jit(lambda c, m: compression_at_moment(c, m)[0])
     check_grads(reached, (c, 0.2), order=2, rtol=1e-5)
 
@@ -111,4 +111,4 @@ def test_no_moment_is_reached_at_once_and_gradients_are_finite():
 
 def test_the_moment_is_the_shapes():
     c, xi = np.meshgrid(SLENDER, [1e-3, 0.1, 0.6], indexing="ij")
-    assert_allclose(moment(c, xi), height(c, xi), rtol=1e-13)
+    assert_allclose(reduced_moment(c, xi), height(c, xi), rtol=1e-13)

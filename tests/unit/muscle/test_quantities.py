@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.core import array_namespace as chunks
-from fascicle.muscle.quantities import force_of
+from fascicle.muscle.muscle import eval_force
 
 
 MUSCLE = fs.example("kim2021_figure_6")
@@ -59,13 +59,13 @@ def test_slopes_of_many_are_those_of_few():
     P, eps = random.uniform([[1e3], [-0.05]], [[5e5], [0.4]], (2, 2000))
 
     def total(P, eps):
-        return force_of(MUSCLE, P, eps).sum()
+        return eval_force(MUSCLE, P, eps).sum()
 
     many = jax.jit(jax.grad(total, (0, 1)))(P, eps)
     with np.errstate(all="ignore"):
         few = MUSCLE.stiffness(P, eps)
     assert_allclose(many[1], -few * MUSCLE.length, rtol=1e-9, atol=1e-6)
-    one = jax.jit(jax.vmap(jax.grad(lambda P, eps: force_of(MUSCLE, P, eps))))(P, eps)
+    one = jax.jit(jax.vmap(jax.grad(lambda P, eps: eval_force(MUSCLE, P, eps))))(P, eps)
     assert_allclose(many[0], one, rtol=1e-9, atol=1e-12)
 
 
@@ -73,5 +73,5 @@ def test_rows_of_muscles_go_with_a_field():
     length = np.linspace(0.1, 0.2, 40)[:, None]
     rows = MUSCLE.replace(length=length)
     P, eps = np.full((40, 1), 2e5), np.linspace(0, 0.3, 100)
-    found = jax.jit(force_of)(rows, jnp.asarray(P), jnp.asarray(eps))
+    found = jax.jit(eval_force)(rows, jnp.asarray(P), jnp.asarray(eps))
     assert_allclose(found, rows.force(P, eps), rtol=1e-11, atol=1e-10)

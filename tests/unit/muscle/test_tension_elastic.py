@@ -57,7 +57,7 @@ def test_without_a_wall_s_energy_it_is_a_closed_form():
 def test_soft_braids_swell_and_lose_force_as_much_as_was_measured():
     # Chambers and Wereley (2022): up to 30 % of diameter and 70 % of force (of the measured one
     # the rigid law is up to 1.7 times): a braid of 20 MPa does a part of that at 4 bar
-    with pytest.warns(UserWarning, match="holds up to 716.6 kPa at rest length"):
+    with pytest.warns(UserWarning, match="is valid up to 716.6 kPa at rest length"):
         muscle = elastic(2e7)
     free = muscle.free_strain(4e5)
     wider = muscle.tension.radius(muscle.bladder, 4e5, free) / STIFF.radius(free)

@@ -11,7 +11,7 @@ wall beside them.
 from collections.abc import Callable, Collection, Sequence
 
 from ...muscle import Muscle
-from ...muscle.laws import LAWS, UNSAID
+from ...muscle.laws import LAWS, OMIT_IF_DEFAULT
 from ...muscle.materials import MooneyRivlin
 from ..problem.parameters import RUBBER, of_muscle
 
@@ -40,7 +40,7 @@ def widened(muscle: Muscle) -> Muscle:
     """A `muscle` [-] with constants where its own laws have none to free: of kinds of law that
     nobody chose, such as rigid ends, the first that has some. Its defaults change nothing.
     """
-    for kind in UNSAID:
+    for kind in OMIT_IF_DEFAULT:
         names = [name for name, law in LAWS[kind].items() if law.constants()]
         if names and not getattr(muscle, kind).constants():
             muscle = muscle.replace(**{kind: names[0]})

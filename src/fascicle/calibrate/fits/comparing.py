@@ -21,8 +21,8 @@ import numpy as np
 
 from ...core.types import AnyArray, Float
 from ...muscle import Muscle
-from ...muscle.foreign import as_wide
 from ...muscle.laws import LAWS
+from ...muscle.validation import diameter_matches
 from ...records.record import Record
 from ...units import pretty
 from ..after.calibration import Calibration, largest_force, root_mean_square
@@ -215,7 +215,7 @@ def compare_published(made: Calibration) -> list[tuple[Row, np.ndarray]]:
 
 def _other(muscle: Muscle) -> str:
     """That published constants are of another diameter than a `muscle`'s, if they are."""
-    if as_wide(muscle, DIAMETER):
+    if diameter_matches(muscle, DIAMETER):
         return ""
     wide, own = (pretty(x, "length") for x in (DIAMETER, 2 * float(muscle.outer_radius)))
     return f": {wide} wide, this muscle {own}"

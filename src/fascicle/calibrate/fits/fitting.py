@@ -16,7 +16,7 @@ import numpy as np
 from ...core.errors import InvalidInputError
 from ...core.validation import RANGES
 from ...muscle import Muscle
-from ...muscle.fitted import OF_ENDS, remembering
+from ...muscle.fitted_length import END_PARAMETERS, with_fitted_length
 from ...muscle.tuning import Tuning
 from ...records.record import Record
 from ..after.buckling import other_buckling_law
@@ -146,9 +146,9 @@ def concluded(
     if readings is not None and _pressed(data):
         muscle = _with_tables(muscle, readings)
     shape = np.shape(trimmed(data).count)
-    fits_ends = not OF_ENDS.isdisjoint(one.name for one in problem.fitted)
+    fits_ends = not END_PARAMETERS.isdisjoint(one.name for one in problem.fitted)
     made = Calibration(
-        muscle=remembering(muscle, float(muscle.length), fits_ends),
+        muscle=with_fitted_length(muscle, float(muscle.length), fits_ends),
         start=start,
         taken=of,
         method="constants" if readings is None else "tuning",

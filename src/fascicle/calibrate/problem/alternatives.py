@@ -11,8 +11,8 @@ import numpy as np
 
 from ...core.types import AnyArray, Batch, BatchLike, Float
 from ...muscle.bladder import Bladder
+from ...muscle.buckling import Column
 from ...muscle.collapse import COLLAPSE_LAWS, AbstractCollapse
-from ...muscle.column import Column
 from ...muscle.post_collapse import POST_COLLAPSE_LAWS, AbstractPostCollapse
 
 

@@ -1,9 +1,9 @@
 r"""Buckling laws: the state of a compressed muscle at a strain.
 
 A law past the free strain sees a muscle at one pressure as a column of bending stiffness $EI$ and
-axial stiffness $EA$ between clamped ends, whose tension law goes on as compression. It gives the state at a
-strain: the force in its components, the deflection and the largest moment, and where that moment
-reaches a given one.
+axial stiffness $EA$ between clamped ends, whose tension law goes on as compression. It gives the
+state at a strain: the force in its components, the deflection and the largest moment, and the
+strain at which that moment reaches a given one.
 
 Its bending stiffness is the bladder's and, under pressure, a share $\chi$ of what the braid's
 fibers hold where they don't slip, (B1):

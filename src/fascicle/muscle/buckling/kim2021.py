@@ -38,12 +38,13 @@ $\tau = \xi/\kappa$ with $\kappa = \hat m/\sqrt c$, the compression of a small m
 $$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g) = (1 + \xi)\, h, \qquad
   \hat g = \frac{w \xi}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16c}$$
 
-in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another. The steps of (16a) are
-few and fixed, from a start whose error is known, so that one pass over the points does them all.
+in which $\tau$ tends to 1 as the moment vanishes: no root is nested in another. The steps of
+(16a) are few and fixed, from a start whose error is known: one pass over the points does them all.
 
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$.
 **Assumes** the first mode's shape, small slopes; against the exact elastica (12) is 1.4
-times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2, (8)-(16), (16a) to (16c) rearranged here.
+times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bryant (2021), 3.2,
+(8)-(16); (16a) to (16c) rearranged here.
 """
 
 from typing import ClassVar
@@ -68,8 +69,8 @@ from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Centerline, Colu
 _LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
 _NOTHING = 1e-100  # no moment, no compression: but still their ratio
 _EARLY = 0.25  # a compression well before any peak
-# Chebyshev series of the peak's place in 1/(1 + c^(1/4)), fitted to a search on ever finer grids: the
-# place to 6e-6, and so its height to 1e-8 of itself (a test holds it)
+# Chebyshev series of the peak's place in 1/(1 + c^(1/4)), fitted to a search on ever finer grids:
+# the place to 6e-6, and so its height to 1e-8 of itself (a test holds it)
 _PEAK_SERIES = (
     0.64266812, -0.21418739, 0.08224031, -0.00212971, -0.01147222, 0.00214270, 0.00213243,
     -0.00074331, -0.00045913, 0.00024879, 0.00010188, -0.00008287, -0.00002187, 0.00002835,
@@ -292,7 +293,9 @@ def _reachable_moment(c: Batch) -> Batch:
 def _peak_compression(c: BatchLike) -> Batch:
     """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], without derivatives."""
     low, high = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
-    x = (2 * _peak_coordinate(minimum(maximum(stop_gradient(c), _LEAST), _MOST)) - low - high) / (high - low)
+    x = (2 * _peak_coordinate(minimum(maximum(stop_gradient(c), _LEAST), _MOST)) - low - high) / (
+        high - low
+    )
     return chebyshev_sum(_PEAK_SERIES, x)
 
 

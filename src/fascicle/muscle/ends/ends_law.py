@@ -31,7 +31,7 @@ is in its domain. **Source:** derived here.
 
 import abc
 from functools import cache
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -43,9 +43,7 @@ from ..law import AbstractLaw
 from ..tension.tension_law import Pull
 
 
-if TYPE_CHECKING:
-    from ..tuning import TunedTension
-
+TunedTension = Any  # the class, which imports this
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
 _NEARLY = 0.999  # of the strain that straightens the fibers
@@ -66,11 +64,11 @@ class AbstractEnds(AbstractLaw):
         """Ratio of the bladder's strain to the muscle's [-] without a force; `length` $L_0$ [m]."""
 
     @abc.abstractmethod
-    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
 
     @abc.abstractmethod
-    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
         """Co-energy [J] of a muscle at rest length and `pressure` [Pa], less that of its volume at
         rest: zero where the bladder is at rest, too.
         """
@@ -93,11 +91,11 @@ class Rigid(AbstractEnds):
         del length
         return 1.0
 
-    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and `strain` [-]."""
         return tension.bladder_pull(pressure, strain)
 
-    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
         """Zero [J] at any `pressure` [Pa]."""
         del tension
         return 0.0 * pressure
@@ -129,7 +127,7 @@ class Compliant(AbstractEnds):
         return length / (length - self.inactive_length)
 
     def bladder_strain(
-        self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike
+        self, tension: TunedTension, pressure: BatchLike, strain: BatchLike
     ) -> Batch:
         """$\\varepsilon_b$ [-], (E8), of a `tension` law at `pressure` [Pa] and the muscle's
         `strain` [-].
@@ -145,7 +143,7 @@ class Compliant(AbstractEnds):
         high = maximum(start, minimum(loaded, _FARTHEST))
         return root(_strain_residual, (tension, pressure, unloaded, rise), low, high, start)
 
-    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
+    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
         L0 = tension.bladder.braid.length
         at = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
@@ -154,7 +152,7 @@ class Compliant(AbstractEnds):
         share = s / (1 - s * self.end_compliance / L0 * at.slope)
         return Pull(at.mesh, at.bladder, share * at.mesh_slope, share * at.bladder_slope)
 
-    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
+    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
         """(E9) at rest length [J] and `pressure` [Pa], less $P V(0)$."""
         strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
         node, weight = (node_axis(x, strain) for x in _quadrature())

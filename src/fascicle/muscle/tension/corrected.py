@@ -6,8 +6,8 @@ than the ideal law says. One factor on the strain stands for all of it,
 $$T = \pi r_0^2 P \left(a (1 - k \varepsilon)^2 - b\right), \qquad
   k(P) = a_k e^{-P/P_k} + b_k, \tag{TL}$$
 
-with $a = 3/\tan^2\alpha_0$, $b = 1/\sin^2\alpha_0$. Meller's law has a constant factor on the strain
-and one on the force,
+with $a = 3/\tan^2\alpha_0$, $b = 1/\sin^2\alpha_0$. Meller's law has constant factors, on the
+strain and on the force,
 
 $$T = f_F\, \pi r_0^2 P \left(a (1 - f_\varepsilon \varepsilon)^2 - b\right), \tag{M}$$
 

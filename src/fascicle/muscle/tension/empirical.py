@@ -57,7 +57,7 @@ from .tension_law import AbstractTension, Offset, Pull, force_residual, solved_f
 
 
 class AbstractEmpirical(AbstractTension):
-    """A law whose constants are `published` for one muscle, in the order and units of the source."""
+    """A law whose constants are `published` for one muscle, in the source's order and units."""
 
     conservative: ClassVar[bool] = False
     linear_in_pressure: ClassVar[bool] = True
@@ -249,7 +249,7 @@ class Bolen(AbstractBolen):
     title: ClassVar[str] = "Bolen, 10 mm"
     made_for: ClassVar[str] = "Festo muscles of 10 mm"
     made_diameter: ClassVar[float | None] = 10e-3
-    # largest strains are 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
+    # largest strains: 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
     published: ClassVar[tuple[float, ...]] = (
         0.5682, 4.254, 0.5597, 0.17, 0.4895, 1 / 0.03068, 7.5e-3,
     )  # fmt: skip

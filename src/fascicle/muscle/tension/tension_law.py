@@ -9,8 +9,8 @@ and finds the strain at which it vanishes, also where an offset force $C_1(P)$ i
 the tuning of section 5 does: $T(P, \varepsilon_f) = C_1(P)$. Past the free strain $T$ goes on as
 compression: buckling laws say what of it is real.
 
-The default law has both, so that its free strain, the root of $T$, rises with pressure from zero; of
-braids below some 11.5 deg it may fall again. The simplest law is the mesh alone,
+The default law has both, so that its free strain, the root of $T$, rises with pressure from zero;
+of braids below some 11.5 deg it may fall again. The simplest law is the mesh alone,
 
 $$T = \pi r_0^2 P \left(a (1 - \varepsilon)^2 - b\right), \qquad
   a = \frac{3}{\tan^2\alpha_0}, \qquad b = \frac{1}{\sin^2\alpha_0}, \tag{3}$$
