@@ -213,9 +213,7 @@ def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
     sizes = dict.fromkeys(("length", "outer_radius", "wall_thickness", "braid_angle"))
     laws = dict.fromkeys(("material", "tension", "buckling", "collapse", "post_collapse"))
     begin = Begin(str(tmp_path / "tuned.toml"), sizes | {"length": "300mm"}, laws)
-    with pytest.warns(
-        UserWarning, match="127 mm and its length is now 300 mm"
-    ):
+    with pytest.warns(UserWarning, match="127 mm and its length is now 300 mm"):
         assert float(_muscle(begin).length) == 0.3
 
 

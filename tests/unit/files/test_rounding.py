@@ -82,20 +82,14 @@ def test_a_fitted_constant_has_the_digits_of_its_interval():
 def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
     text = calibrated_text(noisy[1], "2026-01-02")
     assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
-    with pytest.warns(
-        UserWarning, match="of 200 mm and its length is now 300 mm"
-    ):
+    with pytest.warns(UserWarning, match="of 200 mm and its length is now 300 mm"):
         loads(text).replace(length=0.3)
     # whoever writes another length into the file is told as it is read
-    with pytest.warns(
-        UserWarning, match="of 200 mm and its length is now 100 mm"
-    ):
+    with pytest.warns(UserWarning, match="of 200 mm and its length is now 100 mm"):
         loads(text.replace('length = "200 mm"', 'length = "100 mm"', 1))
     # and who saves it again keeps it, also as a bundle of such muscles
     for again in (loads(text), fs.Bundle([fs.MotorUnit(loads(text))])):
-        with pytest.warns(
-            UserWarning, match="of 200 mm and its length is now 100 mm"
-        ):
+        with pytest.warns(UserWarning, match="of 200 mm and its length is now 100 mm"):
             loads(dumps(again).replace('length = "200 mm"', 'length = "100 mm"', 1))
     with pytest.raises(ValueError, match=r"m.toml: calibration.fitted_length") as refused:
         loads(text.replace('fitted_length = "200 mm"', 'fitted_length = "long"'), "m.toml")
