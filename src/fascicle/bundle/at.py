@@ -4,25 +4,25 @@ Units whose muscles have the same laws are one row of muscles, evaluated at once
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..core.array_namespace import add_table_axis, array_namespace, min_nodes, stack
-from ..core.module import tree_map
+from ..core.module import Module, static, tree_map
 from ..core.types import Numbers, PerUnit, Whole
 from ..core.validation import LARGEST_STRAIN
 from ..muscle.piecewise import Pressurized as MusclesAtPressures
 from .plates import muscle_strain, plate_strain
 
 
-class Pressurized(NamedTuple):
+class Pressurized(Module):
     """A bundle at given pressures: `groups` of its units' muscles, the `places` of their units,
     units last; how many muscles each unit has [-], and its $L/L_i$ [-] where lengths differ.
     """
 
     groups: tuple[MusclesAtPressures, ...]
-    places: tuple[tuple[int, ...], ...]
+    places: tuple[tuple[int, ...], ...] = static()
     counts: Whole
     ratios: Numbers | None
 

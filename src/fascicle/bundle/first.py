@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.apart import apart
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
 from ..core.roots import guarded
 from ..core.types import Marks, Numbers, Whole
@@ -63,7 +62,7 @@ def first(here: Pressurized) -> First:
     kinks = [minimum(kink + step, sides[:, :1]) for kink in turns for step in (0.0, _BESIDE)]
     places = at_work.concatenate([sides, low[:, None]], axis=1)[..., None] + 0.0 * free[:, None]
     every = at_work.concatenate([places, *(x[:, None] for x in kinks)], axis=1)
-    seen = apart(here.forces_apart, every)
+    seen = here.forces_apart(every)
     force, slope = (x[:, :2] for x in seen)
     totals = force.sum(axis=-1), slope.sum(axis=-1)
     found = _met(here, sides, *totals)
@@ -175,7 +174,7 @@ def _met(here: Pressurized, sides: Numbers, force: Numbers, slope: Numbers) -> N
 
 def _force(here: Pressurized, lane: Any, strain: Numbers) -> tuple[Numbers, ...]:
     """Force of some lanes [N] at a `strain` [-] of each, and its slope [N]."""
-    return tuple(x[:, 0] for x in apart(here.of(lane).force, strain[:, None]))
+    return tuple(x[:, 0] for x in here.of(lane).force(strain[:, None]))
 
 
 def _lanes(x: Numbers) -> Any:

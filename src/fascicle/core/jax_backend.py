@@ -4,16 +4,15 @@ No other module of the core, of muscles, bundles and energetics imports JAX at i
 """
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import eval_shape, jit, lax  # noqa: F401 others take them from here
 
-from .array_namespace import absolute, logical_and, logical_or, where
-from .roots import _NEAR, _TINY, STEPS, Residual, guarded, init_search, search_step
+from .array_namespace import where
+from .roots import STEPS, Residual, has_slope, init_search, newton_step, search_step
 from .types import Batch, BatchLike, BoolBatch
 
 
@@ -40,7 +39,7 @@ def stop_gradient(x: Any) -> Any:
 
 
 def search_root(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike, soon: int
+    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
     """The root of an elementwise `residual`, as `roots.searched` finds it, in a compiled loop."""
     shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
@@ -48,9 +47,6 @@ def search_root(
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
     state = init_search(low, high, start)
-    if soon:
-        x, ended = _newton_steps(residual, theta, low, high, start, soon)
-        state = state._replace(x=where(ended, x, start), ended=ended)
 
     def step(state: tuple) -> tuple:
         n, search = state
@@ -63,29 +59,20 @@ def search_root(
     return lax.while_loop(keep_going, step, (0, state))[1].x
 
 
-def _newton_steps(
-    residual: Residual, theta: Any, low: Batch, high: Batch, start: Batch, steps: int
-) -> tuple[Batch, BoolBatch]:
-    """Where a search would be after so many steps, and whether all were Newton's, and it ended.
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
+    """The root of a residual near `x`, with its implicit derivatives by `theta`."""
+    return newton_step(*residual(theta, x), x)
 
-    A search is five numbers a point, and a compiler computes each with all that they share.
-    Newton's steps alone are one number: it goes out of the bracket, and stays there, where the
-    search would have done anything else: halved steps on a falling residual don't leave the
-    bracket of signs.
-    """
-    lost = high + 1.0
 
-    def step(_: Any, state: tuple[Batch, Batch]) -> tuple[Batch, Batch]:
-        before, x = state
-        value, slope = residual(theta, x)
-        step = -value / guarded(slope != 0, slope)
-        new, length = x + step, absolute(step)
-        halved = logical_or(
-            length < 0.5 * absolute(x - before), length <= (1 + absolute(x)) * _TINY
-        )
-        inside = logical_and(logical_and(new >= low, new <= high), x <= high)
-        sloped = logical_and(slope < 0, slope > -np.inf)
-        return x, where(logical_and(logical_and(sloped, inside), halved), new, lost)
+@implicit_root.defjvp
+def _implicit_derivative(residual: Residual, primals: tuple, tangents: tuple) -> tuple:
+    root = implicit_root(residual, *primals)
 
-    before, x = lax.fori_loop(0, steps, step, (init_search(low, high, start).before, start))
-    return x, logical_and(absolute(x - before) <= (1 + absolute(before)) * _NEAR, x <= high)
+    def at_root(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:
+        value, slope = residual(theta, root)
+        return value, (value, slope)
+
+    _, change, (value, slope) = jax.jvp(at_root, primals[:1], tangents[:1], has_aux=True)
+    moves, slope = has_slope(value, slope, root)
+    return root, where(moves, -change / slope, 0.0)

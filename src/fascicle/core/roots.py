@@ -1,9 +1,9 @@
 r"""Roots, elementwise, in the array library of their arguments.
 
-A root is searched for with the slope that its residual gives, and without any derivative.
-Two Newton steps from it, $x - f/f'$, carry every derivative up to the third: at the root the
-first makes $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$, and each step doubles the orders
-that are right. So no iteration is ever differentiated, and a law stays a pure function.
+A root is searched for with the slope that its residual gives, and without any derivative. One
+more Newton step, $x - f/f'$, takes it to rounding, and its derivatives are the implicit ones of
+any order, $\mathrm{d}x/\mathrm{d}\theta = -f_\theta/f'$. No iteration is ever differentiated,
+and a law stays a pure function.
 """
 
 from collections.abc import Callable
@@ -16,6 +16,7 @@ from .array_namespace import (
     absolute,
     array_namespace,
     imported_jax,
+    is_jax_array,
     jax_backend,
     logical_and,
     logical_or,
@@ -30,7 +31,7 @@ from .types import Batch, BatchLike, BoolBatch
 STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
 _WRITTEN_OUT = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
-_NEAR = 1e-7  # a Newton step this short leaves an error that two more take to rounding
+_NEAR = 1e-7  # a Newton step this short leaves an error that one more takes to rounding
 
 
 Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
@@ -51,15 +52,15 @@ def root(
     low: BatchLike,
     high: BatchLike,
     start: BatchLike,
-    soon: int = 0,
 ) -> Batch:
     """The root of an elementwise `residual` that is positive below it, negative above.
 
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
-    searched for, and two more Newton steps take it to rounding and carry its derivatives.
+    searched for, and one more Newton step takes it to rounding.
     """
-    found = find_root(residual, *stop_gradient((theta, low, high, start)), soon=soon)
-    return refine_root(residual, theta, found)
+    return refine_root(
+        residual, theta, find_root(residual, *stop_gradient((theta, low, high, start)))
+    )
 
 
 def find_root(
@@ -68,14 +69,12 @@ def find_root(
     low: BatchLike,
     high: BatchLike,
     start: BatchLike,
-    soon: int = 0,
 ) -> Batch:
     """About where the root of an elementwise `residual` is, without derivatives.
 
     Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection
     where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
-    right, else to 1e-7. `soon`: how many steps are mostly enough, which compiled code then tries
-    without a loop.
+    right, else to 1e-7.
     """
     xp = array_namespace(low, high, start)
     if xp is np:
@@ -86,7 +85,7 @@ def find_root(
             return _searched(residual, theta, low, high, start, first)
     jax = imported_jax()
     if jax is not None and xp is jax.numpy:
-        return jax_backend().search_root(residual, theta, low, high, start, soon)
+        return jax_backend().search_root(residual, theta, low, high, start)
     if hasattr(xp, "searched"):
         return xp.searched(partial(residual, theta), low, high, start)
     state = init_search(low, high, start)
@@ -96,17 +95,28 @@ def find_root(
 
 
 def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
-    """Two Newton steps from about a root `x`: to rounding, and with its derivatives by `theta`."""
-    return newton_correct(residual, theta, newton_correct(residual, theta, x))
+    """The root near `x`, to rounding, and with its derivatives by `theta`."""
+    if not is_jax_array(x):
+        value, slope = residual(theta, x)
+        if not is_jax_array(value):
+            return newton_step(value, slope, x)
+    return jax_backend().implicit_root(residual, theta, x)
 
 
-def newton_correct(residual: Residual, theta: Any, x: Batch) -> Batch:
-    """One Newton step from a root `x`, which carries its derivatives by `theta`."""
-    value, slope = residual(theta, x)
-    some = slope != 0
-    step = where(some, value / guarded(some, slope), 0.0)  # a flat residual moves no root
-    # a longer step would come from a jump, which has no derivative
-    return where(absolute(step) <= 1e-3 * (1 + absolute(x)), x - step, x)
+def newton_step(value: Batch, slope: Batch, x: Batch) -> Batch:
+    """A root after one Newton step from about it, `x`."""
+    moves, slope = has_slope(value, slope, x)
+    return where(moves, x - value / slope, x)
+
+
+def has_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
+    """Whether a root near `x` moves with its residual's value, and a slope to divide by.
+
+    A flat residual moves no root. A long step comes from a jump, which has no derivative.
+    """
+    sloped = slope != 0
+    slope = guarded(sloped, slope)
+    return logical_and(sloped, absolute(value / slope) <= 1e-3 * (1 + absolute(x))), slope
 
 
 class Search(NamedTuple):

@@ -14,7 +14,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from ..core.apart import apart
+<<<<<<< HEAD:src/fascicle/design/tables.py
 from ..core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
 from ..core.jax_backend import compile_law
 from ..core.types import Bool, Float, Numbers
@@ -22,6 +22,15 @@ from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
 from .designs import Rows
+=======
+from ...core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
+from ...core.jax_backend import compile_law
+from ...core.types import Bool, Float, Numbers
+from ...muscle import Muscle
+from ...muscle.column import ROUNDING
+from ...muscle.piecewise import Piecewise, Pressurized
+from ..space.rows import Rows
+>>>>>>> 39f8968 (core: roots with implicit derivatives of any order (first gradient 12.6 -> 7.4 CPU s); no unrolled steps, no XLA metadata):src/fascicle/design/judge/forces.py
 from .outcome import Demand
 
 
@@ -162,7 +171,7 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
     none, muscle = 0.0 * rows.length, rows.muscle
     strain, law = demand.strain(rows.length) + none, muscle.law
     # what depends on pressure alone isn't merged with what is asked of it at each point
-    unfed, supply = apart(law.at, none), demand.supply + none
+    unfed, supply = law.at(none), demand.supply + none
     forces = (unfed.force(strain)[0], _pull(law, supply, strain))
     radius = bulge = None
     if sizes:
@@ -180,7 +189,7 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
     """Force [N] up to the free strain; beyond there is none, minus infinity."""
-    pulled = strain <= apart(law.tension.free_strain, pressure) + ROUNDING
+    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
     return where(pulled, law.tension.force(pressure, strain), -np.inf)
 
 
