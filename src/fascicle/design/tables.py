@@ -14,7 +14,6 @@ import equinox as eqx
 import jax
 import numpy as np
 
-<<<<<<< HEAD:src/fascicle/design/tables.py
 from ..core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
 from ..core.jax_backend import compile_law
 from ..core.types import Bool, Float, Numbers
@@ -22,15 +21,6 @@ from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
 from .designs import Rows
-=======
-from ...core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
-from ...core.jax_backend import compile_law
-from ...core.types import Bool, Float, Numbers
-from ...muscle import Muscle
-from ...muscle.column import ROUNDING
-from ...muscle.piecewise import Piecewise, Pressurized
-from ..space.rows import Rows
->>>>>>> 39f8968 (core: roots with implicit derivatives of any order (first gradient 12.6 -> 7.4 CPU s); no unrolled steps, no XLA metadata):src/fascicle/design/judge/forces.py
 from .outcome import Demand
 
 
@@ -189,7 +179,7 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
     """Force [N] up to the free strain; beyond there is none, minus infinity."""
-    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
+    pulled = strain <= apart(law.tension.free_strain, pressure) + ROUNDING
     return where(pulled, law.tension.force(pressure, strain), -np.inf)
 
 

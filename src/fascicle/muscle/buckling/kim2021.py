@@ -244,7 +244,7 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     kappa = m / sqrt(c)
     some = maximum(stop_gradient(m), _NOTHING) / sqrt(stop_gradient(c))
     start = _start_compression(stop_gradient(c), stop_gradient(m), peak) / some
-    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / some, start, soon=3), reached
+    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / some, start), reached
 
 
 def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:

@@ -183,11 +183,7 @@ def solved_free_strain(
     bend = (force_residual(theta, far)[0] - value - slope * far) / far**2
     inside = sqrt(maximum(slope**2 - 4 * bend * value, 0.0))
     start = minimum(maximum(-2 * value / (slope - inside), low), high)
-<<<<<<< HEAD
     return root(force_residual, theta, low, high, start)
-=======
-    return root(_remaining, theta, low, high, start)
->>>>>>> 39f8968 (core: roots with implicit derivatives of any order (first gradient 12.6 -> 7.4 CPU s); no unrolled steps, no XLA metadata)
 
 
 def force_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
