@@ -10,8 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from fascicle.cli.outputs import say
-from fascicle.cli.printed import show
+from fascicle.cli.outputs import print_line, print_table
 
 from .claims import KINDS, Claim, failed, of_kind, remarks, summary
 
@@ -70,6 +69,6 @@ def print_comparisons(comparisons: "Sequence[RecordComparison]") -> None:
             for law in comparison.laws
         ]  # fmt: skip
         name = comparison.measured.name
-        show(f"{name}: error over the largest force, mean residuals", heads, rows)
+        print_table(f"{name}: error over the largest force, mean residuals", heads, rows)
         best = comparison.laws[0]
-        say(f"{best.row.label}: {best.misses or 'six numbers without physics'}")
+        print_line(f"{best.row.label}: {best.misses or 'six numbers without physics'}")

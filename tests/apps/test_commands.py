@@ -12,8 +12,7 @@ import xarray
 from numpy.testing import assert_allclose
 
 from fascicle.bundle import recruitment
-from fascicle.cli.inputs import read_bundle, read_states
-from fascicle.cli.startup import cache_folder
+from fascicle.cli.inputs import cache_folder, read_bundle, read_states
 from fascicle.energetics.efficiency import efficiency_map
 from fascicle.files import example, example_text, examples, load, save
 from reproduction.claims import Claim, Criterion
@@ -379,7 +378,7 @@ def test_a_file_of_somebody_elses_is_kept_and_errors_write_none(fascicle, tmp_pa
     (tmp_path / "mine.json").write_text("mine")
     code, out, err = fascicle("force", SIX, "--json", "mine.json")
     assert (code, out) == (2, "") and "--json mine.json: is there already" in err
-    assert "--force replaces it" in err and (tmp_path / "mine.json").read_text() == "mine"
+    assert "--overwrite replaces it" in err and (tmp_path / "mine.json").read_text() == "mine"
     code, _, err = fascicle("force", SIX, "-p", "2MPa", "--json", "none.json")
     assert code == 2 and not (tmp_path / "none.json").exists()
     assert answer(fascicle, "force", SIX, "--json", "mine.json", "--overwrite") == ""

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from fascicle.cli import memory
-
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
 BEGIN = "from fascicle.cli import main\nprint('ready', flush=True)\nmain({arguments!r})"
@@ -190,8 +188,7 @@ def test_a_message_has_an_end(fascicle, tmp_path):
     assert code == 2 and len(err) < 650
 
 
-def test_more_motor_units_than_memory(fascicle, monkeypatch, tmp_path):
-    monkeypatch.setattr(memory, "free", lambda: 1e9)
+def test_more_motor_units_than_memory(fascicle, tmp_path):
     muscle = """format = 1
 [muscle]
 length = "127 mm"
@@ -208,7 +205,7 @@ supply_pressure = "413.7 kPa"
                   ["space", "many.toml", "--levels", "0kPa"]):  # fmt: skip
         code, out, err = fascicle(*words)
         assert (code, out) == (2, "") and err.count("\n") == 1
-        assert "990 motor units" in err and "GB of memory, and 1 GB are free here" in err
+        assert "points are more than 1000000" in err
     # states come in blocks, so that a tenth of the units is not too many
     code, out, err = fascicle("free-strain", "hundred.toml")
     assert (code, err) == (0, "") and out.count("\n") > 100

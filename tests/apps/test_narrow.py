@@ -2,7 +2,7 @@
 
 import pytest
 
-from fascicle.cli.printed import show
+from fascicle.cli.outputs import print_table
 
 
 FIVE, PAIR = "kim2021_bundle_five", "kim2021_bundle_1_4"
@@ -48,7 +48,7 @@ def test_the_longer_of_strains_and_forces_runs_down_the_page(printed):
 def test_first_columns_stand_beside_every_part(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "24")
     heads = ["aa", "bb", *(f"c{i}wide" for i in range(5))]
-    show("Title", heads, [[*"12", *("9.9999" for _ in range(5))]], keys=2)
+    print_table("Title", heads, [[*"12", *("9.9999" for _ in range(5))]], keys=2)
     lines = capsys.readouterr().out.splitlines()
     tops = [line.split() for line in lines if "wide" in line]
     assert len(tops) > 1 and all(top[:2] == ["aa", "bb"] for top in tops)

@@ -44,7 +44,7 @@ def test_a_muscle_that_was_edited_is_kept(fascicle, tmp_path):
     assert fascicle("init", "m.toml")[0] == 0
     (tmp_path / "m.toml").write_text("mine")
     code, _, err = fascicle("init", "m.toml")
-    assert code == 2 and "--force replaces it" in err
+    assert code == 2 and "--overwrite replaces it" in err
     assert (tmp_path / "m.toml").read_text() == "mine"
     assert fascicle("init", "m.toml", "--force")[0] == 0
 
@@ -209,8 +209,8 @@ def test_every_option_that_names_an_output_is_known():
     """By what its value is called in the help, which is how collisions are found."""
     from typer.main import get_command
 
-    from fascicle.cli.app import app
-    from fascicle.cli.collisions import OUTPUTS
+    from fascicle.cli.commands import app
+    from fascicle.cli.options import OUTPUTS
 
     words = ("Where ", "there", "Write ")
     for command in get_command(app).commands.values():

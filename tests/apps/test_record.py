@@ -37,7 +37,7 @@ def test_record_writes_a_labelled_file_that_reads_back(fascicle, tmp_path):
 def test_record_keeps_a_file_that_may_be_a_measurement(fascicle, tmp_path):
     (tmp_path / "d.csv").write_text("mine")
     code, out, err = fascicle("record", TEN, "--out", "d.csv")
-    assert (code, out) == (2, "") and "--force replaces it" in err
+    assert (code, out) == (2, "") and "--overwrite replaces it" in err
     assert (tmp_path / "d.csv").read_text() == "mine"
 
 

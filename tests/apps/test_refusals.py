@@ -178,7 +178,7 @@ def test_reproduce_into_a_file(refused, tmp_path):
 
 def test_init_keeps_what_is_there(refused, fascicle, tmp_path):
     (tmp_path / "m.toml").write_text("mine")
-    assert "--force replaces it" in refused("init", "m.toml")
+    assert "--overwrite replaces it" in refused("init", "m.toml")
     assert "no example is named" in refused("init", "n.toml", "--from", "nobody")
     assert "it is a folder" in refused("init", ".")
     assert "no such folder" in refused("init", "no/m.toml")
@@ -203,13 +203,13 @@ def test_reproduce_onto_a_full_disk(refused, monkeypatch):
     ],
 )
 def test_what_lasts_is_told_on_a_terminal_and_nowhere_else(fascicle, monkeypatch, arguments, words):
-    from fascicle.cli import telling
+    from fascicle.cli import outputs
 
     assert fascicle(*arguments)[2] == ""
     shown = []
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     # in another command's line, as one that lasts longer tells it
-    monkeypatch.setattr(telling, "_told", [shown.append])
+    monkeypatch.setattr(outputs, "_updates", [shown.append])
     code, _, _ = fascicle(*arguments, "--force")
     assert code == 0 and any(words in one for one in shown)
 

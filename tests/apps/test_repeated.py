@@ -2,8 +2,8 @@
 
 import pytest
 
-from fascicle.cli.app import app
-from fascicle.cli.once import Once
+from fascicle.cli.commands import app
+from fascicle.cli.options import Command
 
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
@@ -50,7 +50,7 @@ def test_twice_is_refused_in_a_line(fascicle, arguments, message):
 
 
 def test_every_command_does_so():
-    assert all(issubclass(one.cls, Once) for one in app.registered_commands)
+    assert all(issubclass(one.cls, Command) for one in app.registered_commands)
 
 
 def test_what_is_meant_to_be_repeated_may_be(fascicle):

@@ -113,7 +113,7 @@ def test_of_a_files_own_name(fascicle, tmp_path):
 
 def test_of_what_is_being_done(monkeypatch):
     """On a terminal, where a line moves by escape sequences of its own."""
-    from fascicle.cli.telling import telling
+    from fascicle.cli.outputs import status
 
     class Terminal(io.StringIO):
         def isatty(self):
@@ -121,7 +121,7 @@ def test_of_what_is_being_done(monkeypatch):
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with telling("reading \x1b]0;x\x07 [red]a.csv") as tell:
+    with status("reading \x1b]0;x\x07 [red]a.csv") as tell:
         tell("now \x1b]0;y\x07 [/]")
     shown = terminal.getvalue()
     assert "\x1b]0" not in shown and "\x07" not in shown

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mutations import mutated
 
-from fascicle.cli.commands.task_template import TASK_TEMPLATE
+from fascicle.cli.commands.init import template
 from fascicle.files import dumps, example_text, loads
 from fascicle.files.task import loads_task
 
@@ -48,7 +48,7 @@ muscle = "b"
 """,
 ]  # fmt: skip
 TASKS = [
-    TASK_TEMPLATE,
+    template("task"),
     """format = 1
 [task]
 name = "gripper"

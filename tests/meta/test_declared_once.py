@@ -47,7 +47,7 @@ def test_a_new_scheme_is_one_class(tmp_path):
     out = run(f"""
 import json, numpy as np, fascicle as fs
 from typer.testing import CliRunner
-from fascicle.cli.app import app
+from fascicle.cli.commands import app
 from fascicle.design import Designs, Task, evaluate
 from fascicle.explorer.link import from_query
 from fascicle.explorer.state import view_of
@@ -103,7 +103,7 @@ def test_a_new_objective_is_one_function(tmp_path):
 import json, os
 os.chdir({str(tmp_path)!r})
 from typer.testing import CliRunner
-from fascicle.cli.app import app
+from fascicle.cli.commands import app
 from fascicle.design import OBJECTIVES
 done = CliRunner().invoke(app, ["design", "task.toml", "--out", "found"])
 assert done.exit_code == 0, (done.output, done.exception)

@@ -1,14 +1,21 @@
-"""What a command is given: the muscle or bundle, pressures and strains."""
+"""Inputs of commands: muscles, bundles, scenarios, quantities; loading of the laws."""
 
 import difflib
 import itertools
+import logging
+import os
+import sys
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import wrapt
+
+from ..core.jax_settings import enable_whole_loops
 from ..units import parse, parse_list
-from .problems import UserError, refusing
-from .startup import prepare
+from .errors import UserError, user_errors
+from .outputs import status
 
 
 if TYPE_CHECKING:
@@ -18,117 +25,151 @@ if TYPE_CHECKING:
 MAX_GRID = 1_000_000  # points of a table: a slip in a step must not fill the memory
 
 
+def load_laws() -> None:
+    """Import the laws, with JAX quiet, on the CPU, and its compiled functions cached on disk.
+
+    A command evaluates a few thousand points: starting a GPU would take longer than that.
+    `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` writes no cache.
+    """
+    enable_whole_loops()
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on standard error
+    for name in ("jax", "matplotlib"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
+    wrapt.register_post_import_hook(_configure_jax, "jax")
+    with status("loading the laws"):
+        from ..core.validation import disable_pressure_unit_warning
+        from ..files import reading  # noqa: F401 and with it all laws
+    disable_pressure_unit_warning()  # options and files have their units
+
+
+def _configure_jax(jax: Any) -> None:
+    if not os.environ.get("JAX_PLATFORMS"):
+        jax.config.update("jax_platforms", "cpu")  # always there; others take time to start
+    if (folder := cache_folder()) is not None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        # below this, reading the file costs as much as compiling
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def cache_folder() -> Path | None:
+    """Folder of compiled functions, or `None` where nothing can be written."""
+    if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
+        return None
+    variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
+    try:
+        base = Path(os.environ.get(variable, "") or "~/.cache").expanduser()
+        folder = base / "fascicle" / "compiled"
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError, ValueError):  # RuntimeError: no home
+        return None
+    return folder if base.is_absolute() and os.access(folder, os.W_OK) else None
+
+
 def read_target(target: str) -> Any:
-    """The muscle or bundle in a file, or that is a named example.
+    """Read a muscle or bundle.
 
-    **Arguments:** `target`: a path, or a name [-]; a file of that name comes first.
+    **Arguments:** `target`: a path, or an example's name; a file of that name comes first.
 
-    **Returns:** a `Muscle` or a `Bundle` [-].
+    **Returns:** a `Muscle` or a `Bundle`.
     """
     from ..files import examples
 
-    found = _found(target)
-    if not found and is_scenario(target):
+    exists = _exists(target)
+    if not exists and is_scenario(target):
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    if not found and target not in examples():
+    if not exists and target not in examples():
         raise _unknown(target, examples(), "example", "see `fascicle muscles`.")
-    prepare()
+    load_laws()
     from ..files import example
     from ..files.reading import load
 
-    with refusing():
-        return load(target) if found else example(target)
+    with user_errors():
+        return load(target) if exists else example(target)
 
 
 def read_scenario(target: str) -> Any:
-    """The scenario in a file, or that has a name.
+    """Read a scenario.
 
-    **Arguments:** `target`: a path, or a name [-]; a file of that name comes first.
+    **Arguments:** `target`: a path, or a named scenario; a file of that name comes first.
 
-    **Returns:** a `Scenario` [-].
+    **Returns:** a `Scenario`.
     """
     from ..files import scenarios
 
-    found = _found(target)
-    if not found and target not in scenarios():
+    exists = _exists(target)
+    if not exists and target not in scenarios():
         raise _unknown(target, scenarios(), "scenario", f"choose one of {', '.join(scenarios())}.")
-    prepare()
+    load_laws()
     from ..files import example, load_scenario
 
-    with refusing():
-        return load_scenario(target) if found else example(target)
+    with user_errors():
+        return load_scenario(target) if exists else example(target)
 
 
 def is_scenario(target: str) -> bool:
-    """Whether a file, or what has that name, is a scenario; `target`: a path, or a name [-]."""
+    """Check whether a path or a name leads to a scenario."""
     from ..files import scenarios
 
-    if not _found(target):
+    if not _exists(target):
         return target in scenarios()
     from ..files.reading import parsed, text_of
 
-    with refusing():
+    with user_errors():
         return "load" in parsed(text_of(Path(target)), target)
 
 
-def read_muscle(target: str, instead: str) -> "Muscle":
-    """The muscle in a file, or that is a named example.
+def read_muscle(target: str, remedy: str) -> "Muscle":
+    """Read a muscle; `remedy`: what to do with a bundle, in words."""
+    muscle = read_target(target)
+    if is_bundle(muscle):
+        raise UserError(f"{target}: a bundle, not a muscle: {remedy}.")
+    return muscle
+
+
+def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
+    """Read a bundle, or a muscle as a bundle of one.
 
     **Arguments:**
 
-    - `target`: a path, or a name [-].
-    - `instead`: what is to be done with a bundle, in words [-].
-
-    **Returns:** the muscle [-].
+    - `target`: a path, or an example's name.
+    - `supply`: supply pressure that was given [Pa]; `None` where the bundle needs its own.
     """
-    found = read_target(target)
-    if is_bundle(found):
-        raise UserError(f"{target}: a bundle, not a muscle: {instead}.")
-    return found
-
-
-def read_bundle(target: str, unsupplied: bool = False) -> "Bundle":
-    """The bundle in a file, or that is a named example; a muscle alone is a bundle of one.
-
-    **Arguments:**
-
-    - `target`: a path, or a name [-].
-    - `unsupplied`: whether it is to have a supply pressure of its own [-], which a muscle hasn't.
-
-    **Returns:** the bundle [-].
-    """
-    found = read_target(target)
-    if unsupplied and not is_bundle(found):
+    target_object = read_target(target)
+    if is_bundle(target_object):
+        return target_object
+    if supply is None:
         raise UserError(
-            "--supply: missing, a muscle has none of its own: give one, such as --supply 400kPa."
+            "--supply is required: a single muscle has no supply pressure; give one, such as"
+            " --supply 400kPa."
         )
-    from ..bundle import Bundle, MotorUnit  # only now: JAX is made ready first
+    from ..bundle import Bundle, MotorUnit
 
-    return found if is_bundle(found) else Bundle([MotorUnit(found)])
+    return Bundle([MotorUnit(target_object)])
 
 
-def is_bundle(found: Any) -> bool:
-    """Whether what was found [-] is a bundle."""
+def is_bundle(target_object: Any) -> bool:
+    """Check whether an object that was read is a bundle."""
     from ..bundle import Bundle
 
-    return isinstance(found, Bundle)
+    return isinstance(target_object, Bundle)
 
 
 def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
-    """The pressures of a bundle's motor units, state by state.
+    """Read pressures of a bundle's motor units, state by state.
 
     **Arguments:**
 
-    - `texts`: each a pressure or a range for every unit, between commas [-]; ranges are
-      combined. `None`: the fully activated end of each recruitment state.
-    - `bundle`: whose [-].
+    - `texts`: each a pressure or a range for every unit, between commas; ranges are combined.
+      `None`: the fully activated end of each recruitment state.
+    - `bundle`: the bundle.
 
     **Returns:** pressures [Pa], one for each motor unit in each state.
     """
     units = len(bundle.motor_units)
     if not texts:
         if bundle.supply_pressure is None:
-            raise UserError("--pressure: missing, since the bundle has no supply pressure.")
+            raise UserError("--pressure is required: the bundle has no supply pressure.")
         supply = float(bundle.supply_pressure)
         return [[supply] * active + [0.0] * (units - active) for active in range(1, units + 1)]
     states = []
@@ -146,37 +187,19 @@ def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
 
 
 def read_list(text: str, dimension: str, option: str) -> list[float]:
-    """The values of an option.
-
-    **Arguments:**
-
-    - `text`: a list, a range or both [-].
-    - `dimension`: what each is [-].
-    - `option`: its name [-].
-
-    **Returns:** the values [-].
-    """
-    with refusing():
+    """Read an option's list or range, in the SI unit of its dimension."""
+    with user_errors():
         return parse_list(text, dimension, option)
 
 
 def read_one(text: str, dimension: str, option: str) -> float:
-    """The value of an option.
-
-    **Arguments:**
-
-    - `text`: a quantity [-].
-    - `dimension`: what it is [-].
-    - `option`: its name [-].
-
-    **Returns:** the value [SI unit of the dimension].
-    """
-    with refusing():
+    """Read an option's quantity, in the SI unit of its dimension."""
+    with user_errors():
         return parse(text, dimension, option)
 
 
 def check_grid(*sizes: int) -> None:
-    """Refuse a table of more than `MAX_GRID` points; `sizes` [-] are those of its sides."""
+    """Refuse a table of more than `MAX_GRID` points; `sizes`: of its sides."""
     total = 1
     for size in sizes:
         total *= size
@@ -186,20 +209,24 @@ def check_grid(*sizes: int) -> None:
         )
 
 
-def _found(target: str) -> bool:
-    """Whether there is such a file."""
+def check_rising(strains: list[float] | None) -> None:
+    """Refuse a list of strains that does not rise."""
+    if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
+        raise UserError("--strain must rise from each value to the next: sort its values.")
+
+
+def _exists(target: str) -> bool:
     try:
         return Path(target).exists()
     except (OSError, ValueError):  # too long for a name, or a NUL in it
         return False
 
 
-def _unknown(target: str, known: Iterable[str], kind: str, otherwise: str) -> UserError:
+def _unknown(target: str, known: Iterable[str], kind: str, remedy: str) -> UserError:
     near = difflib.get_close_matches(target, list(known), n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}?" if near else otherwise
-    looks_like_path = "/" in target or "\\" in target or target.endswith(".toml")
-    what = "no such file" if looks_like_path else f"no such file or named {kind}"
+    hint = f"did you mean {near[0]}?" if near else remedy
+    is_path = "/" in target or "\\" in target or target.endswith(".toml")
+    what = "no such file" if is_path else f"no such file or named {kind}"
     shown = target if target.isprintable() else repr(target)
     shown = shown if len(shown) < 200 else f"{shown[:100]}…"
-    end = f", {hint}" if near or not looks_like_path else "."
-    return UserError(f"{shown}: {what}{end}")
+    return UserError(f"{shown}: {what}" + (f", {hint}" if near or not is_path else "."))

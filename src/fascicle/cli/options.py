@@ -1,164 +1,239 @@
-"""The options that commands share, and the completion of their values."""
+"""Options that commands share, and the class of all commands."""
 
 import contextlib
-import pathlib
-from typing import Annotated
+import io
+import itertools
+import re
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import typer
+from typer.core import TyperCommand
 
 from ..bundle.schemes import SCHEMES, listed
+from ..core.errors import InvalidInputError
+from .errors import UserError
+from .outputs import check_file, write_text
+
+
+_FOLDERS = ("FOLDER", "DIR")  # values of options in the help, by which outputs are recognized
+OUTPUTS = ("PATH", *_FOLDERS)
+_PRINTED = {"--json": ".json", "--csv": ".csv"}  # options, and how their files' names end
+
+
+def option(text: str, names: str = "", *, default: Any = None, **settings: Any) -> Any:
+    """Option of a command.
+
+    **Arguments:**
+
+    - `text`: its help.
+    - `names`: its spellings; default: made of the parameter's name.
+    - `default`: shown in the help, unless it is `None`; an ellipsis where it is required.
+    - `settings`: others of `typer.Option`.
+    """
+    shown = default not in (None, ...)
+    return typer.Option(default, *names.split(), help=text, show_default=shown, **settings)
+
+
+def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> Any:
+    """Argument of a command; `text`: its help."""
+    show = default not in (None, ...)
+    return typer.Argument(default, metavar=metavar, help=text, show_default=show, **settings)
 
 
 def complete_target(incomplete: str) -> list[str]:
-    """Named examples and muscle files that begin so [-]."""
+    """Named examples and muscle files that begin so."""
     from ..files import examples
 
     folder, slash, _ = incomplete.rpartition("/")
     files: list[str] = []
     with contextlib.suppress(OSError, ValueError):
-        inside = sorted(entry.name for entry in pathlib.Path(f"{folder}{slash}" or ".").iterdir())
-        files = [f"{folder}{slash}{name}" for name in inside if name.endswith(".toml")]
+        names = sorted(entry.name for entry in Path(f"{folder}{slash}" or ".").iterdir())
+        files = [f"{folder}{slash}{name}" for name in names if name.endswith(".toml")]
     return [name for name in [*examples(), *files] if name.startswith(incomplete)]
 
 
-Target = Annotated[
-    str,
-    typer.Argument(
-        metavar="FILE",
-        help="A muscle file, or a named example (see `fascicle muscles`).",
-        autocompletion=complete_target,
-        show_default=False,
-    ),
-]
-Pressure = Annotated[
-    str,
-    typer.Option(
-        "--pressure",
-        "-p",
-        metavar="LIST",
-        help="Gauge pressures: 34.5kPa, a list 0kPa,5psi or a range 0kPa:413.7kPa:68.95kPa.",
-    ),
-]
-Strain = Annotated[
-    str,
-    typer.Option(
-        "--strain",
-        "-s",
-        metavar="LIST",
-        help="Contractions: 0.1, a list 0,0.1 or a range 0:0.33:0.03, both ends included.",
-    ),
-]
-Pressures = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--pressure",
-        "-p",
-        metavar="LIST",
-        help="Gauge pressures. Of a bundle one for each motor unit, 344.7kPa,0kPa; a unit's may"
-        " be a range, 344.7kPa,0kPa:344.7kPa:34.47kPa. Repeated for further states.",
-        show_default=False,
-    ),
-]
-NoResistance = Annotated[
-    bool,
-    typer.Option("--no-resistance", help="Muscles past their own free strain don't push back."),
-]
-Supply = Annotated[
-    str | None,
-    typer.Option(
-        "--supply",
-        metavar="PRESSURE",
-        help="Supply pressure, instead of the bundle's own.",
-        show_default=False,
-    ),
-]
-Levels = Annotated[
-    str | None,
-    typer.Option(
-        "--levels",
-        metavar="LIST",
-        help="Throttled pressures of the curves; left out, seven from zero to the supply's.",
-        show_default=False,
-    ),
-]
-SpaceStrain = Annotated[
-    str | None,
-    typer.Option(
-        "--strain",
-        "-s",
-        metavar="LIST",
-        help="Contractions, rising; left out, up to the largest free strain.",
-        show_default=False,
-    ),
-]
-Scheme = Annotated[
-    str | None,
-    typer.Option(
-        "--scheme",
-        help=f"{listed()}, instead of the bundle's own.",
-        autocompletion=lambda: list(SCHEMES),
-        show_default=False,
-    ),
-]
-Along = Annotated[
-    str | None,
-    typer.Option(
-        "--path",
-        help="isobaric or isotonic; left out, both.",
-        autocompletion=lambda: ["isobaric", "isotonic"],
-        show_default=False,
-    ),
-]
-Forces = Annotated[
-    str | None,
-    typer.Option(
-        "--force",
-        metavar="LIST",
-        help="Forces: 20N or 10N:100N:10N; left out, 80 up to the blocked force.",
-        show_default=False,
-    ),
-]
-AsJson = Annotated[
-    bool, typer.Option("--json", help="Print JSON, in SI units; --json FILE.json writes it there.")
-]
-AsCsv = Annotated[
-    bool, typer.Option("--csv", help="Print CSV, in SI units; --csv FILE.csv writes it there.")
-]
-Out = Annotated[
-    str | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="PATH",
-        help="Also write the result there: .nc, .zarr, .csv or .json.",
-        show_default=False,
-    ),
-]
-Plot = Annotated[
-    str | None,
-    typer.Option(
-        "--plot",
-        metavar="PATH",
-        help="Also draw it there: .png or .svg.",
-        show_default=False,
-    ),
-]
-Replace = Annotated[
-    bool,
-    typer.Option(
-        "--force",
-        "--overwrite",
-        help="Replace files that are there, also where fascicle didn't write them.",
-    ),
-]
-Overwrite = Annotated[
-    bool,
-    typer.Option(
-        "--overwrite",
-        help="Replace files that are there, also where fascicle didn't write them (--force is the"
-        " demand).",
-    ),
-]
-
+_TARGET = "Muscle or bundle file, or a named example (see `fascicle muscles`)."
+TARGET = argument("FILE", _TARGET, autocompletion=complete_target)
+TARGET_OR_EXAMPLE = argument("[FILE]", _TARGET, "kim2021_figure_6", autocompletion=complete_target)
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
-DEFAULT_STRAIN = "0:0.33:0.03"
+PRESSURE = option(
+    "Gauge pressures: 34.5kPa, a list 0kPa,5psi or a range 0kPa:413.7kPa:68.95kPa.",
+    "--pressure -p",
+    metavar="LIST",
+    default=DEFAULT_PRESSURE,
+)
+PRESSURES = option(
+    "Gauge pressures; of a bundle one for each motor unit, 344.7kPa,0kPa, or a range for a unit,"
+    " 344.7kPa,0kPa:344.7kPa:34.47kPa. Repeat for further states.",
+    "--pressure -p",
+    metavar="LIST",
+)
+STRAIN = option(
+    "Contractions: 0.1, a list 0,0.1 or a range 0:0.33:0.03, both ends included.",
+    "--strain -s",
+    metavar="LIST",
+    default="0:0.33:0.03",
+)
+SPACE_STRAIN = option(
+    "Contractions, rising; default: up to the largest free strain.", "--strain -s", metavar="LIST"
+)
+NO_RESISTANCE = option(
+    "No resisting force of muscles past their free strain.", "--no-resistance", default=False
+)
+SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
+SCHEME = option(
+    f"Recruitment scheme: {listed()}; default: the bundle's.",
+    "--scheme",
+    autocompletion=lambda: list(SCHEMES),
+)
+SEED = option("Random seed.", "--seed", default=0, min=0)
+JSON = option("JSON output in SI units; --json FILE.json: into a file.", "--json", default=False)
+CSV = option("CSV output in SI units; --csv FILE.csv: into a file.", "--csv", default=False)
+OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
+PLOT = option("Picture file: .png or .svg.", "--plot", metavar="PATH")
+_OVERWRITE = "Overwrite existing files, including files not created by fascicle."
+OVERWRITE = option(_OVERWRITE, "--overwrite --force", default=False)
+OVERWRITE_ONLY = option(_OVERWRITE, "--overwrite", default=False)  # beside --force, the demand
+
+
+class Command(TyperCommand):
+    """A command that refuses options that were given twice and outputs that collide, writes what
+    it prints to a file that `--json FILE` or `--csv FILE` names, and speaks of options as typed.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments, and check that they fit together."""
+        if ctx.resilient_parsing:  # the shell completes them
+            return super().parse_args(ctx, args)
+        args, redirects = _split_redirects(args)
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for parameter, count in Counter[Any](order).items():
+            single = parameter.param_type_name == "option" and not parameter.is_flag
+            if count > 1 and single and not parameter.multiple:
+                remedy = "give it once"
+                if parameter.metavar == "LIST":
+                    remedy = f"pass one comma-separated list: {_name(parameter)} VALUE,VALUE"
+                times = "twice" if count == 2 else f"{count} times"
+                raise UserError(f"{_name(parameter)} was given {times}: {remedy}.")
+        rest = super().parse_args(ctx, args)
+        ctx.meta["redirects"] = redirects
+        self._check_outputs(ctx, redirects)
+        return rest
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; its output goes to a file, whole or not at all, where one is named."""
+        overwrite = bool(ctx.params.get("overwrite"))
+        redirects = ctx.meta.get("redirects", {})
+        for name, path in redirects.items():
+            check_file(name, path, overwrite)
+        printed = io.StringIO()
+        try:
+            with contextlib.redirect_stdout(printed) if redirects else contextlib.nullcontext():
+                code = super().invoke(ctx)
+        except typer.Exit as end:
+            code = end.exit_code
+        except UserError as error:
+            error.args = (self._in_options(error),)
+            raise
+        for name, path in redirects.items():
+            write_text(name, path, overwrite, printed.getvalue())
+        return code
+
+    def _check_outputs(self, ctx: Any, redirects: Mapping[str, str]) -> None:
+        """Refuse outputs that share a path, and those at the path of an input."""
+        outputs, folders, inputs = dict(redirects), [], []
+        for parameter in self.get_params(ctx):
+            value = ctx.params.get(parameter.name)
+            if isinstance(value, str) and parameter.metavar in OUTPUTS:
+                outputs[_name(parameter)] = value
+                is_folder = parameter.metavar in _FOLDERS and self.name != "export"
+                if is_folder or value.endswith(".zarr"):
+                    folders.append(_name(parameter))
+            elif isinstance(value, str | list):
+                inputs += [value] if isinstance(value, str) else map(str, value)
+        paths = {name: _resolved(path) for name, path in outputs.items()}
+        for (one, path), (other, other_path) in itertools.combinations(paths.items(), 2):
+            if path is not None and path == other_path:
+                raise UserError(
+                    f"{one} and {other}: both would write {outputs[one]}: name two paths."
+                )
+        for folder, (name, path) in itertools.product(folders, paths.items()):
+            if path is not None and paths[folder] in path.parents:
+                raise UserError(
+                    f"{name} {outputs[name]}: lies in the folder of {folder}, which holds only its"
+                    " own files: name another path."
+                )
+        if ctx.params.get("overwrite"):
+            return
+        read = {_resolved(text) for text in inputs} - {None}
+        for name, path in paths.items():
+            if path in read:
+                hint = ", or overwrite it with --overwrite" if "overwrite" in ctx.params else ""
+                raise UserError(
+                    f"{name} {outputs[name]}: is read by this command: name another file{hint}."
+                )
+
+    def _in_options(self, error: UserError) -> str:
+        """Message of an error with option names in place of Python's arguments."""
+        text, cause = str(error), error.__cause__
+        if not isinstance(cause, InvalidInputError):
+            return text
+        names = {p.name: _name(p) for p in self.params if p.param_type_name == "option"}
+        names |= {argument: names[p] for argument, p in _ARGUMENTS.items() if p in names}
+        if cause.argument == "supply_pressure" and cause.value is None and "supply" in names:
+            return f"--supply is required: {cause.remedy}; give one, such as --supply 400kPa."
+        # a remedy in Python's words and the command line's: these alone
+        text = re.sub(r"\w+=\S+ \((--[^)]+)\)", r"\1", text)
+        return re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), text)
+
+
+# arguments of the library, and parameters of commands that fill them
+_ARGUMENTS = {
+    "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
+    "strains": "strain", "forces": "force", "names": "fit", "units": "unit", "columns": "column",
+}  # fmt: skip
+
+
+def _name(parameter: Any) -> str:
+    """Longest spelling of an option, the first of several."""
+    return max(parameter.opts, key=len)
+
+
+def _split_redirects(args: list[str]) -> tuple[list[str], dict[str, str]]:
+    """Split off the files of `--json FILE.json`, `--json=FILE` and the like for CSV.
+
+    A word after the option is its file where it ends as the option's files do; any other is an
+    argument of its own. `-` is standard output.
+    """
+    rest: list[str] = []
+    redirects: dict[str, str] = {}
+    words = list(args)
+    while words:
+        word = words.pop(0)
+        name, equals, path = word.partition("=")
+        if name not in _PRINTED:
+            rest.append(word)
+            continue
+        rest.append(name)
+        if not equals and words and (words[0] == "-" or _is_file(words[0], _PRINTED[name])):
+            path = words.pop(0)
+        if path not in ("", "-"):
+            if name in redirects:
+                raise UserError(f"{name} was given twice: give it once.")
+            redirects[name] = path
+    return rest, redirects
+
+
+def _is_file(word: str, suffix: str) -> bool:
+    return Path(word).suffix.lower() == suffix and not word.startswith("-")
+
+
+def _resolved(text: str) -> Path | None:
+    """Path with links followed; `None` for words that are none."""
+    try:
+        return Path(text).resolve()
+    except (OSError, RuntimeError, ValueError):  # too long, a loop of links, a NUL
+        return None

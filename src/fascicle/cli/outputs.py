@@ -1,72 +1,264 @@
-"""What a command gives: a readable table, or JSON or CSV; and files beside it."""
+"""Outputs of commands: tables for readers, JSON, CSV, files, pictures, and progress."""
 
+import contextlib
+import math
+import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..io.sanitize import sanitize_line
-from .problems import UserError, refusing
-from .telling import telling
+from ..io.sanitize import escape_invisible, sanitize_line
+from .errors import UserError, user_errors
 
 
 if TYPE_CHECKING:
     from ..results.labelled import Variable
 
+SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 _PICTURES = (".png", ".svg")
-_LONGEST = 2000  # characters of a line
-_MADE = {"design": "designed", "calibrate": "calibrated"}  # names of folders begin with
+_MAX_LINE = 2000  # characters of a line that holds words of others
+_FOLDERS = {"design": "designed", "calibrate": "calibrated"}  # begin of a folder's default name
+_FLAG = "--overwrite"
+
+
+def print_line(line: str, error: bool = False) -> None:
+    """Print a line that holds words of others, such as file names, to standard output or error."""
+    print(sanitize_line(line, _MAX_LINE), file=sys.stderr if error else sys.stdout)
+
+
+def print_table(
+    title: str,
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    caption: str = "",
+    keys: int = 1,
+) -> None:
+    """Print a table; columns that do not fit follow below, beside the first ones again.
+
+    **Arguments:**
+
+    - `title`: of the table, with the unit.
+    - `heads`: names of its columns.
+    - `rows`: entries, of one line or several.
+    - `caption`: explains its marks.
+    - `keys`: how many first columns name a row.
+    """
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    heads = [escape_invisible(head) for head in heads]
+    console = Console(file=sys.stdout, highlight=False, markup=False)
+    gap, widths = 3, _widths(heads, rows)
+    if not console.is_terminal and not os.environ.get("COLUMNS"):  # a file has any width
+        console.width = max(console.width, sum(widths) + gap * len(widths) + 2)
+    if sum(widths) + gap * len(widths) > console.width - 2:  # narrow: heads of several lines
+        heads, gap = [head.replace(" ", "\n") for head in heads], 1
+        widths = _widths(heads, rows)
+    for columns in _blocks([width + gap for width in widths], console.width - 1, keys):
+        console.print(Text(sanitize_line(title, _MAX_LINE), style="bold"))
+        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, gap // 2, 0, gap // 2))
+        for index in columns:
+            table.add_column(Text(heads[index]), justify="right", no_wrap=True)
+        for row in rows:
+            lines = ([sanitize_line(line) for line in row[i].split("\n")] for i in columns)
+            table.add_row(*(Text("\n".join(entry)) for entry in lines))
+        console.print(table)
+    if caption:
+        console.print(Text(sanitize_line(caption, _MAX_LINE)))
+
+
+def _widths(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
+    """The longest line of each column."""
+    return [
+        max(len(line) for entry in column for line in entry.split("\n"))
+        for column in zip(heads, *rows, strict=True)
+    ]
+
+
+def _blocks(widths: Sequence[int], room: int, keys: int) -> list[list[int]]:
+    """Columns in groups that fit, each with the first ones, which name the rows."""
+    blocks, used = [[*range(keys)]], sum(widths[:keys])
+    for index, width in enumerate(widths[keys:], start=keys):
+        if used + width > room and len(blocks[-1]) > keys:
+            blocks.append([*range(keys)])
+            used = sum(widths[:keys])
+        blocks[-1].append(index)
+        used += width
+    return blocks
+
+
+def decimals(values: Any) -> int:
+    """Decimals that show the largest of `values` to four figures."""
+    largest = max((abs(float(x)) for x in values if math.isfinite(x)), default=1.0)
+    return min(max(3 - math.floor(math.log10(largest or 1.0)), 0), 9)
+
+
+def number(value: float, places: int) -> str:
+    """Format a value with so many decimals; "-" where there is none."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{round(float(value), places) + 0.0:.{places}f}"  # + 0.0: no minus before a zero
+
+
+_updates: list[Callable[[str], None]] = []  # of the line that is shown now, if any
+
+
+@contextlib.contextmanager
+def status(text: str) -> Iterator[Callable[[str], None]]:
+    """Show on a terminal what is being done, and for how long.
+
+    **Arguments:** `text`: what is done first.
+
+    **Returns:** a function that shows another text.
+    """
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    if _updates:  # inside another one: one line shows both
+        _updates[-1](text)
+        yield _updates[-1]
+        return
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True, markup=False), transient=True) as bar:
+        task = bar.add_task(sanitize_line(text), total=None)
+        _updates.append(lambda text: bar.update(task, description=sanitize_line(text)))
+        try:
+            yield _updates[-1]
+        finally:
+            _updates.pop()
+
+
+def check_file(
+    option: str, path: str | Path, overwrite: bool, suffixes: Sequence[str] = ()
+) -> None:
+    """Refuse a file that can't be written, before the work begins.
+
+    **Arguments:**
+
+    - `option`: that names it; empty for an argument.
+    - `path`: where it will go.
+    - `overwrite`: whether a file there is replaced.
+    - `suffixes`: ends of a name that it may have; empty for any.
+    """
+    from ..files import ours
+    from ..io.atomic import check_writable
+
+    if suffixes and Path(path).suffix.lower() not in suffixes:
+        raise UserError(f"{option} {str(path)!r}: its name must end in {', '.join(suffixes)}.")
+    with user_errors(f"{option} ".lstrip()):
+        check_writable(path)
+        ours.check_file(path, overwrite, _FLAG)
+
+
+@contextlib.contextmanager
+def write_file(
+    option: str, path: str | Path, overwrite: bool, folder: bool = False
+) -> Iterator[Path]:
+    """Give a draft to write to, and put it at `path` once it is complete.
+
+    **Arguments:**
+
+    - `option`, `path`, `overwrite`: as those of `check_file`.
+    - `folder`: whether it is a folder.
+    """
+    from ..files.ours import replacing
+
+    with user_errors(f"{option} ".lstrip()), replacing(path, overwrite, _FLAG, folder) as draft:
+        yield draft
+
+
+def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> None:
+    """Write a text file, whole or not at all; arguments as those of `check_file`."""
+    with write_file(option, path, overwrite) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def check_folder(command: str, folder: str | Path, overwrite: bool) -> None:
+    """Refuse a folder of results that can't be written, before the work begins."""
+    from ..files import ours
+
+    with user_errors("--out "):
+        ours.check_folder(folder, command, overwrite, _FLAG)
+
+
+def write_folder(
+    command: str, folder: Path, overwrite: bool, fill: Callable[[Path], object]
+) -> None:
+    """Write a folder of results, once all of its files are complete.
+
+    **Arguments:**
+
+    - `command`: that writes them.
+    - `folder`: where they go.
+    - `overwrite`: whether files there are replaced.
+    - `fill`: writes them into the folder that it is given.
+    """
+    from ..files import ours
+
+    with user_errors("--out "):
+        ours.write_folder(folder, command, fill, overwrite, _FLAG)
+
+
+def result_folder(
+    command: str, out: str | None, source: str, as_json: bool, overwrite: bool
+) -> Path | None:
+    """Folder of a command's results; `None` where nothing is written.
+
+    **Arguments:**
+
+    - `command`: "design" or "calibrate".
+    - `out`: the folder that was asked for, or `None`.
+    - `source`: path of what the command reads first.
+    - `as_json`: whether JSON is printed.
+    - `overwrite`: whether files there are replaced.
+    """
+    if out is None and as_json:
+        return None
+    folder = Path(f"{_FOLDERS[command]}-{Path(source).stem}" if out is None else out)
+    check_folder(command, folder, overwrite)
+    return folder
 
 
 class Outputs:
-    """Where a command's result goes; refuses what can't be written before the work begins."""
+    """Outputs of a command; refuses what can't be written before the work begins."""
 
     def __init__(
-        self,
-        as_json: bool,
-        as_csv: bool,
-        out: str | None,
-        plot: str | None,
-        overwrite: bool,
-        flag: str = "--force",
+        self, as_json: bool, as_csv: bool, out: str | None, plot: str | None, overwrite: bool
     ):
         """**Arguments:**
 
-        - `as_json`: print JSON [-].
-        - `as_csv`: print CSV [-].
-        - `out`: where the result is written [-], or `None`.
-        - `plot`: where its picture is drawn [-], or `None`.
-        - `overwrite`: whether whatever stands there is replaced [-].
-        - `flag`: the option that says so [-].
+        - `as_json`: print JSON.
+        - `as_csv`: print CSV.
+        - `out`: path of the result, or `None`.
+        - `plot`: path of its picture, or `None`.
+        - `overwrite`: whether files there are replaced.
         """
         if as_json and as_csv:
-            raise UserError("--json and --csv: both can't be printed, take one.")
+            raise UserError("--json and --csv: only one can be printed, drop one.")
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
-        self.overwrite, self.flag = overwrite, flag
+        self.overwrite = overwrite
         if out is not None:
-            from ..files.ours import check_file
+            from ..files import ours
             from ..results.labelled import check_result_path
 
-            with refusing("--out "):
+            with user_errors("--out "):
                 check_result_path(out)
-                check_file(out, overwrite, flag)
+                ours.check_file(out, overwrite, _FLAG)
         if plot is not None:
-            from ..files.ours import check_file
-            from ..io.atomic import check_writable
+            check_file("--plot", plot, overwrite, _PICTURES)
 
-            if Path(plot).suffix.lower() not in _PICTURES:
-                raise UserError(f"--plot {plot!r}: its name must end in {', '.join(_PICTURES)}.")
-            with refusing("--plot "):
-                check_writable(plot)
-                check_file(plot, overwrite, flag)
-
-    def give(
+    def write(
         self,
         variables: Mapping[str, "Variable"],
         table: Callable[[], None],
         draw: Callable[[], Any] | None = None,
         *,
-        json_variables: Mapping[str, "Variable"] | None = None,
         title: str,
         notes: str = "",
     ) -> None:
@@ -74,70 +266,34 @@ class Outputs:
 
         **Arguments:**
 
-        - `variables`: the result [-].
-        - `table`: prints it for a reader [-].
-        - `draw`: makes its figure [-].
-        - `json_variables`: what JSON shows, if not just that [-].
-        - `title`: what it is [-].
-        - `notes`: on what it isn't [-].
+        - `variables`: the result.
+        - `table`: prints it for a reader.
+        - `draw`: makes its figure.
+        - `title`: of the result.
+        - `notes`: about it.
         """
-        about = {"notes": notes} if notes else {}
-        from ..files.ours import replacing
-        from ..results import labelled as results
+        from ..results import labelled
 
-        with refusing(), telling("writing the result") as tell:
+        with status("writing the result") as update:
             if self.out is not None:
-                folder = Path(self.out).suffix.lower() == ".zarr"
-                with replacing(self.out, self.overwrite, self.flag, folder) as draft:
-                    results.write(variables, draft, title=title, source=SOURCE, **about)
+                about = {"notes": notes} if notes else {}
+                is_folder = Path(self.out).suffix.lower() == ".zarr"
+                with write_file("--out", self.out, self.overwrite, is_folder) as draft:
+                    labelled.write(variables, draft, title=title, source=SOURCE, **about)
             if self.plot is not None and draw is not None:
                 from ..plot import to_bytes
 
-                tell("drawing the picture")
-                picture = draw()
-                with replacing(self.plot, self.overwrite, self.flag) as draft:
+                update("drawing the picture")
+                with user_errors():
+                    picture = draw()
+                with write_file("--plot", self.plot, self.overwrite) as draft:
                     draft.write_bytes(to_bytes(picture, draft.suffix.lower()[1:]))
         if self.as_json:
-            print(results.to_json(json_variables or variables))
+            print(labelled.to_json(variables))
         elif self.as_csv:
-            sys.stdout.write(results.to_csv(variables))
+            sys.stdout.write(labelled.to_csv(variables))
         else:
             table()
             for path in (self.out, self.plot):
                 if path is not None:
-                    say(f"wrote {path}")
-
-
-def folder_for(
-    command: str, out: str | None, path: str, as_json: bool, overwrite: bool
-) -> Path | None:
-    """Where the files of a command go.
-
-    **Arguments:**
-
-    - `command`: "design" or "calibrate" [-].
-    - `out`: the folder that was asked for [-], or `None`.
-    - `path`: of what the command reads first [-].
-    - `as_json`: whether JSON is printed [-].
-    - `overwrite`: whether others' files may be replaced [-].
-
-    **Returns:** the folder [-], checked; `None` where nothing is written.
-    """
-    from ..files.ours import check_folder
-
-    if out is None and as_json:
-        return None
-    folder = Path(f"{_MADE[command]}-{Path(path).stem}" if out is None else out)
-    with refusing("--out "):
-        check_folder(folder, command, overwrite)
-    return folder
-
-
-def say(line: str, error: bool = False) -> None:
-    """Print a `line` [-] that holds words of others: names of files, notes; `error`: whether to
-    standard error [-].
-    """
-    print(sanitize_line(line, _LONGEST), file=sys.stderr if error else sys.stdout)
-
-
-SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
+                    print_line(f"wrote {path}")

@@ -1,1 +1,64 @@
-"""A command a module: its options, and what it calls and prints."""
+"""The `fascicle` command and its subcommands: a module each, with options, calls and printing.
+
+Nothing heavy is imported here: each command imports the laws when it runs, so that `--help` and the
+shell's completion answer at once.
+"""
+
+from typing import Annotated
+
+import typer
+
+from ..options import Command
+from . import (
+    bundle,
+    calibrate,
+    design,
+    efficiency,
+    explore,
+    export,
+    force,
+    free_strain,
+    init,
+    muscles,
+    record,
+    recruit,
+    reproduce,
+    simulate,
+    space,
+    sweep,
+)  # fmt: skip
+
+
+app = typer.Typer(
+    name="fascicle",
+    help="Fluidic artificial muscles and their bundles, from the braid angle to the force.",
+    rich_markup_mode=None,  # plain help: rich would take longer to import than all the rest
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for _module in (
+    force, free_strain, bundle, space, recruit, efficiency, simulate, record, calibrate, explore,
+    export, design, sweep, reproduce, muscles, init,
+):  # fmt: skip
+    _name = _module.__name__.rpartition(".")[2].replace("_", "-")
+    app.command(_name, cls=getattr(_module, "COMMAND", Command))(_module.run)
+
+
+def _print_version(value: bool) -> None:
+    if value:
+        from fascicle import __version__
+
+        typer.echo(f"fascicle {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    pass

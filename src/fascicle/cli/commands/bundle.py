@@ -1,79 +1,94 @@
 """`fascicle bundle`: a bundle's force, free strain and equilibria at pressures."""
 
+import math
 from typing import Any
 
-from ..equilibria import check_zeros, show_states
+from .. import options
+from ..errors import exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_states
-from ..options import (
-    DEFAULT_STRAIN,
-    AsCsv,
-    AsJson,
-    NoResistance,
-    Out,
-    Plot,
-    Pressures,
-    Replace,
-    Strain,
-    Target,
-)
-from ..outputs import Outputs
-from ..printed import decimals, number, show
-from ..problems import refusing
-from ..telling import telling
+from ..outputs import Outputs, decimals, number, print_table, status
 
 
 def run(
-    file: Target,
-    pressure: Pressures = None,
-    strain: Strain = DEFAULT_STRAIN,
-    no_resistance: NoResistance = False,
-    as_json: AsJson = False,
-    as_csv: AsCsv = False,
-    out: Out = None,
-    plot: Plot = None,
-    overwrite: Replace = False,
+    file: str = options.TARGET,
+    pressure: list[str] | None = options.PRESSURES,
+    strain: str = options.STRAIN,
+    no_resistance: bool = options.NO_RESISTANCE,
+    as_json: bool = options.JSON,
+    as_csv: bool = options.CSV,
+    out: str | None = options.OUT,
+    plot: str | None = options.PLOT,
+    overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Force and equilibria of a bundle.
 
-    At pressures, one for each motor unit; left out, the end of each recruitment state.
+    At pressures, one for each motor unit; default: the end of each recruitment state.
     """
     strains = read_list(strain, "strain", "--strain")
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     bundle = read_bundle(file)
     states = read_states(pressure, bundle)
-    check_grid(len(states), len(states[0]), len(strains))
-    from ...results.tables import bundle_force
-    from ..compute import bundle_equilibria
+    units = len(states[0])
+    check_grid(len(states), units, max(units, len(strains)))
+    from ...results.tables import bundle_equilibria, bundle_force
 
-    with telling("finding equilibria and forces"), refusing():
-        # the zeros take most memory, and refuse what has none
-        zeros = bundle_equilibria(bundle, states, not no_resistance)
-        variables = {**bundle_force(bundle, states, strains, not no_resistance), **zeros}
-    outputs.give(
-        variables,
-        lambda: _table(variables),
-        lambda: _figure(bundle, states, strains, not no_resistance),
-        title=f"Bundle {file}",
-    )
-    check_zeros(variables)
+    resistance = not no_resistance
+    with status("finding equilibria and forces"), user_errors():
+        forces = bundle_force(bundle, states, strains, resistance)
+        variables = {**forces, **bundle_equilibria(bundle, states, resistance)}
+
+    def draw() -> Any:
+        from ...plot.curves import bundle_force_strain, smooth
+
+        pressures = states[0] if len(states) == 1 else states
+        return bundle_force_strain(bundle, pressures, smooth(strains), resistance)
+
+    outputs.write(variables, lambda: _print(variables), draw, title=f"Bundle {file}")
+    check_equilibria(variables)
 
 
-def _table(variables: Any) -> None:
-    show_states(variables)
+def check_equilibria(variables: Any) -> None:
+    """End a command whose states have no strain of zero force; `variables`: its result."""
+    free = variables["free_strain"].values.tolist()
+    missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
+    if missing:
+        exit_incomplete(f"no strain of zero force was found in row {', '.join(missing)}.")
+
+
+def print_states(variables: Any) -> None:
+    """Print pressures, free strain and equilibria, a row for each state.
+
+    **Arguments:** `variables`: of a table of `bundle_equilibria`.
+    """
+    names = ("pressures", "free_strain", "equilibria", "stable")
+    states = zip(*(variables[name].values.tolist() for name in names), strict=True)
+    rows = [
+        [
+            f"{state}",
+            *(f"{pressure / 1e3:.6g}" for pressure in pressures),
+            number(free, 4),
+            ", ".join(
+                number(strain, 4) + ("" if is_stable else " u")
+                for strain, is_stable in zip(equilibria, stable, strict=True)
+                if math.isfinite(strain)  # the rest of the row is NaN
+            ),
+        ]
+        for state, (pressures, free, equilibria, stable) in enumerate(states, start=1)
+    ]
+    units = variables["pressures"].values.shape[1]
+    heads = ["state", *(f"P{unit + 1} kPa" for unit in range(units)), "free strain", "equilibria"]
+    caption = "u: unstable, the force rises with strain there"
+    print_table("Strains of zero force", heads, rows, caption)
+
+
+def _print(variables: Any) -> None:
+    print_states(variables)
     forces = variables["force"].values.tolist()
     places = decimals(force for row in forces for force in row)
+    strains = variables["strain"].values.tolist()
     rows = [
         [f"{strain:.6g}", *(number(force, places) for force in row)]
-        for strain, row in zip(
-            variables["strain"].values.tolist(), zip(*forces, strict=True), strict=True
-        )
+        for strain, row in zip(strains, zip(*forces, strict=True), strict=True)
     ]
-    heads = ["strain", *(f"state {i + 1}" for i in range(len(forces)))]
-    show("Force in N by strain", heads, rows)
-
-
-def _figure(bundle: Any, states: list[list[float]], strains: list[float], resistance: bool) -> Any:
-    from ...plot.curves import bundle_force_strain, smooth
-
-    pressures = states[0] if len(states) == 1 else states
-    return bundle_force_strain(bundle, pressures, smooth(strains), resistance)
+    heads = ["strain", *(f"state {state + 1}" for state in range(len(forces)))]
+    print_table("Force in N by strain", heads, rows)

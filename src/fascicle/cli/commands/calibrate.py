@@ -1,258 +1,548 @@
-"""`fascicle calibrate`: from a dynamometer's CSV to a tuned muscle that knows how sure it is."""
+"""`fascicle calibrate`: fit a muscle to a dynamometer's CSV; print it, as JSON, and as files."""
 
 import datetime as dt
-from typing import Annotated, Any
+import math
+import shutil
+import sys
+import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from ...io.sanitize import dump_json
-from ..once import Once
-from ..options import AsJson, Replace, complete_target
-from ..outputs import folder_for, say
-from ..problems import UserError, refusing
-from ..telling import telling
-
-
-Data = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="DATA.csv...",
-        help="What a dynamometer wrote: pressure, force, and strain, length or displacement."
-        " Several files are one muscle's.",
-        show_default=False,
-    ),
-]
+from ...core.errors import InvalidInputError, require
+from ...io.sanitize import dump_json, sanitize_line
+from ...units import parse, pretty
+from .. import options
+from ..errors import UserError, user_errors
+from ..inputs import load_laws, read_muscle, read_one
+from ..options import Command, argument, complete_target, option
+from ..outputs import print_line, print_table, result_folder, status, write_folder
 
 
-def _option(help_text: str, *names: str, metavar: str = "TEXT") -> Any:
-    return typer.Option(*names, metavar=metavar, help=help_text, show_default=False)
+if TYPE_CHECKING:
+    from ...calibrate.after.calibration import Calibration
+    from ...calibrate.fits.finding import Choice
+    from ...calibrate.problem.beginning import Prior
+    from ...muscle import Muscle
+    from ...records.record import Record
 
 
-Muscle = Annotated[
-    str | None,
-    typer.Option(
-        "--muscle",
-        "-m",
-        metavar="FILE",
-        help="The muscle to begin with: its file, or a named example.",
-        autocompletion=complete_target,
-        show_default=False,
-    ),
-]
-Length = Annotated[
-    str | None, _option("At rest, between the end fittings: 300mm.", "--length", metavar="LENGTH")
-]
-Radius = Annotated[
-    str | None, _option("Of the bladder, at rest.", "--outer-radius", metavar="LENGTH")
-]
-Wall = Annotated[
-    str | None, _option("Of the bladder, at rest.", "--wall-thickness", metavar="LENGTH")
-]
-Angle = Annotated[
-    str | None, _option("Of a fiber from the axis, at rest.", "--braid-angle", metavar="ANGLE")
-]
-Material = Annotated[
-    str | None, _option("The bladder's, by name: latex.", "--material", metavar="NAME")
-]
-Rest = Annotated[
-    str | None,
-    _option(
-        "What strains and displacements refer to; left out, what the file says, else the"
-        " muscle's length.",
-        "--rest-length",
-        metavar="LENGTH",
-    ),
-]
-Unit = Annotated[
-    list[str] | None,
-    _option(
-        "Unit of a column whose header has none: force=N. Repeated for others.",
-        "--unit",
-        metavar="ROLE=UNIT",
-    ),
-]
-Column = Annotated[
-    list[str] | None,
-    _option(
-        "Header of a column that isn't recognized: force='Load cell 2'. Repeated for others.",
-        "--column",
-        metavar="ROLE=HEADER",
-    ),
-]
-Header = Annotated[
-    int | None,
-    typer.Option(
-        "--header",
-        metavar="LINE",
-        min=1,
-        help="Line of the columns' names, where titles stand above it; left out, it is looked for.",
-        show_default=False,
-    ),
-]
-Clipped = Annotated[
-    bool,
-    typer.Option("--clipped-at-zero", help="A force of exactly 0 means 0 or less."),
-]
-PushPositive = Annotated[
-    bool,
-    typer.Option("--push-positive", help="The file's forces are positive where the muscle pushes."),
-]
-Fit = Annotated[
-    str | None,
-    _option(
-        "What is free: any of the names below that the muscle has, such as"
-        " c10,c01,braid_angle,outer_radius; or tuning, the paper's way. Left out, what the data"
-        " can tell is tried, and chosen by pressures left out.",
-        "--fit",
-        metavar="LIST",
-    ),
-]
-Prior = Annotated[
-    list[str] | None,
-    _option(
-        "What is known beforehand: outer_radius=12mm,0.5mm, a value and its standard deviation."
-        " Repeated for others.",
-        "--prior",
-        metavar="NAME=VALUE,DEVIATION",
-    ),
-]
-Tension = Annotated[str | None, _option("Law of tension.", "--tension", metavar="LAW")]
-Buckling = Annotated[str | None, _option("Law of buckling.", "--buckling", metavar="LAW")]
-Collapse = Annotated[str | None, _option("Law of collapse.", "--collapse", metavar="LAW")]
-After = Annotated[str | None, _option("Law past collapse.", "--post-collapse", metavar="LAW")]
-Ends = Annotated[str | None, _option("Law of the ends.", "--ends", metavar="LAW")]
-Loss = Annotated[str, typer.Option("--loss", help="linear, or against outliers soft_l1 or cauchy.")]
-Weights = Annotated[
-    str, typer.Option("--weights", help="uniform, or level: each pressure counts the same.")
-]
-Starts = Annotated[int, typer.Option("--starts", min=1, max=64, help="Places to search from.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the random ones among them.")]
-Intervals = Annotated[
-    str,
-    typer.Option(
-        "--intervals",
-        help="quick: linear, at once; or bootstrap: 199 simulated records, fitted anew.",
-    ),
-]
-Posterior = Annotated[
-    bool, typer.Option("--posterior", help="Also sample the posterior (needs numpyro).")
-]
-Compare = Annotated[
-    bool, typer.Option("--compare", help="Also fit other laws, and compare them; takes minutes.")
-]
-Profiles = Annotated[bool, typer.Option("--profile/--no-profile", help="Profile each parameter.")]
-Out = Annotated[
-    str | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FOLDER",
-        help="Where muscle, report and figures go; left out, calibrated-DATA, and nowhere with"
-        " --json.",
-        show_default=False,
-    ),
-]
-
-
-class WithNames(Once):
-    """The command whose help also lists what `--fit` and `--prior` take, as the laws declare it:
+class CalibrateCommand(Command):
+    """The command whose help also lists names for `--fit` and `--prior`, as the laws declare them:
     these are loaded for the help alone.
     """
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
         """Write the names after the options."""
-        from ..startup import prepare
-
-        prepare()
+        load_laws()
         from ...calibrate.problem.parameters import every
 
         with formatter.section("Names for --fit and --prior (of laws in brackets)"):
             formatter.write_dl(list(every().items()))
 
 
+COMMAND = CalibrateCommand
+
+_TUNING = "tuning"  # among names to fit: the paper's way
+_INTERVALS = ("quick", "bootstrap")
+_SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
+          "braid_angle": "angle"}  # fmt: skip
+
+
 def run(
-    data: Data,
-    muscle: Muscle = None,
-    length: Length = None,
-    outer_radius: Radius = None,
-    wall_thickness: Wall = None,
-    braid_angle: Angle = None,
-    material: Material = None,
-    rest_length: Rest = None,
-    unit: Unit = None,
-    column: Column = None,
-    header: Header = None,
-    clipped_at_zero: Clipped = False,
-    push_positive: PushPositive = False,
-    fit: Fit = None,
-    prior: Prior = None,
-    tension: Tension = None,
-    buckling: Buckling = None,
-    collapse: Collapse = None,
-    post_collapse: After = None,
-    ends: Ends = None,
-    loss: Loss = "linear",
-    weights: Weights = "uniform",
-    starts: Starts = 4,
-    seed: Seed = 0,
-    intervals: Intervals = "quick",
-    posterior: Posterior = False,
-    compare: Compare = False,
-    profile: Profiles = True,
-    out: Out = None,
-    overwrite: Replace = False,
-    as_json: AsJson = False,
+    data: list[str] = argument(
+        "DATA.csv...",
+        "CSV files of a dynamometer, all of one muscle: pressure, force, and strain, length or"
+        " displacement.",
+    ),
+    muscle: str | None = option(
+        "Muscle file to begin with, or a named example.",
+        "--muscle -m",
+        metavar="FILE",
+        autocompletion=complete_target,
+    ),
+    length: str | None = option("Rest length between the end fittings: 300mm.", metavar="LENGTH"),
+    outer_radius: str | None = option("Outer radius of the bladder at rest.", metavar="LENGTH"),
+    wall_thickness: str | None = option("Wall thickness of the bladder at rest.", metavar="LENGTH"),
+    braid_angle: str | None = option("Angle of a fiber from the axis at rest.", metavar="ANGLE"),
+    material: str | None = option("Material of the bladder: latex.", metavar="NAME"),
+    rest_length: str | None = option(
+        "Length that strains and displacements refer to; default: the file's, else the muscle's.",
+        metavar="LENGTH",
+    ),
+    unit: list[str] | None = option(
+        "Unit of a column whose header has none: force=N. Repeat for others.", metavar="ROLE=UNIT"
+    ),
+    column: list[str] | None = option(
+        "Header of a column that isn't recognized: force='Load cell 2'. Repeat for others.",
+        metavar="ROLE=HEADER",
+    ),
+    header: int | None = option(
+        "Line of the columns' names, below any titles; default: it is looked for.",
+        metavar="LINE",
+        min=1,
+    ),
+    clipped_at_zero: bool = option(
+        "Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero", default=False
+    ),
+    push_positive: bool = option(
+        "Sign of the file's forces: positive for a push.", "--push-positive", default=False
+    ),
+    fit: str | None = option(
+        "Free parameters: names below that the muscle has, such as"
+        " c10,c01,braid_angle,outer_radius; or tuning, the paper's way; default: selected by"
+        " leave-one-pressure-out cross-validation.",
+        metavar="LIST",
+    ),
+    prior: list[str] | None = option(
+        "Prior value and standard deviation: outer_radius=12mm,0.5mm. Repeat for others.",
+        metavar="NAME=VALUE,DEVIATION",
+    ),
+    tension: str | None = option("Law of tension.", metavar="LAW"),
+    buckling: str | None = option("Law of buckling.", metavar="LAW"),
+    collapse: str | None = option("Law of collapse.", metavar="LAW"),
+    post_collapse: str | None = option("Law past collapse.", metavar="LAW"),
+    ends: str | None = option("Law of the ends.", metavar="LAW"),
+    loss: str = option("Loss: linear, or against outliers soft_l1 or cauchy.", default="linear"),
+    weights: str = option(
+        "Weights: uniform, or level: equal for each pressure.", default="uniform"
+    ),
+    starts: int = option("Starting points of the search.", default=4, min=1, max=64),
+    seed: int = options.SEED,
+    intervals: str = option(
+        "Method of intervals: quick (linear), or bootstrap (199 simulated records, refitted).",
+        default="quick",
+    ),
+    posterior: bool = option(
+        "Posterior samples as well (needs numpyro).", "--posterior", default=False
+    ),
+    compare: bool = option(
+        "Comparison with other laws; takes minutes.", "--compare", default=False
+    ),
+    profile: bool = option("Profile of each parameter.", "--profile/--no-profile", default=True),
+    out: str | None = option(
+        "Folder of muscle, report and figures; default: calibrated-DATA, none with --json.",
+        "--out -o",
+        metavar="FOLDER",
+    ),
+    overwrite: bool = options.OVERWRITE,
+    as_json: bool = options.JSON,
 ) -> None:
-    """Fit a muscle to what a dynamometer measured, and say how sure it is."""
-    from .calibrate_work import Begin, Reading, Search, calibrated
+    """Fit a muscle to dynamometer data, with uncertainties."""
+    names = None if fit is None else [name.strip() for name in fit.split(",")]
+    priors = _pairs(prior, "--prior")
+    reading = {
+        "units": _pairs(unit, "--unit"),
+        "columns": _pairs(column, "--column"),
+        "clipped_at_zero": True if clipped_at_zero else None,
+        "header": header,
+    }
+    folder = result_folder("calibrate", out, data[0], as_json, overwrite)
+    typed = {
+        "length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
+        "braid_angle": braid_angle, "material": material, "tension": tension,
+        "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
+    }  # fmt: skip
+    start = read_start(muscle, typed)
+    rest = None if rest_length is None else read_one(rest_length, "length", "--rest-length")
+    record, remarks = _read_record(data, reading, rest, float(start.length), push_positive)
+    _check(names, loss, intervals, posterior)
+    settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
+    with user_errors(), status("reading") as update:
+        known = _read_priors(priors, start, names)
+        result = Result(*_fit(record, start, names, known, settings, update), remarks)
+        if intervals == "bootstrap":
+            from ...calibrate.after.bootstrap import bootstrap
 
-    begin = Begin(
-        muscle,
-        {"length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
-         "braid_angle": braid_angle},
-        {"material": material, "tension": tension, "buckling": buckling, "collapse": collapse,
-         "post_collapse": post_collapse, "ends": ends},
-    )  # fmt: skip
-    reading = Reading(
-        data, rest_length, pairs(unit, "--unit"), pairs(column, "--column"), clipped_at_zero,
-        header, push_positive,
-    )  # fmt: skip
-    search = Search(
-        None if fit is None else [name.strip() for name in fit.split(",")],
-        pairs(prior, "--prior"), loss, weights, starts, seed, posterior, compare,
-        profile and not (as_json and out is None), intervals,
-    )  # fmt: skip
-    folder = folder_for("calibrate", out, data[0], as_json, overwrite)
-    found = calibrated(begin, reading, search, drawn=folder is not None)
-    written: list[str] = []
+            result = replace(result, fit=bootstrap(result.fit, seed=seed, tell=update))
+        from ...calibrate.after.profiling import profiles, with_profiles
+
+        result = replace(result, fit=with_profiles(result.fit))
+        if profile and not (as_json and out is None):
+            update("profiling")
+            result = replace(result, profiles=profiles(result.fit))
+        if posterior:
+            from ...calibrate.after.posterior import sample
+
+            update("sampling")
+            result = replace(result, posterior=sample(result.fit, seed=seed))
+        if compare:
+            update("comparing laws")
+            rows = _compare(record, start, result.fit, known, settings)
+            result = replace(result, comparison=rows)
+    paths: list[str] = []
     if folder is not None:
-        with refusing("--out "), telling("writing the report"):
-            today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-            written = found.write(folder, today, overwrite)
+        with status("writing the report"):
+            paths = _write(result, folder, overwrite)
     if as_json:
-        print(dump_json(found.summary()))
+        print(dump_json(_finite(_summary(result))))
         return
-    found.show()
-    if written:
-        say(f"wrote {', '.join(written)}")
+    _print(result)
+    if paths:
+        print_line(f"wrote {', '.join(paths)}")
 
 
-def pairs(texts: list[str] | None, option: str) -> dict[str, str]:
-    """What stands on either side of an option's equals signs.
+@dataclass(frozen=True)
+class Result:
+    """A calibration, and what was computed of it on request."""
+
+    fit: "Calibration"
+    choice: "Choice | None"
+    remarks: tuple[str, ...]
+    profiles: tuple[Any, ...] = ()
+    posterior: Any = None
+    comparison: tuple[Any, ...] = ()
+
+
+def _pairs(texts: list[str] | None, name: str) -> dict[str, str]:
+    """Values by name of an option's `NAME=VALUE`s."""
+    pairs: dict[str, str] = {}
+    for text in texts or []:
+        key, _, value = (part.strip() for part in text.partition("="))
+        if not key or not value:
+            raise UserError(f"{name} {text!r}: write NAME=VALUE.")
+        if key in pairs:
+            raise UserError(f"{name} {text!r}: {key} was given twice: give it once.")
+        pairs[key] = value
+    return pairs
+
+
+def read_start(target: str | None, typed: Mapping[str, str | None]) -> "Muscle":
+    """Read the muscle that a fit begins with.
 
     **Arguments:**
 
-    - `texts`: each `NAME=VALUE` [-].
-    - `option`: its name [-].
-
-    **Returns:** values by name [-].
+    - `target`: a path, or an example's name; `None` for a muscle of the sizes alone.
+    - `typed`: sizes with units, and names of material and laws, which win over the file's.
     """
-    out = {}
-    for text in texts or []:
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise UserError(f"{option} {text!r}: write NAME=VALUE.")
-        if name.strip() in out:
-            raise UserError(f"{option} {text!r}: {name.strip()} stands there twice.")
-        out[name.strip()] = value.strip()
-    return out
+    flags = {name: f"--{name.replace('_', '-')}" for name in _SIZES}
+    missing = [flag for name, flag in flags.items() if typed[name] is None]
+    if target is None and missing:
+        raise UserError(
+            f"the muscle's sizes are needed: give --muscle FILE, or {', '.join(missing)}."
+        )
+    changes: dict[str, Any] = {
+        name: read_one(text, _SIZES[name], flags[name]) if name in _SIZES else text
+        for name, text in typed.items()
+        if text is not None
+    }
+    if target is None:
+        load_laws()
+        from ...muscle import Muscle
+
+        with user_errors():
+            return Muscle.from_dimensions(**changes)
+    muscle = read_muscle(target, "give --muscle the file of one of its muscles")
+    with user_errors():
+        return muscle.replace(**changes)
+
+
+def _read_record(
+    paths: list[str],
+    reading: Mapping[str, Any],
+    rest: float | None,
+    length: float,
+    push_positive: bool,
+) -> tuple["Record", tuple[str, ...]]:
+    """Read the record; also remarks on what was assumed of it."""
+    from ...records import join, load
+    from ...records.columns import MissingMetadataError
+
+    assumed = False
+
+    def read(path: str) -> "Record":
+        nonlocal assumed
+        try:
+            return load(path, rest_length=rest, **reading)
+        except MissingMetadataError as error:
+            if error.argument != "rest_length":
+                raise
+        # a length or displacement in a file that names no rest length
+        record = load(path, rest_length=length, **reading)
+        assumed = True
+        return record
+
+    with user_errors():
+        try:
+            record = join([read(path) for path in paths])
+        except MissingMetadataError as error:
+            flag = {"columns": "--column", "units": "--unit"}.get(error.argument, "--rest-length")
+            value = f" {error.role}='{error.value}'" if error.role else ""
+            raise ValueError(f"{error.before}{flag}{value}{error.after}") from None
+    notes = [
+        note.replace("give clipped_at_zero = true", "give --clipped-at-zero")
+        for note in record.notes
+    ]
+    if push_positive:
+        notes.append("forces read with the other sign (--push-positive)")
+        record = replace(record, force=-record.force)
+    record = replace(record, notes=tuple(notes))
+    if record.rest_length is None:
+        record, assumed = replace(record, rest_length=length), True
+    text = pretty(length, "length")
+    remark = f"rest length not given: strains are taken over the muscle's, {text}"
+    return record, (remark,) if assumed else ()
+
+
+def _check(names: list[str] | None, loss: str, intervals: str, posterior: bool) -> None:
+    """Refuse what would only fail after the fit."""
+    if names is not None and _TUNING in names and len(names) > 1:
+        raise UserError(f"--fit {','.join(names)}: {_TUNING} stands alone: drop the others.")
+    from ...core.validation import check_choice
+
+    with user_errors():
+        check_choice(intervals, _INTERVALS, "intervals")
+    flag = "--intervals bootstrap" if intervals == "bootstrap" else "--posterior"
+    if loss != "linear" and (posterior or intervals == "bootstrap"):
+        raise UserError(f"{flag}: needs --loss linear, a robust loss is no model of noise.")
+    if posterior:
+        require("numpyro")
+
+
+def _read_priors(
+    texts: Mapping[str, str], muscle: "Muscle", names: list[str] | None
+) -> dict[str, "Prior"]:
+    from ...calibrate.problem.beginning import Prior
+    from ...calibrate.problem.parameters import named
+
+    priors = {}
+    for name, text in texts.items():
+        flag = f"--prior {name}={text}"
+        try:
+            dimension = named([name], muscle)[0].dimension
+        except InvalidInputError as error:
+            raise InvalidInputError("prior", error.rule, name, error.remedy, shown="") from None
+        if names not in (None, [_TUNING]) and name not in names:
+            named(names, muscle)  # a slip there is the cause
+            raise UserError(f"{flag}: {name} isn't fitted: add it to --fit, or drop the prior.")
+        parts = text.split(",")
+        if len(parts) != 2:
+            raise UserError(f"{flag}: write a value and its standard deviation, with a comma.")
+        prior = Prior(*(parse(part, dimension, f"--prior {name}") for part in parts))
+        if prior.deviation <= 0:
+            deviation = parts[1].strip()
+            raise UserError(f"{flag}: its standard deviation must be positive, got {deviation}.")
+        priors[name] = prior
+    return priors
+
+
+def _fit(
+    record: "Record", start: "Muscle", names: list[str] | None, priors: Any, settings: Any,
+    update: Any,
+) -> tuple["Calibration", "Choice | None"]:  # fmt: skip
+    """Fit names, or select them by cross-validation."""
+    if names is None:
+        from ...calibrate.fits.finding import find
+
+        choice = find(record, start, priors, **settings, tell=update)
+        return choice.made, choice
+    from ...calibrate.fits.fitting import fit
+
+    update("fitting")
+    names = None if names == [_TUNING] else names
+    return fit(record, start, names, priors, **settings, whole=False), None
+
+
+def _compare(
+    record: "Record", start: "Muscle", fit: "Calibration", priors: Any, settings: Any
+) -> tuple[Any, ...]:
+    """Fit other laws: of resisting force where that was fitted, else of tension."""
+    from ...calibrate.fits import comparing
+
+    if fit.method == "constants" or fit.taken.pulls:
+        names = list(fit.names) if fit.method == "constants" else None
+        rows = comparing.compare_tension(record, start, names, priors, **settings, whole=False)
+    else:
+        rows = comparing.compare(record, start, list(fit.names), priors, **settings)
+    return tuple(rows)
+
+
+def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
+    """Write muscle, report and figures; returns the files' paths."""
+    from ...calibrate.after.pictures import figures as draw
+    from ...files.calibrated import calibrated_text
+    from ...plot import to_bytes
+    from ...reports.calibration import report
+
+    today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+    figures = draw(result.fit, result.profiles, result.posterior)
+    drawn = {name: to_bytes(figure, "svg") for name, figure in figures.items()}
+    page = report(
+        result.fit, today, figures, result.profiles, result.posterior, list(result.comparison),
+        remarks=result.remarks, drawn=drawn, choice=result.choice,
+    )  # fmt: skip
+    content = {
+        "muscle.toml": calibrated_text(result.fit, today, result.choice).encode(),
+        "report.html": page.encode(),
+    }
+    for name, figure in figures.items():
+        content[f"{name}.png"], content[f"{name}.svg"] = to_bytes(figure, "png"), drawn[name]
+
+    def fill(draft: Path) -> None:
+        for name, raw in content.items():
+            (draft / name).write_bytes(raw)
+
+    write_folder("calibrate", folder, overwrite, fill)
+    return [str(folder / name) for name in content]
+
+
+_CRITERIA = (
+    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"
+    " a law where a reading was clipped"
+)
+_LABEL = 35  # characters of a label in a line, so that a table fits beside it
+_READINGS = {"pulling": "readings that pull", "all": "all readings"}
+
+
+def _print(result: Result) -> None:
+    """Print the fit for a reader."""
+    from ...calibrate.after.warned import hysteresis
+
+    fit = result.fit
+    if fit.record.synthetic:
+        print("synthetic: a model made these readings, no muscle was measured")
+    # assumptions are always shown; what a file remarks about itself is in the report
+    for note in (*result.remarks, *(n for n in fit.record.notes if ": note: " not in n)):
+        print_line(note)
+    print_line("; ".join(fit.taken.words()))
+    if result.choice is not None:
+        _print_choice(result.choice)
+    rows = [[p.name, *p.texts(), p.verdict] for p in fit.parameters]
+    caption = f"intervals: {fit.intervals}"
+    if any(p.verdict == "not known" for p in fit.parameters):
+        caption += "; not known: the data alone do not determine it"
+    if rows:
+        print_table("Parameters", ["", "value", "90 % interval", ""], rows, caption)
+    if result.comparison:
+        rows = [
+            [row.label, str(row.free), f"{row.rmse:.4g}", f"{row.left_out_rmse:.4g}",
+             f"{row.clipped_pull:.4g}", f"{row.aic:.1f}", f"{row.bic:.1f}"]
+            for row in result.comparison
+        ]  # fmt: skip
+        heads = ["", "free", "rmse", "left out", "at clipped", "AIC", "BIC"]
+        print_table("Laws, errors in N", heads, rows, _CRITERIA)
+    if (posterior := result.posterior) is not None:
+        converged = "converged" if posterior.agrees else "not converged yet"
+        print(
+            f"posterior: {converged}, R-hat up to {max(posterior.r_hat):.4f}, effective sample size"
+            f" {min(posterior.ess):.0f}, {posterior.divergences} divergences"
+        )
+    print(
+        f"{fit.points} readings, {fit.censored} of them clipped: rmse {pretty(fit.rmse, 'force')},"
+        f" {100 * fit.relative_rmse:.3g} % of the largest force; {fit.status}"
+    )
+    if fit.loop is not None:
+        print_line(hysteresis(fit))
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10**6
+    for about, lines in fit.warned.items():
+        print_line(f"warning: {about}:")
+        for line in lines:
+            print(textwrap.fill(sanitize_line(line, 2000), width, break_long_words=False,
+                                initial_indent="- ", subsequent_indent="  "))  # fmt: skip
+
+
+def _print_choice(choice: "Choice") -> None:
+    """Print the candidates, and the reasons for the one that was selected."""
+
+    def percent(share: float) -> str:
+        return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
+
+    for readings, title in _READINGS.items():
+        rows = [
+            [textwrap.fill(one.label, _LABEL), str(one.constants), percent(one.relative_rmse),
+             percent(one.relative_left_out_rmse), "taken" if one.chosen else ""]
+            for one in choice.candidates
+            if one.readings == readings
+        ]  # fmt: skip
+        if rows:
+            heads = ["", "free", "rmse", "left out", ""]
+            print_table(f"Tried on {title}: error over the largest force", heads, rows)
+    for line in choice.reasons:
+        print_line(line)
+
+
+def _summary(result: Result) -> dict[str, Any]:
+    """JSON of a calibration, in SI units."""
+    fit = result.fit
+    summary = {
+        "rmse": fit.rmse,
+        "relative_rmse": fit.relative_rmse,
+        "points": fit.points,
+        "censored": fit.censored,
+        "status": fit.status,
+        "parameters": {
+            p.name: {
+                name: getattr(p, name) for name in ("value", "low", "high", "identifiable", "bound")
+            }
+            for p in fit.parameters
+        },
+        "synthetic": fit.record.synthetic,
+        "method": fit.method,
+        "noise": float(fit.problem.noise),
+        "warnings": list(fit.warnings),
+        "notes": [*result.remarks, *fit.record.notes],
+        "starts": fit.starts,
+        "readings": fit.taken.counts(),
+        "trends": [
+            {name: getattr(trend, name) for name in ("along", "share", "chance", "found")}
+            for trend in fit.seen.trends
+        ],
+        "runs": [vars(one) for one in fit.seen.runs],
+        "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
+        "causes": [vars(cause) for cause in fit.causes],
+        "untold": list(fit.untold),
+        "loop": _loop(fit.loop),
+        "friction": _friction(fit.friction),
+        "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
+    }
+    if (choice := result.choice) is not None:
+        summary["candidates"] = [
+            {**vars(one), "names": list(one.names)} for one in choice.candidates
+        ]
+        summary["reasons"] = list(choice.reasons)
+    if result.profiles:
+        summary["profiles"] = {p.name: {"low": p.low, "high": p.high} for p in result.profiles}
+    if result.posterior is not None:
+        summary["posterior"] = _posterior(result.posterior)
+    if result.comparison:
+        summary["comparison"] = [vars(row) for row in result.comparison]
+    return summary
+
+
+def _loop(loop: Any) -> dict[str, Any] | None:
+    if loop is None:
+        return None
+    arrays = {name: getattr(loop, name).tolist() for name in ("pressure", "width", "share")}
+    return {**arrays, "half": loop.half}
+
+
+def _friction(friction: Any) -> dict[str, Any] | None:
+    if friction is None:
+        return None
+    law, names = friction.law, ("stiffness", "slip_force", "slip_force_slope")
+    springs = {name: [] if law is None else getattr(law, name).tolist() for name in names}
+    return {**springs, "breakaway": friction.breakaway.tolist(), "told": list(friction.told),
+            "rmse": friction.rmse, "pressures": friction.pressures}  # fmt: skip
+
+
+def _posterior(posterior: Any) -> dict[str, Any]:
+    parameters = {
+        name: {"low": float(low), "high": float(high), "r_hat": float(r_hat), "ess": float(ess)}
+        for name, (low, high), r_hat, ess in zip(
+            posterior.names, posterior.interval(), posterior.r_hat, posterior.ess, strict=True
+        )
+    }
+    return {"agrees": posterior.agrees, "divergences": posterior.divergences,
+            "parameters": parameters}  # fmt: skip
+
+
+def _finite(value: Any) -> Any:
+    """A value with `None` for numbers that JSON has none for."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

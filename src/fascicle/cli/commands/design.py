@@ -1,178 +1,284 @@
-"""`fascicle design`: which bundle for a task."""
+"""`fascicle design`: the bundle for a task."""
 
 import datetime as dt
+import json
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from ..options import AsJson, Replace
-from ..outputs import folder_for, say
-from ..problems import INCOMPLETE, UserError, refusing
-from ..telling import telling
-
-
-Task = Annotated[
-    str,
-    typer.Argument(
-        metavar="TASK.toml",
-        help="What is demanded, may be built and is good; `fascicle init --task` writes one.",
-        show_default=False,
-    ),
-]
-Out = Annotated[
-    str | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FOLDER",
-        help="Where report, data and bundles go; left out, designed-TASK, and nowhere with --json.",
-        show_default=False,
-    ),
-]
-Also = Annotated[
-    str | None,
-    typer.Option(
-        "--also",
-        metavar="LIST",
-        help="Objectives to record that don't make the front: reversal_depth,largest_force.",
-        show_default=False,
-    ),
-]
+from ...core.errors import require
+from ...io.sanitize import dump_json
+from .. import options
+from ..errors import INCOMPLETE, UserError, user_errors
+from ..inputs import load_laws
+from ..options import argument, option
+from ..outputs import SOURCE, print_line, print_table, result_folder, status, write_folder
 
 
-Generations = Annotated[
-    int | None,
-    typer.Option(
-        "--generations",
-        min=1,
-        max=100_000,
-        help="Don't judge every design: search by NSGA-II for so long, with sizes anywhere between"
-        " the least and the largest of the file (needs pymoo).",
-        show_default=False,
-    ),
-]
-Population = Annotated[
-    int, typer.Option("--population", min=4, max=10_000, help="Designs of a generation.")
-]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of chance.")]
-Checkpoint = Annotated[
-    str | None,
-    typer.Option(
-        "--checkpoint",
-        metavar="PATH",
-        help="Keep every generation there, and go on from what is there.",
-        show_default=False,
-    ),
-]
+if TYPE_CHECKING:
+    from ...design.exhaustive_search import Found
+    from ...reports.unreached import Unreached
+
+
+_PRINTED, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
+_CASES = 20  # load cases that are printed
 
 
 def run(
-    task: Task,
-    out: Out = None,
-    also: Also = None,
-    generations: Generations = None,
-    population: Population = 100,
-    seed: Seed = 0,
-    checkpoint: Checkpoint = None,
-    overwrite: Replace = False,
-    as_json: AsJson = False,
+    task: str = argument(
+        "TASK.toml",
+        "Task file: demands, buildable sizes, objectives; `fascicle init --task` writes one.",
+    ),
+    out: str | None = option(
+        "Folder of report, data and bundles; default: designed-TASK, none with --json.",
+        "--out -o",
+        metavar="FOLDER",
+    ),
+    also: str | None = option(
+        "Further objectives to record, apart from the front's: reversal_depth,largest_force.",
+        metavar="LIST",
+    ),
+    generations: int | None = option(
+        "Generations of a search with NSGA-II instead of an evaluation of every design; sizes vary"
+        " continuously within the file's bounds (needs pymoo).",
+        min=1,
+        max=100_000,
+    ),
+    population: int = option("Designs of a generation.", default=100, min=4, max=10_000),
+    seed: int = options.SEED,
+    checkpoint: str | None = option(
+        "Checkpoint file; the search resumes from it if it exists.", metavar="PATH"
+    ),
+    overwrite: bool = options.OVERWRITE,
+    as_json: bool = options.JSON,
 ) -> int:
-    """Recommend the cheapest bundle that does a task, and show those that no other betters.
+    """Recommend the cheapest bundle for a task, and alternatives.
 
-    Where no design reaches every load case, the nearest is told, what it misses and what would
-    reach it; the exit code is 3 then.
+    Exit code 3 where no design reaches every load case: the nearest design is shown then, with what
+    it misses and what would reach it.
     """
-    from ..startup import prepare
-    from .design_results import as_json as to_json
-    from .design_results import print_answer, write
+    folder = result_folder("design", out, task, as_json, overwrite)
+    if generations is not None:
+        require("pymoo")
+    if checkpoint is not None:
+        if generations is None:
+            raise UserError("--checkpoint: only a search with --generations has one: drop it.")
+        from ...io.atomic import check_writable
 
-    folder = folder_for("design", out, task, as_json, overwrite)
-    _check(generations, checkpoint)
-    prepare()
-    from ...design.exhaustive_search import search
+        with user_errors("--checkpoint "):
+            check_writable(checkpoint)
+    load_laws()
     from ...files.task import load_task
-
-    with refusing():
-        file = load_task(task)
-    extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
-    begun = time.perf_counter()
     from ...reports.unreached import answer
 
-    with telling(f"judging {len(file.space)} designs") as tell, refusing():
-        if generations is None:
-            found = search(
-                file.space, file.task, file.senses, file.limits, extra,
-                lambda done, all_: tell(f"{done} of {all_} designs"), file.catalog,
-                file.least_margin,
-            )  # fmt: skip
-        else:
-            found = _evolved(file, generations, population, seed, checkpoint, extra, tell)
-        tell("what the best of them do")
-        sure = _sure(found, file.chance)
-        seconds = time.perf_counter() - begun
-        answered = answer(found)
-    written: list[str] = []
+    with user_errors():
+        file = load_task(task)
+    extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
+    begin = time.perf_counter()
+    with status(f"evaluating {len(file.space)} designs") as update, user_errors():
+        result = _search(file, extra, generations, population, seed, checkpoint, update)
+        update("evaluating the best of them")
+        scatter = _scatter(result, file.chance)
+        seconds = time.perf_counter() - begin
+        answered = answer(result)
+    paths: list[str] = []
     if folder is not None:
-        today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        with telling("drawing the report"), refusing("--out "):
-            written = write(found, folder, today, seconds, sure, file.notes, answered, overwrite)
+        with status("drawing the report"):
+            paths = _write(result, answered, scatter, file.notes, seconds, folder, overwrite)
     if as_json:
-        print(to_json(found, answered, sure, file.notes))
-        return 0 if found.recommended is not None else INCOMPLETE
-    code = print_answer(found, answered, file.notes)
-    if sure is not None and found.recommended is not None:
-        share = sure.probability[found.recommended]
-        print(f"as muscles come out, it meets the task with a probability of {share:.2f}")
-    if written:
-        shown = written if len(written) < 5 else [*written[:3], f"{len(written) - 3} files more"]
-        say(f"wrote {', '.join(shown)}")
+        print(_json(result, answered, scatter, file.notes))
+        return 0 if result.recommended is not None else INCOMPLETE
+    code = print_answer(result, answered, file.notes)
+    if scatter is not None and result.recommended is not None:
+        share = scatter.probability[result.recommended]
+        print(f"with scatter of fabrication, it meets the task with a probability of {share:.2f}")
+    if paths:
+        shown = paths if len(paths) < 5 else [*paths[:3], f"{len(paths) - 3} files more"]
+        print_line(f"wrote {', '.join(shown)}")
     return code
 
 
-def _sure(found: Any, chance: Any) -> Any:
-    """How the front's designs come out, where the task file asks for it."""
-    if chance is None or not found.listed.size:
-        return None
-    from ...design.robust import spread
-
-    names = tuple(found.values)
-    return spread(
-        found.designs, found.task, names, found.limits, chance.scatter, chance.muscles, chance.draws
-    )
-
-
-def _check(generations: int | None, checkpoint: str | None) -> None:
-    """Refuse what would only fail after the file is read."""
-    from importlib.util import find_spec
-
-    if generations is not None and find_spec("pymoo") is None:
-        raise UserError("--generations needs the package pymoo: pip install 'fascicle[design]'.")
-    if checkpoint is not None:
-        from ...io.atomic import check_writable
-
-        if generations is None:
-            raise UserError("--checkpoint: only --generations keeps one.")
-        with refusing("--checkpoint "):
-            check_writable(checkpoint)
-
-
-def _evolved(
+def _search(
     file: Any,
-    generations: int,
+    extra: tuple[str, ...],
+    generations: int | None,
     population: int,
     seed: int,
     checkpoint: str | None,
-    extra: tuple[str, ...],
-    tell: Callable[[str], None],
-) -> Any:
+    update: Callable[[str], None],
+) -> "Found":
+    """Evaluate every design, or search by generations."""
+    if generations is None:
+        from ...design.exhaustive_search import search
+
+        return search(
+            file.space, file.task, file.senses, file.limits, extra,
+            lambda done, count: update(f"{done} of {count} designs"), file.catalog,
+            file.least_margin,
+        )  # fmt: skip
     from ...design.genetic import evolve
 
     return evolve(
         file.space, file.task, file.senses, file.limits, population, generations, seed,
         checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
-        watch=lambda done: tell(f"{done} of {generations} generations"), catalog=file.catalog,
+        watch=lambda done: update(f"{done} of {generations} generations"), catalog=file.catalog,
         least_margin=file.least_margin,
     )  # fmt: skip
+
+
+def _scatter(result: "Found", chance: Any) -> Any:
+    """Scatter of the front's designs, where the task file asks for it."""
+    if chance is None or not result.listed.size:
+        return None
+    from ...design.robust import spread
+
+    return spread(
+        result.designs, result.task, tuple(result.values), result.limits, chance.scatter,
+        chance.muscles, chance.draws,
+    )  # fmt: skip
+
+
+def print_answer(result: "Found", answered: Any, notes: tuple[str, ...] = ()) -> int:
+    """Print the recommended design and the front; or the nearest design.
+
+    **Arguments:**
+
+    - `result`: of a search.
+    - `answered`: of the reports' `answer`, a `Summary` or an `Unreached`.
+    - `notes`: on what the search left out.
+
+    **Returns:** the exit code: 0, or `INCOMPLETE`.
+    """
+    from ...reports.design import compromise
+    from ...reports.engineering import HEADS, called, case_rows, facts, headline, margin_warning
+
+    for note in notes:
+        print_line(f"note: {note}")
+    unreached, summary = _parts(answered)
+    if unreached is None:
+        recommendation, margin, *reasons = headline(result, summary)
+        warning = margin_warning(result, summary)
+        warnings = [f"warning: {warning}"] if warning else []
+        for line in (recommendation, margin, *warnings, *reasons):
+            print_line(line)
+    rows, caption = case_rows(summary, _CASES)
+    print_table(f"Load cases, {called(summary)}", list(HEADS), rows, caption)
+    if unreached is not None:
+        for line in unreached.lines():  # last, where it is read
+            print_line(line)
+        return INCOMPLETE
+    for name, text in facts(result, summary).items():
+        print_line(f"{name}: {text}")
+    _print_front(result)
+    for line in compromise(result):
+        print_line(line)
+    return 0
+
+
+def _parts(answered: Any) -> "tuple[Unreached | None, Any]":
+    """The nearest design where none reaches every load case, and the summary of a design."""
+    from ...reports.unreached import Unreached
+
+    return (answered, answered.summary) if isinstance(answered, Unreached) else (None, answered)
+
+
+def _print_front(result: "Found") -> None:
+    """Print the designs of the Pareto front."""
+    from ...reports.engineering import demand, shown, sizes, words
+
+    kept = ""
+    if result.judged == len(result.index):
+        reaching, allowed = int(result.reaching.sum()), int(result.allowed.sum())
+        kept = f" {reaching} {demand(result)}, {allowed} keep all limits too,"
+    print(f"{result.judged} designs,{kept} {len(result.front)} on the front")
+    marks = {result.compromise: "c", result.recommended: "*"}
+    if result.compromise == result.recommended:
+        marks[result.recommended] = "* c"
+    first = range(min(len(result.front), _PRINTED))
+    rows = [
+        [
+            f"{index + 1} {marks.get(index, '')}".strip(),
+            result.designs.labels[index],
+            *(shown(name, float(result.values[name][result.listed[index]]))
+              for name in result.told),
+            sizes(result, result.designs, index),
+        ]
+        for index in sorted({*first, *(int(index) for index in marks if index is not None)})
+    ]  # fmt: skip
+    heads = ["", "units", *map(words, result.told), "muscles"]
+    caption = "*: recommended, c: best compromise"
+    if result.cheapest not in result.front:
+        caption += "; the recommended one isn't on the front"
+    if more := len(result.listed) - len(rows):
+        caption += f"; {more} more are in the files"
+    print_table("Designs on the Pareto front", heads, rows, caption)
+
+
+def _write(
+    result: "Found",
+    answered: Any,
+    scatter: Any,
+    notes: tuple[str, ...],
+    seconds: float,
+    folder: Path,
+    overwrite: bool,
+) -> list[str]:
+    """Write report, data and bundles; returns the files' paths."""
+    from ...files import dumps
+    from ...reports.design import report
+    from ...results.designed import case_variables, every_variables, front_variables
+    from ...results.labelled import dataset, write_netcdf
+
+    bundles = {
+        f"bundle_{index + 1}.toml": dumps(result.designs.bundle(index, result.task))
+        for index in range(min(len(result.listed), _SAVED))
+    }
+    data: dict[str, Any] = {"designs.nc": every_variables(result)}
+    unreached, summary = _parts(answered)
+    if unreached is None and result.recommended is not None:
+        recommended = dumps(result.designs.bundle(result.recommended, result.task))
+        bundles = {"recommended.toml": recommended, **bundles}
+        data["front.nc"] = front_variables(result, scatter) | case_variables(summary)
+    files = [*data, *bundles]
+    today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+    page = report(result, today, files, seconds, scatter, notes, answered)
+    about = {"notes": " ".join(notes)} if notes else {}
+
+    def fill(draft: Path) -> None:
+        for name, text in {"report.html": page, **bundles}.items():
+            (draft / name).write_text(text, encoding="utf-8")
+        for name, variables in data.items():
+            title = f"Designs for {result.task.name}"
+            write_netcdf(dataset(variables, title=title, source=SOURCE, **about), draft / name)
+
+    write_folder("design", folder, overwrite, fill)
+    return [str(folder / name) for name in ("report.html", *files)]
+
+
+def _json(result: "Found", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
+    """JSON of the front and the recommended design, or of the nearest design."""
+    from ...reports.engineering import margin_warning
+    from ...results.designed import case_variables, design_variables, front_variables
+    from ...results.labelled import to_json
+
+    unreached, summary = _parts(answered)
+    warning = "" if unreached is not None else margin_warning(result, summary)
+    about = {
+        "reached": bool(summary.cases.reached.all()),
+        "limits_kept": unreached is None or unreached.keeps,
+        "notes": [*notes, *([] if unreached is None else [unreached.verdict()])],
+        "least_margin": result.least_margin,
+        "warnings": [warning] if warning else [],
+    }
+    if unreached is None:
+        variables = front_variables(result, scatter) | case_variables(summary)
+        return dump_json(about | json.loads(to_json(variables)))
+    nearest = design_variables(unreached.design) | case_variables(summary)
+    remedies = [
+        {"change": way.what, "now": way.now, "value": way.value, "looked_up_to": way.most,
+         "breaks": dict(way.breaks)}
+        for way in unreached.ways
+    ]  # fmt: skip
+    about |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
+    return dump_json(about | {"would_reach": remedies, "told": unreached.lines()})

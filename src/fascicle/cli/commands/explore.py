@@ -1,80 +1,48 @@
 """`fascicle explore`: the explorer, in a browser."""
 
 import os
-from typing import Annotated
+import sys
+from pathlib import Path
 
-import typer
-
-from ...io.sanitize import sanitize_line
-from ..options import complete_target
-from ..problems import UserError, refusing
+from ...core.errors import require
+from .. import options
+from ..errors import user_errors
+from ..inputs import read_target
+from ..options import option
+from ..outputs import print_line
 
 
 def run(
-    file: Annotated[
-        str,
-        typer.Argument(
-            metavar="[FILE]",
-            help="A muscle or bundle file, or a named example (see `fascicle muscles`).",
-            autocompletion=complete_target,
-        ),
-    ] = "kim2021_figure_6",
-    host: Annotated[
-        str,
-        typer.Option(
-            help="Address to listen on. Any other than 127.0.0.1 lets other machines use it.",
-        ),
-    ] = "127.0.0.1",
-    port: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=65535, help="Port; left out, 5006 or the next free one.", show_default=False
-        ),
-    ] = None,
-    allow_host: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="A name besides its own that it answers to, such as a proxy's; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    show: Annotated[bool, typer.Option("--show/--no-show", help="Open a browser.")] = True,
+    file: str = options.TARGET_OR_EXAMPLE,
+    host: str = option(
+        "Address to listen on; any but 127.0.0.1 lets other machines use it.", default="127.0.0.1"
+    ),
+    port: int | None = option("Port; default: 5006 or the next free one.", min=1, max=65535),
+    allow_host: list[str] | None = option(
+        "Host name to answer to besides its own, such as a proxy's. Repeat for others.",
+        metavar="NAME",
+    ),
+    show: bool = option("Opening of a browser.", "--show/--no-show", default=True),
 ) -> None:
-    """Feel a muscle or a bundle in the browser."""
-    from importlib.util import find_spec
-
-    if find_spec("panel") is None:
-        raise UserError("the explorer needs the package panel: pip install 'fascicle[explorer]'.")
+    """Explore a muscle or bundle interactively in the browser."""
+    require("panel")
     from ...explorer.stopping import Stop
 
-    with Stop(_say):
-        _serve(file, host, port, show, allow_host or [])
-    if _working():
-        # a fit that nobody will see: the interpreter would wait for its end
+    with Stop(_print):
+        _print("starting")
+        target = read_target(file)
+        from ...explorer.server import serve
+        from ...explorer.state import view_of
+
+        with user_errors():
+            view = view_of(target, Path(file).name[:60])
+            serve(view, host, port, show, _print, allow_host or [])
+    from ...explorer.background import working
+
+    if working():  # a fit that nobody will see: the interpreter would wait for its end
         os._exit(0)
 
 
-def _serve(file: str, host: str, port: int | None, show: bool, allowed: list[str]) -> None:
-    from pathlib import Path
-
-    from ..inputs import read_target
-
-    _say("starting")
-    found = read_target(file)
-    from ...explorer.server import serve
-    from ...explorer.state import view_of
-
-    with refusing():
-        view = view_of(found, Path(file).name[:60])
-        serve(view, host, port, show, _say, allowed)
-
-
-def _working() -> bool:
-    from ...explorer.background import working
-
-    return working()
-
-
-def _say(line: str) -> None:
-    print(sanitize_line(line), flush=True)
+def _print(line: str) -> None:
+    print_line(line)
+    sys.stdout.flush()

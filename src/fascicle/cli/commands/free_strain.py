@@ -1,69 +1,58 @@
-"""`fascicle free-strain`: where a muscle's or a bundle's force vanishes."""
+"""`fascicle free-strain`: the strain at which a muscle's or a bundle's force vanishes."""
 
 from typing import Any
 
-from ..equilibria import check_zeros, show_states
+from .. import options
+from ..errors import UserError, user_errors
 from ..inputs import check_grid, is_bundle, read_list, read_states, read_target
-from ..options import (
-    DEFAULT_PRESSURE,
-    AsCsv,
-    AsJson,
-    NoResistance,
-    Out,
-    Plot,
-    Pressures,
-    Replace,
-    Target,
-)
-from ..outputs import Outputs
-from ..printed import decimals, number, show
-from ..problems import UserError, refusing
-from ..telling import telling
+from ..outputs import Outputs, decimals, number, print_table, status
+from .bundle import check_equilibria, print_states
 
 
 def run(
-    file: Target,
-    pressure: Pressures = None,
-    no_resistance: NoResistance = False,
-    as_json: AsJson = False,
-    as_csv: AsCsv = False,
-    out: Out = None,
-    plot: Plot = None,
-    overwrite: Replace = False,
+    file: str = options.TARGET,
+    pressure: list[str] | None = options.PRESSURES,
+    no_resistance: bool = options.NO_RESISTANCE,
+    as_json: bool = options.JSON,
+    as_csv: bool = options.CSV,
+    out: str | None = options.OUT,
+    plot: str | None = options.PLOT,
+    overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Free strain of a muscle or a bundle.
 
-    With a muscle's blocked force and collapse, or all of a bundle's equilibria.
+    With a muscle's blocked force and collapse strain, or all of a bundle's equilibria.
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
-    found = read_target(file)
-    from ...results.tables import muscle_free_strain
-    from ..compute import bundle_equilibria
+    target = read_target(file)
+    from ...results.tables import bundle_equilibria, muscle_free_strain
 
-    if is_bundle(found):
-        states = read_states(pressure, found)
-        check_grid(len(states), len(states[0]))
-        with telling("finding equilibria"), refusing():
-            variables = bundle_equilibria(found, states, not no_resistance)
-        table = show_states
+    if is_bundle(target):
+        pressures = read_states(pressure, target)
+        units = len(pressures[0])
+        check_grid(len(pressures), units, units)
+        with status("finding equilibria"), user_errors():
+            variables = bundle_equilibria(target, pressures, not no_resistance)
+    elif no_resistance:
+        raise UserError("--no-resistance: only a bundle's muscles resist: drop it for a muscle.")
     else:
-        if no_resistance:
-            raise UserError("--no-resistance: it is for bundles; a muscle's free strain has none.")
-        text = ",".join(pressure or [DEFAULT_PRESSURE])
+        text = ",".join(pressure or [options.DEFAULT_PRESSURE])
         pressures = read_list(text, "pressure", "--pressure")
-        with telling("finding free strains"), refusing():
-            variables = muscle_free_strain(found, pressures)
-        table = _table
-    outputs.give(
-        variables,
-        lambda: table(variables),
-        lambda: _figure(found, variables, not no_resistance),
-        title=f"Free strain of {file}",
-    )
-    check_zeros(variables)
+        with status("finding free strains"), user_errors():
+            variables = muscle_free_strain(target, pressures)
+
+    def draw() -> Any:
+        from ...plot.curves import free_strain_states
+
+        strains = variables["free_strain"].values
+        return free_strain_states(target, pressures, strains, not no_resistance)
+
+    table = print_states if is_bundle(target) else _print
+    outputs.write(variables, lambda: table(variables), draw, title=f"Free strain of {file}")
+    check_equilibria(variables)
 
 
-def _table(variables: Any) -> None:
+def _print(variables: Any) -> None:
     columns = [variable.values.tolist() for variable in variables.values()]
     places = [
         4 if name.endswith("strain") else decimals(column)
@@ -74,11 +63,4 @@ def _table(variables: Any) -> None:
         for row in zip(*columns, strict=True)
     ]
     heads = ["pressure kPa", "free strain", "blocked force N", "collapse strain", "at N m"]
-    show("Free strain, blocked force and collapse", heads, rows)
-
-
-def _figure(found: Any, variables: Any, resistance: bool) -> Any:
-    from ...plot.curves import free_strain_states
-
-    pressures = variables["pressures" if is_bundle(found) else "pressure"].values
-    return free_strain_states(found, pressures, variables["free_strain"].values, resistance)
+    print_table("Free strain, blocked force and collapse", heads, rows)

@@ -1,33 +1,24 @@
 """`fascicle muscles`: the named examples."""
 
-from typing import Annotated
+import json
+import sys
 
-import typer
-
-from ..options import AsJson, complete_target
-from ..problems import refusing
+from .. import options
+from ..errors import user_errors
+from ..options import argument, complete_target
 
 
 def run(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[NAME]",
-            help="Print this example's file.",
-            autocompletion=complete_target,
-            show_default=False,
-        ),
-    ] = None,
-    as_json: AsJson = False,
+    name: str | None = argument(
+        "[NAME]", "Example whose file is printed.", None, autocompletion=complete_target
+    ),
+    as_json: bool = options.JSON,
 ) -> None:
     """List the named examples, or print one."""
-    import json
-    import sys
-
     from ...files import example_text, examples
 
     if name is not None:
-        with refusing():
+        with user_errors():
             text = example_text(name)
         sys.stdout.write(json.dumps({"name": name, "toml": text}) + "\n" if as_json else text)
     elif as_json:

@@ -1,114 +1,106 @@
 """`fascicle recruit`: the recruitment state and pressures that give a force at a strain."""
 
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
+from .. import options
+from ..errors import exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_one
-from ..options import AsCsv, AsJson, NoResistance, Out, Overwrite, Scheme, Supply, Target
-from ..outputs import Outputs
-from ..printed import decimals, number, show
-from ..problems import fall_short, refusing
-from ..telling import telling
+from ..options import option
+from ..outputs import Outputs, decimals, number, print_table, status
 
 
-Force = Annotated[
-    str,
-    typer.Option(
-        "--force",
-        "-f",
-        metavar="LIST",
-        help="Demanded forces: 40N, a list 20N,40N or a range 0N:100N:10N.",
-        show_default=False,
-    ),
-]
-Strain = Annotated[
-    str,
-    typer.Option(
-        "--strain",
-        "-s",
-        metavar="LIST",
-        help="Contractions: 0.12, a list 0,0.1 or a range 0:0.2:0.05.",
-        show_default=False,
-    ),
-]
 _UNREACHED = {1: "more than", 2: "less than"}
 
 
 def run(
-    file: Target,
-    force: Force,
-    strain: Strain,
-    supply: Supply = None,
-    scheme: Scheme = None,
-    no_resistance: NoResistance = False,
-    as_json: AsJson = False,
-    as_csv: AsCsv = False,
-    out: Out = None,
-    overwrite: Overwrite = False,
+    file: str = options.TARGET,
+    force: str = option(
+        "Demanded forces: 40N, a list 20N,40N or a range 0N:100N:10N.",
+        "--force -f",
+        metavar="LIST",
+        default=...,
+    ),
+    strain: str = option(
+        "Contractions: 0.12, a list 0,0.1 or a range 0:0.2:0.05.",
+        "--strain -s",
+        metavar="LIST",
+        default=...,
+    ),
+    supply: str | None = options.SUPPLY,
+    scheme: str | None = options.SCHEME,
+    no_resistance: bool = options.NO_RESISTANCE,
+    as_json: bool = options.JSON,
+    as_csv: bool = options.CSV,
+    out: str | None = options.OUT,
+    overwrite: bool = options.OVERWRITE_ONLY,
 ) -> None:
     """State and pressures that give a force at a strain.
 
-    Of several solutions the one that takes least fluid; the others are shown too.
+    The solution that takes least fluid; other solutions are listed beside it.
     """
     forces = read_list(force, "force", "--force")
     strains = read_list(strain, "strain", "--strain")
     supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
-    check_grid(len(forces), len(strains))
-    outputs = Outputs(as_json, as_csv, out, None, overwrite, "--overwrite")
-    bundle = read_bundle(file, unsupplied=supply_pressure is None)
-    from ..compute import bundle_recruit, is_free
+    outputs = Outputs(as_json, as_csv, out, None, overwrite)
+    bundle = read_bundle(file, supply_pressure)
+    units = len(bundle.motor_units)
+    check_grid(len(forces), len(strains), units, units)
+    import numpy as np
 
-    told = f"finding the pressures of {len(forces) * len(strains)} demands"
-    with telling(told), refusing():
-        variables = bundle_recruit(
-            bundle, forces, strains, supply_pressure, scheme, not no_resistance
+    from ...bundle import recruitment
+    from ...bundle.own import scheme_used
+    from ...results.tables import recruited
+
+    with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
+        result = recruitment.recruit(
+            bundle,
+            np.array(forces)[:, None],
+            strains,
+            supply_pressure,
+            scheme,
+            resistance=not no_resistance,
         )
-    outputs.give(
-        variables,
-        lambda: _table(variables, is_free(bundle, scheme)),
-        title=f"Recruitment of {file}",
-    )
-    status = variables["status"].values
-    if missed := int((status != 0).sum()):
-        fall_short(
-            f"{missed} of {status.size} demands can't be reached: for them the nearest force is"
-            " given, with status 1 where more was demanded than can be, 2 where less."
+        variables = recruited(result, np.array(forces), np.array(strains))
+    is_free = scheme_used(bundle, scheme).independent
+    outputs.write(variables, lambda: _print(variables, is_free), title=f"Recruitment of {file}")
+    unreached = variables["status"].values
+    if count := int((unreached != 0).sum()):
+        exit_incomplete(
+            f"{count} of {unreached.size} demands can't be reached: their nearest force is given,"
+            " with status 1 where the demand is too large, 2 where it is too small."
         )
 
 
-def _table(variables: Any, free: bool) -> None:
+def _print(variables: Any, is_free: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     places = decimals(force for row in values["force"] for force in row)
     rows, unreached = [], []
-    for i, demanded in enumerate(values["demand"]):
+    for i, demand in enumerate(values["demand"]):
         for j, strain in enumerate(values["strain"]):
             rows.append(_row(values, i, j, places))
-            if status := values["status"][i][j]:
+            if code := values["status"][i][j]:
                 unreached.append(
-                    f"{demanded:.6g} N at a strain of {strain:.6g} is {_UNREACHED[status]} can be"
+                    f"{demand:.6g} N at a strain of {strain:.6g} is {_UNREACHED[code]} can be"
                     f" reached: the nearest is {number(values['force'][i][j], places)} N."
                 )
     units = len(values["pressures"][0][0])
     heads = ["demand N", "strain", "state", *(f"P{unit + 1} kPa" for unit in range(units))]
     caption = "u: unstable, the force rises with strain there"
-    show("Recruitment", [*heads, "force N", "other solutions"], rows, caption, keys=2)
-    if free:
-        print(
-            "Of all pressures that give it, those that take least fluid; the others aren't listed."
-        )
+    print_table("Recruitment", [*heads, "force N", "other solutions"], rows, caption, keys=2)
+    if is_free:
+        print("Of all pressures that give it, those that take least fluid; others aren't listed.")
     for line in unreached:
         print(line)
 
 
 def _row(values: Any, i: int, j: int, places: int) -> list[str]:
-    """A demand's answer; other solutions as state and throttled pressure."""
-    own = values["throttled_pressure"][i][j], values["state"][i][j]
+    """Solution of a demand; other solutions as state and throttled pressure."""
+    solution = values["throttled_pressure"][i][j], values["state"][i][j]
     names = ("solution_pressure", "solution_state", "solution_stable")
     others = [
-        f"{state}: {pressure / 1e3:.6g} kPa{'' if firm else ' u'}"
-        for pressure, state, firm in zip(*(values[name][i][j] for name in names), strict=True)
-        if state and (pressure, state) != own
+        f"{state}: {pressure / 1e3:.6g} kPa{'' if is_stable else ' u'}"
+        for pressure, state, is_stable in zip(*(values[name][i][j] for name in names), strict=True)
+        if state and (pressure, state) != solution
     ]
     return [
         f"{values['demand'][i]:.6g}",

@@ -1,47 +1,32 @@
-"""`fascicle reproduce`: a paper's figures and claims, made anew."""
+"""`fascicle reproduce`: a paper's figures and claims, and measured records against every law."""
 
 import sys
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from ..options import Replace
-from ..outputs import say
-from ..problems import INCOMPLETE, UserError, refusing
-from ..startup import prepare
-from ..telling import telling
+from .. import options
+from ..errors import INCOMPLETE, UserError, user_errors
+from ..inputs import load_laws
+from ..options import argument, option
+from ..outputs import check_folder, print_line, status, write_folder
 
 
 MEASUREMENTS = "measurements"
 
 
 def run(
-    paper: Annotated[
-        str,
-        typer.Argument(
-            metavar="PAPER",
-            help="Which one: kim2021; or measurements, every measured record in reach against"
-            " every law.",
-            autocompletion=lambda: ["kim2021", MEASUREMENTS],
-            show_default=False,
-        ),
-    ],
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="DIR",
-            help="The folder for what is made; left out, out/PAPER.",
-            show_default=False,
-        ),
-    ] = None,
-    overwrite: Replace = False,
+    paper: str = argument(
+        "PAPER",
+        "Paper: kim2021; or measurements: every available record against every law.",
+        autocompletion=lambda: ["kim2021", MEASUREMENTS],
+    ),
+    out: str | None = option("Folder of results; default: out/PAPER.", "--out -o", metavar="DIR"),
+    overwrite: bool = options.OVERWRITE,
 ) -> None:
-    """Figures and claims of a paper, made anew.
+    """Reproduce the figures and check the claims of a paper.
 
     Exit code 1 if a claim fails: one that isn't known to differ; 3 if no measured record is in
     reach, or some had to be left out.
@@ -49,26 +34,15 @@ def run(
     if paper not in ("kim2021", MEASUREMENTS):
         raise UserError(f"{paper}: no such paper here, choose kim2021, or {MEASUREMENTS}.")
     folder = Path(f"out/{paper}" if out is None else out)
-    _checkout()
+    _add_checkout()
     if paper == MEASUREMENTS:
-        _measured(folder, overwrite)
-        return
-    with refusing("--out "):
-        _check(folder, overwrite)
-    prepare()
-    reproduction = _load("kim2021.reproduction")
-    with refusing("--out "):  # a full disk, a folder gone
-        claims = _made(reproduction, folder, overwrite)
-    terminal = _load("terminal")
-    terminal.print_claims(claims)
-    say(f"claims: {folder / 'claims.json'}")
-    say(f"report: {folder / 'report.html'}")
-    if terminal.failed(claims):
-        raise typer.Exit(1)
+        _compare_measurements(folder, overwrite)
+    else:
+        _check_claims(folder, overwrite)
 
 
-def _checkout() -> Path:
-    """Folder of the checkout that the package runs from, which holds `reproduction`."""
+def _add_checkout() -> None:
+    """Add the checkout to Python's path, whose `reproduction` lies beside the package."""
     import fascicle
 
     folder = Path(fascicle.__file__).resolve().parents[2]
@@ -77,87 +51,79 @@ def _checkout() -> Path:
             f"reproduce runs in a checkout of fascicle alone, and {folder} has no folder"
             " `reproduction`: clone the repository and run `make reproduce` there."
         )
-    return folder
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
 
 
-def _load(name: str) -> ModuleType:
-    """Import a module of `reproduction`, which lies beside the package and isn't installed."""
-    checkout = str(_checkout())
-    if checkout not in sys.path:
-        sys.path.append(checkout)
-    with telling("loading the paper's figures"):
-        return import_module(f"reproduction.{name}")
-
-
-def _measured(folder: Path, overwrite: bool) -> None:
-    """Every measured record in reach against every law, shown and written."""
-    prepare()
-    measurements = _load("measurements")
-    from ...files.ours import write_folder
-
-    with refusing(), telling("reading the records"):
+def _compare_measurements(folder: Path, overwrite: bool) -> None:
+    """Compare every law with every measured record that is available."""
+    load_laws()
+    with status("reading the records"), user_errors():
+        measurements = import_module("reproduction.measurements")
         records = measurements.measured_records()
-    left = [record for record in records if record.left_out]
-    for record in left:
-        say(f"left out: {record.name}: {record.left_out}")
-    if len(left) == len(records):
-        say(measurements.no_records_message())
+    omitted = [record for record in records if record.left_out]
+    for record in omitted:
+        print_line(f"left out: {record.name}: {record.left_out}")
+    if len(omitted) == len(records):
+        print_line(measurements.no_records_message())
         raise typer.Exit(INCOMPLETE)
-    with refusing("--out "):
-        _check(folder, overwrite)
+    _make_folder(folder, overwrite)
     comparisons: list[Any] = []
-    with refusing(), telling("measurements") as tell:
+    with user_errors(), status("measurements") as update:
         write_folder(
-            folder,
             "reproduce",
-            lambda draft: comparisons.extend(measurements.run(draft, records, tell)),
+            folder,
             overwrite,
+            lambda draft: comparisons.extend(measurements.run(draft, records, update)),
         )
-    _load("terminal").print_comparisons(comparisons)
-    for text in measurements.UNTESTED:
-        say(text)
-    say(f"report: {folder / 'report.html'}")
-    if left:
+    import_module("reproduction.terminal").print_comparisons(comparisons)
+    for text in (*measurements.UNTESTED, f"report: {folder / 'report.html'}"):
+        print_line(text)
+    if omitted:
         raise typer.Exit(INCOMPLETE)
 
 
-def _check(folder: Path, overwrite: bool) -> None:
-    """Refuse a folder that can't be made or written, before the minutes of work."""
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{folder}: it is no folder.")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
-    from ...files.ours import check_folder
-
-    check_folder(folder, "reproduce", overwrite)
-
-
-def _made(reproduction: ModuleType, folder: Path, overwrite: bool) -> list[Any]:
-    """The claims, once everything is in `folder`; a bar on the terminal meanwhile."""
+def _check_claims(folder: Path, overwrite: bool) -> None:
+    """Make the paper's figures, and check its claims; a bar on the terminal meanwhile."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from ...files.ours import write_folder
-
+    _make_folder(folder, overwrite)
+    load_laws()
+    with status("loading the paper's figures"):
+        kim2021 = import_module("reproduction.kim2021.reproduction")
+        terminal = import_module("reproduction.terminal")
     columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
                TimeElapsedColumn())  # fmt: skip
-    # on stderr, and only where somebody watches
-    console = Console(file=sys.stderr)
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
+    console = Console(stderr=True)
+    hidden = not console.is_terminal
+    claims: list[Any] = []
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task("", total=None)
 
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        claims: list[Any] = []
         write_folder(
-            folder,
             "reproduce",
-            lambda draft: claims.extend(reproduction.run(draft, progress)),
+            folder,
             overwrite,
+            lambda draft: claims.extend(kim2021.run(draft, progress)),
         )
-        return claims
+    terminal.print_claims(claims)
+    print_line(f"claims: {folder / 'claims.json'}")
+    print_line(f"report: {folder / 'report.html'}")
+    if terminal.failed(claims):
+        raise typer.Exit(1)
+
+
+def _make_folder(folder: Path, overwrite: bool) -> None:
+    """Make the folder, or refuse one that can't be written, before the minutes of work."""
+    with user_errors("--out "):
+        if folder.exists() and not folder.is_dir():
+            raise NotADirectoryError(f"{folder}: it is no folder.")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
+    check_folder("reproduce", folder, overwrite)

@@ -1,227 +1,270 @@
-"""`fascicle simulate`: a bundle driven in time, and where the energy went."""
+"""`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
 import datetime as dt
+import math
 import sys
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from ..audited import audited
+from .. import options
+from ..errors import UserError, user_errors
 from ..inputs import read_scenario
-from ..options import AsCsv, AsJson, Out, Plot, Replace
-from ..outputs import Outputs, say
-from ..printed import decimals, number, show
-from ..problems import UserError, refusing
-from ..telling import telling
-from .simulate_compare import compare as comparing
+from ..options import argument, option
+from ..outputs import (
+    Outputs,
+    check_file,
+    decimals,
+    number,
+    print_line,
+    print_table,
+    status,
+    write_text,
+)
 
 
-def complete_scenario(incomplete: str) -> list[str]:
-    """Named scenarios that begin so [-]."""
+def _complete_scenario(incomplete: str) -> list[str]:
     from ...files import scenarios
 
     return [name for name in scenarios() if name.startswith(incomplete)]
 
 
-Scenario = Annotated[
-    str,
-    typer.Argument(
-        metavar="SCENARIO.toml",
-        help="Bundle, load, fluid, supply, valves and schedule, or a named one, such as lift_gas,"
-        " ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
-        autocompletion=complete_scenario,
-        show_default=False,
-    ),
-]
-Report = Annotated[
-    str | None,
-    typer.Option(
-        "--report",
-        metavar="PATH",
-        help="Also write a page with traces and energies there: .html.",
-        show_default=False,
-    ),
-]
-Policy = Annotated[
-    str | None,
-    typer.Option(
-        "--policy",
-        metavar="NAME",
-        help="Control by this policy, not the scenario's: orderly, batch, threshold, energy_aware,"
-        " hand_over, pre_charge, fast_cross, or auto.",
-        show_default=False,
-    ),
-]
-Compare = Annotated[
-    bool,
-    typer.Option("--compare", help="Run every policy: their dips against their energy."),
-]
-Compensate = Annotated[
-    bool | None,
-    typer.Option(
-        "--compensate/--no-compensate",
-        help="Whether friction is fed forward, whatever the scenario says.",
-        show_default=False,
-    ),
-]
-_DISTRUSTED = 1
-_EVENTS = 20  # that are printed
-_ROUNDED = 1e-14  # of a balance's largest term: what rounding makes of a zero
+_UNTRUSTED = 1  # exit code
+_MAX_EVENTS = 20  # that are printed
+_ROUNDING = 1e-14  # of a balance's largest term: what rounding makes of a zero
 
 
 def run(
-    scenario: Scenario,
-    as_json: AsJson = False,
-    as_csv: AsCsv = False,
-    out: Out = None,
-    plot: Plot = None,
-    report: Report = None,
-    policy: Policy = None,
-    compare: Compare = False,
-    compensate: Compensate = None,
-    overwrite: Replace = False,
+    scenario: str = argument(
+        "SCENARIO.toml",
+        "Scenario file: bundle, load, fluid, supply, valves and schedule; or a named one, such as"
+        " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
+        autocompletion=_complete_scenario,
+    ),
+    as_json: bool = options.JSON,
+    as_csv: bool = options.CSV,
+    out: str | None = options.OUT,
+    plot: str | None = options.PLOT,
+    report: str | None = option("Page with traces and energies: .html.", metavar="PATH"),
+    policy: str | None = option(
+        "Control policy: orderly, batch, threshold, energy_aware, hand_over, pre_charge, fast_cross"
+        " or auto; default: the scenario's.",
+        metavar="NAME",
+    ),
+    compare: bool = option(
+        "Comparison of all policies, drawdown against energy.", "--compare", default=False
+    ),
+    compensate: bool | None = option(
+        "Friction feedforward; default: the scenario's.", "--compensate/--no-compensate"
+    ),
+    overwrite: bool = options.OVERWRITE,
 ) -> int:
-    """A bundle driven in time, and where every joule went.
+    """Simulate a bundle over time and report its energy balance.
 
-    Where a balance doesn't close, or something happened that forbids to trust the run, it says so
-    and ends with exit code 1.
+    Exit code 1 where a balance does not close, or an event makes the run untrustworthy.
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
-    _check(report, overwrite)
+    if report is not None:
+        check_file("--report", report, overwrite, [".html"])
     if compare and policy is not None:
         raise UserError("--compare runs every policy: leave out --policy.")
-    with telling("reading the scenario") as tell:
-        read = read_scenario(scenario)
+    with status("reading the scenario") as update:
+        study = read_scenario(scenario)
         if policy is not None or compensate is not None:
-            with refusing():
-                read = read.taking(policy, compensate)
-        if compare:
-            return comparing(read, outputs, report, overwrite)
-        from ...results.simulated import simulated
+            with user_errors():
+                study = study.taking(policy, compensate)
+        if not compare:
+            update(f"simulating {study.duration:g} s in {round(study.duration / study.dt)} steps")
+            return _simulate(study, outputs, report)
+    return _compare(study, outputs, report)
 
-        steps = round(read.duration / read.dt)
-        tell(f"simulating {read.duration:g} s in {steps} steps")
-        with refusing():
-            found = read.run()
-        tell("where the energy went")
-        balanced, doubts = audited(read.plant, found)
-        made = read.controlled
-        asked = () if made is None else (made.controller, made.reference)
-        table = simulated(read.plant, found, balanced, *asked)
+
+def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
+    from ...results.simulated import simulated
+
+    with user_errors():
+        result = study.run()
+    balances, doubts = audit_run(study.plant, result)
+    control = study.controlled
+    controller = () if control is None else (control.controller, control.reference)
+    table = simulated(study.plant, result, balances, *controller)
 
     def draw() -> Any:
         from ...plot.trajectory import traces
         from ...reports.controlled import demanded
 
-        return traces(read.plant, found, demanded(read, found))
+        return traces(study.plant, result, demanded(study, result))
 
-    title = f"Simulation of {read.name}"
-    outputs.give(
-        table, lambda: _print(read, found, balanced), draw, title=title, notes=_told(read, doubts)
+    notes = [*study.notes, *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else [])]
+    outputs.write(
+        table,
+        lambda: _print(study, result, balances),
+        draw,
+        title=f"Simulation of {study.name}",
+        notes=" ".join(notes),
     )
     if report is not None:
-        from ...files.ours import replacing
-        from ...io.atomic import write_text
-        from ...reports.simulated import report as made
+        from ...reports.simulated import report as page
 
-        today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-        with telling("drawing the report"):
-            page = made(read, found, balanced, doubts, today)
-        with refusing("--report "), replacing(report, overwrite) as draft:
-            write_text(draft, page)
-        if not (as_json or as_csv):
-            say(f"wrote {report}")
-    if doubts:
-        sys.stdout.flush()  # in this order, also where both go to one place
-        say(f"{read.name}: the run can't be trusted: {'; '.join(doubts)}", error=True)
-        return _DISTRUSTED
-    return 0
+        text = page(study, result, balances, doubts, _today())
+        _write_report(report, outputs, text)
+    return _print_doubts({f"{study.name}: the run": doubts})
 
 
-def _check(report: str | None, overwrite: bool) -> None:
-    if report is None:
-        return
-    from ...files.ours import check_file
-    from ...io.atomic import check_writable
+def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
+    """Run all policies on one scenario; returns the exit code."""
+    if study.controlled is None:
+        raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
+    from ...control import POLICIES
+    from ...plot.trajectory import PolicyCosts, policies
+    from ...reports import compared as pages
+    from ...reports.controlled import demanded, judged
+    from ...results.controlled import compared as table_of
 
-    if Path(report).suffix.lower() != ".html":
-        raise UserError(f"--report {report!r}: its name must end in .html.")
-    with refusing("--report "):
-        check_writable(report)
-        check_file(report, overwrite)
+    runs: dict[str, Any] = {}
+    with status("simulating") as update:
+        for index, policy in enumerate(POLICIES, start=1):
+            update(f"simulating {policy}, policy {index} of {len(POLICIES)}")
+            with user_errors():
+                one = study.taking(policy)
+                result = one.run()
+            _, doubts = audit_run(one.plant, result)
+            demand = demanded(one, result)
+            assert demand is not None
+            metrics = judged(one.controlled, result)
+            runs[policy] = pages.Ran(one.controlled, result, metrics, demand, doubts)
+    metrics = [run.worth for run in runs.values()]
+    controllers = {name: run.controlled.controller for name, run in runs.items()}
+    table = table_of(controllers, metrics, [not run.doubts for run in runs.values()])
+    front = table["on_front"].values.tolist()
+
+    def draw() -> Any:
+        costs = PolicyCosts([m.drawdown for m in metrics], [m.supply_energy for m in metrics], front)
+        pairs = {name: (run.run, run.demanded) for name, run in runs.items()}
+        return policies(study.plant, pairs, costs)
+
+    notes = [f"{note}." for note in pages.notes(study, runs)]
+
+    def table_for_reader() -> None:
+        of = study.controlled.controller.of
+        print_table(
+            f"Policies on {study.name}, control of {of}",
+            pages.heads(study.plant, of),
+            pages.rows(study.plant, of, runs, front),
+            "front: no other policy has less drawdown for as much energy, or takes less energy for"
+            " as much drawdown",
+        )
+        for note in notes:
+            print_line(f"note: {note}")
+
+    title = f"Policies of {study.name}"
+    outputs.write(table, table_for_reader, draw, title=title, notes=" ".join(notes))
+    if report is not None:
+        _write_report(report, outputs, pages.report(study, runs, front, draw(), _today()))
+    return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
 
 
-def _told(read: Any, doubts: list[str]) -> str:
-    notes = [*read.notes, *(["can't be trusted: " + "; ".join(doubts)] if doubts else [])]
-    return " ".join(notes)
+def audit_run(plant: Any, result: Any) -> tuple[Any, list[str]]:
+    """Audit of a run; `None` of a chamber that keeps no balance. Reasons not to trust it."""
+    from ...dynamics import audit, events
+
+    audited, doubts = None, []
+    try:
+        audited = audit(plant, result)
+    except ValueError as error:
+        doubts.append(str(error).rstrip("."))
+    doubts += [
+        f"the {balance.name} doesn't close, {balance.share:.1e} of its largest term is left over"
+        f" ({balance.closes_within:g} would pass)"
+        + (f": {balance.remedy}" if balance.remedy else "")
+        for balance in (audited.balances if audited else ())
+        if not balance.closes
+    ]
+    doubts += [
+        f"{event.name} from {event.first:g} s, {event.words}"
+        for event in events(result)
+        if not event.trusted
+    ]
+    return audited, doubts
 
 
-def _print(read: Any, found: Any, balanced: Any) -> None:
+def _today() -> str:
+    return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
+
+
+def _write_report(path: str, outputs: Outputs, page: str) -> None:
+    write_text("--report", path, outputs.overwrite, page)
+    if not (outputs.as_json or outputs.as_csv):
+        print_line(f"wrote {path}")
+
+
+def _print_doubts(doubts: dict[str, list[str]]) -> int:
+    """Print reasons not to trust runs; returns the exit code."""
+    sys.stdout.flush()  # in this order, also where both go to one place
+    for run, reasons in doubts.items():
+        if reasons:
+            print_line(f"{run} can't be trusted: {'; '.join(reasons)}", error=True)
+    return _UNTRUSTED if any(doubts.values()) else 0
+
+
+def _print(study: Any, result: Any, balances: Any) -> None:
     from ...dynamics import events
 
-    seen, plant = found.seen, read.plant
-    for note in read.notes:
-        say(f"note: {note}")
-    turns = plant.load.unit == "rad"
-    shown, factor = ("deg", 57.29577951308232) if turns else ("mm", 1e3)
-    substeps = f"{found.substeps} substeps each"
+    seen, plant = result.seen, study.plant
+    for note in study.notes:
+        print_line(f"note: {note}")
+    unit, factor = ("deg", math.degrees(1)) if plant.load.unit == "rad" else ("mm", 1e3)
     print(
-        f"{found.time[-1]:g} s in {len(found.time) - 1} steps of {1e3 * read.dt:g} ms, {substeps}"
+        f"{result.time[-1]:g} s in {len(result.time) - 1} steps of {1e3 * study.dt:g} ms,"
+        f" {result.substeps} substeps each"
     )
     places = decimals(factor * seen.position)
+    steps = {"start": 0, "lowest": seen.position.argmin(), "highest": seen.position.argmax(),
+             "end": -1}  # fmt: skip
     rows = [
         [
             name,
-            f"{found.time[k]:g}",
+            f"{result.time[k]:g}",
             number(factor * float(seen.position[k]), places),
             *(number(float(P) / 1e3, 1) for P in seen.pressures[k]),
             number(float(seen.supply_pressure[k]) / 1e3, 1),
         ]
-        for name, k in (("start", 0), ("lowest", seen.position.argmin()),
-                        ("highest", seen.position.argmax()), ("end", -1))
-    ]  # fmt: skip
-    heads = ["", "time s", f"position {shown}",
-             *(f"P{unit + 1} kPa" for unit in range(plant.units)), "supply kPa"]  # fmt: skip
-    show(f"Positions of the load, from {read.name}", heads, rows)
-    if read.controlled is not None:
-        _worth(read, found)
-    if balanced is not None:
-        _balances(balanced)
-    happened = events(found)
-    for one in happened[:_EVENTS]:
-        say(f"{one.name} from {one.first:.4g} s to {one.last:.4g} s: {one.words}")
+        for name, k in steps.items()
+    ]
+    pressures = [f"P{index + 1} kPa" for index in range(plant.units)]
+    heads = ["", "time s", f"position {unit}", *pressures, "supply kPa"]
+    print_table(f"Positions of the load, from {study.name}", heads, rows)
+    if study.controlled is not None:
+        _print_control(study, result)
+    if balances is not None:
+        _print_balances(balances)
+    for event in events(result)[:_MAX_EVENTS]:
+        print_line(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.words}")
 
 
-def _worth(read: Any, found: Any) -> None:
+def _print_control(study: Any, result: Any) -> None:
     from ...reports.controlled import beyond, judged, told
 
-    made, plant = read.controlled, read.plant
-    what, of = judged(made, found), made.controller.of
-    show(f"Control of {of} by {made.policy}", ["", ""], told(plant, of, what))
-    if out := beyond(plant, of, what):
-        say(f"note: {out}")
+    control, plant = study.controlled, study.plant
+    metrics, of = judged(control, result), control.controller.of
+    print_table(f"Control of {of} by {control.policy}", ["", ""], told(plant, of, metrics))
+    if unreachable := beyond(plant, of, metrics):
+        print_line(f"note: {unreachable}")
 
 
-def _balances(balanced: Any) -> None:
-    rows = [
-        [
-            one.name.replace(" of ", "\nof "),
-            "\n".join(_terms(one)),
-            # below one another, so that a narrow terminal keeps them beside their balance
-            f"{one.share:.0e}\n" + ("closes" if one.closes else "DOES NOT\nCLOSE"),
+def _print_balances(balances: Any) -> None:
+    rows = []
+    for balance in balances.balances:
+        terms = [("", balance.into), ("to ", balance.went)]
+        least = _ROUNDING * max(abs(value) for _, part in terms for value in part.values())
+        lines = [
+            f"{mark}{name} {value:.3g} {balance.unit}"
+            for mark, part in terms
+            for name, value in part.items()
+            if abs(value) > least
         ]
-        for one in balanced.balances
-    ]
-    told = "left over: as a share of the largest term; terms that are zero aren't told"
-    show("Balances", ["balance", "what came and went", "left over"], rows, told)
-
-
-def _terms(balance: Any) -> list[str]:
-    least = _ROUNDED * max(map(abs, [*balance.into.values(), *balance.went.values()]))
-    return [
-        f"{mark}{name} {value:.3g} {balance.unit}"
-        for mark, terms in (("", balance.into), ("to ", balance.went))
-        for name, value in terms.items()
-        if abs(value) > least
-    ]
+        # on lines of their own, so that a narrow terminal keeps them beside their balance
+        verdict = f"{balance.share:.0e}\n" + ("closes" if balance.closes else "DOES NOT\nCLOSE")
+        rows.append([balance.name.replace(" of ", "\nof "), "\n".join(lines), verdict])
+    heads, caption = ["balance", "terms", "residual"], (
+        "residual: relative to the largest term; zero terms omitted"
+    )  # fmt: skip
+    print_table("Balances", heads, rows, caption)

@@ -5,212 +5,166 @@ import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+from ...core.errors import require
+from .. import options
+from ..errors import StoppedError, UserError, user_errors
+from ..inputs import load_laws
+from ..options import argument, option
+from ..outputs import SOURCE, check_file, print_line, status, write_file
+from .design import print_answer
 
-from ..options import Replace
-from ..outputs import say
-from ..problems import StoppedError, UserError, refusing
-from ..telling import telling
 
-
-StudyFile = Annotated[
-    str,
-    typer.Argument(
-        metavar="STUDY.toml",
-        help="A task file, as `fascicle design` takes; [sweep] block says how it is cut up.",
-        show_default=False,
-    ),
-]
-Out = Annotated[
-    str | None,
-    typer.Option(
-        "--out", "-o", metavar="FOLDER", help="Where results go; left out, swept-STUDY.",
-        show_default=False,
-    ),
-]  # fmt: skip
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there.")]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Of a Dask scheduler, tcp://…, whose workers see FOLDER under the same path; left"
-        " out, workers on this machine.",
-        show_default=False,
-    ),
-]
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", min=0, max=4096, help="On this machine; left out, one a core; 0: no cluster.",
-        show_default=False,
-    ),
-]  # fmt: skip
-_KEPT = "finished blocks are kept in {}, --resume goes on with them."
+_RESUME = "finished blocks are kept in {}, --resume goes on with them."
 _QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
 _FRONT = 5_000_000  # designs of which the front is looked for in the end
 
 
 def run(
-    study: StudyFile,
-    out: Out = None,
-    resume: Resume = False,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
-    overwrite: Replace = False,
+    study: str = argument(
+        "STUDY.toml", "Task file, as of `fascicle design`; its [sweep] sets the size of a block."
+    ),
+    out: str | None = option(
+        "Folder of results; default: swept-STUDY.", "--out -o", metavar="FOLDER"
+    ),
+    resume: bool = option("Resumption of the study in the folder.", "--resume", default=False),
+    scheduler: str | None = option(
+        "Address of a Dask scheduler, tcp://…, whose workers see FOLDER under the same path;"
+        " default: workers on this machine.",
+        metavar="ADDRESS",
+    ),
+    workers: int | None = option(
+        "Workers on this machine; default: one a core; 0: no cluster.", min=0, max=4096
+    ),
+    overwrite: bool = options.OVERWRITE,
 ) -> int:
-    """Judge every design of a study, block by block, into a folder with a zarr store."""
-    from importlib.util import find_spec
-
+    """Evaluate a study's designs block by block, on many workers."""
     if scheduler is not None and workers is not None:
-        raise UserError("--scheduler and --workers: a scheduler has its own workers, take one.")
-    needed = ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]
-    for name in needed:
-        if find_spec(name) is None:
-            raise UserError(f"sweeping needs the package {name}: pip install 'fascicle[sweep]'.")
-    from ..startup import prepare
-
-    prepare()
-    with telling("loading the task"):
-        from ...design.sweep import Study, sweep
-        from ...files.task import load_task
+        raise UserError("--scheduler and --workers: a scheduler has its own workers, drop one.")
+    for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:
+        require(library)
+    load_laws()
+    from ...design.sweep import Store, Study, sweep
+    from ...files.task import load_task
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
-    with refusing(), telling("reading the task"):
-        file = load_task(study)
-        made = Study.of(file.space, file.task, file.senses, file.limits, block=file.block)
-    # what can't be is said before a cluster is started
-    with refusing(), telling("looking into the folder"):
-        from ...design.sweep import Store
-        from ...files.ours import check_file
-
-        Store.check(folder, made, resume)
-        check_file(folder / "front.nc", overwrite)
-    with _cluster(scheduler, workers) as client, _told(made.block) as watch, refusing():
-        call = partial(sweep, made, folder, client, resume, watch)
-        store = _swept(call if scheduler is None else partial(call, alone=_QUEUE), folder)
-    say(f"{len(made.space)} designs in {made.blocks} blocks: {folder / 'designs.zarr'}")
-    if len(made.space) > _FRONT:
-        print(f"of more than {_FRONT} designs none is recommended, nor is a front looked for")
+    with user_errors(), status("reading the task"):  # before a cluster is started
+        task = load_task(study)
+        designs = Study.of(task.space, task.task, task.senses, task.limits, block=task.block)
+        Store.check(folder, designs, resume)
+    if folder.is_dir():
+        check_file("--out", folder / "front.nc", overwrite)
+    with _cluster(scheduler, workers) as client, _progress(designs.block) as watch, user_errors():
+        call = partial(sweep, designs, folder, client, resume, watch)
+        store = _run(call if scheduler is None else partial(call, alone=_QUEUE), folder)
+    count = len(designs.space)
+    print_line(f"{count} designs in {designs.blocks} blocks: {folder / 'designs.zarr'}")
+    if count > _FRONT:
+        print(f"no front: {count} designs are more than {_FRONT}")
         return 0
-    with refusing():
-        return _front(store, file, folder, overwrite)
+    with user_errors():
+        return _conclude(store, task, folder, overwrite)
 
 
-def _swept(sweep: Callable[[], Any], folder: Path) -> Any:
+def _run(sweep: Callable[[], Any], folder: Path) -> Any:
     """The store, complete; or in one line what happened, and what can be done about it."""
     try:
         return sweep()
     except KeyboardInterrupt:
-        say(f"interrupted; {_KEPT.format(folder)}", error=True)
+        print_line(f"interrupted; {_RESUME.format(folder)}", error=True)
         raise
     except ConnectionError as error:
-        raise StoppedError(f"{error}; {_KEPT.format(folder)}") from None
+        raise StoppedError(f"{error}; {_RESUME.format(folder)}") from None
     except OSError as error:
-        where = error.filename or folder
+        path = error.filename or folder
         raise UserError(
-            f"{where}: {error.strerror or error}; once that is mended, {_KEPT.format(folder)}"
+            f"{path}: {error.strerror or error}; once that is mended, {_RESUME.format(folder)}"
         ) from None
 
 
-def _front(store: Any, file: Any, folder: Path, overwrite: bool) -> int:
-    """Print and write which design to take and the front; gives the exit code."""
+def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
+    """Print and write the recommended design and the front; returns the exit code."""
     import numpy as np
 
     from ...design.exhaustive_search import concluded
-    from ...files.ours import replacing
     from ...reports.unreached import Unreached, answer
     from ...results.designed import case_variables, front_variables
     from ...results.labelled import write
-    from ..outputs import SOURCE
-    from .design_results import print_answer
 
-    index, values = np.arange(len(file.space)), store.all()
-    with telling("looking for the front"):
-        found = concluded(
-            file.space, file.task, file.senses, file.limits, index, values, catalog=file.catalog,
-            least_margin=file.least_margin,
+    with status("looking for the front"):
+        result = concluded(
+            task.space, task.task, task.senses, task.limits, np.arange(len(task.space)),
+            store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
-        answered = answer(found)
+        answered = answer(result)
         if not isinstance(answered, Unreached):
-            title = f"Front of designs for {file.task.name}"
-            variables = front_variables(found) | case_variables(answered)
-            about = {"notes": " ".join(file.notes)} if file.notes else {}
-            with replacing(folder / "front.nc", overwrite) as draft:
+            title = f"Front of designs for {task.task.name}"
+            variables = front_variables(result) | case_variables(answered)
+            about = {"notes": " ".join(task.notes)} if task.notes else {}
+            with write_file("", folder / "front.nc", overwrite) as draft:
                 write(variables, draft, title=title, source=SOURCE, **about)
-    return print_answer(found, answered, file.notes)
+    return print_answer(result, answered, task.notes)
 
 
 @contextlib.contextmanager
 def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
-    """A client of the scheduler asked for, or of workers on this machine; `None` for neither."""
+    """A client of the scheduler, or of workers on this machine; `None` for neither."""
     if workers == 0:
         yield None
         return
     from ...design.cluster import local, remote
 
-    if scheduler is None:
-        with contextlib.ExitStack() as stack:
-            try:
-                with telling("starting the workers"):
-                    client = stack.enter_context(local(workers))
-            except ConnectionError as error:
-                raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
-            yield client
-        return
     with contextlib.ExitStack() as stack:
         try:
-            client = stack.enter_context(remote(scheduler))
+            if scheduler is None:
+                with status("starting the workers"):
+                    client = stack.enter_context(local(workers))
+            else:
+                client = stack.enter_context(remote(scheduler))
         except ConnectionError as error:
+            if scheduler is None:
+                raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
             raise UserError(f"--scheduler {scheduler}: {error}.") from None
-        if not client.nthreads():
+        if scheduler is not None and not client.nthreads():
             sys.stderr.write(f"the scheduler has no workers yet: waiting, {_QUEUE:g} s at most\n")
         yield client
 
 
 @contextlib.contextmanager
-def _told(block: int) -> Iterator[Any]:
-    """Progress on stderr: a moving bar for a terminal, now and then a line for a file."""
+def _progress(block: int) -> Iterator[Any]:
+    """Show progress on standard error: a bar on a terminal, a line for each tenth elsewhere."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(file=sys.stderr)
+    console = Console(stderr=True)
     if not console.is_terminal:
-        yield _Lines(block)
+        yield partial(_print_progress, block, set())
         return
     columns = (
         BarColumn(), TextColumn("{task.completed} of {task.total} blocks, {task.fields[rate]}"),
         TimeRemainingColumn(),
     )  # fmt: skip
     with Progress(*columns, console=console) as bar:
-        line = bar.add_task("sweep", total=None, rate="")
+        task = bar.add_task("sweep", total=None, rate="")
 
         def watch(now: Any) -> None:
             rate = f"{now.rate:,.0f} designs/s" if now.designs else "compiling"
-            bar.update(line, completed=now.done, total=now.all, rate=rate)
+            bar.update(task, completed=now.done, total=now.all, rate=rate)
 
         yield watch
 
 
-class _Lines:
-    """A line at the start, after every tenth of the blocks, and at the end."""
-
-    def __init__(self, block: int):
-        self.block, self.told, self.memory = block, -1, 0
-
-    def __call__(self, now: Any) -> None:
-        if now.last is not None:
-            self.memory = max(self.memory, now.last.memory)
-        tenth = 10 * now.done // max(1, now.all)
-        if tenth == self.told and now.done < now.all:
-            return
-        self.told = tenth
-        left = ""
-        if now.designs and now.done < now.all:
-            seconds = (now.all - now.done) * self.block / now.rate
-            left = f", {seconds:.0f} s left"
-        memory = f", {self.memory / 2**20:.0f} MiB a worker" if self.memory else ""
-        rate = f", {now.rate:,.0f} designs/s" if now.designs else ""
-        sys.stderr.write(f"{now.done} of {now.all} blocks{rate}{left}{memory}\n")
+def _print_progress(block: int, printed: set[int], now: Any) -> None:
+    """Print a line at the start, after every tenth of the blocks, and at the end."""
+    tenth = 10 * now.done // max(1, now.all)
+    if tenth in printed and now.done < now.all:
+        return
+    printed.add(tenth)
+    rate, left = "", ""
+    if now.designs:
+        rate = f", {now.rate:,.0f} designs/s"
+        if now.done < now.all:
+            left = f", {(now.all - now.done) * block / now.rate:.0f} s left"
+    memory = f", {now.last.memory / 2**20:.0f} MiB a worker" if now.last is not None else ""
+    sys.stderr.write(f"{now.done} of {now.all} blocks{rate}{left}{memory}\n")
