@@ -212,8 +212,9 @@ def test_a_length_other_than_the_fitted_one_is_told(tmp_path):
     fs.save(muscle, tmp_path / "tuned.toml", {"fitted_length": f"{float(muscle.length)} m"})
     sizes = dict.fromkeys(("length", "outer_radius", "wall_thickness", "braid_angle"))
     laws = dict.fromkeys(("material", "tension", "buckling", "collapse", "post_collapse"))
+    typed = {**sizes, **laws, "length": "300mm"}
     with pytest.warns(UserWarning, match="127 mm and its length is now 300 mm"):
-        assert float(read_start(str(tmp_path / "tuned.toml"), sizes | laws | {"length": "300mm"}).length) == 0.3
+        assert float(read_start(str(tmp_path / "tuned.toml"), typed).length) == 0.3
 
 
 @pytest.mark.slow

@@ -137,7 +137,9 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     front = table["on_front"].values.tolist()
 
     def draw() -> Any:
-        costs = PolicyCosts([m.drawdown for m in metrics], [m.supply_energy for m in metrics], front)
+        costs = PolicyCosts(
+            [m.drawdown for m in metrics], [m.supply_energy for m in metrics], front
+        )
         pairs = {name: (run.run, run.demanded) for name, run in runs.items()}
         return policies(study.plant, pairs, costs)
 
