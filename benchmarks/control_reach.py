@@ -62,7 +62,7 @@ def ran(
     bundle = plant.bundles[0]
     path = control.Path.of(DT * np.array([0, STEPS]), demand[[0, -1]], strain)
     said = control.crossing(bundle, path, plant)
-    start = dynamics.rest(plant, [pressure, 0.0])
+    start = dynamics.equilibrium_state(plant, [pressure, 0.0])
     # as far as any policy can follow
     last = int(np.argmax(demand > 0.995 * float(bundle.force([SUPPLY, SUPPLY], strain)))) or STEPS
     found: dict[str, Ran] = {}
@@ -70,7 +70,7 @@ def ran(
     for policy in policies:
         controller = control.cascade(plant, policy)
         done = dynamics.simulate(plant, controller, demand, start=start, substeps=2)
-        worth = control.worth(controller, done, demand)
+        worth = control.control_metrics(controller, done, demand)
         air = float(np.maximum(done.seen.drawn[:last], 0.0).sum() * DT)
         least = least or air
         found[policy] = Ran(worth.drawdown / worth.dip, worth.rms, air, 100 * (air / least - 1))

@@ -53,7 +53,7 @@ class Proportional(eqx.Module):
 def rows(small: bool = False) -> list[Row]:
     seconds, batch = (0.2, 4) if small else (10.0, 256)
     moved = plant()
-    begin = dynamics.rest(moved)
+    begin = dynamics.equilibrium_state(moved)
     schedule = dynamics.Schedule([0, 1, 4, 6], [[1, 0], [1, 1], [-1, 0], [-1, -1]])
     steps = round(seconds / DT)
     commands = schedule.at(DT * np.arange(steps))

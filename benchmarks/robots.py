@@ -14,7 +14,7 @@ import numpy as np
 from timing import Measured, Row, interleaved, run
 
 from fascicle.robots.environments import AntagonisticJoint
-from fascicle.robots.pairing import mjx
+from fascicle.robots.optional_imports import mjx
 
 
 JOINTS = 64

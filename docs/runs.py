@@ -30,7 +30,9 @@ def told(name: str, policy: str) -> dict[str, Any]:
     """A map of a scenario [-] with a policy [-]: errors [-], and the system's efficiency [-]."""
     scenario = fs.example(name)
     controller = scenario.taking(policy).controlled.controller
-    found = control.sines(scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start)
+    found = control.frequency_response(
+        scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start
+    )
     spent = control.shaft_work(found, SUPPLY, fluid.OIL.reference_density)
     return {
         "error": _short(found.error),
@@ -43,7 +45,7 @@ def told(name: str, policy: str) -> dict[str, Any]:
 def missed(compensate: bool) -> float:
     """The root mean square of what a stride is missed by [deg]."""
     one = fs.example("joint_gait").taking(compensate=compensate)
-    worth = control.worth(one.controlled.controller, one.run(), one.controlled.reference)
+    worth = control.control_metrics(one.controlled.controller, one.run(), one.controlled.reference)
     return float(f"{np.degrees(worth.rms):.5g}")
 
 

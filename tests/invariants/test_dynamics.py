@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.account import ACCOUNT
+from fascicle.dynamics.energy_ledger import LEDGER
 
 
 few = settings(
@@ -57,7 +57,7 @@ def _varied(plant, numbers):
 
 
 def _account(run):
-    return dict(zip(ACCOUNT, np.asarray(run.account).T, strict=True))
+    return dict(zip(LEDGER, np.asarray(run.account).T, strict=True))
 
 
 def _commands(seed, columns=2):
@@ -88,8 +88,10 @@ def _keeps_the_laws(plant, run):
 @given(st.tuples(share, share, share, share), st.floats(6.0, 20.0), st.integers(0, 10**6))
 def test_a_lift_keeps_mass_and_energy(lift, numbers, mass, seed):
     plant = eqx.tree_at(lambda p: p.load.mass, _varied(lift, numbers), np.float64(mass))
-    assume(dynamics.pace(plant, 1e-3).substeps <= 8)
-    run = dynamics.simulate(plant, _commands(seed), start=dynamics.rest(plant, 1.5e5), substeps=8)
+    assume(dynamics.estimate_substeps(plant, 1e-3).substeps <= 8)
+    run = dynamics.simulate(
+        plant, _commands(seed), start=dynamics.equilibrium_state(plant, 1.5e5), substeps=8
+    )
     _keeps_the_laws(plant, run)
 
 
@@ -99,8 +101,8 @@ def test_a_lift_keeps_mass_and_energy(lift, numbers, mass, seed):
 def test_a_cycle_of_motion_and_supply_gives_no_energy(held, numbers, frequency, seed):
     plant = _varied(held, numbers)
     plant = eqx.tree_at(lambda p: p.load.frequency, plant, np.float64(frequency))
-    assume(dynamics.pace(plant, 1e-3).substeps <= 8)
-    start = dynamics.rest(plant, 0.5e5)
+    assume(dynamics.estimate_substeps(plant, 1e-3).substeps <= 8)
+    start = dynamics.equilibrium_state(plant, 0.5e5)
     run = dynamics.simulate(plant, _commands(seed), start=start, substeps=8)
     _keeps_the_laws(plant, run)
 
@@ -114,7 +116,11 @@ def _fast(plant, seed, dead):
     if fast.load.moved:
         frequency = np.float64(rng.uniform(2, 6))
         fast = eqx.tree_at(lambda p: p.load.frequency, fast, frequency)
-    return fast, dynamics.rest(fast, 0.5e5 if fast.load.moved else 1.5e5), rng.integers(10**6)
+    return (
+        fast,
+        dynamics.equilibrium_state(fast, 0.5e5 if fast.load.moved else 1.5e5),
+        rng.integers(10**6),
+    )
 
 
 @pytest.mark.parametrize("kind", ["lift", pytest.param("held", marks=pytest.mark.slow)])
@@ -124,7 +130,7 @@ def test_valves_that_fill_in_milliseconds_keep_energy(kind, request):
     plant, ran = request.getfixturevalue(kind), 0
     for seed in range(24):
         fast, start, commands = _fast(plant, seed, np.array([2e-6, 8e-6]))
-        if dynamics.pace(fast, 1e-3).substeps <= 8:
+        if dynamics.estimate_substeps(fast, 1e-3).substeps <= 8:
             run = dynamics.simulate(fast, _commands(commands), start=start, substeps=8)
             audit = dynamics.audit(fast, run)
             assert all(one.closes for one in audit.balances), f"{seed}: {audit}"
@@ -168,8 +174,8 @@ def test_oil_keeps_energy_or_says_where_it_folded(bundle, kind):
         else:
             way = frequency, rng.uniform(0, 0.015), rng.uniform(0.002, 0.012)
             some = eqx.tree_at(motion, some, tuple(map(np.float64, way)))
-        start = dynamics.rest(some, 1.5e5 if free else 0.0)
-        substeps = 16 if dynamics.pace(some, 1e-3).substeps == 16 else 64
+        start = dynamics.equilibrium_state(some, 1.5e5 if free else 0.0)
+        substeps = 16 if dynamics.estimate_substeps(some, 1e-3).substeps == 16 else 64
         run = dynamics.simulate(
             some, _commands(rng.integers(10**6)), start=start, substeps=substeps
         )
@@ -189,7 +195,7 @@ def test_oil_that_passes_no_pressure_keeps_energy(bundle):
         area = 10 ** rng.uniform(-5.5, -4.0)
         some = eqx.tree_at(at, plant, (area, 0.7 * area, np.float64(rng.uniform(2, 6))))
         run = dynamics.simulate(
-            some, _commands(rng.integers(10**6)), start=dynamics.rest(some, 0.0)
+            some, _commands(rng.integers(10**6)), start=dynamics.equilibrium_state(some, 0.0)
         )
         assert run.substeps == 16 and np.min(run.seen.pressures) < 100
         audit = dynamics.audit(some, run)
@@ -213,7 +219,7 @@ def test_friction_asks_for_the_way_and_not_for_its_time(held, kind):
     lost = []
     for speed in (1.0, 3.0):  # a cycle of 40 steps at any of them
         quick = eqx.tree_at(lambda p: p.load.frequency, plant, np.float64(25.0 * speed))
-        start = dynamics.rest(quick, 1e5)
+        start = dynamics.equilibrium_state(quick, 1e5)
         run = dynamics.simulate(
             quick, np.zeros((STEPS, 2)), dt=1e-3 / speed, start=start, substeps=8
         )
@@ -233,7 +239,9 @@ def test_a_straight_braid_s_volume_is_named_by_the_audit(bundle, held):
     made = []
     for kind in (held, other):
         plant = eqx.tree_at(lambda p: p.load.mean, kind, np.float64(0.02))
-        run = dynamics.simulate(plant, command, start=dynamics.rest(plant, 2e4), substeps=8)
+        run = dynamics.simulate(
+            plant, command, start=dynamics.equilibrium_state(plant, 2e4), substeps=8
+        )
         audit = dynamics.audit(plant, run)
         muscles = {b.name: b for b in audit.balances}["energy of the muscles"]
         assert all(b.closes for b in audit.balances if b is not muscles), str(audit)

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.account import ACCOUNT, STORES
+from fascicle.dynamics.energy_ledger import LEDGER, STORES
 
 
 IDEAL = oracle_muscle.Muscle(tension="ideal", material=oracle_muscle.SILICONE)
@@ -94,7 +94,7 @@ def ran(request):
     plant, schedule = CASES[request.param]
     expected = oracle.run(plant, schedule, TIMES, [BEGIN] * len(plant.units))
     ours = library_plant(plant)
-    start = dynamics.rest(ours, BEGIN)
+    start = dynamics.equilibrium_state(ours, BEGIN)
     run = dynamics.simulate(ours, _schedule(schedule), duration=TIMES[-1], start=start)
     return plant, expected, ours, start, run, _schedule(schedule)
 
@@ -135,7 +135,7 @@ def test_fixed_steps_follow_the_oracle(ran):
 
 def test_what_was_drawn_and_done_is_the_oracle_s(ran):
     plant, expected, _, _, run, _ = ran
-    account = dict(zip(ACCOUNT, _every(run, 5).account.T, strict=True))
+    account = dict(zip(LEDGER, _every(run, 5).account.T, strict=True))
     # both from states that agree to 1e-7, summed up by quadratures of their own
     works = expected.works.sum(axis=1)
     assert_allclose(account["fluid_work"], works, rtol=0, atol=1e-7 * np.max(np.abs(works)))
@@ -170,7 +170,7 @@ def test_adaptive_steps_follow_the_oracle(name):
     plant, schedule = CASES[name]
     expected = oracle.run(plant, schedule, TIMES, [BEGIN] * len(plant.units))
     ours = library_plant(plant)
-    start = dynamics.rest(ours, BEGIN)
+    start = dynamics.equilibrium_state(ours, BEGIN)
     run = dynamics.integrate(ours, _schedule(schedule), TIMES, start=start)
     _near(run, expected, plant)
     assert max(b.share for b in dynamics.audit(ours, run).balances) < 1e-7
@@ -181,6 +181,6 @@ def test_the_exact_law_follows_the_oracle():
     plant, schedule = CASES["wall, joint"]
     expected = oracle.run(plant, schedule, TIMES, [BEGIN] * len(plant.units))
     ours = library_plant(plant, law="exact")
-    start = dynamics.rest(ours, BEGIN)
+    start = dynamics.equilibrium_state(ours, BEGIN)
     run = dynamics.simulate(ours, _schedule(schedule), duration=TIMES[-1], start=start)
     _near(_every(run, 5), expected, plant)

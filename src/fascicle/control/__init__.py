@@ -2,27 +2,28 @@
 controllers.
 """
 
+from ..core.lazy import deprecated_names
 from .branches import Branches as Branches
 from .cascade import Cascade as Cascade
 from .cascade import Gains as Gains
-from .choice import Choice as Choice
-from .choice import choose as choose
 from .crossing import Crossing as Crossing
 from .crossing import Path as Path
 from .crossing import crossing as crossing
 from .crossing import hand_over_time as hand_over_time
+from .frequency_response import FrequencyResponse as FrequencyResponse
+from .frequency_response import frequency_response as frequency_response
 from .front import front as front
-from .metrics import Reach as Reach
-from .metrics import Worth as Worth
-from .metrics import done as done
-from .metrics import reachable as reachable
-from .metrics import worth as worth
+from .metrics import ControlMetrics as ControlMetrics
+from .metrics import Reachability as Reachability
+from .metrics import control_metrics as control_metrics
+from .metrics import controlled_output as controlled_output
+from .metrics import reachability as reachability
 from .policies import POLICIES as POLICIES
 from .policies import cascade as cascade
+from .policy_selection import PolicyChoice as PolicyChoice
+from .policy_selection import select_policy as select_policy
 from .power_units import POWER_UNITS as POWER_UNITS
 from .power_units import shaft_work as shaft_work
-from .sines import Sines as Sines
-from .sines import sines as sines
 from .transition import Transition as Transition
 from .transition import gain as gain
 from .transition import needed_reserve as needed_reserve
@@ -30,3 +31,20 @@ from .transition import transition as transition
 from .valves import GasValves as GasValves
 from .valves import OilValves as OilValves
 from .valves import PlantValves as PlantValves
+
+
+# names of the last release
+__getattr__ = deprecated_names(
+    __name__,
+    {
+        "Choice": "PolicyChoice",
+        "Reach": "Reachability",
+        "Sines": "FrequencyResponse",
+        "Worth": "ControlMetrics",
+        "choose": "select_policy",
+        "done": "controlled_output",
+        "reachable": "reachability",
+        "sines": "frequency_response",
+        "worth": "control_metrics",
+    },
+)

@@ -42,7 +42,7 @@ _HALVINGS = 50
 _NEWTON = 4  # from the table within some percent: below 1e-9 of the supply but at kinks
 
 
-class Found(NamedTuple):
+class BranchPressure(NamedTuple):
     """Pressures [Pa], one for each motor unit on the last axis, and a `STATUS` [-] of each."""
 
     pressure: Numbers
@@ -132,7 +132,7 @@ class Branches(Module):
         depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
         return depth, at
 
-    def pressure(self, force: Numbers, strain: Numbers) -> Found:
+    def pressure(self, force: Numbers, strain: Numbers) -> BranchPressure:
         """The inverse, (K1).
 
         **Arguments:**
@@ -143,8 +143,8 @@ class Branches(Module):
         **Returns:** pressures [Pa] and statuses: 0 where less is asked than an empty muscle's, or
         where it can't gain, the top where more.
         """
-        at_work = array_namespace(force, strain)
-        force, strain = at_work.broadcast_arrays(force, strain)
+        xp = array_namespace(force, strain)
+        force, strain = xp.broadcast_arrays(force, strain)
         none = 0.0 * strain
         empty, full = self.force(none, strain), self.force(none + self.top, strain)
         gains = full > empty
@@ -165,19 +165,19 @@ class Branches(Module):
 
         p = _repeated(step, self._looked_up(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
-        status = at_work.where(
+        status = xp.where(
             ~gains, HELPLESS,
-            at_work.where(share < 0, TOO_LITTLE, at_work.where(share > 1, TOO_MUCH, REACHED)),
+            xp.where(share < 0, TOO_LITTLE, xp.where(share > 1, TOO_MUCH, REACHED)),
         )  # fmt: skip
-        return Found(where(inside, p, ends), status)
+        return BranchPressure(where(inside, p, ends), status)
 
     def _column(self, strain: Numbers) -> tuple[Whole, Numbers, Whole]:
         """Place of a `strain` [-] among the columns [-], how far into it [-], and whose it is."""
-        at_work = array_namespace(strain)
+        xp = array_namespace(strain)
         low, high = self.muscles.table.strains
         columns = self.onsets.shape[-1] - 1
         x = minimum(maximum((strain - low) / (high - low) * columns, 0.0), float(columns))
-        j = minimum(at_work.floor(x), columns - 1.0).astype(int)
+        j = minimum(xp.floor(x), columns - 1.0).astype(int)
         return j, x - j, self.muscles.which
 
     def _looked_up(self, share: Numbers, strain: Numbers) -> Numbers:

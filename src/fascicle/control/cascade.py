@@ -40,7 +40,7 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..dynamics import Measurement, Plant
 from ..dynamics.hysteresis import AbstractHysteresis
-from .units import Asked, Units, looked
+from .units import UnitDemand, Units, evaluate_capability
 
 
 _FILTER = 0.02  # s, of a demand's rate
@@ -192,11 +192,11 @@ class Cascade(Module):
             arm = plant.load.arms[side][1]
             shared = (1 / (2 * arm)) if joint else 1 / arm
             extra = self.co_contraction if joint else 0.0
-            asked = Asked(
+            asked = UnitDemand(
                 demand * shared + extra, rate * shared, strains[places], seen.pressures[places],
                 minimum(seen.supply_pressure, self.highest_pressure), gains.pressure_time, dt,
             )  # fmt: skip
-            now = looked(units, asked)
+            now = evaluate_capability(units, asked)
             after, target = policy(memory.policies[side], units, asked, now)
             policies.append(after)
             targets.append(target)

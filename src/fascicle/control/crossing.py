@@ -28,7 +28,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite
 from .branches import Branches
-from .transition import Transition, known_unit, own_strain, transition
+from .transition import Transition, check_unit, transition, unit_strain
 from .units import SLACK
 from .valves import AbstractValves, for_each
 
@@ -156,11 +156,11 @@ def crossing(
     **Raises:** `ValueError` for a unit that doesn't exist, a path off the domain, and valves that
     don't fit.
     """
-    known_unit(bundle, unit)
+    check_unit(bundle, unit)
     supply = supply_of(bundle, supply_pressure)
     each = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
-    along = _Along(bundle, unit, supply, path, each, slack)
+    along = _HandOver(bundle, unit, supply, path, each, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
     F, at = along.demand(t)
     reserve = at.largest_force - F
@@ -201,7 +201,7 @@ def crossing(
     )  # fmt: skip
 
 
-class _Along:
+class _HandOver:
     """A path, what the units do along it, and hand-overs that are followed on it."""
 
     def __init__(
@@ -287,7 +287,7 @@ class _Along:
 
     def _strains(self, time: np.ndarray) -> np.ndarray:
         eps = np.interp(time, self.path.time, self.path.strain)
-        each = [own_strain(self.bundle, i + 1, eps) for i in range(len(self.counts))]
+        each = [unit_strain(self.bundle, i + 1, eps) for i in range(len(self.counts))]
         return np.stack(each, axis=-1)
 
     def why(self, time: np.ndarray, before: str) -> str:
@@ -313,7 +313,7 @@ def _time(
     bundle: Bundle, unit: int, valve: AbstractValves, onset: Values, strain: Values
 ) -> Numbers:
     one = bundle.motor_units[unit - 1]
-    eps = own_strain(bundle, unit, strain)
+    eps = unit_strain(bundle, unit, strain)
     p_on = np.asarray(onset)
     there = np.where(np.isfinite(p_on), p_on, 0.0)
     V = [one.count * one.muscle.conjugate_volume(P, eps) for P in (there, 0.0 * there)]

@@ -17,8 +17,8 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
-from ..dynamics.account import ACCOUNT
-from ..dynamics.seen import Seen
+from ..dynamics.energy_ledger import LEDGER
+from ..dynamics.outputs import PlantOutputs
 from .cascade import Cascade
 
 
@@ -27,7 +27,7 @@ _FED = 0.5  # of its onset, from which on a unit is counted as recruited
 _LEAST = 0.02  # of the supply, where the onset is lower
 
 
-class Worth(NamedTuple):
+class ControlMetrics(NamedTuple):
     """`drawdown` while the demand rose [SI], and the deepest `dip` of a unit at the strains that
     were passed [N]; root mean square of the error, `rms`, and `largest_error` [SI]; the `lag` at
     which it follows best [s]; `supply_energy` [J] and `fluid` [kg] that were drawn; how often a
@@ -51,7 +51,7 @@ class Worth(NamedTuple):
     short: float
 
 
-class Reach(NamedTuple):
+class Reachability(NamedTuple):
     """At each step what a reference asks of the muscles, `wanted`, and the `least` and `most` that
     they can do then, forces or moments [SI]; whether it asks for a place on the load's way,
     `inside` [-].
@@ -73,7 +73,7 @@ class Reach(NamedTuple):
         return np.maximum(np.maximum(self.wanted - self.most, self.least - self.wanted), 0.0)
 
 
-def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
+def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> ControlMetrics:
     """What a run of a controller was worth.
 
     **Arguments:**
@@ -91,16 +91,16 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
     if wanted.shape != (len(run.time) - 1,):
         raise InvalidInputError("reference", "must have one for each step", wanted.size)
     # what a step led to is compared with what was demanded at its beginning
-    y = done(controller, run)[1:]
-    reach = reachable(controller, seen, wanted)
+    y = controlled_output(controller, run)[1:]
+    reach = reachability(controller, seen, wanted)
     can, beyond = reach.can, np.flatnonzero(~reach.can)
     first, last = (float(run.time[beyond[end]]) if beyond.size else np.nan for end in (0, -1))
     error = np.where(can, y - wanted, 0.0)
     many = max(1, int(can.sum()))
     drawn = np.maximum(np.asarray(seen.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
-    spent = np.asarray(run.account)[:, ACCOUNT.index("supplied")]
+    spent = np.asarray(run.account)[:, LEDGER.index("supplied")]
     dip, recruited = _units(controller, run)
-    return Worth(
+    return ControlMetrics(
         drawdown(y, wanted, can), dip, float(np.sqrt(np.sum(error**2) / many)),
         float(np.max(np.abs(error))), _lag(y, wanted, can) * float(controller.dt),
         float(spent[-1] - spent[0]), float(drawn), recruited, len(beyond), len(can), first, last,
@@ -108,7 +108,7 @@ def worth(controller: Cascade, run: Trajectory, reference: Values) -> Worth:
     )  # fmt: skip
 
 
-def done(controller: Cascade, run: Trajectory) -> Numbers:
+def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
     """What a `controller` [-] is to bring to its demand, at each moment of a `run` [SI]: the
     position, or the pull of all muscles on the load [SI].
     """
@@ -131,7 +131,7 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
     return float(deepest)
 
 
-def reachable(controller: Cascade, seen: Seen, reference: Numbers) -> Reach:
+def reachability(controller: Cascade, seen: PlantOutputs, reference: Numbers) -> Reachability:
     """What the bundles could do, standing still, of what the `reference` [SI] asks of the
     `controller` [-] at each step of a run that was `seen` [SI]: a `Reach` [SI].
     """
@@ -157,7 +157,7 @@ def reachable(controller: Cascade, seen: Seen, reference: Numbers) -> Reach:
         low, high = np.minimum(*pulls), np.maximum(*pulls)
         least = least + np.minimum(arm * low, arm * high)
         most = most + np.maximum(arm * low, arm * high)
-    return Reach(wanted, np.asarray(least), np.asarray(most), inside)
+    return Reachability(wanted, np.asarray(least), np.asarray(most), inside)
 
 
 def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:

@@ -12,9 +12,9 @@ from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_choice, check_interval, check_positive
 from ..dynamics import Plant, PrescribedMotion
-from .at_once import batch, energy_aware
 from .cascade import DAMPED, FASTEST, Cascade, Gains
-from .in_turn import fast_cross, hand_over, orderly, pre_charge, threshold
+from .sequential_policies import fast_cross, hand_over, orderly, pre_charge, threshold
+from .simultaneous_policies import batch, energy_aware
 from .units import Units
 
 

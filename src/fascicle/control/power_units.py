@@ -22,14 +22,14 @@ import numpy as np
 
 from ..core.types import Numbers, Values
 from ..core.validation import check_interval, check_positive
-from .sines import Sines
+from .frequency_response import FrequencyResponse
 
 
 POWER_UNITS = ("relief", "accumulator", "sensing")
 
 
 def shaft_work(
-    found: Sines,
+    found: FrequencyResponse,
     supply_pressure: Values,
     density: Values,
     efficiency: Values = 0.8,

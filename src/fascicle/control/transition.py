@@ -68,9 +68,9 @@ def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Bat
 
     **Raises:** `ValueError` for a unit that doesn't exist, and values off the domain.
     """
-    known_unit(bundle, unit, first=1)
+    check_unit(bundle, unit, first=1)
     P = check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
-    return _gain(bundle, unit, P, own_strain(bundle, unit, strain))
+    return _gain(bundle, unit, P, unit_strain(bundle, unit, strain))
 
 
 def transition(
@@ -90,8 +90,8 @@ def transition(
     **Raises:** `ValueError` for a unit that isn't among the second to the last, and values off
     the domain.
     """
-    known_unit(bundle, unit)
-    supply, eps = supply_of(bundle, supply_pressure), own_strain(bundle, unit, strain)
+    check_unit(bundle, unit)
+    supply, eps = supply_of(bundle, supply_pressure), unit_strain(bundle, unit, strain)
     flat = np.reshape(eps, -1)
     size = max(1, _AT_ONCE // _GRID)
     parts = [
@@ -135,7 +135,7 @@ def needed_reserve(
     onset = found.onset_pressure[..., None]
     helps = np.isfinite(onset)
     share = np.linspace(0.0, 1.0, _SHARES)
-    eps = own_strain(bundle, unit, strain)
+    eps = unit_strain(bundle, unit, strain)
     taken = -_gain(bundle, unit, np.where(helps, onset, supply) * share, np.asarray(eps)[..., None])
     need = np.max(taken + np.asarray(rising)[..., None] * share, axis=-1)
     # between the grid's pressures the dip itself is deeper, often a kink
@@ -144,14 +144,14 @@ def needed_reserve(
     return np.where(helps[..., 0], np.maximum(need, 0.0), np.inf)[()]
 
 
-def known_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
+def check_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
     """Refuse a `unit` [-] of the `bundle` [-] that isn't among the `first` [-] to the last."""
     many = len(bundle.motor_units)
     if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= many:
         raise InvalidInputError("unit", f"must be a whole number in [{first}, {many}]", unit)
 
 
-def own_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
+def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
     """Strain of a unit's muscles [-] at the `bundle`'s [-] `strain` [-], the `unit` counted from 1
     [-].
     """
@@ -182,7 +182,7 @@ def _dip(
     helpless = last == _GRID - 1
     low, high = (grid[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
     falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
-    onset = _crossed(looked, (low, falls_to), (high, rises_to))
+    onset = _find_crossing(looked, (low, falls_to), (high, rises_to))
     onset = np.where(helpless, np.inf, np.where(last == 0, 0.0, onset))
     k = np.argmin(values, axis=0)
     for _ in range(_ZOOMS):
@@ -197,7 +197,7 @@ def _dip(
     return np.where(falls, -depth, 0.0), np.where(falls, best, 0.0), onset
 
 
-def _crossed(
+def _find_crossing(
     looked: Callable[[np.ndarray], np.ndarray],
     low: tuple[np.ndarray, np.ndarray],
     high: tuple[np.ndarray, np.ndarray],

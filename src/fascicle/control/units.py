@@ -73,7 +73,7 @@ class Units(Module):
         )
 
 
-class Asked(NamedTuple):
+class UnitDemand(NamedTuple):
     """What is asked now: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
     [-], with their `pressures` [Pa] and the supply's [Pa], which come `lag` after they are wanted
     [s]; `dt` since it was asked last [s].
@@ -88,7 +88,7 @@ class Asked(NamedTuple):
     dt: Batch
 
 
-class Now(NamedTuple):
+class UnitCapability(NamedTuple):
     """What units can do at their strains: each one's force when `full` and `empty` [N], whether it
     `gains` [-], the `onset` of each [Pa], its `dip` [N] and `dip_pressure` [Pa], what a state
     holds at most, `largest` [N], how long each one's valve takes to its onset, `time`, from there
@@ -111,9 +111,9 @@ class Now(NamedTuple):
     near: Numbers
 
 
-def looked(units: Units, asked: Asked) -> Now:
+def evaluate_capability(units: Units, asked: UnitDemand) -> UnitCapability:
     """What `units` [-] can do of what is `asked` [-]."""
-    at_work, eps, n = array_namespace(asked.strains), asked.strains, units.counts
+    xp, eps, n = array_namespace(asked.strains), asked.strains, units.counts
     none = 0.0 * eps
     top = minimum(asked.supply, units.branches.top) + none
     empty, full = n * units.branches.force(none, eps), n * units.branches.force(top, eps)
@@ -121,7 +121,7 @@ def looked(units: Units, asked: Asked) -> Now:
     full = where(gains, full, empty)
     depth, at = units.branches.dip(eps)
     onset = units.branches.onset(eps)
-    largest = at_work.cumsum(full, axis=-1) + at_work.sum(empty) - at_work.cumsum(empty, axis=-1)
+    largest = xp.cumsum(full, axis=-1) + xp.sum(empty) - xp.cumsum(empty, axis=-1)
     near = minimum(onset, CLOSE * top)
     flow, _ = units.flows(near, top)
     close = full - n * units.branches.force(CLOSE * top, eps)
@@ -134,12 +134,12 @@ def looked(units: Units, asked: Asked) -> Now:
     here = minimum(maximum(asked.pressures, 0.0), _CHORD * top)
     risen = full - close - n * units.branches.force(here, eps)
     slope = maximum(risen / (CLOSE * top - here), _FLAT * absolute(full) / top + 1e-12)
-    return Now(
+    return UnitCapability(
         full, empty, gains, onset, n * depth, at, largest, time, vent, climb, speed, slope, close
     )
 
 
-def _climb(units: Units, asked: Asked, end: Numbers) -> Numbers:
+def _climb(units: Units, asked: UnitDemand, end: Numbers) -> Numbers:
     """How long [s] each unit's valve, wide open, takes from its pressure to an `end` [Pa]."""
     here = minimum(maximum(asked.pressures, 0.0), end)
     ends = here + _LEGS[:, None] * (end - here)
@@ -149,25 +149,30 @@ def _climb(units: Units, asked: Asked, end: Numbers) -> Numbers:
     return array_namespace(legs).sum(legs, axis=0)
 
 
-def shared(
-    units: Units, now: Now, asked: Asked, low: Numbers, high: Numbers, felt: Numbers | None = None
+def share_demand(
+    units: Units,
+    now: UnitCapability,
+    asked: UnitDemand,
+    low: Numbers,
+    high: Numbers,
+    felt: Numbers | None = None,
 ) -> tuple[Numbers, Whole]:
     """Pressures of `units` [-] that are filled in turn between a `low` and a `high` pressure [Pa]
     of each, so that together they pull as is `asked` [-]; and each one's status [-]. Where they
     aren't there yet, what is `felt` of those that are throttled last is given instead of `low`
     [Pa].
     """
-    at_work, n = array_namespace(asked.strains), units.counts
+    xp, n = array_namespace(asked.strains), units.counts
     at_low = n * units.branches.force(low if felt is None else felt, asked.strains)
     at_high = where(now.gains, n * units.branches.force(high, asked.strains), now.empty)
     at_high = maximum(at_high, at_low)
-    before = at_work.cumsum(at_high, axis=-1) - at_high
-    after = at_work.sum(at_low, axis=-1, keepdims=True) - at_work.cumsum(at_low, axis=-1)
+    before = xp.cumsum(at_high, axis=-1) - at_high
+    after = xp.sum(at_low, axis=-1, keepdims=True) - xp.cumsum(at_low, axis=-1)
     found = units.branches.pressure((asked.force - before - after) / n, asked.strains)
     return minimum(maximum(found.pressure, low), high), found.status
 
 
-def hand_over_times(now: Now, before: Numbers, unit: Numbers) -> tuple[Batch, Batch]:
+def hand_over_times(now: UnitCapability, before: Numbers, unit: Numbers) -> tuple[Batch, Batch]:
     """How long [s] a hand-over to a `unit` [-] from the one `before` it [-], both as ones among
     zeros, several in rows, takes to where the dip is deepest, and to its end, from what units can
     do `now` [SI].

@@ -50,6 +50,27 @@ def attach_lazy(
     return found, lambda: sorted({*vars(sys.modules[package]), *homes})
 
 
+def deprecated_names(package: str, names: Mapping[str, str]) -> Callable[[str], Any]:
+    """`__getattr__` of a package for names of the last release.
+
+    **Arguments:**
+
+    - `package`: name of the package.
+    - `names`: present name of each former one.
+
+    **Returns:** the function, which warns and returns the present object.
+    """
+
+    def attribute(name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        message = f"`{package}.{name}` is now `{package}.{names[name]}`."
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return getattr(sys.modules[package], names[name])
+
+    return attribute
+
+
 def import_late(name: str) -> Any:
     """What is called `name` [-], as "plot.objects.of_muscle", in a layer above the caller's: a
     method hands on to it, and only then is it loaded.

@@ -1,15 +1,17 @@
-"""The bundle in time: chambers that fill, a load that moves, and where every joule went.
+"""Dynamics of a bundle: chambers that fill, a load that moves, and the energy balance.
 
-`Plant` joins a bundle to its chambers, valves, supply and load; `rest` is where it stands still,
-`simulate` moves it in fixed steps with a controller, `integrate` with adaptive ones, and `audit`
-says where the energy went.
+`Plant` joins a bundle to its chambers, valves, supply and load. `equilibrium_state` is its state at
+rest, `simulate` moves it in fixed steps with a controller, `integrate` in adaptive steps, and
+`audit` returns the energy balance of a run.
 
-Importing it sets an option of XLA's in `XLA_FLAGS`, unless you have set it, with which fixed steps
-are ten times as fast on a CPU. XLA reads that when it first compiles: import this before.
+Importing this package sets an option of XLA in `XLA_FLAGS`, unless you have set it: with it fixed
+steps are ten times as fast on a CPU. XLA reads the variable when it first compiles, so import this
+package before you compile anything.
 """
 
 # ruff: noqa: E402, I001 the option comes before all that imports JAX
 from ..core.jax_settings import enable_whole_loops
+from ..core.lazy import deprecated_names
 
 enable_whole_loops()
 
@@ -29,13 +31,25 @@ from .loads import HangingMass as HangingMass
 from .loads import InertiaSpringDamper as InertiaSpringDamper
 from .loads import PrescribedMotion as PrescribedMotion
 from .loads import Stop as Stop
-from .pace import Pace as Pace
-from .pace import pace as pace
+from .step_size import StepSizeEstimate as StepSizeEstimate
+from .step_size import estimate_substeps as estimate_substeps
 from .plant import Plant as Plant
-from .rest import rest as rest
+from .equilibrium import equilibrium_state as equilibrium_state
 from .schedule import Measurement as Measurement
 from .schedule import Schedule as Schedule
-from .seen import Seen as Seen
+from .outputs import PlantOutputs as PlantOutputs
 from .simulate import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .state import State as State
+
+
+# names of the last release
+__getattr__ = deprecated_names(
+    __name__,
+    {
+        "Pace": "StepSizeEstimate",
+        "Seen": "PlantOutputs",
+        "pace": "estimate_substeps",
+        "rest": "equilibrium_state",
+    },
+)

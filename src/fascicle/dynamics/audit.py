@@ -27,11 +27,11 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..fluid import AdiabaticWall
-from .account import ACCOUNT, STORES
+from .energy_ledger import LEDGER, STORES
 from .hysteresis import MaxwellSlip
 from .muscles import Exact
+from .outputs import STATUS
 from .plant import Plant
-from .seen import STATUS
 from .simulate import Trajectory
 
 
@@ -140,8 +140,8 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     if np.ndim(run.time) != 1 or np.ndim(run.account) != 2:
         raise InvalidInputError("run", "must be one run", np.shape(run.account), shown="a batch")
     rows = np.asarray(run.account)
-    a: dict[str, Any] = dict(zip(ACCOUNT, rows[-1] - rows[0], strict=True))
-    most: dict[str, Any] = dict(zip(ACCOUNT, np.abs(rows - rows[0]).max(axis=0), strict=True))
+    a: dict[str, Any] = dict(zip(LEDGER, rows[-1] - rows[0], strict=True))
+    most: dict[str, Any] = dict(zip(LEDGER, np.abs(rows - rows[0]).max(axis=0), strict=True))
     store = np.asarray(run.seen.store)
     d = dict(zip(STORES, store[-1] - store[0], strict=True))
     most |= {
@@ -159,18 +159,18 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
                  {"pull on the load": a["pull"], "stored in the muscles": d["muscles"]},
                  ("fluid_work", "pull", "Δmuscles"), volume=a["mismatch"]),
-        _balance("energy of the motion", _of_motion(plant, law), most,
+        _balance("energy of the motion", _motion_tolerance(plant, law), most,
                  {"pull of the muscles": a["pull"], "motor": a["motor"]},
                  {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
                   "stop, lost": a["stop"], "stop, stored": d["stop"],
                   "friction, lost": a["friction"], "friction, stored": d["friction"]},
                  ("pull", "motor", "Δmotion", "Δload")),
-        _mass(run, a, most),
+        _mass_balance(run, a, most),
     ]  # fmt: skip
     if plant.liquid and plant.supply.count:
-        balances.append(_of_supply(plant, run, a, most))
+        balances.append(_supply_balance(plant, run, a, most))
     if isinstance(plant.chamber, AdiabaticWall):
-        balances.append(_first_law(plant, run, a, most))
+        balances.append(_first_law_balance(plant, run, a, most))
     return Audit(tuple(balances), events(run))
 
 
@@ -203,19 +203,21 @@ def _balance(
     return Balance(name, unit, into, went, left, share, within, remedy)
 
 
-def _of_motion(plant: Plant, law: float) -> float:
+def _motion_tolerance(plant: Plant, law: float) -> float:
     kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
     return KINKED if kinked else law
 
 
-def _mass(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
+def _mass_balance(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
     held = np.sum(np.asarray(run.seen.masses), axis=-1)
     into, went = {"flowed in": a["mass"]}, {"held": held[-1] - held[0]}
     most = most | {"held": float(np.max(held))}
     return _balance("mass of the fluid", COUNTED, most, into, went, ("mass", "held"), unit="kg")
 
 
-def _of_supply(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
+def _supply_balance(
+    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
+) -> Balance:
     reserve = np.asarray(run.seen.reserve)
     held = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
@@ -226,7 +228,9 @@ def _of_supply(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str,
     return _balance("energy of the supply", SMOOTH, most, into, went, ("supplied", "held"))
 
 
-def _first_law(plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
+def _first_law_balance(
+    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
+) -> Balance:
     # U = p V/(γ − 1), from what is seen rather than from the state that was integrated
     p = np.asarray(run.seen.pressures) + plant.chamber.room_pressure
     V = np.asarray(run.seen.volumes) + plant.chamber.dead_volume

@@ -31,7 +31,7 @@ class Flows(NamedTuple):
     vented: Numbers
 
 
-def flowing(plant: Plant, state: State, pressures: Numbers, command: Numbers) -> Flows:
+def evaluate_flows(plant: Plant, state: State, pressures: Numbers, command: Numbers) -> Flows:
     """The flows of a `plant` [-] in a `state` [SI], its units at `pressures` [Pa], under a
     `command` [-].
     """

@@ -45,7 +45,7 @@ from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
 
 
-class Slid(NamedTuple):
+class FrictionStep(NamedTuple):
     """A friction element after a way: its forces `kept` on the last axis [N], the force against
     contraction [N], and the energy `lost` on the way [J].
     """
@@ -69,7 +69,7 @@ class AbstractHysteresis(Module):
     def slid(
         self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
-    ) -> Slid:  # fmt: skip
+    ) -> FrictionStep:  # fmt: skip
         """What it is after a way that doesn't turn.
 
         **Arguments:**
@@ -116,13 +116,13 @@ class MaxwellSlip(AbstractHysteresis):
         **Raises:** `ValueError` for numbers that can't be, and for unlike many.
         """
         self.stiffness = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
-        self.slip_force = np.atleast_1d(_from_zero(slip_force, "slip_force", "N"))
+        self.slip_force = np.atleast_1d(_check_nonnegative(slip_force, "slip_force", "N"))
         if np.shape(self.stiffness) != np.shape(self.slip_force):
             raise InvalidInputError(
                 "slip_force", "must have one for each spring", np.size(self.slip_force),
                 f"`stiffness` has {np.size(self.stiffness)}",
             )  # fmt: skip
-        slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
+        slope = _check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
         self.slip_force_slope = np.broadcast_to(slope, np.shape(self.stiffness))
 
     @property
@@ -133,7 +133,7 @@ class MaxwellSlip(AbstractHysteresis):
     def slid(
         self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
-    ) -> Slid:  # fmt: skip
+    ) -> FrictionStep:  # fmt: skip
         """Equation (H1).
 
         **Arguments:**
@@ -155,7 +155,7 @@ class MaxwellSlip(AbstractHysteresis):
         # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
         lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
         add = array_namespace(now).sum
-        return Slid(now, add(now, axis=-1), add(lost, axis=-1))
+        return FrictionStep(now, add(now, axis=-1), add(lost, axis=-1))
 
     def loop_width(self, there: Batch, back: Batch, pressure: Batch) -> Batch:
         """How wide a closed loop is, between two turns, equation (H4).
@@ -208,7 +208,7 @@ class Dahl(AbstractHysteresis):
         """
         self.stiffness = check_positive(stiffness, "stiffness", "N/m")
         self.slip_force = check_positive(slip_force, "slip_force", "N")
-        self.slip_force_slope = _from_zero(slip_force_slope, "slip_force_slope", "N/Pa")
+        self.slip_force_slope = _check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
 
     @property
     def count(self) -> int:
@@ -218,7 +218,7 @@ class Dahl(AbstractHysteresis):
     def slid(
         self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
-    ) -> Slid:  # fmt: skip
+    ) -> FrictionStep:  # fmt: skip
         """Equation (H2).
 
         **Arguments:**
@@ -241,7 +241,7 @@ class Dahl(AbstractHysteresis):
         # the way is done against z and stored or lost: ∫z dx = s f |Δx| − (z − z0) s f/k
         work = end * way - (now - held) * end / k
         lost = work - (now**2 - held**2) / (2 * k) + (before**2 - held**2) / (2 * k)
-        return Slid(now[..., None], now, lost)
+        return FrictionStep(now[..., None], now, lost)
 
     def stored(self, kept: Numbers) -> Batch:
         """$z^2/(2k)$ [J] for its force `kept` [N]."""
@@ -272,7 +272,7 @@ class Coulomb(AbstractHysteresis):
 
         **Raises:** `ValueError` for numbers that can't be.
         """
-        self.width = _from_zero(width, "width", "Pa")
+        self.width = _check_nonnegative(width, "width", "Pa")
         self.velocity = check_positive(velocity, "velocity", "m/s")
 
     @property
@@ -283,7 +283,7 @@ class Coulomb(AbstractHysteresis):
     def slid(
         self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
-    ) -> Slid:  # fmt: skip
+    ) -> FrictionStep:  # fmt: skip
         """Equation (H3).
 
         **Arguments:**
@@ -302,7 +302,7 @@ class Coulomb(AbstractHysteresis):
             * absolute(by_pressure)
             * array_namespace(velocity).tanh(velocity / self.velocity)
         )
-        return Slid(kept, force, 0.0 * way)
+        return FrictionStep(kept, force, 0.0 * way)
 
     def stored(self, kept: Numbers) -> Batch:
         """None [J], whatever it `kept` [N]."""
@@ -319,5 +319,5 @@ class Coulomb(AbstractHysteresis):
         )
 
 
-def _from_zero(value: Values, name: str, unit: str) -> Batch:
+def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
     return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))

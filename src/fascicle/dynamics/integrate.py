@@ -20,15 +20,15 @@ from ..core.errors import InvalidInputError
 from ..core.module import to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_positive
-from .account import ACCOUNT, powers, pressed
-from .motion import Anchor, change, moment
+from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
+from .equilibrium import equilibrium_state
+from .motion import FrictionMemory, evaluate_plant, time_derivative
+from .outputs import PlantOutputs, observe
 from .plant import Plant
-from .rest import rest
 from .schedule import Schedule
-from .seen import Seen, looked_at
 from .simulate import Trajectory
 from .state import State
-from .stepping import set_right
+from .stepping import project_pressures
 
 
 _MOST_STEPS = 1_000_000
@@ -70,9 +70,9 @@ def integrate(
     if t.ndim != 1 or t.size < 2 or t[0] != 0 or np.any(np.diff(t) <= 0):
         raise InvalidInputError("times", "must begin at 0 s and rise", t.shape, shown="other ones")
     tolerance = float(check_positive(tolerance, "tolerance", "-"))
-    begin = rest(plant) if start is None else start
-    size = _sizes(plant, begin)
-    row = _row(begin, np.zeros(len(ACCOUNT)))
+    begin = equilibrium_state(plant) if start is None else start
+    size = _scales(plant, begin)
+    row = _row(begin, np.zeros(len(LEDGER)))
     found = [row[None]]
     # each command by itself: a stage can't see the next one
     edges = [*schedule.times[schedule.times < t[-1]], t[-1]]
@@ -114,10 +114,10 @@ def _leg(
     import diffrax
 
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
-        state, _ = _apart(plant, y)
-        state = set_right(plant, t, state, _NEWTON)
-        now = moment(plant, t, state, command, _none(plant, state))
-        return _row(change(plant, state, now, command), powers(plant, state, now))
+        state, _ = _split_row(plant, y)
+        state = project_pressures(plant, t, state, _NEWTON)
+        now = evaluate_plant(plant, t, state, command, _no_friction_memory(plant, state))
+        return _row(time_derivative(plant, state, now, command), ledger_rates(plant, state, now))
 
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field), diffrax.Tsit5(), low, asked[-1], None, row,
@@ -131,13 +131,13 @@ def _leg(
 @jax.jit
 def _look(
     plant: Plant, times: Numbers, rows: Numbers, commands: Numbers
-) -> tuple[Seen, Numbers, State]:
-    def one(t: Batch, row: Numbers, c: Numbers) -> tuple[Seen, Numbers, Numbers, State]:
-        state, account = _apart(plant, row)
-        state = set_right(plant, t, state, _NEWTON)
-        anchor = _none(plant, state)
-        now = moment(plant, t, state, c, anchor)
-        return looked_at(plant, state, anchor, now), account, pressed(plant, now), state
+) -> tuple[PlantOutputs, Numbers, State]:
+    def one(t: Batch, row: Numbers, c: Numbers) -> tuple[PlantOutputs, Numbers, Numbers, State]:
+        state, account = _split_row(plant, row)
+        state = project_pressures(plant, t, state, _NEWTON)
+        anchor = _no_friction_memory(plant, state)
+        now = evaluate_plant(plant, t, state, c, anchor)
+        return observe(plant, state, anchor, now), account, pressure_volume_term(plant, now), state
 
     seen, account, more, states = jax.vmap(one)(times, rows, commands)
     return seen, account + more - more[0], states
@@ -145,11 +145,11 @@ def _look(
 
 def _row(state: State, account: Numbers) -> Numbers:
     """All numbers of a `state` [SI] and an `account` [SI] in one row."""
-    at_work = array_namespace(*state)
-    return at_work.concatenate([*(at_work.ravel(x) for x in state), account])
+    xp = array_namespace(*state)
+    return xp.concatenate([*(xp.ravel(x) for x in state), account])
 
 
-def _apart(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
+def _split_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     """A state and an account of a `row` [SI]."""
     units = plant.units
     shapes = State((), (), (plant.spool.states(units),), (units, plant.chamber.count), (units,),
@@ -159,20 +159,20 @@ def _apart(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
     return State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True))), account
 
 
-def _none(plant: Plant, state: State) -> Anchor:
+def _no_friction_memory(plant: Plant, state: State) -> FrictionMemory:
     """Friction that remembers nothing."""
-    return Anchor(jnp.zeros((plant.units, 0)), state.position, state.pressures)
+    return FrictionMemory(jnp.zeros((plant.units, 0)), state.position, state.pressures)
 
 
-def _sizes(plant: Plant, state: State) -> Numbers:
+def _scales(plant: Plant, state: State) -> Numbers:
     """Of each number of a `state` [SI], to which its absolute tolerance is a share."""
     low, high = plant.way
     top = np.full(plant.units, plant.supply_pressure)
     full = plant.charged(top, 0.0)
     swept = np.asarray(plant.muscles.at(top, plant.strains(0.0)).volume)
     energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)
-    account = np.full(len(ACCOUNT), energy)
-    account[ACCOUNT.index("mass")] = np.sum(full[..., 0])
+    account = np.full(len(LEDGER), energy)
+    account[LEDGER.index("mass")] = np.sum(full[..., 0])
     way = np.float64(high - low)
     sizes = State(
         way, way, np.ones(plant.spool.states(plant.units)), full, top,

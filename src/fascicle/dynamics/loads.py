@@ -40,28 +40,28 @@ _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 
 
-def _above(name: str, unit: str) -> Any:
+def _positive_field(name: str, unit: str) -> Any:
     def checked(value: Values) -> Batch:
         return check_positive(value, name, unit)
 
     return record(converter=checked)
 
 
-def _from_zero(name: str, unit: str, default: float = 0.0) -> Any:
+def _nonnegative_field(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
 
     return record(converter=checked, default=default)
 
 
-def _any(name: str, unit: str, default: float = 0.0) -> Any:
+def _finite_field(name: str, unit: str, default: float = 0.0) -> Any:
     def checked(value: Values) -> Batch:
         return check_finite(value, name, unit)
 
     return record(converter=checked, default=default)
 
 
-def _end(name: str, default: float) -> Any:
+def _end_field(name: str, default: float) -> Any:
     def checked(value: Values) -> Batch:
         return check_interval(value, -np.inf, np.inf, name, "m or rad", closed=(True, True))
 
@@ -79,10 +79,10 @@ class Stop(Module):
     N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
     """
 
-    low: Batch = _end("low", -np.inf)
-    high: Batch = _end("high", np.inf)
-    stiffness: Batch = _from_zero("stiffness", "N/m", 1e5)
-    damping: Batch = _from_zero("damping", "N·s/m", 1e2)
+    low: Batch = _end_field("low", -np.inf)
+    high: Batch = _end_field("high", np.inf)
+    stiffness: Batch = _nonnegative_field("stiffness", "N/m", 1e5)
+    damping: Batch = _nonnegative_field("damping", "N·s/m", 1e2)
 
     def __check_init__(self):
         if is_concrete(self.low, self.high) and np.any(
@@ -188,9 +188,9 @@ class HangingMass(AbstractFreeLoad):
     unit: ClassVar[str] = "m"
     source: ClassVar[str] = "Newton's second law"
 
-    mass: Batch = _above("mass", "kg")
-    gravity: Batch = _from_zero("gravity", "m/s²", GRAVITY)
-    damping: Batch = _from_zero("damping", "N·s/m")
+    mass: Batch = _positive_field("mass", "kg")
+    gravity: Batch = _nonnegative_field("gravity", "m/s²", GRAVITY)
+    damping: Batch = _nonnegative_field("damping", "N·s/m")
     stop: Stop | None = None
 
     def __check_init__(self):
@@ -231,11 +231,11 @@ class InertiaSpringDamper(AbstractFreeLoad):
     unit: ClassVar[str] = "m"
     source: ClassVar[str] = "Newton's second law"
 
-    mass: Batch = _above("mass", "kg")
-    spring_stiffness: Batch = _from_zero("spring_stiffness", "N/m")
-    damping: Batch = _from_zero("damping", "N·s/m")
-    rest: Batch = _any("rest", "m")
-    force_outside: Batch = _any("force_outside", "N")
+    mass: Batch = _positive_field("mass", "kg")
+    spring_stiffness: Batch = _nonnegative_field("spring_stiffness", "N/m")
+    damping: Batch = _nonnegative_field("damping", "N·s/m")
+    rest: Batch = _finite_field("rest", "m")
+    force_outside: Batch = _finite_field("force_outside", "N")
     stop: Stop | None = None
 
     def __check_init__(self):
@@ -278,11 +278,11 @@ class AntagonisticJoint(AbstractFreeLoad):
     unit: ClassVar[str] = "rad"
     source: ClassVar[str] = "Newton's second law"
 
-    inertia_moment: Batch = _above("inertia_moment", "kg·m²")
-    radius: Batch = _above("radius", "m")
-    contraction: Batch = _any("contraction", "m")
-    damping: Batch = _from_zero("damping", "N·m·s/rad")
-    gravity_moment: Batch = _from_zero("gravity_moment", "N·m")
+    inertia_moment: Batch = _positive_field("inertia_moment", "kg·m²")
+    radius: Batch = _positive_field("radius", "m")
+    contraction: Batch = _finite_field("contraction", "m")
+    damping: Batch = _nonnegative_field("damping", "N·m·s/rad")
+    gravity_moment: Batch = _nonnegative_field("gravity_moment", "N·m")
     stop: Stop | None = None
 
     @property
@@ -320,9 +320,9 @@ class PrescribedMotion(AbstractLoad):
     moved: ClassVar[bool] = True
     source: ClassVar[str] = "kinematics"
 
-    mean: Batch = _any("mean", "m")
-    amplitude: Batch = _from_zero("amplitude", "m")
-    frequency: Batch = _from_zero("frequency", "Hz")
+    mean: Batch = _finite_field("mean", "m")
+    amplitude: Batch = _nonnegative_field("amplitude", "m")
+    frequency: Batch = _nonnegative_field("frequency", "Hz")
     stop: Stop | None = None
 
     def __check_init__(self):

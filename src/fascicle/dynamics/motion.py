@@ -4,25 +4,25 @@ from typing import NamedTuple
 
 from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
-from .filling import Filled, filled
-from .flows import Flows, flowing
-from .holding import held_rates
-from .hysteresis import Slid
+from .chamber_pressure import ChamberEvaluation, evaluate_chambers
+from .conservative_update import conserved_rates
+from .flows import Flows, evaluate_flows
+from .hysteresis import FrictionStep
 from .plant import Plant
 from .state import State
 
 
-class Anchor(NamedTuple):
+class FrictionMemory(NamedTuple):
     """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI] and the
     units' `pressures` [Pa].
     """
 
-    kept: Numbers
+    spring_forces: Numbers
     position: Batch
     pressures: Numbers
 
 
-class Moment(NamedTuple):
+class PlantEvaluation(NamedTuple):
     """Everything at a moment.
 
     `position` and `velocity` of the load [SI]; of each unit `strains` [-], `strain_rates` [1/s],
@@ -36,20 +36,22 @@ class Moment(NamedTuple):
     velocity: Batch
     strains: Numbers
     strain_rates: Numbers
-    fluid: Filled
+    fluid: ChamberEvaluation
     flows: Flows
     pressure_rates: Numbers
     volume_rates: Numbers
     chamber_rates: Numbers
-    held_rates: Numbers
+    conserved_rates: Numbers
     pull: Batch
-    rubbing: Batch
-    rubbing_power: Batch
+    friction_force: Batch
+    friction_power: Batch
     stop_damper: Batch
     acceleration: Batch
 
 
-def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: Anchor) -> Moment:
+def evaluate_plant(
+    plant: Plant, time: Batch, state: State, command: Numbers, anchor: FrictionMemory
+) -> PlantEvaluation:
     """A plant at a moment.
 
     **Arguments:**
@@ -65,30 +67,30 @@ def moment(plant: Plant, time: Batch, state: State, command: Numbers, anchor: An
     load, chamber = plant.load, plant.chamber
     q, v = load.placed(time, state.position, state.velocity)
     eps, eps_dot = plant.strains(q[..., None]), plant.gains * v[..., None]
-    fluid = filled(plant, state.chambers, eps, state.pressures)
+    fluid = evaluate_chambers(plant, state.chambers, eps, state.pressures)
     P, at = fluid.pressures, fluid.at
 
-    flows = flowing(plant, state, P, command)
+    flows = evaluate_flows(plant, state, P, command)
     still = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
     P_dot = fluid.pressure_rate(still, eps_dot)
     V_dot = fluid.by_strain * eps_dot + fluid.by_pressure * P_dot
     filling = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
 
-    held = held_rates(chamber, state.chambers, still, P_dot, fluid.volume)
+    held = conserved_rates(chamber, state.chambers, still, P_dot, fluid.volume)
 
     arm = plant.counts * plant.lengths * plant.gains
     pull = array_namespace(at.force).sum(arm * at.force, axis=-1)
-    rubbing, lost = _rubbing(plant, anchor, q, v, fluid)
+    rubbing, lost = _friction_force(plant, anchor, q, v, fluid)
     stopped, damped = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
     outside = load.force(q) - load.damper * v - stopped
     a = (pull - rubbing + outside) / load.inertia
-    return Moment(
+    return PlantEvaluation(
         q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, held, pull, rubbing,
         lost, damped, a,
     )  # fmt: skip
 
 
-def change(plant: Plant, state: State, now: Moment, command: Numbers) -> State:
+def time_derivative(plant: Plant, state: State, now: PlantEvaluation, command: Numbers) -> State:
     """How fast each number of a `state` [SI] of a `plant` [-] changes [SI], so as it is `now` [SI]
     and under a `command` [-].
     """
@@ -104,24 +106,28 @@ def change(plant: Plant, state: State, now: Moment, command: Numbers) -> State:
     )
 
 
-def slid(plant: Plant, anchor: Anchor, position: Batch, pressures: Numbers) -> Slid:
+def friction_step(
+    plant: Plant, anchor: FrictionMemory, position: Batch, pressures: Numbers
+) -> FrictionStep:
     """Friction of each muscle of a `plant` [-] that remembers, at a `position` [SI] and `pressures`
     [Pa], reached from its `anchor` [SI] without turning.
     """
     none = 0.0 * pressures
-    return _slid(plant, anchor, position, none, pressures, none)
+    return _advance_friction(plant, anchor, position, none, pressures, none)
 
 
-def _slid(
-    plant: Plant, anchor: Anchor, q: Batch, speed: Numbers, P: Numbers, by_pressure: Numbers
-) -> Slid:
+def _advance_friction(
+    plant: Plant, anchor: FrictionMemory, q: Batch, speed: Numbers, P: Numbers, by_pressure: Numbers
+) -> FrictionStep:
     assert plant.hysteresis is not None
     way = plant.lengths * plant.gains * (q - anchor.position)[..., None]
-    return plant.hysteresis.slid(anchor.kept, way, speed, (anchor.pressures, P), by_pressure)
+    return plant.hysteresis.slid(
+        anchor.spring_forces, way, speed, (anchor.pressures, P), by_pressure
+    )
 
 
-def _rubbing(
-    plant: Plant, anchor: Anchor, q: Batch, v: Batch, fluid: Filled
+def _friction_force(
+    plant: Plant, anchor: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
     """Friction against the load's coordinate [N or N·m], and heat that its way doesn't tell [W]."""
     if plant.hysteresis is None:
@@ -132,17 +138,17 @@ def _rubbing(
         fluid.at.force_by_pressure,
     )
     speed = per * v[..., None]
-    force = _slid(plant, anchor, q, speed, fluid.pressures, by_pressure).force
+    force = _advance_friction(plant, anchor, q, speed, fluid.pressures, by_pressure).force
     lost = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
     return add(plant.counts * per * force, axis=-1), add(plant.counts * lost, axis=-1)
 
 
-def rubbed(
-    plant: Plant, anchor: Anchor, position: Batch, pressures: Numbers
-) -> tuple[Anchor, Batch]:
+def update_friction(
+    plant: Plant, anchor: FrictionMemory, position: Batch, pressures: Numbers
+) -> tuple[FrictionMemory, Batch]:
     """Friction after a step to a `position` [SI] at `pressures` [Pa], from where it was looked at
     last, and the energy that it lost on the way [J].
     """
-    now = slid(plant, anchor, position, pressures)
+    now = friction_step(plant, anchor, position, pressures)
     lost = array_namespace(now.lost).sum(plant.counts * now.lost, axis=-1)
-    return Anchor(now.kept, position, pressures), lost
+    return FrictionMemory(now.kept, position, pressures), lost

@@ -84,7 +84,7 @@ class Tables(AbstractMuscles):
             _row(each, lambda one: one.root_step),
             (_row(each, lambda one: one.strains[0]), _row(each, lambda one: one.strains[1])),
             _row(each, lambda one: one.rest_length),
-            _worst([one.errors for one in tables]),
+            _largest_errors([one.errors for one in tables]),
         )
         return cls(table, np.array(which))
 
@@ -107,7 +107,7 @@ def _row(tables: Sequence[UnitSurface], number: Callable[[UnitSurface], Any]) ->
     return np.array([float(number(one)) for one in tables])
 
 
-def _worst(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
+def _largest_errors(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
     median, most, largest = (max(column) for column in zip(*errors, strict=True))
     return median, most, largest
 
@@ -140,7 +140,7 @@ class Exact(AbstractMuscles):
         P = minimum(maximum(pressure, 0.0), self.top)
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
         found = [
-            _exact(muscles, P[..., np.array(places)], eps[..., np.array(places)])
+            _exact_surface(muscles, P[..., np.array(places)], eps[..., np.array(places)])
             for places, muscles in zip(self.places, self.groups, strict=True)
         ]
         order = np.argsort([i for places in self.places for i in places])
@@ -179,7 +179,7 @@ class Exact(AbstractMuscles):
         return self.top
 
 
-def _exact(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
+def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     """Of `muscles` [-], one for each unit on the last axis."""
     one, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
 

@@ -104,7 +104,7 @@ class Plant(Module):
         self.counts = np.array([float(unit.count) for unit, _ in units])
         self.lengths = np.array([float(unit.muscle.length) for unit, _ in units])
         self.distances = np.array([float(self.bundles[side].length) for side in self.sides])
-        _fitting(self)
+        _check_fit(self)
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
         each = [unit.muscle for unit, _ in units]
@@ -186,7 +186,7 @@ class Plant(Module):
         return float(np.max(np.min(ends, axis=0))), float(np.min(np.max(ends, axis=0)))
 
 
-def _fitting(plant: Plant) -> None:
+def _check_fit(plant: Plant) -> None:
     """Refuse parts that don't go together."""
     kinds = {
         "load": AbstractLoad, "supply": AbstractSupply, "chamber": AbstractChamber,

@@ -18,16 +18,16 @@ from ..core.module import Module, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_positive, is_concrete
 from ..fluid import checked_commands
-from .account import ACCOUNT, pressed
-from .motion import Anchor, moment
+from .energy_ledger import LEDGER, pressure_volume_term
+from .equilibrium import equilibrium_state
+from .motion import FrictionMemory, evaluate_plant
 from .muscles import Tables
-from .pace import Pace, pace
+from .outputs import STATUS, PlantOutputs, observe
 from .plant import Plant
-from .rest import rest
 from .schedule import Controller, Measurement, Schedule
-from .seen import STATUS, Seen, looked_at
 from .state import State
-from .stepping import Course, set_right, substep
+from .step_size import StepSizeEstimate, estimate_substeps
+from .stepping import IntegratorState, project_pressures, substep
 
 
 _NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
@@ -48,11 +48,11 @@ class Trajectory(NamedTuple):
     """
 
     time: Numbers
-    seen: Seen
+    seen: PlantOutputs
     commands: Numbers
     account: Numbers
     substeps: int
-    pace: Pace | None
+    pace: StepSizeEstimate | None
     end: State
 
 
@@ -85,14 +85,14 @@ def simulate(
     `rest` refuses.
     """
     dt = float(check_positive(dt, "dt", "s", "such as 0.001"))
-    begin = rest(plant) if start is None else start
+    begin = equilibrium_state(plant) if start is None else start
     looked = None
     if substeps is None:
-        looked = pace(plant, dt)
+        looked = estimate_substeps(plant, dt)
         substeps = looked.substeps
     elif substeps != int(substeps) or not substeps >= 1:
         raise InvalidInputError("substeps", "must be a whole number of at least 1", substeps)
-    act, memory, inputs = _driven(plant, controller, reference, dt, duration)
+    act, memory, inputs = _prepare_controller(plant, controller, reference, dt, duration)
     if not len(inputs):
         name = "reference" if callable(controller) else "commands"
         raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
@@ -103,19 +103,21 @@ def simulate(
     known, steps, count = is_concrete((plant, given, memory, inputs, begin)), len(inputs), None
     if known:  # so that another length mostly compiles nothing
         count = np.int64(steps)
-        inputs = np.concatenate([inputs, np.repeat(inputs[-1:], _room(steps) - steps, axis=0)])
+        inputs = np.concatenate(
+            [inputs, np.repeat(inputs[-1:], _padded_steps(steps) - steps, axis=0)]
+        )
     numbered = plant, given, memory, inputs, begin, np.float64(dt), count
     every, commands, last = _run(*numbered, (fixed, kind), int(substeps))
-    at_work = jnp
+    xp = jnp
     if known:
         every, commands, last = to_numpy((every, commands, last))
         every, commands = jax.tree.map(lambda x: x[:steps], (every, commands))
-        at_work = np
-    every = jax.tree.map(lambda many, one: at_work.concatenate([many, one[None]]), every, last)
-    commands = at_work.concatenate([commands, commands[-1:]])
+        xp = np
+    every = jax.tree.map(lambda many, one: xp.concatenate([many, one[None]]), every, last)
+    commands = xp.concatenate([commands, commands[-1:]])
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
-    seen, more = (_looked if known and tables else _traced)(plant, dt, every, commands)
+    seen, more = (_observe_numpy if known and tables else _observe_jax)(plant, dt, every, commands)
     seen, more = to_numpy((seen, more)) if known else (seen, more)
     account = every.account + more - more[0]
     if looked is not None and looked.stiff:
@@ -125,11 +127,11 @@ def simulate(
     )
 
 
-class _Held(Module):
+class _OpenLoop(Module):
     """No controller: the reference is what is commanded."""
 
 
-def _driven(
+def _prepare_controller(
     plant: Plant, controller: Any, reference: Values, dt: float, duration: float | None
 ) -> tuple[Any, Any, Numbers]:
     """Controller, memory to begin with, and a row for each step."""
@@ -149,14 +151,14 @@ def _driven(
     else:
         rows = checked_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
-    return _Held(), (), plant.checked(rows)
+    return _OpenLoop(), (), plant.checked(rows)
 
 
 @partial(jax.jit, static_argnames=("fixed", "substeps"))
 def _run(
     plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
-) -> tuple[Course, Numbers, Course]:  # fmt: skip
+) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
     """Before each step, commanded in it, and after the last: a row of `inputs` for each, of which
     `count` are made; all of them, where it is none.
     """
@@ -166,34 +168,32 @@ def _run(
     )
     hysteresis = plant.hysteresis
     kept = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
-    state = set_right(plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON)
-    anchor = Anchor(kept, state.position, state.pressures)
+    state = project_pressures(plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON)
+    anchor = FrictionMemory(kept, state.position, state.pressures)
     h = dt / substeps
 
     def step(carry: tuple, given: tuple) -> tuple[tuple, tuple]:
         course, memory = carry
         time, reference = given
-        if isinstance(act, _Held):  # which measures nothing
+        if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
-            memory, command = act(memory, _measured(plant, time, course), reference)
+            memory, command = act(memory, _measure(plant, time, course), reference)
 
         # a derivative goes through a substep again, instead of keeping all that is in it
         @partial(jax.checkpoint, prevent_cse=False)
-        def sub(i: Any, now: Course) -> Course:
+        def sub(i: Any, now: IntegratorState) -> IntegratorState:
             return substep(plant, time + i * h, now, command, h)
 
         begun = course._replace(folded=jnp.zeros_like(course.folded))
         return (lax.fori_loop(0, substeps, sub, begun), memory), (course, command)
 
-    begun = Course(state, anchor, jnp.zeros(len(ACCOUNT)), jnp.zeros((), bool)), memory
-    (last, _), (every, commands) = _scanned(
-        step, begun, (dt * jnp.arange(len(inputs)), inputs), count
-    )
+    begun = IntegratorState(state, anchor, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)), memory
+    (last, _), (every, commands) = _scan(step, begun, (dt * jnp.arange(len(inputs)), inputs), count)
     return every, commands, last
 
 
-def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
+def _scan(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
     """What `lax.scan` gives, of the first `count` steps, unless that is none."""
     if count is None:
         return lax.scan(step, begun, inputs)
@@ -215,7 +215,7 @@ def _scanned(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, 
     return lax.fori_loop(0, count, stepped, (begun, empty))
 
 
-def _room(steps: int) -> int:
+def _padded_steps(steps: int) -> int:
     """For how many steps there is room in a program that makes so many: a power of four, where
     that takes little memory, or of two.
     """
@@ -223,21 +223,27 @@ def _room(steps: int) -> int:
     return 1 << (bits + bits % 2 if bits < _MUCH else bits)
 
 
-def _look(plant: Plant, time: Batch, course: Course, command: Numbers) -> tuple[Seen, Numbers]:
+def _observe_step(
+    plant: Plant, time: Batch, course: IntegratorState, command: Numbers
+) -> tuple[PlantOutputs, Numbers]:
     """What a plant shows, and what is pressed into its muscles [J]."""
-    now = moment(plant, time, course.state, command, course.anchor)
-    seen = looked_at(plant, course.state, course.anchor, now)
+    now = evaluate_plant(plant, time, course.state, command, course.anchor)
+    seen = observe(plant, course.state, course.anchor, now)
     folded = course.folded * (1 << STATUS.index("folded"))
-    return seen._replace(status=seen.status | folded), pressed(plant, now)
+    return seen._replace(status=seen.status | folded), pressure_volume_term(plant, now)
 
 
 @jax.jit
-def _traced(plant: Plant, dt: Batch, every: Course, commands: Numbers) -> tuple[Seen, Numbers]:
+def _observe_jax(
+    plant: Plant, dt: Batch, every: IntegratorState, commands: Numbers
+) -> tuple[PlantOutputs, Numbers]:
     times = dt * jnp.arange(len(commands))
-    return jax.vmap(partial(_look, plant))(times, every, commands)
+    return jax.vmap(partial(_observe_step, plant))(times, every, commands)
 
 
-def _looked(plant: Plant, dt: Batch, every: Course, commands: Numbers) -> tuple[Seen, Numbers]:
+def _observe_numpy(
+    plant: Plant, dt: Batch, every: IntegratorState, commands: Numbers
+) -> tuple[PlantOutputs, Numbers]:
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
     found = []
@@ -245,13 +251,13 @@ def _looked(plant: Plant, dt: Batch, every: Course, commands: Numbers) -> tuple[
         for k in range(0, len(times), _AT_ONCE):
             here = slice(k, k + _AT_ONCE)
             some = jax.tree.map(lambda x, here=here: x[here], every)
-            found.append(_look(plant, times[here], some, commands[here]))
+            found.append(_observe_step(plant, times[here], some, commands[here]))
     return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
 
 
-def _measured(plant: Plant, time: Batch, course: Course) -> Measurement:
+def _measure(plant: Plant, time: Batch, course: IntegratorState) -> Measurement:
     state = course.state
-    now = moment(plant, time, state, jnp.zeros(plant.commands), course.anchor)
+    now = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), course.anchor)
     # what all muscles pull with, friction not in it
     return Measurement(
         time, now.position, now.velocity, state.pressures, now.pull,

@@ -15,10 +15,10 @@ import numpy as np
 from jax import lax
 
 from ..core.types import Batch, BoolBatch, Numbers
-from .account import ACCOUNT, powers
-from .filling import settled
-from .holding import held, let_go
-from .motion import Anchor, change, moment, rubbed
+from .chamber_pressure import solve_pressures
+from .conservative_update import conserved_state, project_chambers
+from .energy_ledger import LEDGER, ledger_rates
+from .motion import FrictionMemory, evaluate_plant, time_derivative, update_friction
 from .plant import Plant
 from .state import State
 
@@ -26,23 +26,25 @@ from .state import State
 _NEWTON = 2  # from where the rates led: two steps leave 1e-12 of a pressure
 # stages of the method: how far along each is, and what it weighs
 _ALONG, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6
-_FRICTION = np.array([name == "friction" for name in ACCOUNT], float)
-_BY_PARTS = np.array([[name == one for name in ACCOUNT] for one in
+_FRICTION = np.array([name == "friction" for name in LEDGER], float)
+_BY_PARTS = np.array([[name == one for name in LEDGER] for one in
                       ("fluid_work", "mismatch", "displaced")], float)  # fmt: skip
 
 
-class Course(NamedTuple):
+class IntegratorState(NamedTuple):
     """How far a run has come: a `state` [SI], friction's `anchor` [SI], each number of the
     `account` up to then [J or kg], and whether a chamber `folded` on the way [-].
     """
 
     state: State
-    anchor: Anchor
+    anchor: FrictionMemory
     account: Numbers
     folded: BoolBatch
 
 
-def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batch) -> Course:
+def substep(
+    plant: Plant, time: Batch, course: IntegratorState, command: Numbers, h: Batch
+) -> IntegratorState:
     """One substep of `h` [s] of a `plant` [-] from `time` [s] of its `course` [SI], under a
     `command` [-].
     """
@@ -51,41 +53,48 @@ def substep(plant: Plant, time: Batch, course: Course, command: Numbers, h: Batc
     def stage(carry: tuple, given: Numbers) -> tuple[tuple, tuple]:
         slope, total, grown = carry
         along, weight = given
-        at = moved(state, slope, along * h)
-        now = moment(plant, time + along * h, at, command, anchor)
-        slope = change(plant, at, now, command)
-        grown = grown + weight * h * powers(plant, at, now)
-        added = slope._replace(chambers=now.held_rates)
-        return (slope, moved(total, added, weight), grown), (now.fluid.volume, now.fluid.folded)
+        at = add_scaled(state, slope, along * h)
+        now = evaluate_plant(plant, time + along * h, at, command, anchor)
+        slope = time_derivative(plant, at, now, command)
+        grown = grown + weight * h * ledger_rates(plant, at, now)
+        added = slope._replace(chambers=now.conserved_rates)
+        return (slope, add_scaled(total, added, weight), grown), (
+            now.fluid.volume,
+            now.fluid.is_folded,
+        )
 
     # a loop, as four copies of the stage would take four times as long to compile
     still = jax.tree.map(lambda x: 0.0 * x, state)
     stages = np.stack([_ALONG, _WEIGHTS], axis=1)
     (_, total, grown), (volumes, folds) = lax.scan(stage, (still, still, 0.0 * account), stages)
-    begun = held(plant.chamber, state.chambers, state.pressures, volumes[0])
-    after = moved(state._replace(chambers=begun), total, h)
+    begun = conserved_state(plant.chamber, state.chambers, state.pressures, volumes[0])
+    after = add_scaled(state._replace(chambers=begun), total, h)
     q, _ = plant.load.placed(time + h, after.position, after.velocity)
-    end = let_go(plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON)
+    end = project_chambers(
+        plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON
+    )
     after = after._replace(
         chambers=end.chambers, pressures=end.pressures, supply=plant.supply.switched(after.supply)
     )
     account = account + grown + jnp.stack([end.work, end.mismatch, end.work]) @ _BY_PARTS
     folded |= jnp.any(folds)
     if plant.hysteresis is None:
-        return Course(after, anchor, account, folded)
-    anchor, lost = rubbed(plant, anchor, q, after.pressures)
-    return Course(after, anchor, account + lost * _FRICTION, folded)
+        return IntegratorState(after, anchor, account, folded)
+    anchor, lost = update_friction(plant, anchor, q, after.pressures)
+    return IntegratorState(after, anchor, account + lost * _FRICTION, folded)
 
 
-def moved(state: State, rate: State, h: Batch) -> State:
+def add_scaled(state: State, rate: State, h: Batch) -> State:
     """A `state` [SI] after `h` [s] at a `rate` [SI]."""
     return jax.tree.map(lambda x, slope: x + h * slope, state, rate)
 
 
-def set_right(plant: Plant, time: Batch, state: State, steps: int) -> State:
+def project_pressures(plant: Plant, time: Batch, state: State, steps: int) -> State:
     """A `state` [SI] at `time` [s] whose pressures go with its chambers, in so many `steps` [-] of
     Newton's method.
     """
     q, _ = plant.load.placed(time, state.position, state.velocity)
     eps = plant.strains(q[..., None])
-    return state._replace(pressures=settled(plant, state.chambers, eps, state.pressures, steps))
+    return state._replace(
+        pressures=solve_pressures(plant, state.chambers, eps, state.pressures, steps)
+    )

@@ -16,7 +16,7 @@ from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.validation import lowest_strain, strain_domain
-from .pair import checked_bundle, checked_name, write_pair
+from .c_files import checked_bundle, checked_name, write_c_files
 from .template import header, source
 
 
@@ -80,7 +80,7 @@ def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tu
 
     **Raises:** as `c_code`.
     """
-    return write_pair(c_code(target, name), folder, name)
+    return write_c_files(c_code(target, name), folder, name)
 
 
 def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:

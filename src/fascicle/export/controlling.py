@@ -13,7 +13,7 @@ import numpy as np
 
 from ..control import Cascade
 from ..control.branches import Branches
-from ..control.in_turn import InTurn
+from ..control.sequential_policies import SequentialPolicy
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import Tables
@@ -122,7 +122,7 @@ def bundle_of(plant: Plant) -> Any:
 
 def _policy(controller: Cascade) -> str | None:
     policy = next(iter(controller.policies))
-    if not isinstance(policy, InTurn) or float(policy.early) or float(policy.wide):
+    if not isinstance(policy, SequentialPolicy) or float(policy.early) or float(policy.wide):
         return None
     return "threshold" if float(policy.parked) else "orderly"
 

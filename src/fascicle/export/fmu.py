@@ -27,7 +27,7 @@ from ..core.types import Values
 from ..core.validation import check_positive
 from ..io.atomic import write
 from ..muscle import Muscle
-from .pair import checked_name
+from .c_files import checked_name
 from .table_code import Tabulated, filled, tabulated, written
 
 

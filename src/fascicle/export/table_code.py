@@ -25,7 +25,6 @@ from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, table_error
 from .controlling import on_table
 from .controlling import words as controls
-from .pair import checked_bundle, checked_name, write_pair
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -108,7 +107,7 @@ def write_table(
     **Raises:** as `table_code`.
     """
     texts = table_code(target, name, precision, highest_pressure, shape)
-    return write_pair(texts, folder, name)
+    return write_c_files(texts, folder, name)
 
 
 def tabulated(

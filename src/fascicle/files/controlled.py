@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..control import POLICIES, Cascade, Choice, Gains, cascade, choose
+from ..control import POLICIES, Cascade, Gains, PolicyChoice, cascade, select_policy
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
 from ..dynamics import Plant
@@ -22,7 +22,7 @@ class Controlled(NamedTuple):
 
     controller: Cascade
     reference: np.ndarray
-    choice: Choice | None
+    choice: PolicyChoice | None
     policy: str
     options: Mapping[str, Any]
 
@@ -48,7 +48,7 @@ class Controlled(NamedTuple):
             check_choice(policy, (*POLICIES, "auto"), "policy")
         chosen = None
         if policy == "auto":
-            chosen = choose(plant, self.reference, self.options["dt"], of)
+            chosen = select_policy(plant, self.reference, self.options["dt"], of)
             policy = chosen.policy
         made = cascade(plant, policy, of, **self.options)
         return Controlled(made, self.reference, chosen, policy, self.options)

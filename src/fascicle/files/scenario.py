@@ -20,7 +20,7 @@ from ..dynamics import (
     State,
     Stop,
     Trajectory,
-    rest,
+    equilibrium_state,
     simulate,
 )
 from ..fluid import (
@@ -192,7 +192,9 @@ def scenario_of(data: dict[str, Any], source: str, folder: Path, name: str) -> S
     # where a motion is given, it is that which leads too far
     begins = Place(source, data, (), "moved") if plant.load.moved else place
     with begins.naming():
-        start = rest(plant, 0.0 if run.pressures is None else run.pressures, run.position)
+        start = equilibrium_state(
+            plant, 0.0 if run.pressures is None else run.pressures, run.position
+        )
     about = file.source or ""
     return Scenario(file.name or name, plant, schedule, start, dt, duration, about, notes, made)
 

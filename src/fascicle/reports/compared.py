@@ -13,7 +13,7 @@ from .page import Page
 
 
 if TYPE_CHECKING:
-    from ..control import Worth
+    from ..control import ControlMetrics
     from ..dynamics import Plant, Trajectory
     from ..files import Scenario
     from ..files.controlled import Controlled
@@ -29,7 +29,7 @@ class Ran(NamedTuple):
 
     controlled: "Controlled"
     run: "Trajectory"
-    worth: "Worth"
+    worth: "ControlMetrics"
     demanded: Demand
     doubts: list[str]
 

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-from ..control import done, reachable, worth
+from ..control import control_metrics, controlled_output, reachability
 from ..plot.trajectory import Demand, display_unit
 
 
 if TYPE_CHECKING:
-    from ..control import Worth
+    from ..control import ControlMetrics
     from ..dynamics import Plant, Trajectory
     from ..files import Scenario
     from ..files.controlled import Controlled
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 _FORCE = {"m": "N", "rad": "N·m"}
 
 
-def judged(made: "Controlled", run: "Trajectory") -> "Worth":
-    """What a `run` [SI] was worth that was controlled as is `made` [-]: a `Worth` [SI]."""
-    return worth(made.controller, run, made.reference)
+def judged(made: "Controlled", run: "Trajectory") -> "ControlMetrics":
+    """What a `run` [SI] was worth that was controlled as is `made` [-]: a `ControlMetrics` [SI]."""
+    return control_metrics(made.controller, run, made.reference)
 
 
 def demanded(scenario: "Scenario", run: "Trajectory") -> Demand | None:
@@ -25,11 +25,11 @@ def demanded(scenario: "Scenario", run: "Trajectory") -> Demand | None:
     made = scenario.controlled
     if made is None:
         return None
-    can = reachable(made.controller, run.seen, made.reference).can
-    return Demand(made.controller.of, made.reference, done(made.controller, run), can)
+    can = reachability(made.controller, run.seen, made.reference).can
+    return Demand(made.controller.of, made.reference, controlled_output(made.controller, run), can)
 
 
-def told(plant: "Plant", of: str, what: "Worth") -> list[tuple[str, str]]:
+def told(plant: "Plant", of: str, what: "ControlMetrics") -> list[tuple[str, str]]:
     """What a run was `what` [SI] worth, of a `plant` [-] that is controlled `of` [-]: words with
     their unit, and figures [-].
     """
@@ -48,7 +48,7 @@ def told(plant: "Plant", of: str, what: "Worth") -> list[tuple[str, str]]:
     return [(words, f"{value:.4g}") for words, value in rows]
 
 
-def beyond(plant: "Plant", of: str, what: "Worth") -> str:
+def beyond(plant: "Plant", of: str, what: "ControlMetrics") -> str:
     """What was out of reach, with figures, of a run that was `what` [SI] worth, of a `plant` [-]
     that is controlled `of` [-]; empty where nothing was.
     """

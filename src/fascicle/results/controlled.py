@@ -10,7 +10,7 @@ from .labelled import Table, Variable
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..control import Cascade, Worth
+    from ..control import Cascade, ControlMetrics
     from ..dynamics import Trajectory
 
 _WORDS = {
@@ -41,25 +41,27 @@ def followed(controller: "Cascade", run: "Trajectory", reference: Any) -> dict[s
 
     **Returns:** variables by name [-]; the demand of the last step is held at the end.
     """
-    from ..control import done, reachable, worth
+    from ..control import control_metrics, controlled_output, reachability
 
     unit, force = units_of(controller)
-    reach = reachable(controller, run.seen, reference)
+    reach = reachability(controller, run.seen, reference)
 
     def now(values: Any, unit: str, about: str) -> Variable:
         return Variable(("time",), np.append(values, values[-1]), unit, about)
 
-    pulled = Variable(("time",), done(controller, run), unit, f"{controller.of} that is controlled")
+    pulled = Variable(
+        ("time",), controlled_output(controller, run), unit, f"{controller.of} that is controlled"
+    )
     return {
         "demand": now(np.asarray(reference, float), unit, f"of {controller.of}, from then on"),
         "controlled": pulled,
         "reachable": now(reach.can, "-", "whether the muscles could do it"),
         "short": now(reach.short, force, "what they lack of it"),
-        **worth_of(controller, [worth(controller, run, reference)], ()),
+        **worth_of(controller, [control_metrics(controller, run, reference)], ()),
     }
 
 
-def worth_of(controller: "Cascade", worths: list["Worth"], dims: tuple[str, ...]) -> dict:
+def worth_of(controller: "Cascade", worths: list["ControlMetrics"], dims: tuple[str, ...]) -> dict:
     """What runs were worth.
 
     **Arguments:**
@@ -85,7 +87,9 @@ def worth_of(controller: "Cascade", worths: list["Worth"], dims: tuple[str, ...]
     }  # fmt: skip
 
 
-def compared(controllers: "Mapping[str, Cascade]", worths: list["Worth"], closes: Any) -> Table:
+def compared(
+    controllers: "Mapping[str, Cascade]", worths: list["ControlMetrics"], closes: Any
+) -> Table:
     """Policies beside one another.
 
     **Arguments:**

@@ -98,21 +98,21 @@ def simulated(
 
 
 def _bits() -> str:
-    from ..dynamics.seen import STATUS
+    from ..dynamics.outputs import STATUS
 
     listed = ", ".join(f"{1 << place} {name}" for place, name in enumerate(STATUS))
     return f"sum of what holds: {listed}"
 
 
 def _energies(run: "Trajectory") -> dict[str, Variable]:
-    from ..dynamics.account import ACCOUNT, STORES
+    from ..dynamics.energy_ledger import LEDGER, STORES
 
     account = {
         f"account_{name}": Variable(
             ("time",), np.asarray(run.account)[:, place], "kg" if name == "mass" else "J",
             f"up to then: {_LAST[name]}",
         )
-        for place, name in enumerate(ACCOUNT)
+        for place, name in enumerate(LEDGER)
     }  # fmt: skip
     store = np.asarray(run.seen.store)
     return account | {

@@ -7,7 +7,7 @@ from .attach import Attached as Attached
 from .attach import attach as attach
 from .drive import Drive as Drive
 from .drive import Fluid as Fluid
-from .registered import register as register
+from .gym_registration import register as register
 
 
 register()

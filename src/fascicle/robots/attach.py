@@ -14,7 +14,7 @@ from ..core.types import Batch, Values
 from ..core.validation import check_finite
 from ..dynamics.loads import AbstractLoad
 from ..muscle import Muscle
-from .pairing import mujoco
+from .optional_imports import mujoco
 
 
 class Attached(NamedTuple):

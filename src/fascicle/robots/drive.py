@@ -30,8 +30,8 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval, is_concrete
 from ..dynamics import Plant, State
-from ..dynamics.filling import settled
-from ..dynamics.flows import flowing
+from ..dynamics.chamber_pressure import solve_pressures
+from ..dynamics.flows import evaluate_flows
 from ..fluid import (
     AbstractChamber,
     AbstractSpool,
@@ -44,7 +44,7 @@ from ..fluid import (
 from ..fluid.chamber import AbstractMassChamber
 from ..fluid.spools import checked_commands
 from .attach import Attached, Tendons
-from .pairing import mjx, mujoco
+from .optional_imports import mjx, mujoco
 
 
 _NEWTON = 3  # from the pressures of the step before: a moved tendon is a step farther than a rate
@@ -260,9 +260,9 @@ class Drive(Module):
             P = command + 0.0 * eps
             known = at_work.all((eps >= low) & (eps <= high)) & fluid.known
             return fluid._replace(pressures=P, known=known), self._pull(P, lengths)
-        P = settled(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
+        P = solve_pressures(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
         state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
-        flows = flowing(plant, state, P, command)
+        flows = evaluate_flows(plant, state, P, command)
         rate = plant.chamber.rates(fluid.chambers, P, flows.mass, flows.enthalpy, 0.0)
         drawn, warm = (
             at_work.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy)

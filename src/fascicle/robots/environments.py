@@ -23,8 +23,8 @@ from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
 from .attach import attach
 from .drive import Drive
-from .pairing import mujoco
-from .registered import forked
+from .gym_registration import forked
+from .optional_imports import mujoco
 
 
 SUPPLY = 413.7e3  # Pa

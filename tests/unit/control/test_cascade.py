@@ -37,7 +37,7 @@ def start(bench, pair, ramp):
     empty = float(pair.motor_units[0].muscle.force(0.0, STRAIN))
     force = np.array([ramp[0] - empty, empty])
     P = control.Branches.of(pair).pressure(force, np.full(2, STRAIN)).pressure
-    return dynamics.rest(bench, [P[0], 0.0])
+    return dynamics.equilibrium_state(bench, [P[0], 0.0])
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def ran(bench, ramp, start):
     def run(policy, reference=ramp, **options):
         controller = control.cascade(bench, policy, **options)
         run = dynamics.simulate(bench, controller, reference, start=start, substeps=2)
-        return run, control.worth(controller, run, reference)
+        return run, control.control_metrics(controller, run, reference)
 
     return run
 
@@ -150,17 +150,17 @@ def test_an_orderly_valve_leaves_nothing_to_choose(bench, pair):
 
 
 def test_auto_says_why(bench, ramp, pair, five):
-    chosen = control.choose(bench, ramp, 1e-3, "force")
+    chosen = control.select_policy(bench, ramp, 1e-3, "force")
     assert chosen.policy == "hand_over" and "without a dip" in chosen.why
-    idle = control.choose(bench, 0.5 * ramp, 1e-3, "force")
+    idle = control.select_policy(bench, 0.5 * ramp, 1e-3, "force")
     assert idle.policy == "threshold" and "no crossing is needed" in idle.why
     slow = dynamics.Plant(
         five, dynamics.PrescribedMotion(0.24 * 0.127), bench.supply, bench.chamber,
         fluid.SonicValve(1e-9, 0.3),
     )  # fmt: skip
-    none = control.choose(slow, np.linspace(1, 20, 100), 1e-3, "force")
+    none = control.select_policy(slow, np.linspace(1, 20, 100), 1e-3, "force")
     assert none.policy == "hand_over" and "dips by" in none.why
     single = fs.Bundle([pair.motor_units[0]], SUPPLY)
     alone = dynamics.Plant(single, bench.load, bench.supply, bench.chamber, bench.valve)
-    assert control.choose(alone, ramp, 1e-3, "force").policy == "orderly"
+    assert control.select_policy(alone, ramp, 1e-3, "force").policy == "orderly"
     assert_array_equal([c.found for c in chosen.crossings], [True])

@@ -40,9 +40,9 @@ def dip(plant, demand, policy="hand_over", **options):
         np.array([demand[0] - empty, 0.0]), np.full(2, STRAIN)
     )
     controller = control.cascade(plant, policy, **options)
-    start = dynamics.rest(plant, [float(begin.pressure[0]), 0.0])
+    start = dynamics.equilibrium_state(plant, [float(begin.pressure[0]), 0.0])
     run = dynamics.simulate(plant, controller, demand, start=start, substeps=2)
-    worth = control.worth(controller, run, demand)
+    worth = control.control_metrics(controller, run, demand)
     return worth.drawdown / worth.dip
 
 
@@ -59,14 +59,14 @@ def dip(plant, demand, policy="hand_over", **options):
 )
 def test_a_hand_over_that_is_promised_is_held(pair, ramp, conductance, duration):
     plant, demand = plant_of(pair, conductance), ramp(duration)
-    chosen = control.choose(plant, demand, DT, "force")
+    chosen = control.select_policy(plant, demand, DT, "force")
     assert chosen.crossings[0].found and chosen.policy in ("hand_over", "pre_charge")
     assert dip(plant, demand, chosen.policy) < HELD
 
 
 def test_none_is_promised_where_valves_are_too_slow(pair, ramp):
     plant, demand = plant_of(pair), ramp(0.35)
-    chosen = control.choose(plant, demand, DT, "force")
+    chosen = control.select_policy(plant, demand, DT, "force")
     assert not chosen.crossings[0].found and "too slow" in chosen.why
     assert dip(plant, demand) > HELD
 

@@ -19,7 +19,7 @@ def bench(pair):
         pair, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
         fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
     )  # fmt: skip
-    return plant, dynamics.rest(plant, [330e3, 0.0])
+    return plant, dynamics.equilibrium_state(plant, [330e3, 0.0])
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def ran(bench):
         ramp = np.linspace(0.7, 1.2, 500) * first
         controller = control.cascade(bench[0], policy, **options)
         found = dynamics.simulate(bench[0], controller, ramp, start=bench[1], substeps=2)
-        return np.asarray(found.seen.pressures), control.worth(controller, found, ramp)
+        return np.asarray(found.seen.pressures), control.control_metrics(controller, found, ramp)
 
     return run
 
@@ -41,7 +41,7 @@ def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
     for compensate in ways:
         one = gait.taking(compensate=compensate)
         run = one.run()
-        worth = control.worth(one.controlled.controller, run, one.controlled.reference)
+        worth = control.control_metrics(one.controlled.controller, run, one.controlled.reference)
         missed[compensate] = worth.rms
         # its gas warms and cools at a wall
         assert np.ptp(np.asarray(run.seen.temperatures)) > 1.0

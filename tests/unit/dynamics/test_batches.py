@@ -73,7 +73,7 @@ slow = [pytest.param(name, marks=pytest.mark.slow) for name in [*OF_GAS, *OF_OIL
 @pytest.mark.parametrize("name", [*(x for x in slow if x.values[0] != "slip"), "slip"])
 def test_many_runs_are_the_runs(name, muscle):
     plant = made(name, muscle)
-    start = dynamics.rest(plant, 1.5e5)
+    start = dynamics.equilibrium_state(plant, 1.5e5)
     commands = np.random.default_rng(7).uniform(-1, 1, (RUNS, STEPS, plant.commands))
 
     def ran(rows):
@@ -89,7 +89,7 @@ def test_many_runs_are_the_runs(name, muscle):
 @pytest.mark.parametrize("name", slow)
 def test_slopes_of_many_are_those_of_each(name, muscle):
     plant = made(name, muscle)
-    start = dynamics.rest(plant, 1.5e5)
+    start = dynamics.equilibrium_state(plant, 1.5e5)
     rng = np.random.default_rng(8)
     rows = jnp.asarray(rng.uniform(-0.9, 0.9, (RUNS, STEPS, plant.commands)))
 

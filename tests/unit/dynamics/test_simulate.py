@@ -22,7 +22,7 @@ def up(time):
 
 def test_the_method_is_of_fourth_order(ideal):
     # off the kinks: ideal muscles pull all the time, flows are subsonic, one command is held
-    start = dynamics.rest(ideal, [BEGIN, 1.1 * BEGIN], position=0.012)
+    start = dynamics.equilibrium_state(ideal, [BEGIN, 1.1 * BEGIN], position=0.012)
     command = np.tile([[0.25, 0.2]], (10, 1))
 
     def ended(substeps):
@@ -38,7 +38,7 @@ def test_the_method_is_of_fourth_order(ideal):
 
 
 def test_a_run_goes_on_from_where_another_ended(lift):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     rows = np.stack([up(1e-3 * np.arange(SHORT)), np.zeros(SHORT)], axis=1)
     whole = dynamics.simulate(lift, np.concatenate([rows, rows]), start=start, substeps=2)
     first = dynamics.simulate(lift, rows, start=start, substeps=2)
@@ -49,7 +49,7 @@ def test_a_run_goes_on_from_where_another_ended(lift):
 
 
 def test_halving_the_steps_changes_little(lift):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     time = 1e-3 * np.arange(SHORT)
     rows = np.stack([up(time), -0.3 * up(time)], axis=1)
     whole = dynamics.simulate(lift, rows, start=start, substeps=2)
@@ -60,7 +60,7 @@ def test_halving_the_steps_changes_little(lift):
 
 
 def test_a_run_that_goes_on_is_the_same_run(lift):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     whole = dynamics.simulate(lift, np.tile([[0.3, -0.1]], (SHORT, 1)), start=start, substeps=2)
     again = dynamics.simulate(
         lift,
@@ -76,7 +76,7 @@ def test_a_run_that_goes_on_is_the_same_run(lift):
 
 def test_it_ends_where_the_statics_do(lift, bundle):
     # shut again after 0.1 s, and damped for long: the law at the pressures of then
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     schedule = dynamics.Schedule([0, 0.1], [[0.5, 0.2], [0, 0]])
     run = dynamics.simulate(lift, schedule, dt=2 / LONG, duration=2.0, start=start, substeps=2)
     seen = run.seen
@@ -97,13 +97,13 @@ def test_it_ends_where_the_statics_do(lift, bundle):
 
 def test_slow_filling_follows_the_statics(lift):
     # the lag behind the static law at the pressures of the moment falls with the time it takes
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
 
     def lag(duration):
         rows = np.tile([[0.04, 0.16]], (LONG, 1)) / duration
         run = dynamics.simulate(lift, rows, dt=duration / LONG, start=start, substeps=2)
         at = round(0.8 * LONG)
-        still = dynamics.rest(lift, run.seen.pressures[at])
+        still = dynamics.equilibrium_state(lift, run.seen.pressures[at])
         assert run.seen.position[at] > start.position + 1e-3  # it moves
         return (still.position - run.seen.position[at]) / 0.127
 
@@ -115,7 +115,7 @@ def test_slow_filling_follows_the_statics(lift):
 
 @pytest.mark.slow  # 200 000 steps
 def test_the_lag_behind_the_statics_falls_as_it_takes_longer(lift, bundle):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     held = lift.load.mass * lift.load.gravity
 
     def lag(duration):
@@ -152,7 +152,7 @@ class PI(eqx.Module):
 
 
 def test_a_controller_sees_and_acts(lift):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     reference = np.full(SHORT, start.position + 0.003)
     run = dynamics.simulate(lift, PI(300.0, 2e3), reference, start=start, substeps=2)
     error = reference[0] - run.seen.position[:-1]
@@ -164,7 +164,7 @@ def test_a_controller_sees_and_acts(lift):
 @pytest.fixture(scope="module")
 def tracking(lift):
     """A cost of tracking by gains, from a start, with its slopes, forward and in reverse."""
-    begin = dynamics.rest(lift, BEGIN)
+    begin = dynamics.equilibrium_state(lift, BEGIN)
     reference = begin.position + 0.004 * np.sin(np.linspace(0, 3, SHORT))
 
     def cost(gains, start):
@@ -195,7 +195,7 @@ def test_slopes_are_finite_where_nothing_flows(tracking, lift, case):
     gains = jnp.zeros(2) if case == "shut valves" else jnp.array([300.0, 2e3])
     pressure = {"shut valves": BEGIN, "no pressure": 0.0, "supply's pressure": 413.7e3}[case]
     _, forward, reverse = tracking
-    start = dynamics.rest(lift, pressure, position=0.01)
+    start = dynamics.equilibrium_state(lift, pressure, position=0.01)
     slopes, _ = forward(gains, start)
     assert np.all(np.isfinite(slopes)) and np.any(slopes != 0)
     # at a valve that just opens a slope is one of two; which one, both ways agree on
@@ -205,7 +205,7 @@ def test_slopes_are_finite_where_nothing_flows(tracking, lift, case):
 @pytest.mark.slow
 def test_a_batch_is_its_runs(lift):
     rng = np.random.default_rng(5)
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     commands, masses = rng.uniform(-1, 1, (8, SHORT, 2)), rng.uniform(8, 16, 8)
 
     def heavier(mass):
@@ -224,7 +224,7 @@ def test_a_batch_is_its_runs(lift):
 
 
 def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
-    start = dynamics.rest(lift, BEGIN)
+    start = dynamics.equilibrium_state(lift, BEGIN)
     rows = np.stack([up(1e-3 * np.arange(SHORT)), np.zeros(SHORT)], axis=1)
     whole = dynamics.simulate(lift, rows, start=start, substeps=2)
     with jax.log_compiles(), caplog.at_level("WARNING"):
@@ -241,12 +241,14 @@ def test_a_run_of_another_length_compiles_nothing_and_is_the_same(lift, caplog):
 
 
 def test_substeps_are_told(lift):
-    looked = dynamics.pace(lift, 1e-3)
-    run = dynamics.simulate(lift, np.zeros((SHORT, 2)), start=dynamics.rest(lift, BEGIN))
+    looked = dynamics.estimate_substeps(lift, 1e-3)
+    run = dynamics.simulate(
+        lift, np.zeros((SHORT, 2)), start=dynamics.equilibrium_state(lift, BEGIN)
+    )
     assert run.substeps == looked.substeps and run.pace == looked
     assert 1e-3 / looked.substeps * looked.rate <= 2
-    assert dynamics.pace(lift, 1e-2).substeps > looked.substeps
-    assert dynamics.pace(lift, 1.0).stiff
+    assert dynamics.estimate_substeps(lift, 1e-2).substeps > looked.substeps
+    assert dynamics.estimate_substeps(lift, 1.0).stiff
 
 
 @pytest.mark.parametrize(
@@ -271,7 +273,10 @@ def test_substeps_are_told(lift):
     ],
 )  # fmt: skip
 def test_what_can_t_be_is_refused(lift, arguments, words):
-    arguments = {"controller": np.zeros((3, 2)), "start": dynamics.rest(lift, BEGIN)} | arguments
+    arguments = {
+        "controller": np.zeros((3, 2)),
+        "start": dynamics.equilibrium_state(lift, BEGIN),
+    } | arguments
     with pytest.raises(InvalidInputError) as refused:
         dynamics.simulate(lift, **arguments)
     assert str(refused.value) == words

@@ -37,7 +37,7 @@ def test_a_shut_liquid_that_is_pulled_apart_cavitates(mesh):
         mesh, dynamics.PrescribedMotion(0.015, 0.004, 2.0), fluid.ConstantSupply(413.7e3),
         fluid.LiquidChamber(compliance=1e-12), fluid.Orifice(1e-6),
     )  # fmt: skip
-    run = dynamics.simulate(plant, np.zeros((100, 1)), start=dynamics.rest(plant, 2e4))
+    run = dynamics.simulate(plant, np.zeros((100, 1)), start=dynamics.equilibrium_state(plant, 2e4))
     found = happened(plant, run)
     assert "cavitates" in found and not found["cavitates"].trusted
     first = np.argmax(run.time >= found["cavitates"].first)
@@ -53,7 +53,7 @@ def test_a_volume_that_folds_is_told(single, compliance, folds):
         single, dynamics.PrescribedMotion(0.0154), fluid.ConstantSupply(413.7e3),
         fluid.LiquidChamber(compliance=compliance), fluid.Orifice(1e-6),
     )  # fmt: skip
-    run = dynamics.simulate(plant, np.zeros((5, 1)), start=dynamics.rest(plant, 65e3))
+    run = dynamics.simulate(plant, np.zeros((5, 1)), start=dynamics.equilibrium_state(plant, 65e3))
     found = happened(plant, run)
     assert ("folded" in found) == folds
     if folds:
@@ -72,7 +72,9 @@ def test_a_fold_that_is_passed_between_two_moments_is_told(muscle, compliance, f
         fluid.ConstantSupply(413.7e3),
         fluid.LiquidChamber(compliance=4 * compliance, dead_volume=3.24e-6), fluid.Orifice(1e-4),
     )  # fmt: skip
-    run = dynamics.simulate(plant, np.full((180, 1), -0.6), start=dynamics.rest(plant, 0.0))
+    run = dynamics.simulate(
+        plant, np.full((180, 1), -0.6), start=dynamics.equilibrium_state(plant, 0.0)
+    )
     found = happened(plant, run)
     assert ("folded" in found) == folds
     assert dynamics.audit(plant, run).closes == (not folds)
@@ -85,9 +87,9 @@ def test_too_stiff_a_chamber_is_told(single):
         single, dynamics.HangingMass(5.0), fluid.ConstantSupply(8e5), fluid.LiquidChamber(),
         fluid.Orifice(1e-3),
     )  # fmt: skip
-    looked = dynamics.pace(plant, 1e-3)
+    looked = dynamics.estimate_substeps(plant, 1e-3)
     assert looked.stiff and looked.substeps == 64 and looked.part == "a chamber and its valve"
-    start = dynamics.rest(plant, 1e5, position=0.01)
+    start = dynamics.equilibrium_state(plant, 1e5, position=0.01)
     found = happened(plant, dynamics.simulate(plant, np.ones((20, 1)), start=start))
     assert found["stiff"].first == 0 and not found["stiff"].trusted
 
@@ -103,21 +105,23 @@ def stopped(single):
 
 
 def test_a_stop_holds_and_says_so(stopped):
-    run = dynamics.simulate(stopped, np.full((600, 1), 0.5), start=dynamics.rest(stopped, 2e4))
+    run = dynamics.simulate(
+        stopped, np.full((600, 1), 0.5), start=dynamics.equilibrium_state(stopped, 2e4)
+    )
     event = happened(stopped, run)["stop"]
     assert event.trusted and 0 < event.first < event.last == run.time[-1]
     seen, load = run.seen, stopped.load
     over = seen.position[-1] - 0.01
     # at rest its spring takes what the muscle pulls too much, and stores k s²/2
     assert_allclose(1e5 * over, seen.forces[-1, 0] - 2.0 * load.gravity, rtol=1e-4)
-    place = dynamics.account.STORES.index("stop")
+    place = dynamics.energy_ledger.STORES.index("stop")
     assert_allclose(seen.store[-1, place], 1e5 * over**2 / 2, rtol=1e-9)
     assert np.all(seen.store[seen.position < 0.01, place] == 0)
 
 
 def test_a_load_that_pulls_past_the_table_is_told(stopped):
     plant = eqx.tree_at(lambda p: p.load.mass, stopped, np.float64(200.0))
-    start = dynamics.rest(plant, 1e5, position=0.0)
+    start = dynamics.equilibrium_state(plant, 1e5, position=0.0)
     run = dynamics.simulate(plant, np.zeros((600, 1)), start=start)
     found = happened(plant, run)
     assert not found["off_table"].trusted
@@ -133,7 +137,7 @@ def test_an_accumulator_gives_what_it_has_and_no_more(single):
     )  # fmt: skip
     # filled and emptied again and again
     command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
-    run = dynamics.simulate(plant, command, start=dynamics.rest(plant, 5e4))
+    run = dynamics.simulate(plant, command, start=dynamics.equilibrium_state(plant, 5e4))
     found = happened(plant, run)
     assert found["supply_empty"].trusted
     empty = run.time > found["supply_empty"].first
@@ -153,7 +157,7 @@ def test_a_tank_loses_pressure(single):
         fluid.SonicValve(2e-9, 0.3),
     )  # fmt: skip
     command = np.where(np.arange(800) // 100 % 2, -1.0, 1.0)[:, None]
-    run = dynamics.simulate(plant, command, start=dynamics.rest(plant, 5e4))
+    run = dynamics.simulate(plant, command, start=dynamics.equilibrium_state(plant, 5e4))
     found = happened(plant, run)
     assert set(found) <= {"supply_empty"}
     assert run.seen.supply_pressure[-1] < 0.05 * 2e5

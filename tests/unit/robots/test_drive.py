@@ -12,7 +12,7 @@ from fascicle import fluid
 
 
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
-from fascicle.robots import Drive, attach, pairing  # noqa: E402 needs what was just looked for
+from fascicle.robots import Drive, attach, optional_imports  # noqa: E402 needs what was just looked for
 
 
 SUPPLY = 413.7e3
@@ -133,7 +133,7 @@ def test_mjx_is_mujoco(spatial, elbow):
         "chamber": fluid.Isothermal(dead_volume=2e-6),
     }  # fmt: skip
     model, data, drive = elbow(spatial, **parts)
-    mjx = pairing.mjx()
+    mjx = optional_imports.mjx()
     steps = 1000  # a second
     time = 1e-3 * np.arange(steps)
     commands = 0.4 * np.stack([np.sin(6 * time), np.cos(5 * time)], axis=1)
@@ -162,7 +162,7 @@ def test_mjx_is_mujoco(spatial, elbow):
 
 def test_mjx_says_afterwards_that_a_table_was_left(elbow):
     model, data, drive = elbow()
-    mjx = pairing.mjx()
+    mjx = optional_imports.mjx()
     held = drive.start(model, data, HELD)
     data.qpos[0] = 4.0
     _, after = jax.jit(lambda d, h: drive.step_mjx(mjx.put_model(model), d, h, jnp.asarray(HELD)))(
@@ -219,17 +219,17 @@ def test_a_muscle_alone_is_a_bundle_of_one():
 
 def test_mujoco_and_mjx_of_unlike_versions_are_named(monkeypatch):
     found = {"mujoco": "4.0.0", "mujoco-mjx": "3.17.0"}
-    monkeypatch.setattr(pairing.metadata, "version", found.__getitem__)
+    monkeypatch.setattr(optional_imports.metadata, "version", found.__getitem__)
     command = r"`pip install mujoco==3\.17\.0 mujoco-mjx==3\.17\.0`"
     with pytest.raises(ImportError, match=f"don't go together: {command}"):
-        pairing.mjx()
+        optional_imports.mjx()
 
 
 def test_what_is_missing_is_named_with_its_command():
     with pytest.raises(
         ModuleNotFoundError, match=r"Mu is missing: `pip install 'fascicle\[robots]'`"
     ):
-        pairing._found("mujoco_that_is_not", "Mu")
+        optional_imports._found("mujoco_that_is_not", "Mu")
 
 
 @pytest.mark.parametrize("stretch", [-0.5, 0.2, np.nan])

@@ -56,7 +56,7 @@ def run(
         check_file("--fmu", fmu, overwrite, [".fmu"])
     target = _read(file, c is not None)
     from ...export import c_code, tabulated
-    from ...export.pair import checked_name
+    from ...export.c_files import checked_name
     from ...export.table_code import written
     from ...io.atomic import check_writable
 

@@ -10,23 +10,23 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle import dynamics, fluid
 from fascicle.core.errors import InvalidInputError
-from fascicle.dynamics.motion import Anchor, change, moment
-from fascicle.dynamics.pace import pace
-from fascicle.dynamics.plant import _fitting
-from fascicle.dynamics.rest import rest
-from fascicle.dynamics.seen import looked_at
+from fascicle.dynamics.equilibrium import equilibrium_state
+from fascicle.dynamics.motion import FrictionMemory, evaluate_plant, time_derivative
+from fascicle.dynamics.outputs import observe
+from fascicle.dynamics.plant import _check_fit
+from fascicle.dynamics.step_size import estimate_substeps
 
 
 def _at(plant, state, command):
-    anchor = Anchor(np.zeros((plant.units, 0)), state.position, state.pressures)
+    anchor = FrictionMemory(np.zeros((plant.units, 0)), state.position, state.pressures)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        now = moment(plant, np.float64(0.0), state, command, anchor)
-        return change(plant, state, now, command), looked_at(plant, state, anchor, now)
+        now = evaluate_plant(plant, np.float64(0.0), state, command, anchor)
+        return time_derivative(plant, state, now, command), observe(plant, state, anchor, now)
 
 
 @pytest.mark.parametrize("pressures", [1.5e5, [1e5, 3e5], [4.1e5, 0.0]])
 def test_nothing_jerks_with_shut_valves(lift, pressures):
-    state = rest(lift, pressures)
+    state = equilibrium_state(lift, pressures)
     moving, seen = _at(lift, state, np.zeros(2))
     # of gravity: what rounding of the balance of forces leaves
     assert abs(moving.velocity) < 1e-9 * 9.8
@@ -38,7 +38,7 @@ def test_nothing_jerks_with_shut_valves(lift, pressures):
 
 
 def test_it_rests_where_the_bundle_holds_the_load(lift, bundle):
-    state = rest(lift, [1e5, 2e5])
+    state = equilibrium_state(lift, [1e5, 2e5])
     eps = float(lift.strains(state.position)[0])
     weight = float(lift.load.mass * lift.load.gravity)
     # the table's error of force
@@ -47,7 +47,7 @@ def test_it_rests_where_the_bundle_holds_the_load(lift, bundle):
 
 
 def test_it_starts_where_it_is_held(lift):
-    state = rest(lift, 1.5e5, position=0.005)
+    state = equilibrium_state(lift, 1.5e5, position=0.005)
     assert state.position == 0.005 and state.velocity == 0
     moving, _ = _at(lift, state, np.zeros(2))
     assert moving.velocity > 0  # there it pulls more than the load weighs
@@ -55,7 +55,7 @@ def test_it_starts_where_it_is_held(lift):
 
 def test_a_motion_s_start_is_its_own(bundle, air):
     load = dynamics.PrescribedMotion(0.01, 0.005, 2.0)
-    state = rest(dynamics.Plant(bundle, load, **air), 1e5)
+    state = equilibrium_state(dynamics.Plant(bundle, load, **air), 1e5)
     assert state.position == 0.01
     assert_allclose(state.velocity, 2 * np.pi * 2.0 * 0.005, rtol=1e-12)
 
@@ -70,7 +70,9 @@ def test_a_free_swing_is_that_of_the_closed_form(muscle):
     )  # fmt: skip
     A = 1e-5  # so small that all is linear to 1e-3 of it
     steps = 400
-    run = dynamics.simulate(plant, np.zeros((steps, 1)), start=rest(plant, 0.0, position=A))
+    run = dynamics.simulate(
+        plant, np.zeros((steps, 1)), start=equilibrium_state(plant, 0.0, position=A)
+    )
     V = V_0 + n * float(mesh.volume(0.0))
     swept = n * float(mesh.force(1e5, 0.0)) / 1e5  # dV/dx = F/P of the ideal mesh
     of_air = 1.4 * 101325 * swept**2 / V
@@ -105,7 +107,7 @@ def _plant(bundle, air, **changes):
 )  # fmt: skip
 def test_what_can_t_be_is_refused(lift, arguments, words):
     with pytest.raises(InvalidInputError) as refused:
-        rest(lift, **arguments)
+        equilibrium_state(lift, **arguments)
     assert str(refused.value) == words
 
 
@@ -115,7 +117,7 @@ def test_a_place_that_no_table_has_is_refused(lift):
         with pytest.raises(
             InvalidInputError, match=r"`position` must lie in .* where the muscles' tables end"
         ):
-            rest(lift, 1e5, position=q)
+            equilibrium_state(lift, 1e5, position=q)
 
 
 @pytest.mark.parametrize(("mass", "side"), [(500.0, "weak"), (1e-3, "strong")])
@@ -125,7 +127,7 @@ def test_a_load_that_can_t_be_held_is_refused(lift, mass, side):
         load = dynamics.InertiaSpringDamper(1.0, force_outside=-1e4)
         plant = eqx.tree_at(lambda p: p.load, lift, load)
     with pytest.raises(InvalidInputError) as refused:
-        rest(plant, 1e5)
+        equilibrium_state(plant, 1e5)
     text = str(refused.value)
     assert text.startswith("`load` must be one that the bundle can hold at rest")
     assert f"too {side} by" in text and "\n" not in text and "give `position`" in text
@@ -168,15 +170,15 @@ def test_parts_of_another_kind_are_refused(lift, name, value, words):
     other = copy.copy(lift)
     object.__setattr__(other, name, value)
     with pytest.raises(InvalidInputError) as refused:
-        _fitting(other)
+        _check_fit(other)
     assert str(refused.value) == words
 
 
 def test_a_fit_is_refused_by_an_audit(lift, air):
     chamber = fluid.Polytropic(1.2, dead_volume=np.array([2e-6, 8e-6]))
     plant = dynamics.Plant(lift.bundles, lift.load, **{**air, "chamber": chamber})
-    assert pace(plant, 1e-3).substeps <= 64
-    run = dynamics.simulate(plant, np.zeros((10, 2)), start=rest(plant, 1.5e5))
+    assert estimate_substeps(plant, 1e-3).substeps <= 64
+    run = dynamics.simulate(plant, np.zeros((10, 2)), start=equilibrium_state(plant, 1.5e5))
     with pytest.raises(InvalidInputError) as refused:
         dynamics.audit(plant, run)
     assert str(refused.value) == (

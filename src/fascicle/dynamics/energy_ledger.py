@@ -15,7 +15,7 @@ from ..core.roots import guarded
 from ..core.types import Numbers
 from ..fluid.chamber import row
 from .flows import Flows
-from .motion import Anchor, Moment, slid
+from .motion import FrictionMemory, PlantEvaluation, friction_step
 from .plant import Plant
 from .state import State
 
@@ -41,11 +41,11 @@ _OF_LOAD = (
     "friction",  # lost in the muscles' [J]
     "motor",  # work of a motion that is given [J]
 )
-ACCOUNT = (*_OF_FLUID, *_OF_LOAD)
+LEDGER = (*_OF_FLUID, *_OF_LOAD)
 STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 
-def powers(plant: Plant, state: State, now: Moment) -> Numbers:
+def ledger_rates(plant: Plant, state: State, now: PlantEvaluation) -> Numbers:
     """How fast each number of the `ACCOUNT` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
     that is so `now` [SI], but for what is `pressed` into its muscles.
     """
@@ -61,20 +61,20 @@ def powers(plant: Plant, state: State, now: Moment) -> Numbers:
         heat,
         -V * P_dot,
     )
-    at_work = array_namespace(v, P)
+    xp = array_namespace(v, P)
     # of all units in one sum, which takes a fraction of the time
-    together = at_work.sum(row(*of_fluid), axis=-2)
+    together = xp.sum(row(*of_fluid), axis=-2)
     of_load = row(
         now.pull * v,
         load.damper * v**2,
         now.stop_damper * v,
-        now.rubbing_power,
-        -(now.pull - now.rubbing) * v if load.moved else 0.0 * v,
+        now.friction_power,
+        -(now.pull - now.friction_force) * v if load.moved else 0.0 * v,
     )
-    return at_work.concatenate([together, of_load], axis=-1)
+    return xp.concatenate([together, of_load], axis=-1)
 
 
-def pressed(plant: Plant, now: Moment) -> Numbers:
+def pressure_volume_term(plant: Plant, now: PlantEvaluation) -> Numbers:
     """What comes on top of each number of the `ACCOUNT` of a `plant` [-] that is so `now` [SI]:
     $P V$ of a work by parts [J].
     """
@@ -85,7 +85,7 @@ def pressed(plant: Plant, now: Moment) -> Numbers:
         "displaced": (P + plant.chamber.room_pressure) * V,
     }
     none = 0.0 * P
-    return array_namespace(P, V).sum(row(*(more.get(name, none) for name in ACCOUNT)), axis=-2)
+    return array_namespace(P, V).sum(row(*(more.get(name, none) for name in LEDGER)), axis=-2)
 
 
 def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:
@@ -122,15 +122,17 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
     )
 
 
-def stored(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Numbers:
+def stored_energies(
+    plant: Plant, state: State, anchor: FrictionMemory, now: PlantEvaluation
+) -> Numbers:
     """Energies [J] named in `STORES` of a `plant` [-] in a `state` [SI] with friction's `anchor`
     [SI] that is so `now` [SI].
     """
     q, v, load, P, at = now.position, now.velocity, plant.load, now.fluid.pressures, now.fluid.at
-    at_work = array_namespace(q, P)
-    add, kept = at_work.sum, 0.0 * q
+    xp = array_namespace(q, P)
+    add, kept = xp.sum, 0.0 * q
     if plant.hysteresis is not None:
-        forces = slid(plant, anchor, q, P).kept
+        forces = friction_step(plant, anchor, q, P).kept
         kept = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),
@@ -140,4 +142,4 @@ def stored(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Numbers:
         load.stop.energy(q) if load.stop else 0.0 * q,
         kept,
     )
-    return at_work.stack(at_work.broadcast_arrays(*parts), axis=-1)
+    return xp.stack(xp.broadcast_arrays(*parts), axis=-1)

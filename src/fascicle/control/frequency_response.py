@@ -22,17 +22,17 @@ from ..core.errors import InvalidInputError
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_interval, check_positive
 from ..dynamics import Plant, State, simulate
-from ..dynamics.pace import pace
-from ..dynamics.seen import STATUS, Seen
+from ..dynamics.outputs import STATUS, PlantOutputs
+from ..dynamics.step_size import estimate_substeps
 from .cascade import Cascade
-from .metrics import reachable
+from .metrics import reachability
 
 
 _GROWS = 1.0  # s, in which an amplitude is reached
 _DISTRUSTED = sum(1 << k for k, name in enumerate(STATUS) if name not in ("stop", "supply_empty"))
 
 
-class Sines(NamedTuple):
+class FrequencyResponse(NamedTuple):
     """Of each amplitude, in rows, and frequency: the `error`, root mean square over the amplitude's
     own [-]; the share of moments that could be `reached` [-]; a period's useful `work` [J]; what
     was `drawn` [kg/s] at each moment and the largest pressure of a unit that was fed then, `top`
@@ -52,7 +52,7 @@ class Sines(NamedTuple):
     trusted: Numbers
 
 
-def sines(
+def frequency_response(
     plant: Plant,
     controller: Cascade,
     mean: Values,
@@ -60,7 +60,7 @@ def sines(
     frequencies: Values,
     start: State,
     time: Values = 2.0,
-) -> Sines:
+) -> FrequencyResponse:
     """A map of amplitude and frequency.
 
     **Arguments:**
@@ -96,9 +96,9 @@ def sines(
     turns = np.sin(2 * np.pi * f[:, None] * (now - _GROWS))
     wanted = middle + A[:, None, None] * grown * turns
     lanes = wanted.reshape(-1, steps)
-    looked = pace(plant, dt)
+    looked = estimate_substeps(plant, dt)
 
-    def run(reference: Numbers) -> Seen:
+    def run(reference: Numbers) -> PlantOutputs:
         how = {"dt": dt, "start": start, "substeps": looked.substeps}
         return simulate(plant, controller, reference, **how).seen
 
@@ -114,14 +114,16 @@ def sines(
     power = np.maximum(pull * seen.velocity, 0.0)[:, late]
     work = np.sum(power, axis=-1).reshape(len(A), len(f)) * dt / (span * f)
     can = [
-        np.mean(reachable(controller, Seen(*(field[k] for field in seen)), wanted).can[late])
+        np.mean(
+            reachability(controller, PlantOutputs(*(field[k] for field in seen)), wanted).can[late]
+        )
         for k, wanted in enumerate(lanes)
     ]
     fed = seen.supply > 0
     top = np.max(np.where(fed, seen.pressures, 0.0), axis=-1)[:, late]
     drawn = np.sum(np.maximum(seen.drawn, 0.0), axis=-1)[:, late]
     ok = ~np.any((seen.status & _DISTRUSTED) > 0, axis=-1) & (not looked.stiff)
-    return Sines(
+    return FrequencyResponse(
         A, f, rms / (A[:, None] / np.sqrt(2)), np.reshape(can, (len(A), len(f))), work,
         shaped(drawn), shaped(top), dt, span, ok.reshape(len(A), len(f)),
     )  # fmt: skip

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import control, dynamics
-from fascicle.dynamics.pace import pace
+from fascicle.dynamics.step_size import estimate_substeps
 
 
 SUPPLY = 413.7e3
@@ -24,7 +24,7 @@ A, F, MEAN, TIME = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
 @pytest.fixture(scope="module")
 def found(scenario):
     controlled = scenario.controlled.controller
-    return control.sines(scenario.plant, controlled, MEAN, A, F, scenario.start, TIME)
+    return control.frequency_response(scenario.plant, controlled, MEAN, A, F, scenario.start, TIME)
 
 
 # a sample: tests/unit/dynamics/test_batches.py holds a batch to its runs
@@ -35,7 +35,7 @@ def test_a_batch_is_the_runs_one_by_one(scenario, found):
     grown = np.where(now < 1, 3 * now**2 - 2 * now**3, 1.0)
     wanted = MEAN + A[1] * grown * np.sin(2 * np.pi * F[1] * (now - 1))
     # by itself a liquid takes more substeps: here as many as in the batch
-    plant, few = scenario.plant, pace(scenario.plant, 1e-3).substeps
+    plant, few = scenario.plant, estimate_substeps(scenario.plant, 1e-3).substeps
     controller = scenario.controlled.controller
     one = dynamics.simulate(plant, controller, wanted, start=scenario.start, substeps=few)
     late = np.asarray(one.seen.position)[1001:] - wanted[1000:]
@@ -56,7 +56,9 @@ def test_more_is_drawn_for_more_and_others_wait_for_no_compiler(scenario, found,
     assert found.drawn[1, 0].sum() > 3 * found.drawn[0, 0].sum()
     plant, controller = scenario.plant, scenario.controlled.controller
     with jax.log_compiles(), caplog.at_level("WARNING"):
-        other = control.sines(plant, controller, MEAN, [1e-3, 5e-3], F, scenario.start, TIME)
+        other = control.frequency_response(
+            plant, controller, MEAN, [1e-3, 5e-3], F, scenario.start, TIME
+        )
     assert not [record for record in caplog.records if "ompil" in record.getMessage()]
     assert np.all(other.drawn.sum(-1) < found.drawn.sum(-1))
 
@@ -67,7 +69,7 @@ def test_power_units_by_hand():
     drawn[..., :100] = drawn[..., 500:600] = 0.85
     top = np.where(drawn > 0, 100e3, 0.0)
     one = np.ones((1, 1))
-    found = control.Sines(
+    found = control.FrequencyResponse(
         np.array([5e-3]), np.array([2.0]), 0 * one, one, one, drawn, top, 1e-3, 1.0, one
     )
     work = control.shaft_work(found, 400e3, 850.0, 0.5, band=100e3, margin=50e3)
@@ -93,14 +95,16 @@ def test_what_cant_be_is_refused(scenario, edits, told):
     plant, controller = scenario.plant, scenario.controlled.controller
     given = {"amplitudes": [1e-3], "frequencies": [2.0], "time": 0.5} | edits
     with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
-        control.sines(plant, controller, 12.7e-3, start=scenario.start, **given)
+        control.frequency_response(plant, controller, 12.7e-3, start=scenario.start, **given)
     assert told in str(refused.value)
 
 
 def test_a_force_isnt_a_sine_of_position(scenario):
     force = control.cascade(scenario.plant, "orderly", "force")
     with pytest.raises(ValueError, match="must be one of position"):
-        control.sines(scenario.plant, force, 12.7e-3, [1e-3], [2.0], scenario.start, 0.5)
-    found = control.Sines(*np.ones(7), *np.ones(3))
+        control.frequency_response(
+            scenario.plant, force, 12.7e-3, [1e-3], [2.0], scenario.start, 0.5
+        )
+    found = control.FrequencyResponse(*np.ones(7), *np.ones(3))
     with pytest.raises(ValueError, match=r"`efficiency` must lie in \(0, 1\]"):
         control.shaft_work(found, SUPPLY, 850.0, 1.2)

@@ -18,7 +18,7 @@ from .crossing import Crossing, Path, crossing, hand_over_time
 _HARMLESS = 0.2  # of t_c √(k/M), below which a dip moves the load by at most 2 % of what it would
 
 
-class Choice(NamedTuple):
+class PolicyChoice(NamedTuple):
     """A `policy` [-], `why` [-], and the crossings that it was chosen by [-]."""
 
     policy: str
@@ -26,7 +26,7 @@ class Choice(NamedTuple):
     crossings: tuple[Crossing, ...]
 
 
-def choose(plant: Plant, reference: Values, dt: float, of: str) -> Choice:
+def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> PolicyChoice:
     """A policy for a plant and its reference.
 
     **Arguments:**
@@ -41,15 +41,15 @@ def choose(plant: Plant, reference: Values, dt: float, of: str) -> Choice:
     **Raises:** `ValueError` as `crossing` does.
     """
     if plant.units == 1:
-        return Choice("orderly", "there is one motor unit, nothing is handed over", ())
+        return PolicyChoice("orderly", "there is one motor unit, nothing is handed over", ())
     if max(plant.sides) > 0:
         why = "of two bundles each goes its own way, which no path says beforehand"
-        return Choice("hand_over", why, ())
+        return PolicyChoice("hand_over", why, ())
     path = _path(plant, np.asarray(reference, float), dt, of)
     bundle, supply = plant.bundles[0], plant.supply_pressure
     units = range(2, plant.units + 1)
     found = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
-    return Choice(*_chosen(plant, path, found), found)
+    return PolicyChoice(*_chosen(plant, path, found), found)
 
 
 def _chosen(plant: Plant, path: Path, found: tuple[Crossing, ...]) -> tuple[str, str]:

@@ -28,7 +28,7 @@ from .plant import Plant
 _TURNS = 1e-2  # of the fluid's own slope, below which a pressure is as good as any near it
 
 
-class Filled(NamedTuple):
+class ChamberEvaluation(NamedTuple):
     """Chambers at `pressures` [Pa]: what muscles do there, the volume they fill [m³] with its
     slopes by strain [m³] and pressure [m³/Pa], the residual (F12) there as a `balance` [SI], and
     `moved`: $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
@@ -40,7 +40,7 @@ class Filled(NamedTuple):
     by_strain: Numbers
     by_pressure: Numbers
     balance: Balance
-    moved: Numbers
+    volume_sensitivity: Numbers
 
     @property
     def slope(self) -> Numbers:
@@ -48,14 +48,14 @@ class Filled(NamedTuple):
         return self.balance.by_pressure + self.balance.by_volume * self.by_pressure
 
     @property
-    def folded(self) -> BoolBatch:
+    def is_folded(self) -> BoolBatch:
         """Whether [-] the volume falls with pressure by more than fluid and hose give way."""
         return self.slope <= 0
 
     @property
     def rise(self) -> Numbers:
         """$g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI], below the line of (T4)."""
-        return self.balance.by_pressure + self.moved * self.by_pressure
+        return self.balance.by_pressure + self.volume_sensitivity * self.by_pressure
 
     @property
     def step(self) -> Numbers:
@@ -68,7 +68,7 @@ class Filled(NamedTuple):
         return -self.balance.value / self._steep(self.rise)
 
     @property
-    def unsettled(self) -> BoolBatch:
+    def is_unsolved(self) -> BoolBatch:
         """Whether [-] the root is farther away than a pascal and a ten thousandth."""
         return absolute(self.step) > 1.0 + 1e-4 * absolute(self.pressures)
 
@@ -76,9 +76,9 @@ class Filled(NamedTuple):
         """$\\dot P$ [Pa/s], equation (T4), of chambers that change by `still` [SI] in a volume that
         stays, at a `strain_rate` [1/s].
         """
-        at_work = array_namespace(still, strain_rate)
-        flowing = at_work.sum(self.balance.by_state * still, axis=-1)
-        push = flowing + self.moved * self.by_strain * strain_rate
+        xp = array_namespace(still, strain_rate)
+        flowing = xp.sum(self.balance.by_state * still, axis=-1)
+        push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
         return -push / self._steep(self.rise)
 
     def _steep(self, slope: Numbers) -> Numbers:
@@ -89,12 +89,14 @@ class Filled(NamedTuple):
         return guarded(absolute(slope) > _TURNS * own, slope, own)
 
 
-def filled(plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers) -> Filled:
+def evaluate_chambers(
+    plant: Plant, chambers: Numbers, strains: Numbers, pressures: Numbers
+) -> ChamberEvaluation:
     """`chambers` [SI] of a `plant` [-] at `strains` [-], taken to be at `pressures` [Pa]."""
-    return joined(plant, chambers, pressures, *spanned(plant, strains, pressures))
+    return assemble_chambers(plant, chambers, pressures, *muscle_volumes(plant, strains, pressures))
 
 
-def spanned(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[Surface, Volumes]:
+def muscle_volumes(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[Surface, Volumes]:
     """Muscles of a `plant` [-] at `strains` [-] and `pressures` [Pa], one of each unit, and the
     volumes of all of them [m³].
     """
@@ -103,9 +105,9 @@ def spanned(plant: Plant, strains: Numbers, pressures: Numbers) -> tuple[Surface
     return at, Volumes(n * V, n * by_strain, n * by_pressure)
 
 
-def joined(
+def assemble_chambers(
     plant: Plant, chambers: Numbers, pressures: Numbers, at: Surface, volumes: Volumes
-) -> Filled:
+) -> ChamberEvaluation:
     """`chambers` [SI] of a `plant` [-] taken to be at `pressures` [Pa], where muscles are `at` work
     [SI] and span `volumes` [m³].
     """
@@ -114,10 +116,10 @@ def joined(
     along = array_namespace(g.by_state).sum(
         g.by_state * plant.chamber.per_volume_rate(chambers, pressures), axis=-1
     )
-    return Filled(pressures, at, V, by_strain, by_pressure, g, along + g.by_volume)
+    return ChamberEvaluation(pressures, at, V, by_strain, by_pressure, g, along + g.by_volume)
 
 
-def settled(
+def solve_pressures(
     plant: Plant, chambers: Numbers, strains: Numbers, near: Numbers, steps: int
 ) -> Numbers:
     """The pressures [Pa] of `chambers` [SI] of a `plant` [-] at `strains` [-], from `near` [Pa], in
@@ -127,7 +129,9 @@ def settled(
 
     def stepped(P: Numbers, _: None) -> tuple[Numbers, None]:
         # half of the way to no fluid at all at most
-        return maximum(P + filled(plant, chambers, strains, P).step, (P + lowest) / 2), None
+        return maximum(
+            P + evaluate_chambers(plant, chambers, strains, P).step, (P + lowest) / 2
+        ), None
 
     if array_namespace(chambers, strains, near) is np:
         for _ in range(steps):

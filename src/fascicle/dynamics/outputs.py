@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 from ..core.array_namespace import array_namespace
 from ..core.types import Batch, Numbers
-from .account import stored
-from .motion import Anchor, Moment
+from .energy_ledger import stored_energies
+from .motion import FrictionMemory, PlantEvaluation
 from .plant import Plant
 from .state import State
 
@@ -24,7 +24,7 @@ STATUS = (
 _NEARLY_ATMOSPHERE = 100.0  # Pa: within a thousandth of an atmosphere of no fluid
 
 
-class Seen(NamedTuple):
+class PlantOutputs(NamedTuple):
     """What a plant shows at a moment.
 
     `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
@@ -52,12 +52,14 @@ class Seen(NamedTuple):
     reserve: Numbers
 
 
-def looked_at(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Seen:
+def observe(
+    plant: Plant, state: State, anchor: FrictionMemory, now: PlantEvaluation
+) -> PlantOutputs:
     """What a `plant` [-] shows in a `state` [SI], with friction's `anchor` [SI], that is so `now`
     [SI].
     """
-    flows, store = now.flows, stored(plant, state, anchor, now)
-    return Seen(
+    flows, store = now.flows, stored_energies(plant, state, anchor, now)
+    return PlantOutputs(
         now.position, now.velocity, flows.pressures, flows.temperatures, now.strains,
         plant.counts * now.fluid.at.force, now.fluid.volume, state.chambers[..., 0], flows.supply,
         flows.exhaust, flows.drawn, flows.vented,
@@ -66,21 +68,21 @@ def looked_at(plant: Plant, state: State, anchor: Anchor, now: Moment) -> Seen:
     )  # fmt: skip
 
 
-def _status(plant: Plant, state: State, now: Moment, store: Numbers) -> Any:
+def _status(plant: Plant, state: State, now: PlantEvaluation, store: Numbers) -> Any:
     """Bits of `STATUS`."""
     q, P, eps = now.position, now.fluid.pressures, now.strains
-    at_work = array_namespace(q, P)
-    some, stop = at_work.any, plant.load.stop
+    xp = array_namespace(q, P)
+    some, stop = xp.any, plant.load.stop
     low, high = plant.muscles.strains
     off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
     true = (
-        some(now.fluid.folded, axis=-1),
+        some(now.fluid.is_folded, axis=-1),
         some(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
         some(off, axis=-1),
-        some(now.fluid.unsettled, axis=-1),
+        some(now.fluid.is_unsolved, axis=-1),
         plant.supply.empty(state.supply),
         False if stop is None else stop.touched(q),
         False,  # `simulate` tells whether it is too stiff
-        ~at_work.isfinite(at_work.sum(store, axis=-1) + at_work.sum(P, axis=-1)),
+        ~xp.isfinite(xp.sum(store, axis=-1) + xp.sum(P, axis=-1)),
     )
-    return sum(at_work.where(here, 1 << place, 0) for place, here in enumerate(true))
+    return sum(xp.where(here, 1 << place, 0) for place, here in enumerate(true))

@@ -63,7 +63,7 @@ def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle")
     return bundle
 
 
-def write_pair(texts: tuple[str, str], folder: Values, name: str) -> tuple[Path, Path]:
+def write_c_files(texts: tuple[str, str], folder: Values, name: str) -> tuple[Path, Path]:
     """Write the `texts` [-] of header and source as `name` [-] into a `folder` [-], made where it
     isn't; their paths [-].
     """

@@ -35,7 +35,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module
 from ..core.types import Batch, Numbers
 from ..core.validation import check_positive
-from .units import SLACK, Asked, Now, Units, hand_over_times, shared
+from .units import SLACK, UnitCapability, UnitDemand, Units, hand_over_times, share_demand
 
 
 _MARGIN = 0.02  # of the dip that is kept, for what the tables don't know
@@ -43,7 +43,7 @@ _ABOVE = 0.01  # of the supply over the onset, where a recruited unit is parked
 _SHORT = 0.02  # of the supply: so far off, the unit before holds the next one's ramp
 
 
-class Turn(NamedTuple):
+class SequentialState(NamedTuple):
     """Memory: how many units are `recruited` [-], and the `way` it goes [-]: 1, 0 or -1; the
     `target` of each unit [Pa].
     """
@@ -53,7 +53,7 @@ class Turn(NamedTuple):
     target: Numbers
 
 
-class InTurn(Module):
+class SequentialPolicy(Module):
     """One of the policies above: `band` [N], and whether [-] it is `early`, held back, by how many
     of its valve's times it leads, whether it opens `wide`, and whether it stays at the onset.
     """
@@ -64,26 +64,28 @@ class InTurn(Module):
     wide: Batch
     parked: Batch
 
-    def begin(self, units: Units) -> Turn:
+    def begin(self, units: Units) -> SequentialState:
         """The memory [-] to begin with, for so many `units` [-]."""
         none = 0.0 * units.counts
-        return Turn(none[0] + 1.0, none[0], none)
+        return SequentialState(none[0] + 1.0, none[0], none)
 
-    def __call__(self, memory: Turn, units: Units, asked: Asked, now: Now) -> tuple[Turn, Numbers]:
+    def __call__(
+        self, memory: SequentialState, units: Units, asked: UnitDemand, now: UnitCapability
+    ) -> tuple[SequentialState, Numbers]:
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work = array_namespace(asked.strains, asked.force)
-        places = at_work.arange(units.many)
+        xp = array_namespace(asked.strains, asked.force)
+        places = xp.arange(units.many)
         top = minimum(asked.supply, units.branches.top)
         parked = minimum(now.onset + _ABOVE * top, top)
-        k = minimum(maximum(at_work.floor(memory.recruited + 1e-9), 1.0), float(units.many))
+        k = minimum(maximum(xp.floor(memory.recruited + 1e-9), 1.0), float(units.many))
         share = memory.recruited - k
         # the last unit that is recruited and the next one; and those one back
-        last = where(places == at_work.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
-        next_ = where(places == at_work.stack([k, k - 1])[:, None], 1.0, 0.0)
+        last = where(places == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
+        next_ = where(places == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
         reserve, dip, need = self._needed(now, asked, last, next_)
-        there = at_work.sum(next_[0] * where(now.gains, 1.0, 0.0)) > 0
+        there = xp.sum(next_[0] * where(now.gains, 1.0, 0.0)) > 0
         late = reserve[0] < 0
         in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
         up = there & (late | in_time)
@@ -93,22 +95,22 @@ class InTurn(Module):
         # the further off the unit before is, the more the ramp is held; what it is late behind a
         # demand that rises alone doesn't count
         follows = asked.lag * minimum(maximum(asked.rate, 0.0) / now.slope, now.speed)
-        behind = maximum(at_work.abs(memory.target - asked.pressures) - follows, 0.0)
-        off = at_work.sum(last[0] * behind) / (_SHORT * top)
+        behind = maximum(xp.abs(memory.target - asked.pressures) - follows, 0.0)
+        off = xp.sum(last[0] * behind) / (_SHORT * top)
         held = maximum(1.0 - off, 0.0)
         pulls = units.counts * units.branches.force(asked.pressures, asked.strains)
-        gained = at_work.sum(next_[0] * (pulls - now.empty))
+        gained = xp.sum(next_[0] * (pulls - now.empty))
         rush = late | (reserve[0] + gained < 0)
         falls = down | ((share > 0) & (way < 0))
         times = where(falls, now.vent, now.time)
-        time = SLACK * at_work.sum(where(down, next_[1], next_[0]) * times)
+        time = SLACK * xp.sum(where(down, next_[1], next_[0]) * times)
         slow = (self.early > 0) & ~(rush & (way > 0))
         pace = where(slow, held / maximum(time, asked.dt), 1 / asked.dt)
         moved = memory.recruited + way * pace * asked.dt
         moved = minimum(maximum(moved, where(down, k - 1, k)), where(down, k, k + 1))
         recruited = minimum(moved, float(units.many))
 
-        k = at_work.floor(recruited + 1e-9)
+        k = xp.floor(recruited + 1e-9)
         ramp = where(places == k, (recruited - k) * parked, 0.0)
         low = where((places > 0) & (places < k), parked * self.parked, ramp)
         high = where(places < k, top, ramp)
@@ -118,13 +120,13 @@ class InTurn(Module):
         vented = (places >= k) & (asked.pressures > low) & (way <= 0)
         seen = maximum(asked.pressures, 0.0)
         felt = where((places > 0) & (self.early > 0) & (hurried | vented), seen, low)
-        target, _ = shared(units, now, asked, low, high, felt)
+        target, _ = share_demand(units, now, asked, low, high, felt)
         # wide open to the onset, and no further
         opened = (self.wide > 0) & (places > 0) & (places < k) & (asked.pressures < now.onset)
-        return Turn(recruited, way, target), where(opened, top, target)
+        return SequentialState(recruited, way, target), where(opened, top, target)
 
     def _needed(
-        self, now: Now, asked: Asked, last: Numbers, next_: Numbers
+        self, now: UnitCapability, asked: UnitDemand, last: Numbers, next_: Numbers
     ) -> tuple[Numbers, Numbers, Numbers]:
         """Of the states that end with the `last` unit [-], as ones among zeros: the reserve, the
         `next_` unit's dip, and the reserve at which a hand-over to it begins [N].
@@ -144,21 +146,21 @@ class InTurn(Module):
         return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
 
 
-def _turn(**ways: float) -> Any:
-    def made(band: Any) -> InTurn:
+def _sequential_policy(**ways: float) -> Any:
+    def made(band: Any) -> SequentialPolicy:
         known = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | ways
-        return InTurn(check_positive(band, "band", "N"), *map(np.float64, known.values()))
+        return SequentialPolicy(check_positive(band, "band", "N"), *map(np.float64, known.values()))
 
     return made
 
 
-def orderly(band: Any = None) -> InTurn:
+def orderly(band: Any = None) -> SequentialPolicy:
     """The plain inverse [-], which has no `band` [N]."""
     del band
-    return InTurn(*np.zeros(5))
+    return SequentialPolicy(*np.zeros(5))
 
 
-threshold = _turn()
-hand_over = _turn(early=1.0)
-pre_charge = _turn(early=1.0, lead=1.0)
-fast_cross = _turn(wide=1.0)
+threshold = _sequential_policy()
+hand_over = _sequential_policy(early=1.0)
+pre_charge = _sequential_policy(early=1.0, lead=1.0)
+fast_cross = _sequential_policy(wide=1.0)

@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle import fluid
-from fascicle.dynamics import rest
-from fascicle.dynamics.filling import filled
-from fascicle.dynamics.holding import held, held_rates, let_go
+from fascicle.dynamics import equilibrium_state
+from fascicle.dynamics.chamber_pressure import evaluate_chambers
+from fascicle.dynamics.conservative_update import conserved_rates, conserved_state, project_chambers
 
 
 WALL = fluid.AdiabaticWall(0.5, dead_volume=3e-6)
@@ -16,13 +16,13 @@ ROOM = 101325.0
 
 def test_gas_behind_a_wall_holds_enthalpy():
     s = WALL.start(2e5, 1e-5)
-    assert_allclose(held(WALL, s, np.array(2e5), np.array(1e-5)), [s[0], s[1] + 3.01325])
+    assert_allclose(conserved_state(WALL, s, np.array(2e5), np.array(1e-5)), [s[0], s[1] + 3.01325])
 
 
 def test_what_has_no_wall_holds_its_state():
     for one in (fluid.Isothermal(dead_volume=3e-6), fluid.LiquidChamber(dead_volume=3e-6)):
         s = one.start(2e5, 1e-5)
-        assert_allclose(held(one, s, np.array(2e5), np.array(1e-5)), s, rtol=0)
+        assert_allclose(conserved_state(one, s, np.array(2e5), np.array(1e-5)), s, rtol=0)
 
 
 def test_rates_are_those_of_what_is_held():
@@ -32,8 +32,11 @@ def test_rates_are_those_of_what_is_held():
     rate = WALL.rates(s, P, flow, energy, V_dot)
     still = WALL.rates(s, P, flow, energy, 0.0)
     h = 1e-6
-    ends = [held(WALL, s + k * h * rate, P + k * h * P_dot, V + k * h * V_dot) for k in (-1, 1)]
-    found = held_rates(WALL, s, still, P_dot, V)
+    ends = [
+        conserved_state(WALL, s + k * h * rate, P + k * h * P_dot, V + k * h * V_dot)
+        for k in (-1, 1)
+    ]
+    found = conserved_rates(WALL, s, still, P_dot, V)
     # rounding of U over 2 h
     assert_allclose(found, (ends[1] - ends[0]) / (2 * h), rtol=1e-8)
 
@@ -41,12 +44,12 @@ def test_rates_are_those_of_what_is_held():
 @pytest.mark.parametrize("off", [-3e3, 0.0, 3e3])
 def test_where_a_pressure_is_set_right_the_wall_works(lift, off):
     P = np.array([1.5e5, 0.8e5])
-    at = rest(lift, P)
+    at = equilibrium_state(lift, P)
     eps, s = lift.strains(at.position), at.chambers
     near = P + off
-    there = filled(lift, s, eps, near).volume
-    found = let_go(lift, held(lift.chamber, s, near, there), eps, near, 6)
-    end = filled(lift, found.chambers, eps, found.pressures)
+    there = evaluate_chambers(lift, s, eps, near).volume
+    found = project_chambers(lift, conserved_state(lift.chamber, s, near, there), eps, near, 6)
+    end = evaluate_chambers(lift, found.chambers, eps, found.pressures)
     assert np.all(np.abs(end.step) < 1e-9 * P)
     assert np.all(np.sign(near - found.pressures) == np.sign(off) * np.ones(2)) or off == 0
     # the first law: energy that the gas lost is what its wall did on the way from `there`

@@ -13,7 +13,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.types import Batch, Numbers
 from ..core.validation import check_positive
-from .units import Asked, Now, Units, shared
+from .units import UnitCapability, UnitDemand, Units, share_demand
 
 
 _HALVINGS = 30  # of a common pressure's bracket: to 1e-9 of the supply
@@ -21,7 +21,7 @@ _MOST = 6  # units, of which there are 63 sets
 _SAVED = 0.1  # of the fluid, for which another set is worth its change
 
 
-class Chosen(NamedTuple):
+class PolicyState(NamedTuple):
     """Memory: which state or set was `chosen` [-]."""
 
     chosen: Batch
@@ -34,21 +34,21 @@ class Batched(Module):
 
     band: Batch
 
-    def begin(self, units: Units) -> Chosen:
+    def begin(self, units: Units) -> PolicyState:
         """The memory [-] to begin with, for so many `units` [-]."""
-        return Chosen(1.0 + 0.0 * units.counts[0])
+        return PolicyState(1.0 + 0.0 * units.counts[0])
 
     def __call__(
-        self, memory: Chosen, units: Units, asked: Asked, now: Now
-    ) -> tuple[Chosen, Numbers]:
+        self, memory: PolicyState, units: Units, asked: UnitDemand, now: UnitCapability
+    ) -> tuple[PolicyState, Numbers]:
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work, n = array_namespace(asked.strains, asked.force), units.counts
+        xp, n = array_namespace(asked.strains, asked.force), units.counts
         places = np.arange(units.many)
         top = minimum(asked.supply, units.branches.top)
-        few = 1.0 + at_work.sum(where(asked.force > now.largest, 1.0, 0.0))
-        few_with_band = 1.0 + at_work.sum(where(asked.force > now.largest - self.band, 1.0, 0.0))
+        few = 1.0 + xp.sum(where(asked.force > now.largest, 1.0, 0.0))
+        few_with_band = 1.0 + xp.sum(where(asked.force > now.largest - self.band, 1.0, 0.0))
         k = minimum(
             where(few > memory.chosen, few, minimum(memory.chosen, few_with_band)), units.many
         )
@@ -56,12 +56,12 @@ class Batched(Module):
         low, high = 0.0 * top, top
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            pull = at_work.sum(n * units.branches.force(where(on, middle, 0.0), asked.strains))
+            pull = xp.sum(n * units.branches.force(where(on, middle, 0.0), asked.strains))
             low, high = (
                 where(pull < asked.force, middle, low),
                 where(pull < asked.force, high, middle),
             )
-        return Chosen(k + 0.0), where(on, high, 0.0)
+        return PolicyState(k + 0.0), where(on, high, 0.0)
 
 
 class EnergyAware(Module):
@@ -69,35 +69,35 @@ class EnergyAware(Module):
     chambers hold least; another one where that saves a tenth of it, or the last no longer suffices.
     """
 
-    def begin(self, units: Units) -> Chosen:
+    def begin(self, units: Units) -> PolicyState:
         """The memory [-] to begin with, for so many `units` [-]."""
         if units.many > _MOST:
             raise InvalidInputError(
                 "policy", f"energy_aware takes at most {_MOST} units", units.many
             )
-        return Chosen(0.0 * units.counts[0])
+        return PolicyState(0.0 * units.counts[0])
 
     def __call__(
-        self, memory: Chosen, units: Units, asked: Asked, now: Now
-    ) -> tuple[Chosen, Numbers]:
+        self, memory: PolicyState, units: Units, asked: UnitDemand, now: UnitCapability
+    ) -> tuple[PolicyState, Numbers]:
         """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
         can do `now` [-].
         """
-        at_work = array_namespace(asked.strains, asked.force)
+        xp = array_namespace(asked.strains, asked.force)
         top = minimum(asked.supply, units.branches.top)
         sets = np.array([[m >> i & 1 for i in range(units.many)] for m in range(1, 2**units.many)])
         none = 0.0 * asked.strains
-        pressures = shared(units, now, asked, none + 0.0 * sets, top * sets)[0] * sets
-        held = at_work.sum(units.content(pressures, asked.strains), axis=-1)
-        full = at_work.sum(at_work.asarray(sets) * (now.full - now.empty), axis=-1)
-        most = full + at_work.sum(now.empty)
+        pressures = share_demand(units, now, asked, none + 0.0 * sets, top * sets)[0] * sets
+        held = xp.sum(units.content(pressures, asked.strains), axis=-1)
+        full = xp.sum(xp.asarray(sets) * (now.full - now.empty), axis=-1)
+        most = full + xp.sum(now.empty)
         suffices = most >= asked.force
         last = memory.chosen.astype(int)
         cost = where(suffices, held, 1e3 - 1e-6 * most)
-        best = at_work.argmin(cost)
+        best = xp.argmin(cost)
         keep = (most[last] >= asked.force) & (cost[best] > (1 - _SAVED) * cost[last])
-        chosen = at_work.where(keep, last, best)
-        return Chosen(chosen + 0.0), pressures[chosen]
+        chosen = xp.where(keep, last, best)
+        return PolicyState(chosen + 0.0), pressures[chosen]
 
 
 def batch(band: Any) -> Batched:

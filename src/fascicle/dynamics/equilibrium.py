@@ -26,7 +26,7 @@ from .state import State
 _LOOKS = 801  # places at which the balance is looked at: a table has 200 cells
 
 
-def rest(
+def equilibrium_state(
     plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None
 ) -> State:
     """A state at rest, equation (T5).
@@ -61,24 +61,24 @@ def rest(
     if load.moved:
         q, v = (float(x) for x in load.placed(0.0, 0.0, 0.0))
         size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
-        _known(q - size, low, high, load.unit)
-        _known(q + size, low, high, load.unit)
+        _check_position(q - size, low, high, load.unit)
+        _check_position(q + size, low, high, load.unit)
     elif position is not None:
-        q = _known(
+        q = _check_position(
             float(check_interval(position, -np.inf, np.inf, "position", load.unit)),
             low,
             high,
             load.unit,
         )
     else:
-        q = _resting(plant, P, low, high)
+        q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.states(plant.units)
     spool = np.zeros(spools) if command is None else checked_commands(command) + np.zeros(spools)
     supply = np.asarray(plant.supply.start(), float)
     return State(np.float64(q), np.float64(v), spool, plant.charged(P, q), P, supply)
 
 
-def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
+def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
     def left(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
@@ -113,6 +113,6 @@ def _resting(plant: Plant, pressures: Numbers, low: float, high: float) -> float
     return float(found.root)
 
 
-def _known(position: float, low: float, high: float, unit: str) -> float:
+def _check_position(position: float, low: float, high: float, unit: str) -> float:
     why = "where the muscles' tables end"
     return float(check_interval(position, low, high, "position", unit, why, (True, True)))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.types import Numbers
-from .filling import Filled, filled
+from .chamber_pressure import ChamberEvaluation, evaluate_chambers
 from .plant import Plant
 
 
@@ -24,7 +24,7 @@ _OF_GAS = 2  # with one, crossing the cells of a table leaves 1e-5 of the work; 
 _STABLE = 2.0  # of h|λ|; the method's own limit is 2.78
 
 
-class Pace(NamedTuple):
+class StepSizeEstimate(NamedTuple):
     """How stiff a plant is: its fastest `rate` [1/s], the part that is [-], the `substeps` that a
     step needs, whether they would have to be more.
     """
@@ -35,12 +35,12 @@ class Pace(NamedTuple):
     stiff: bool
 
 
-def pace(plant: Plant, dt: float) -> Pace:
+def estimate_substeps(plant: Plant, dt: float) -> StepSizeEstimate:
     """How many substeps a step of `dt` [s] of a `plant` [-] needs."""
     fastest = {**_chamber_rates(plant), **_load_rates(plant)}
     part = max(fastest, key=lambda name: fastest[name])
     need = max(_OF_LIQUID if plant.liquid else _OF_GAS, math.ceil(dt * fastest[part] / _STABLE))
-    return Pace(fastest[part], part, min(need, MOST_SUBSTEPS), need > MOST_SUBSTEPS)
+    return StepSizeEstimate(fastest[part], part, min(need, MOST_SUBSTEPS), need > MOST_SUBSTEPS)
 
 
 def _chamber_rates(plant: Plant) -> dict[str, float]:
@@ -98,9 +98,9 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     return rates
 
 
-def _charged(plant: Plant, pressures: Numbers, places: int) -> tuple[Numbers, Filled]:
+def _charged(plant: Plant, pressures: Numbers, places: int) -> tuple[Numbers, ChamberEvaluation]:
     """Chambers [SI] at rest at `pressures` [Pa] and so many `places` [-] of the load's way."""
     q = np.linspace(*plant.way, places)
     P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
     s = plant.charged(P, q)
-    return s, filled(plant, s, eps, P)
+    return s, evaluate_chambers(plant, s, eps, P)

@@ -21,11 +21,11 @@ from typing import NamedTuple
 from ..core.array_namespace import array_namespace, maximum
 from ..core.types import Batch, Numbers
 from ..fluid import AbstractChamber
-from .filling import joined, spanned
+from .chamber_pressure import assemble_chambers, muscle_volumes
 from .plant import Plant
 
 
-class LetGo(NamedTuple):
+class ProjectedChambers(NamedTuple):
     """Chambers whose pressures have been set right: states of the `chambers` [SI], `pressures`
     [Pa], and what setting them right adds by parts [J], $-\\int V\\,\\mathrm{d}P$ of all units, to
     the `work` and to its `mismatch`.
@@ -37,7 +37,7 @@ class LetGo(NamedTuple):
     mismatch: Batch
 
 
-def held(
+def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
     """$k$ [SI] of `chambers` [SI] of a kind of `chamber` [-] at `pressures` [Pa], with `volumes`
@@ -46,7 +46,7 @@ def held(
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 
 
-def held_rates(
+def conserved_rates(
     chamber: AbstractChamber,
     chambers: Numbers,
     still: Numbers,
@@ -61,21 +61,23 @@ def held_rates(
     return still - turned * volumes[..., None]
 
 
-def let_go(plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps: int) -> LetGo:
+def project_chambers(
+    plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps: int
+) -> ProjectedChambers:
     """Chambers of a `plant` [-] that hold $k$, `holds` [SI], at `strains` [-] and led to pressures
     `near` [Pa], set right in so many `steps` [-] of Newton's method.
     """
     n, chamber = plant.counts, plant.chamber
     push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
-    at_0, first = at, now = spanned(plant, strains, near)
+    at_0, first = at, now = muscle_volumes(plant, strains, near)
     V_0 = first.volume
     s = s_0 = holds + push(holds, near) * V_0[..., None]
     P = before = near
     for turn in range(steps):
         if turn:
-            at, now = spanned(plant, strains, P)
+            at, now = muscle_volumes(plant, strains, P)
             s = s_0 + push(s_0, (near + P) / 2) * (now.volume - V_0)[..., None]
-        step = joined(plant, s, P, at, now).working_step
+        step = assemble_chambers(plant, s, P, at, now).working_step
         # half of the way to no fluid at all at most
         P, before = maximum(P + step, (P + lowest) / 2), P
     last = P - before
@@ -84,4 +86,4 @@ def let_go(plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps:
     add, way = array_namespace(P).sum, near - P
     work = (V_0 + V) / 2 * way
     conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * way
-    return LetGo(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))
+    return ProjectedChambers(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))
