@@ -41,10 +41,10 @@ _AT_ONCE = 20_000  # moments, of which tables' cells fill some megabytes
 class Trajectory(NamedTuple):
     """A run, moments on the first axis.
 
-    `time` [s]; `seen`: what the plant shows at each, a `Seen`; `commands` held from then on [-];
-    `account`: energies up to then [J], by the names of `ACCOUNT`; `substeps` in each step [-];
-    `pace`: how stiff it is, where that was looked at; `end`: the state [SI] from which another
-    run can go on, with friction relaxed.
+    `time` [s]; `seen`: the `PlantOutputs` at each moment; `commands` from then on [-]; `account`:
+    energies up to then [J], by the names of `LEDGER`; `substeps` in each step [-]; `pace`: the
+    `StepSizeEstimate`, where it was made; `end`: the state [SI] from which another run can go on,
+    with friction relaxed.
     """
 
     time: Numbers
