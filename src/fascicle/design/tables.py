@@ -179,7 +179,7 @@ def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
     """Force [N] up to the free strain; beyond there is none, minus infinity."""
-    pulled = strain <= apart(law.tension.free_strain, pressure) + ROUNDING
+    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
     return where(pulled, law.tension.force(pressure, strain), -np.inf)
 
 
