@@ -113,7 +113,7 @@ def test_another_kind_of_file_is_called_by_its_name(said, arguments, message):
             '["60 deg"]',
             "t.toml: design.braid_angle: `braid_angle` must lie in (0, 54.7356) deg, got 60 deg.",
         ),
-        ('"all"  ', '["1+a"]', "t.toml: design.splits: `splits` must be written like '1+4'"),
+        ('"all"  ', '["1+a"]', "t.toml: design.space: `splits` must be written like '1+4'"),
     ],
 )
 def test_a_task(said, tmp_path, old, new, message):

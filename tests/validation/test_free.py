@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.bundle.volumes import unit_volume_change
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.cases import cases
+from fascicle.design.summary import cases
 
 from . import oracle_free as oracle
 

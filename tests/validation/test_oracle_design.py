@@ -9,17 +9,13 @@ import pytest
 from from_oracle import library_muscle
 from oracle_muscle import LATEX, SILICONE, Muscle, free_strain
 
-from fascicle.design import Task
+from fascicle.design import Designs, Task, evaluate
 from fascicle.design.designs import packed_radius, ratio
 from fascicle.design.objectives import OBJECTIVES
-from fascicle.design.outcome import Demand
-from fascicle.design.shared import prepared, shared_objectives
-from fascicle.design.tables import UNLIKE, Resolution
-from fascicle.design.unlike import Sizes, unlike_objectives
+from fascicle.design.tables import MIXED, Resolution
 
 
 NAMES = tuple(OBJECTIVES)
-NEEDS = ("curves", "size")
 UNITS, POINTS = 3, 8  # one shape for all designs, so that little is compiled
 COARSE = Resolution(17, 65)  # the oracle takes a second for every ten thousand forces
 
@@ -64,31 +60,19 @@ def library(design, supply, task, alike, resolution, scheme="orderly", by_stroke
         asked = Task.of(force, None, supply, weight, scheme, stroke=stroke)
     else:
         asked = Task.of(force, strain, supply, weight, scheme)
-    demand = Demand.of(asked)
     counts = np.zeros((1, UNITS), int)
     counts[0, : len(design)] = [n for _, n in design]
-    if alike:
-        muscle, most = library_muscle(design[0][0]), 12
-        known = prepared(
-            muscle, int(counts.sum()), demand, most=most, needs=NEEDS, resolution=resolution
-        )
-        values = shared_objectives(known, jnp.asarray(counts), demand, names=NAMES)
-    else:
-        muscles = [muscle for muscle, _ in design]
-        muscles += muscles[:1] * (UNITS - len(muscles))
-        sizes = Sizes(
-            jnp.asarray(counts),
-            jnp.asarray([muscles[0].length]),
-            *(
-                jnp.asarray([[getattr(m, name) for m in muscles]])
-                for name in ("outer_radius", "wall_thickness", "braid_angle")
-            ),
-        )
-        values = unlike_objectives(
-            library_muscle(muscles[0]), sizes, demand, names=NAMES, needs=NEEDS,
-            resolution=resolution,
-        )  # fmt: skip
-    return dict(zip(NAMES, np.asarray(values)[:, 0].tolist(), strict=True))
+    muscles = [muscle for muscle, _ in design]
+    muscles += muscles[:1] * (UNITS - len(muscles))
+    sizes = (
+        np.array([[getattr(m, name) for m in muscles]])
+        for name in ("outer_radius", "wall_thickness", "braid_angle")
+    )
+    drawing, length = library_muscle(muscles[0]), np.array([muscles[0].length])
+    designs = Designs({"muscle": drawing}, np.zeros(1, int), counts, length, *sizes)
+    assert bool(designs.uniform[0]) is (alike or len(design) == 1)
+    values = evaluate(designs, asked, NAMES, resolution)
+    return {name: float(values[name][0]) for name in NAMES}
 
 
 def expected(design, supply, task, resolution, scheme="orderly"):
@@ -176,8 +160,8 @@ def test_levels_are_fine_enough_for_the_task():
     for design, supply, task in random_designs(41, 3, True):
         for _, strain, _ in task:
             for k in range(len(design)):
-                fine = np.linspace(0, 1, 8 * (UNLIKE.levels - 1) + 1) ** 1.5
-                low, high = oracle.region(design, supply, k, strain, UNLIKE.level.tolist())
+                fine = np.linspace(0, 1, 8 * (MIXED.levels - 1) + 1) ** 1.5
+                low, high = oracle.region(design, supply, k, strain, MIXED.level.tolist())
                 lower, higher = oracle.region(design, supply, k, strain, fine.tolist())
                 assert high == higher  # at full pressure
                 missed.append((low - lower) / oracle.largest_force(design, supply))

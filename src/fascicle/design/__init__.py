@@ -9,7 +9,6 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .cases import Cases as Cases
     from .catalog import Catalog as Catalog
     from .catalog import Product as Product
     from .designs import Designs as Designs
@@ -19,8 +18,8 @@ if TYPE_CHECKING:
     from .exhaustive_search import non_dominated as non_dominated
     from .exhaustive_search import search as search
     from .genetic import evolve as evolve
-    from .limits import Limit as Limit
     from .objectives import OBJECTIVES as OBJECTIVES
+    from .objectives import Limit as Limit
     from .objectives import objective as objective
     from .outcome import Outcome as Outcome
     from .refine import refined as refined
@@ -29,8 +28,9 @@ if TYPE_CHECKING:
     from .robust import sensitivities as sensitivities
     from .robust import spread as spread
     from .space import Space as Space
-    from .splits import compositions as compositions
-    from .splits import partitions as partitions
+    from .space import compositions as compositions
+    from .space import partitions as partitions
+    from .summary import Cases as Cases
     from .summary import Summary as Summary
     from .summary import summary_of as summary_of
     from .sweep import Store as Store
@@ -39,11 +39,11 @@ if TYPE_CHECKING:
     from .task import example_task as example_task
 
 _HOMES = {
-    "Cases": "cases",
+    "Cases": "summary",
     "Catalog": "catalog",
     "Designs": "designs",
     "Found": "exhaustive_search",
-    "Limit": "limits",
+    "Limit": "objectives",
     "OBJECTIVES": "objectives",
     "Outcome": "outcome",
     "Product": "catalog",
@@ -54,14 +54,14 @@ _HOMES = {
     "Study": "sweep",
     "Summary": "summary",
     "Task": "task",
-    "compositions": "splits",
+    "compositions": "space",
     "evaluate": "evaluation",
     "evolve": "genetic",
     "example_task": "task",
     "hypervolume": "exhaustive_search",
     "non_dominated": "exhaustive_search",
     "objective": "objectives",
-    "partitions": "splits",
+    "partitions": "space",
     "refined": "refine",
     "search": "exhaustive_search",
     "sensitivities": "robust",
@@ -74,7 +74,7 @@ _WENT = {  # modules of the last release
     "judging": "design.evaluation",
     "packing": "design.designs",
     "pareto": "design.exhaustive_search",
-    "reach": "design.limits",
+    "reach": "design.objectives",
     "searching": "design.exhaustive_search",
     "store": "design.sweep",
     "study": "design.sweep",

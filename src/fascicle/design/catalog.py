@@ -21,7 +21,7 @@ import numpy as np
 from ..core.types import Float, Int
 from ..muscle import Muscle
 from .designs import Designs
-from .limits import Values
+from .objectives import Values
 from .task import Task
 
 

@@ -15,65 +15,45 @@ and for two; else an estimate: a large circle among small ones wastes more, smal
 fit into the gaps less.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..bundle.volumes import told_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
 from ..core.errors import InvalidInputError
-from ..core.module import to_numpy
+from ..core.module import to_numpy, with_fields
 from ..core.types import Float, Int, Numbers, Values
 from ..muscle import Muscle
-from .splits import label
 from .task import Task
 
 
-class Rows(NamedTuple):
-    """Muscles of a `drawing` [-], which has material, laws and tuning of all, each of its own
-    `length` [m], `radius` [m], `wall` [m] and braid `angle` [rad], arrays of one shape.
+class Sizes(NamedTuple):
+    """Sizes of muscles of one drawing: `length` [m], `radius` [m], `wall` [m] and braid `angle`
+    [rad], arrays of one shape.
     """
 
-    drawing: Muscle
     length: Numbers
     radius: Numbers
     wall: Numbers
     angle: Numbers
 
-    @property
-    def muscle(self) -> Muscle:
-        """All of them as one [-]."""
-        return sized(*self)
+    def muscle(self, drawing: Muscle) -> Muscle:
+        """A `drawing` of these sizes, all of them as one muscle."""
+        return with_fields(
+            drawing,
+            length=self.length,
+            outer_radius=self.radius,
+            wall_thickness=self.wall,
+            braid_angle=self.angle,
+        )
 
-    def take(self, places: Any) -> "Rows":
-        """Those at `places` [-]."""
-        return Rows(self.drawing, *(x[places] for x in self[1:]))
-
-
-def sized(
-    drawing: Muscle, length: Numbers, radius: Numbers, wall: Numbers, angle: Numbers
-) -> Muscle:
-    """A muscle of other sizes.
-
-    **Arguments:**
-
-    - `drawing`: whose material, laws and tuning it has [-].
-    - `length`: between the end fittings [m].
-    - `radius`: of the bladder at rest [m].
-    - `wall`: its thickness at rest [m].
-    - `angle`: of the braid at rest [rad].
-
-    **Returns:** the muscle [-].
-    """
-    return eqx.tree_at(
-        lambda m: (m.length, m.outer_radius, m.wall_thickness, m.braid_angle),
-        drawing,
-        (length, radius, wall, angle),
-    )
+    def take(self, index: Any) -> "Sizes":
+        """Those with an `index`."""
+        return Sizes(*(x[index] for x in self))
 
 
 _RATIOS = (
@@ -92,9 +72,9 @@ def ratio(count: Values) -> Numbers:
     **Returns:** $\rho_N$ [-].
     """
     table = np.array([_EXACT.get(n, rho) for n, rho in enumerate(_RATIOS, start=1)])
-    at_work, most = array_namespace(count), len(table)
-    n = at_work.asarray(count)
-    known = at_work.asarray(table)[at_work.clip(n, 1, most) - 1]
+    xp, most = array_namespace(count), len(table)
+    n = xp.asarray(count)
+    known = xp.asarray(table)[xp.clip(n, 1, most) - 1]
     return where(n > most, table[-1] * sqrt(n / most), known)
 
 
@@ -123,13 +103,13 @@ def packed_radius(radii: Values, counts: Values) -> Numbers:
 
     **Returns:** the radius [m].
     """
-    at_work = array_namespace(radii, counts)
-    radii, counts = at_work.asarray(radii), at_work.asarray(counts)
+    xp = array_namespace(radii, counts)
+    radii, counts = xp.asarray(radii), xp.asarray(counts)
     N = counts.sum(axis=-1)
     dense = ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))
     # the two largest: a unit of two or more brings both
     there, twice = where(counts > 0, radii, 0.0), where(counts > 1, radii, 0.0)
-    both = at_work.sort(at_work.concatenate([there, twice], axis=-1), axis=-1)
+    both = xp.sort(xp.concatenate([there, twice], axis=-1), axis=-1)
     side_by_side = both[..., -1] + both[..., -2]
     return where(N == 2, side_by_side, maximum(dense, side_by_side))
 
@@ -170,8 +150,6 @@ class Designs:
 
         **Returns:** the designs [-].
         """
-        from .splits import padded
-
         n = padded([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
         return cls(
@@ -198,33 +176,40 @@ class Designs:
         return [label(row) for row in self.counts]
 
     @property
-    def alike(self) -> np.ndarray:
+    def uniform(self) -> np.ndarray:
         """Whether all units of a design have one muscle [-]."""
         same = np.ones(len(self), bool)
         for sizes in (self.radius, self.wall, self.angle):
             same &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
         return same
 
-    def take(self, places: np.ndarray) -> "Designs":
-        """Some of them [-]; `places`: their indices, or a mask [-]."""
+    def take(self, index: np.ndarray, units: int | None = None) -> "Designs":
+        """Designs with an `index`, or a mask; their first `units` alone."""
         return Designs(
-            self.drawings, self.kind[places], self.counts[places], self.length[places],
-            self.radius[places], self.wall[places], self.angle[places],
+            self.drawings, self.kind[index], self.counts[index, :units], self.length[index],
+            self.radius[index, :units], self.wall[index, :units], self.angle[index, :units],
         )  # fmt: skip
 
-    def muscle(self, place: int, unit: int = 0) -> Muscle:
+    def sizes(self, index: int) -> Sizes:
+        """Sizes of the muscles of each unit of a design; `index`: which."""
+        sizes = (x[index] for x in (self.radius, self.wall, self.angle))
+        return Sizes(np.full(self.counts.shape[1], self.length[index]), *sizes)
+
+    def drawing(self, index: int) -> Muscle:
+        """The drawing of a design, NumPy's; `index`: which."""
+        return to_numpy(list(self.drawings.values())[self.kind[index]])
+
+    def muscle(self, index: int, unit: int = 0) -> Muscle:
         """A muscle of a design.
 
         **Arguments:**
 
-        - `place`: which design [-].
-        - `unit`: which motor unit, counted from 0 [-].
+        - `index`: which design.
+        - `unit`: which motor unit, counted from 0.
 
-        **Returns:** the muscle [-].
+        **Returns:** the muscle.
         """
-        drawing = to_numpy(list(self.drawings.values())[self.kind[place]])
-        own = (x[place, unit] for x in (self.radius, self.wall, self.angle))
-        return sized(drawing, self.length[place], *own)
+        return self.sizes(index).take(unit).muscle(self.drawing(index))
 
     def bundle(self, place: int, task: Task | None = None) -> Bundle:
         """A design as a bundle.
@@ -236,7 +221,7 @@ class Designs:
 
         **Returns:** the bundle [-].
         """
-        shared = self.muscle(place) if self.alike[place] else None
+        shared = self.muscle(place) if self.uniform[place] else None
         units = [
             MotorUnit(shared if shared is not None else self.muscle(place, unit), int(n))
             for unit, n in enumerate(self.counts[place])
@@ -298,3 +283,27 @@ def joined(parts: Sequence[Designs]) -> Designs:
         rows("wall"),
         rows("angle"),
     )
+
+
+def padded(
+    rows: Sequence[Sequence[int]], units: int | None = None
+) -> Int[np.ndarray, "design unit"]:
+    """Rows of unlike length as one array.
+
+    **Arguments:**
+
+    - `rows`: muscles in each unit [-].
+    - `units`: length of the rows [-]; left out, the longest's.
+
+    **Returns:** the same with zeros last [-].
+    """
+    width = max(map(len, rows)) if units is None else units
+    counts = np.zeros((len(rows), width), int)
+    for place, row in enumerate(rows):
+        counts[place, : len(row)] = row
+    return counts
+
+
+def label(counts: Iterable[Any]) -> str:
+    """A composition for a reader: `1+4`; `counts`: muscles in each unit [-], zeros aside."""
+    return "+".join(str(int(n)) for n in counts if n)

@@ -1,51 +1,58 @@
-"""Objectives of any designs: those of one muscle share its forces, the others go one by one.
+r"""Objectives of designs: one evaluator, for whatever designs and arrays.
 
-Few designs are judged by NumPy, at once; where there are many it is compiled, in batches that are
-filled up to a few fixed shapes. A design's numbers depend on what it is judged among in the last
-bits at most; the same call gives the same bits.
+Designs whose units have one muscle, and others whose states can be told by the largest force of
+each unit alone, are evaluated together, on a table of all the muscles they are made of. Designs of
+several muscles whose curves are needed, or whose units share a throttled pressure, and all where a
+scheme leaves gaps between states, are evaluated one by one on tables of every level: so can a
+single design of JAX's arrays be, to be differentiated, or mapped over draws.
 """
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
 from ..bundle.schemes import AbstractScheme
 from ..bundle.states import extends
+from ..core.array_namespace import where
 from ..core.errors import InvalidInputError
-from ..core.module import to_numpy
-from ..core.types import Bool, Float, Int
+from ..core.types import Float, Int, Whole
 from ..muscle import Muscle
-from .designs import Designs, Rows
-from .objectives import check_turns, known, needs
-from .outcome import Demand, states_for
-from .shared import Prepared, all_prepared, shared_objectives
-from .tables import COMPILE_ABOVE
+from .designs import Designs, Sizes
+from .objectives import check_turns, known, needs, objective_values
+from .outcome import Demand, Outcome, existing_states, outcome, states_for
+from .reversal import overlap_width, reversal_depth, uniform_reversal_depths
+from .tables import (
+    MIXED,
+    UNIFORM,
+    Resolution,
+    every_level_table,
+    force_curves,
+    largest_force_table,
+)
 from .task import Task
-from .unlike import Sizes, unlike_objectives, whole_law
 
 
-_LARGEST, _LEAST = 4096, 16  # designs in a batch of one muscle's
-_STEP = 4  # muscles by which tables grow, so that few sizes of them are compiled for
-_MUSCLES = 256  # that are prepared together
-_LARGEST_UNLIKE = 1024
-# pairs of a design and a point of its task: NumPy takes some 0.2 µs for each
-_COMPILE_ABOVE = 5_000_000
-_LARGE = 20_000  # of one muscle's: to call what is compiled takes as long as NumPy with fewer
+_BATCH = 2**20  # numbers computed together, some ten megabytes
 
 Values = dict[str, Float[np.ndarray, " design"]]
 
 
-def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int = 0) -> Values:
+def evaluate(
+    designs: Designs,
+    task: Task,
+    objectives: Iterable[str],
+    resolution: Resolution | None = None,
+) -> Values:
     """Objectives of designs for a task.
 
     **Arguments:**
 
-    - `designs`: any number [-].
-    - `task`: what is demanded [-].
-    - `objectives`: by name, of `OBJECTIVES` [-].
-    - `among`: how many designs are judged in all [-], where it is more than these: for many it
-      pays to compile.
+    - `designs`: any number.
+    - `task`: what is demanded.
+    - `objectives`: by name, of `OBJECTIVES`.
+    - `resolution`: of levels and strains; left out, `UNIFORM` for designs of one muscle, else
+      `MIXED`.
 
     **Returns:** an array for each, in its own unit [SI].
 
@@ -53,169 +60,173 @@ def evaluate(designs: Designs, task: Task, objectives: Iterable[str], among: int
     """
     names = known(objectives)
     check_turns(names, task.scheme)
-    _check(designs)
     values = np.full((len(names), len(designs)), np.nan)
-    for rows, some in of_one_number(designs, task.scheme):
-        values[:, rows] = _evaluated(some, task, names, max(among, len(designs)))
+    for index, found in outcomes(designs, task, needs(names), resolution):
+        values[:, index] = objective_values(found, names)
     return dict(zip(names, values, strict=True))
 
 
-def _evaluated(
-    designs: Designs, task: Task, names: tuple[str, ...], among: int
-) -> Float[np.ndarray, "objective design"]:
-    values = np.full((len(names), len(designs)), np.nan)
-    demand, asked, units = Demand.of(task), needs(names), designs.counts.shape[1]
-    states = states_for(demand.scheme, units)
-    # what one muscle's designs share is made for states that grow, with no gap between them
-    grows = states.in_turn or states.together
-    alike = designs.alike & (states.joined and (grows or "curves" not in asked))
-    share = max(1.0, among / max(1, len(designs)))
-    many = len(designs) * len(task) * share > _COMPILE_ABOVE
-    of_kind: dict[int, list[tuple[np.ndarray, int]]] = {}
-    for group in groups(designs, alike):
-        of_kind.setdefault(int(designs.kind[group[1]]), []).append(group)
-    for kind, drawing in enumerate(map(to_numpy, designs.drawings.values())):
-        found = of_kind.get(kind, [])
-        many_muscles = 2 * len(found) * len(task) * share > COMPILE_ABOVE
-        for start in range(0, len(found), _MUSCLES):
-            some = found[start : start + _MUSCLES]
-            for (rows, _), one in zip(
-                some, _prepared(designs, drawing, some, demand, names, many_muscles), strict=True
-            ):
-                large = many and len(rows) * len(task) > _LARGE
-                values[:, rows] = _of_one_muscle(one, designs.counts[rows], demand, names, large)
-        (rows,) = np.nonzero(~alike & (designs.kind == kind))
-        for start in range(0, len(rows), _LARGEST_UNLIKE):
-            block = rows[start : start + _LARGEST_UNLIKE]
-            full = block
-            if whole_law(demand, units, asked):
-                full = _filled(block, _power(len(block), _LEAST, _LARGEST_UNLIKE))
-            part = unlike_objectives(
-                drawing, sizes_of(designs, full), demand, names=names, needs=asked,
-                among=int(len(rows) * share),
-            )  # fmt: skip
-            values[:, block] = np.asarray(part)[:, : len(block)]
-    return values
-
-
-def _prepared(
+def outcomes(
     designs: Designs,
+    task: Task,
+    needs: tuple[str, ...] = (),
+    resolution: Resolution | None = None,
+) -> Iterator[tuple[Any, Outcome]]:
+    """Outcomes of designs for a task, batch by batch.
+
+    **Arguments:** `needs`: of the objectives, "size", "curves", both or nothing; others as of
+    `evaluate`.
+
+    **Returns:** the indices of the designs in a batch, and their outcome; a single index for an
+    outcome without an axis for designs.
+
+    **Raises:** `ValueError` for designs off the model's domain.
+    """
+    _check(designs)
+    demand = Demand.from_task(task)
+    for index, units, uniform in _groups(designs, task.scheme):
+        some = designs.take(index, units)
+        states = states_for(demand.scheme, units)
+        shared = uniform and states.joined
+        chosen = resolution or (UNIFORM if shared else MIXED)
+        if shared or (states.joined and states.apart and "curves" not in needs):
+            for part, found in _batches(some, uniform, demand, needs, chosen):
+                yield index[part], found
+            continue
+        for i, single in enumerate(index):
+            sizes = some.sizes(i)
+            yield (
+                single,
+                design_outcome(some.drawing(i), some.counts[i], sizes, demand, needs, chosen),
+            )
+
+
+def design_outcome(
     drawing: Muscle,
-    some: list[tuple[np.ndarray, int]],
+    counts: Whole,
+    sizes: Sizes,
     demand: Demand,
-    names: tuple[str, ...],
-    compiling: bool,
-) -> list[Prepared]:
-    """What the designs of each of some groups share."""
-    place = np.array([first for _, first in some])
-    own = (x[place, 0] for x in (designs.radius, designs.wall, designs.angle))
-    totals = designs.counts[place].sum(axis=1)
-    # one size of tables for all groups, and few of them for all calls
-    most = -(-int(designs.counts.sum(axis=1).max()) // _STEP) * _STEP
-    rows = Rows(drawing, designs.length[place], *own)
-    return all_prepared(
-        rows, totals.tolist(), demand, most, needs(names), compiling=compiling,
-        units=designs.counts.shape[1],
-    )  # fmt: skip
-
-
-def _of_one_muscle(
-    shared: Prepared,
-    counts: np.ndarray,
-    demand: Demand,
-    names: tuple[str, ...],
-    compiling: bool,
-) -> Float[np.ndarray, "objective design"]:
-    """Objectives of compositions, a row for each name [SI]."""
-    values = np.empty((len(names), len(counts)))
-    for start in range(0, len(counts), _LARGEST):
-        places = np.arange(start, min(start + _LARGEST, len(counts)))
-        full = places
-        if compiling:
-            full = _filled(places, _power(len(places), _LEAST, _LARGEST))
-        part = shared_objectives(shared, counts[full], demand, names=names, compiling=compiling)
-        values[:, places] = part[:, : len(places)]
-    return values
-
-
-def groups(
-    designs: Designs, alike: Bool[np.ndarray, " design"] | None = None
-) -> list[tuple[np.ndarray, int]]:
-    """Designs of one muscle and as many of it: the indices of each group, and its first [-].
+    needs: tuple[str, ...],
+    resolution: Resolution = MIXED,
+) -> Outcome:
+    """What a single design does, computed at every level: by JAX, where any array is JAX's.
 
     **Arguments:**
 
-    - `designs`: any [-].
-    - `alike`: those that are meant [-]; left out, all whose muscles are alike.
+    - `drawing`: whose material, laws and tuning all muscles have.
+    - `counts`: muscles in each unit.
+    - `sizes`: of the muscles of each unit.
+    - `demand`: the task's.
+    - `needs`: of the objectives, "size", "curves", both or nothing.
+    - `resolution`: of levels and strains.
 
-    **Returns:** the groups [-], in the order of their first designs.
+    **Returns:** the outcome, without an axis for designs.
     """
-    (rows,) = np.nonzero(designs.alike if alike is None else alike)
-    if not rows.size:
-        return []
-    first = (x[rows, 0] for x in (designs.radius, designs.wall, designs.angle))
-    total = designs.counts[rows].sum(axis=1)
-    key = np.stack([designs.kind[rows], designs.length[rows], *first, total], axis=1)
-    _, start, which = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(which.reshape(-1), kind="stable")
-    parts = np.split(rows[order], np.cumsum(np.bincount(which.reshape(-1)))[:-1])
-    found = [(part, int(rows[i])) for part, i in zip(parts, start, strict=True)]
-    return sorted(found, key=lambda group: group[1])
+    exists, states = counts > 0, states_for(demand.scheme, len(counts))
+    top = depth = overlap = None
+    if "curves" in needs:
+        law = sizes.muscle(drawing).law
+        free = law.tension.free_strain(demand.supply + 0.0 * sizes.length)
+        top = where(exists, free, 0.0).max()
+    table, curves = every_level_table(drawing, sizes, demand, needs, resolution, top)
+    if top is not None:
+        depth = reversal_depth(counts, curves, top, states)
+        overlap = overlap_width(
+            counts, curves, curves, states, existing_states(demand.scheme, exists)
+        )
+    return outcome(counts, table, sizes.length[0], demand, depth, overlap)
 
 
-def sizes_of(designs: Designs, rows: np.ndarray) -> Sizes:
-    """The sizes of some designs as the kernel takes them; `designs` and `rows` [-]."""
-    own = designs.take(rows)
-    return Sizes(own.counts, own.length, own.radius, own.wall, own.angle)
-
-
-def size_of(designs: Designs, place: int, scheme: AbstractScheme) -> Sizes:
-    """The sizes of one design, without an axis for designs; `designs`, `place` and the `scheme` of
-    its recruitment [-].
-    """
-    ((_, one),) = of_one_number(designs.take(np.array([place])), scheme)
-    return Sizes(*(leaf[0] for leaf in sizes_of(one, np.array([0]))))
-
-
-def of_one_number(
-    designs: Designs, scheme: AbstractScheme
-) -> list[tuple[Int[np.ndarray, " some"], Designs]]:
-    """Designs as they can be judged together.
-
-    **Arguments:**
-
-    - `designs`: any [-].
-    - `scheme`: of recruitment [-].
-
-    **Returns:** places and designs [-]: all, or those of each number of units where the scheme
-    doesn't take one of fewer units as the beginning of one of more.
+def room_for_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, " design"]:
+    """How many motor units each design is evaluated with: as many as any has, or its own number
+    where a `scheme` doesn't take a design of fewer units as the beginning of one of more.
     """
     most = designs.counts.shape[1]
     if scheme.independent or extends(scheme, most):
-        return [(np.arange(len(designs)), designs)]
-    found = []
-    for units in np.unique(designs.units).tolist():
-        (rows,) = np.nonzero(designs.units == units)
-        some = designs.take(rows)
-        cut = {key: getattr(some, key)[:, :units] for key in ("counts", "radius", "wall", "angle")}
-        found.append((rows, replace(some, **cut)))
-    return found
+        return np.full(len(designs), most)
+    return designs.units
+
+
+def _groups(
+    designs: Designs, scheme: AbstractScheme
+) -> Iterator[tuple[Int[np.ndarray, " some"], int, bool]]:
+    """Indices of designs that can be evaluated together: of one drawing, with so many units,
+    and either all of one muscle each or not.
+    """
+    keys = np.stack([designs.kind, room_for_units(designs, scheme), designs.uniform], axis=1)
+    for key in np.unique(keys, axis=0):
+        yield np.flatnonzero(np.all(keys == key, axis=1)), int(key[1]), bool(key[2])
+
+
+def _batches(
+    designs: Designs,
+    uniform: bool,
+    demand: Demand,
+    needs: tuple[str, ...],
+    resolution: Resolution,
+) -> Iterator[tuple[Int[np.ndarray, " some"], Outcome]]:
+    """Outcomes of designs of one drawing, batch by batch, with the batch's indices."""
+    points, units = demand.travel.size, designs.counts.shape[1]
+    step, drawing = max(1, _BATCH // (points * units)), designs.drawing(0)
+    columns = 1 if uniform else units
+    sizes = [x[:, :columns] for x in (designs.radius, designs.wall, designs.angle)]
+    rows = np.stack([designs.length[:, None] + 0.0 * sizes[0], *sizes], axis=-1)
+    muscles, which = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
+    which = which.reshape(-1, columns)
+    # designs of one muscle share its part of a table, however many they are
+    batch = which[:, 0] // max(1, _BATCH // points) if uniform else np.arange(len(rows)) // step
+    for number in np.unique(batch):
+        (some,) = np.nonzero(batch == number)
+        own, index = np.unique(which[some], return_inverse=True)
+        part, index = Sizes(*muscles[own].T), index.reshape(-1, columns)
+        table = largest_force_table(drawing, part, demand, needs, resolution)
+        depth = overlap = None
+        if "curves" in needs:
+            depth, overlap = np.empty((2, len(some)))
+            for muscle in range(len(own)):
+                (like,) = np.nonzero(index[:, 0] == muscle)
+                counts = designs.counts[some[like]].T
+                depth[like], overlap[like] = _curve_objectives(
+                    drawing, part.take(muscle), counts, demand, resolution
+                )
+        for start in range(0, len(some), step):
+            cut = slice(start, start + step)
+            found = outcome(
+                designs.counts[some[cut]].T,
+                table.take(index[cut].T),
+                designs.length[some[cut]],
+                demand,
+                None if depth is None else depth[cut],
+                None if overlap is None else overlap[cut],
+            )
+            yield some[cut], found
+
+
+def _curve_objectives(
+    drawing: Muscle,
+    sizes: Sizes,
+    counts: Int[np.ndarray, "unit design"],
+    demand: Demand,
+    resolution: Resolution,
+) -> tuple[Float[np.ndarray, " design"], Float[np.ndarray, " design"]]:
+    """Reversal depth [-] and overlap width [N] of designs of one muscle."""
+    curves, top = force_curves(drawing, sizes, float(demand.supply), resolution)
+    states, width = states_for(demand.scheme, len(counts)), np.empty(counts.shape[1])
+    exists = existing_states(demand.scheme, counts > 0)
+    ends = np.stack([curves.min(axis=0), curves.max(axis=0)])[..., None, None]
+    step = max(1, _BATCH // (ends.size * len(counts)))
+    for start in range(0, counts.shape[1], step):
+        cut = (slice(None), slice(start, start + step))
+        width[cut[1]] = overlap_width(
+            counts[cut], curves[..., None, None], ends, states, exists[cut]
+        )
+    return uniform_reversal_depths(counts, curves, top, states), width
 
 
 def _check(designs: Designs) -> None:
-    straight = np.asarray(designs.wall >= designs.radius)
-    if np.any(straight):
+    if np.any(designs.wall >= designs.radius):
         raise InvalidInputError(
             "wall_thickness", "must be less than `outer_radius` in every design", None
         )
     if np.any(designs.counts.sum(axis=1) < 1):
         raise InvalidInputError("counts", "must hold at least one muscle in every design", None)
-
-
-def _power(count: int, least: int, most: int) -> int:
-    """The next power of two, within bounds."""
-    return min(max(least, 1 << (count - 1).bit_length()), most)
-
-
-def _filled(rows: np.ndarray, size: int) -> np.ndarray:
-    return np.concatenate([rows, np.full(size - len(rows), rows[0])])

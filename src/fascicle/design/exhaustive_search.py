@@ -23,7 +23,7 @@ from ..core.types import Bool, Float, Int
 from .catalog import Catalog, cheapest
 from .designs import Designs
 from .evaluation import Values, evaluate
-from .limits import (
+from .objectives import (
     SHARES,
     Limit,
     Limits,
@@ -229,7 +229,7 @@ def search(
     blocks = []
     for start in range(0, size, _BLOCK):
         index = np.arange(start, min(start + _BLOCK, size))
-        blocks.append(evaluate(space.at(index), task, names, among=size))
+        blocks.append(evaluate(space.at(index), task, names))
         if progress is not None:
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}

@@ -29,15 +29,13 @@ from ..io.atomic import replace_whole
 from ..io.input_file import read_bytes
 from .catalog import Catalog, cheapest
 from .designs import Designs, of_sizes
-from .evaluation import Values, evaluate, of_one_number, sizes_of
+from .evaluation import Values, evaluate
 from .exhaustive_search import LEAST_MARGIN, Found, concluded, directed, nearest, non_dominated
-from .limits import Limits, checked, demanding, others, reaching, recorded, within_limits
-from .objectives import needs
-from .outcome import Demand
+from .objectives import Limits, checked, demanding, others, reaching, recorded, within_limits
 from .space import Space
 from .sweep import Study
+from .tables import MIXED
 from .task import Task
-from .unlike import unlike_objectives
 
 
 _GENES = ("population", "genomes")
@@ -180,7 +178,6 @@ def _restore(algorithm: Any, arrays: dict[str, np.ndarray], about: dict[str, Any
 
 
 Genomes = Float[np.ndarray, "design gene"]
-_GENERATIONS = 100  # of most searches: whether it pays to compile mustn't hang on when one stops
 _AXES = ("length", "radius", "wall_ratio", "braid_angle")
 
 
@@ -292,7 +289,7 @@ def evolve(
     senses = dict(senses)
     names, told = recorded(senses, limits), recorded(senses, limits, extra)
     checked(senses, limits)
-    coding, demand = Coding(space, continuous), Demand.of(task)
+    coding = Coding(space, continuous)
     # the digest is that of the numbers, `search` of how they are looked for
     digest = Study(space, task, names, senses, limits, block=1).digest
     search = {
@@ -305,7 +302,7 @@ def evolve(
     while state.generation < generations:
         asked = state.algorithm.ask()
         genomes = np.asarray(asked.get("X"), float)
-        values = _judged(coding, genomes, demand, names, population)
+        values = evaluate(coding.designs(genomes), task, names, MIXED)
         asked.set("F", directed(values, senses))
         asked.set("G", _broken(values, limits))
         state.algorithm.tell(infills=asked)
@@ -339,25 +336,6 @@ def _begun(
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
     return Kept(algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names})
-
-
-def _judged(
-    coding: Coding,
-    genomes: Genomes,
-    demand: Demand,
-    names: tuple[str, ...],
-    population: int,
-) -> Values:
-    """Objectives of a generation in one call; a short one is filled up."""
-    values = np.empty((len(names), len(genomes)))
-    for places, designs in of_one_number(coding.designs(genomes), demand.scheme):
-        rows = np.minimum(np.arange(max(population, len(designs))), len(designs) - 1)
-        found = unlike_objectives(
-            coding.drawing, sizes_of(designs, rows), demand, names=names, needs=needs(names),
-            among=_GENERATIONS * population,
-        )  # fmt: skip
-        values[:, places] = np.asarray(found)[:, : len(designs)]
-    return dict(zip(names, values, strict=True))
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:

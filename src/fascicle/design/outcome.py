@@ -1,79 +1,102 @@
-r"""What a design does at the points of a task, in the form that every objective is made from.
+r"""What designs do at the points of a task, from a table of their muscles' forces.
 
 A recruitment state covers, at one strain, the forces between the least and the largest that
-its throttled pressure gives. A demanded force within is met there, in the lowest state that
-covers it, which takes least fluid; else its *shortfall* is the distance to the nearest force
-that any state gives. What the largest of all states exceeds the demanded force by is *spare*.
-The fluid energy is (29) with all units that the state feeds; a point
-that isn't met is charged as if every unit were fed.
+its throttled pressure gives, sums over units as in (B10). A demanded force within is met there, in
+the lowest state that covers it, which takes least fluid; else its *shortfall* is the distance to
+the nearest force that any state gives. What the largest of all states exceeds the demanded force by
+is *spare*. The fluid energy is (29) with all units that the state feeds; a point that isn't met is
+charged as if every unit were fed.
 
 The least force of a state needn't be known where states are joined: unfed, a state gives no more
 than an earlier one does when fed, and the first, where nothing is fed, pulls nowhere. So the lowest
 state whose largest force is enough covers a force that none below it reaches. Where a scheme leaves
-a gap between states it is asked for. Where units are independent, every choice of those that are
+a gap between states it is computed. Where units are independent, every choice of those that are
 fed is a state here, and the one that takes least fluid is used.
 
+**Shapes:** points first, then motor units, then designs; for a single design, that axis is missing.
 **Resolution:** regions are taken over a fixed number of throttled pressures. Their edges are
 exact where the force is linear in pressure, that is, wherever the muscle pulls.
 """
 
-from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from ..bundle.schemes import AbstractScheme
 from ..bundle.states import States, extends, states_of
 from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.module import Module, static
 from ..core.types import Marks, Numbers, Whole
 from ..core.validation import LARGEST_STRAIN
+from .designs import bowed_diameter
 from .task import Task
 
 
-MET = 1e-9  # N, a shortfall that is none
-MOST_SETS = 255  # that independent units are fed in: all of eight
+MET = 1e-9  # N, a shortfall of rounding
+MOST_SETS = 255  # sets of independent units that may be fed: all of eight
 
 
-class Demand(eqx.Module):
-    """A task as the kernel takes it: `force` [N], `travel`, a strain [-] or `by_stroke` a length
-    [m], `weight` [-], `supply` [Pa]. What it says of bundles of some `length` [m] has points on
-    the first axis, and those of the length after it.
+class Demand(Module):
+    """A task as arrays: `force` [N], `travel`, a strain [-] or `by_stroke` a length [m], `weight`
+    [-], `supply` [Pa]. Its methods give points on the first axis, then the axes of a length.
     """
 
     force: Numbers
     travel: Numbers
     weight: Numbers
     supply: Numbers
-    scheme: AbstractScheme = eqx.field(static=True)
-    by_stroke: bool = eqx.field(static=True)
+    scheme: AbstractScheme = static()
+    by_stroke: bool = static()
 
     @classmethod
-    def of(cls, task: Task) -> "Demand":
-        """The demand of a `task` [-]."""
+    def from_task(cls, task: Task) -> "Demand":
+        """The demand of a `task`."""
         travel = task.strain if task.stroke is None else task.stroke
         supply = np.float64(task.supply_pressure)
         return cls(task.force, travel, task.weight, supply, task.scheme, task.stroke is not None)
 
     def strain(self, length: Numbers) -> Numbers:
-        """Contractions [-] of a bundle of `length` [m], no larger than the laws know."""
-        travel = laid(self.travel, np.ndim(length))
+        """Contractions [-] of a bundle of `length` [m], at most the largest that laws know."""
+        travel = with_axes(self.travel, np.ndim(length))
         return minimum(travel / length, LARGEST_STRAIN) if self.by_stroke else travel
 
     def work(self, length: Numbers) -> Numbers:
         """Work [J] of each point, for a bundle of `length` [m]."""
-        work = laid(self.force * self.travel, np.ndim(length))
+        work = with_axes(self.force * self.travel, np.ndim(length))
         return work if self.by_stroke else work * length
 
-    def can_be(self, length: Numbers) -> Marks:
-        """Whether a bundle of `length` [m] can be that much shorter, whatever it pulls with."""
-        travel = laid(self.travel, np.ndim(length))
+    def is_possible(self, length: Numbers) -> Marks:
+        """Whether laws know a contraction as large, for a bundle of `length` [m]."""
+        travel = with_axes(self.travel, np.ndim(length))
         return travel <= (LARGEST_STRAIN * length if self.by_stroke else np.inf)
 
 
-class Outcome(eqx.Module):
-    """What designs do, one on each place of the last axis; of a single one it is left out.
+class ForceTable(NamedTuple):
+    """Forces of muscles at the task's points, points first, muscles last.
+
+    `unfed` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
+    or the largest over all of them alone [N], on an axis of its own, which is first; fluid `volume`
+    taken in [m³]; `blocked` force [N] and `length` [m]. Where computed, `radius` and `bulge`
+    [m] at the task's largest strain.
+    """
+
+    unfed: Numbers
+    full: Numbers
+    levels: Numbers
+    volume: Numbers
+    blocked: Numbers
+    length: Numbers
+    radius: Numbers | None = None
+    bulge: Numbers | None = None
+
+    def take(self, index: Whole) -> "ForceTable":
+        """The table of the muscles with an `index` on the last axis."""
+        return ForceTable(*(None if x is None else x[..., index] for x in self))
+
+
+class Outcome(NamedTuple):
+    """What designs do, designs on the last axis.
 
     `force` [N], `weight` [-] and `work` [J] of each demanded point; whether it is `reached`, by
     how much not (`shortfall` [N]), how much more could be pulled with (`spare` [N], negative
@@ -109,88 +132,159 @@ class Visit(NamedTuple):
 
 @cache
 def states_for(scheme: AbstractScheme, units: int) -> States:
-    """What designs of so many units are judged in.
+    """States in which designs of so many units are evaluated.
 
     **Arguments:**
 
-    - `scheme`: of recruitment [-].
-    - `units`: how many motor units designs have, or have room for [-].
+    - `scheme`: of recruitment.
+    - `units`: how many motor units designs have at most [-].
 
-    **Returns:** its states, or the sets of units that may be fed where these are independent [-].
+    **Returns:** the scheme's states, or where units are independent the sets that may be fed.
 
     **Raises:** `ValueError` where there are too many.
     """
     return states_of(scheme, units).sets(most=MOST_SETS)[0]
 
 
-def existing(scheme: AbstractScheme, there: Marks) -> Marks:
+def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
     """Which states designs have.
 
     **Arguments:**
 
-    - `scheme`: of recruitment [-].
-    - `there`: which units, and which are room alone [-], units first.
+    - `scheme`: of recruitment.
+    - `exists`: whether a design has each unit, units first.
 
-    **Returns:** a mark for each state [-], first.
+    **Returns:** a mark for each state, states first.
     """
-    at_work, units = array_namespace(there), len(there)
+    xp, units = array_namespace(exists), len(exists)
     states = states_for(scheme, units)
     if scheme.independent or not extends(scheme, units):
-        # sets with a unit that isn't there are again those without it
-        return at_work.ones((states.size, *there.shape[1:]), bool)
+        # sets with a unit that doesn't exist repeat those without it
+        return xp.ones((states.size, *exists.shape[1:]), bool)
     numbers = [0, *(states_of(scheme, fewer).size for fewer in range(1, units + 1))]
-    have = at_work.asarray(np.array(numbers))[there.sum(axis=0)]
-    return np.arange(states.size).reshape((-1,) + (1,) * (there.ndim - 1)) < have
+    size = xp.asarray(np.array(numbers))[exists.sum(axis=0)]
+    return np.arange(states.size).reshape((-1,) + (1,) * (exists.ndim - 1)) < size
 
 
-def visited(
-    demand: Demand,
-    length: Numbers,
-    high: Sequence[Numbers] | Numbers,
-    there: Marks,
-    low: Sequence[Numbers] | Numbers | None = None,
-    cost: Sequence[Numbers] | Numbers | None = None,
-) -> Visit:
-    """What happens at every point of a demand.
+def state_edges(counts: Whole, table: ForceTable, states: States) -> tuple[Numbers, Numbers]:
+    """Least and largest force of each state.
 
     **Arguments:**
 
-    - `demand`: the task's [-].
-    - `length`: of the bundles at rest [m], one or of every design.
-    - `high`: largest force of each state in turn [N], points first, designs last.
-    - `there`: which states there are [-], designs last.
-    - `low`: their least force [N], in the same form; left out where no gap is between states.
-    - `cost`: what each takes [any unit], of which the least is used; left out, the lowest state.
+    - `counts`: muscles in each unit, units first.
+    - `table`: forces of a muscle of each unit.
+    - `states`: of the scheme.
 
-    **Returns:** the visit [-].
+    **Returns:** both [N], states first, then points. The least is right only where the table has
+    every level.
     """
-    axes, at_work = np.ndim(high[0]) - 1, array_namespace(high[0])
-    F, can_be = laid(demand.force, axes), laid(demand.can_be(length), axes)
-    last = at_work.broadcast_to(there.sum(axis=0) - 1, high[0].shape)
-    top, state, least, miss = -np.inf, last, np.inf, np.inf
-    # from the last state to the first, so that the lowest that is enough has the word
-    for k in reversed(range(len(high))):
-        most = where(there[k], high[k], -np.inf)
-        top = maximum(top, most)
-        covers = F - most <= MET
-        if low is not None:
-            covers = covers & (low[k] - F <= MET)
-            miss = minimum(miss, maximum(F - most, low[k] - F))
-        if cost is not None:
-            covers = covers & (cost[k] <= least)
-            least = where(covers, cost[k], least)
-        state = where(covers, k, state)
-    miss = maximum(F - top if low is None else miss, 0.0)
-    reached, state = (miss <= MET) & can_be, where(can_be, state, last)
+    off, full, levels = (
+        array_namespace(x).moveaxis(counts * x, -counts.ndim, -1)
+        for x in (table.unfed, table.full, table.levels)
+    )
+    return states.edges(levels, off, full)
+
+
+def visit(
+    demand: Demand,
+    length: Numbers,
+    high: Numbers,
+    exists: Marks,
+    low: Numbers | None = None,
+    cost: Numbers | None = None,
+) -> Visit:
+    """Choose the state that meets each point of a demand.
+
+    **Arguments:**
+
+    - `demand`: the task's.
+    - `length`: of the bundles at rest [m], one or of every design.
+    - `high`: largest force of each state [N], states first, then points, designs last.
+    - `exists`: which states designs have, designs last.
+    - `low`: their least force [N], of the same shape; `None` where no gap is between states.
+    - `cost`: of each state [any unit], of which the least is used; `None` for the lowest state.
+
+    **Returns:** the visit.
+    """
+    xp, axes = array_namespace(high), np.ndim(high) - 2
+    F, is_possible = with_axes(demand.force, axes), with_axes(demand.is_possible(length), axes)
+    high = where(exists[:, None], high, -np.inf)
+    covers, miss = F - high <= MET, F - high
+    if low is not None:
+        covers, miss = covers & (low - F <= MET), maximum(miss, low - F)
+    state = (where(covers, -1.0, 0.0) if cost is None else where(covers, cost, np.inf)).argmin(0)
+    top, miss = high.max(axis=0), maximum(miss.min(axis=0), 0.0)
+    reached = (miss <= MET) & is_possible
     # where it can't be that short it is short of the force, and of what it pushes with there
-    miss = where(can_be, miss, maximum(miss, F))
-    spare = where(can_be, top - F, minimum(top, 0.0) - F)
+    miss = where(is_possible, miss, maximum(miss, F))
+    spare = where(is_possible, top, minimum(top, -2 * MET)) - F
     if low is not None:
         # in a gap a larger force is no help
         spare = where(reached, spare, minimum(spare, -miss))
-    return Visit(reached, where(reached, 0.0, miss), spare, state)
+    last = xp.broadcast_to(exists.sum(axis=0) - 1, state.shape)
+    return Visit(reached, where(reached, 0.0, miss), spare, where(reached, state, last))
 
 
-def laid(points: Numbers | Marks, axes: int) -> Any:
-    """Values of the points [any unit] with so many `axes` [-] in all after their own."""
+def sum_fed(values: Numbers, states: States) -> Numbers:
+    """Sum of `values` over the units that each of the `states` feeds [any unit]; units last, and
+    states first in what is returned.
+    """
+    sums = values @ states.fed.T.astype(float)
+    return array_namespace(sums).moveaxis(sums, -1, 0)
+
+
+def outcome(
+    counts: Whole,
+    table: ForceTable,
+    length: Numbers,
+    demand: Demand,
+    depth: Numbers | None = None,
+    overlap: Numbers | None = None,
+) -> Outcome:
+    """What designs do at a task's points.
+
+    **Arguments:**
+
+    - `counts`: muscles in each unit, units first, designs last.
+    - `table`: of a muscle of each unit; one stands for all units where they are equal.
+    - `length`: of the bundles at rest [m], one or of every design.
+    - `demand`: the task's.
+    - `depth`: of reversal [-], if known.
+    - `overlap`: of states [N], if known.
+
+    **Returns:** the outcome.
+    """
+    xp, exists, axes = array_namespace(counts, table.full), counts > 0, np.ndim(counts) - 1
+    states = states_for(demand.scheme, len(counts))
+    low, high = state_edges(counts, table, states)
+    volume = xp.moveaxis(counts * table.volume, 1, -1)
+    # what flows back counts as nothing, as a set that feeds more isn't cheaper
+    cost = None if states.nested else sum_fed(maximum(volume, 0.0), states)
+    visited = visit(
+        demand, length, high, existing_states(demand.scheme, exists),
+        None if states.joined else low, cost,
+    )  # fmt: skip
+    taken = xp.take_along_axis(sum_fed(volume, states), visited.state[None], axis=0)[0]
+    size = None
+    if table.radius is not None and table.bulge is not None:
+        bulge = where(exists, table.bulge, 0.0).max(axis=0)
+        size = bowed_diameter((table.radius + 0.0 * counts).T, counts.T, bulge)
+    return Outcome(
+        force=with_axes(demand.force, axes),
+        weight=with_axes(demand.weight, axes),
+        work=with_axes(demand.work(length), axes),
+        reached=visited.reached,
+        shortfall=visited.shortfall,
+        spare=visited.spare,
+        energy=demand.supply * taken,
+        blocked=counts * table.blocked,
+        units=exists.sum(axis=0),
+        size=size,
+        depth=depth,
+        overlap=overlap,
+    )
+
+
+def with_axes(points: Numbers | Marks, axes: int) -> Any:
+    """Values of `points` [any unit] with so many `axes` in all after their own."""
     return points.reshape(points.shape + (1,) * (axes + 1 - points.ndim))

@@ -20,17 +20,14 @@ import numpy as np
 from jax import Array
 
 from ..core.errors import InvalidInputError
-from ..core.types import Float
+from ..core.types import Float, Int
 from ..core.validation import check_choice
 from ..muscle import Muscle
-from .designs import Designs, joined
-from .evaluation import evaluate, size_of
-from .limits import SHARES
-from .objectives import OBJECTIVES, judged, known, needs
+from .designs import Designs, Sizes, joined
+from .evaluation import design_outcome, evaluate
+from .objectives import OBJECTIVES, SHARES, known, needs, objective_values
 from .outcome import Demand
-from .tables import UNLIKE
 from .task import Task
-from .unlike import Sizes, unlike_outcome
 
 
 BOUNDED = ("length", "radius", "wall_ratio", "angle")
@@ -80,9 +77,10 @@ def refined(
 
     (name,) = known([objective])
     sense = check_choice(sense or OBJECTIVES[name].sense, ("min", "max"), "sense")
-    demand, one = Demand.of(task), designs.take(np.array([place]))
+    demand, one = Demand.from_task(task), designs.take(np.array([place]))
     drawing = list(designs.drawings.values())[int(one.kind[0])]
-    sizes = size_of(one, 0, demand.scheme)
+    one = one.take(np.array([0]), int(one.units[0]))
+    counts, sizes = one.counts[0], one.sizes(0)
     low, high, first = _box(sizes, bounds)
     begun = float(evaluate(one, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
@@ -95,7 +93,7 @@ def refined(
     best, near = (_Best(np.full(starts, np.inf), np.asarray(z).copy()) for _ in range(2))
     for _ in range(steps + 1):
         (_, (value, far)), slope = _slopes(
-            drawing, sizes, demand, z, low, high, sign, jnp.asarray(weight), may_miss,
+            drawing, counts, sizes, demand, z, low, high, sign, jnp.asarray(weight), may_miss,
             name=name, bounded=tuple(bounds),
         )  # fmt: skip
         value, far = np.asarray(value), np.asarray(far)
@@ -124,39 +122,10 @@ class _Best(NamedTuple):
         )
 
 
-def gradient(
-    drawing: Muscle, sizes: Sizes, demand: Demand, names: tuple[str, ...]
-) -> tuple[Float[Array, " objective"], Sizes]:
-    """Objectives of a design, and their slopes by each of its sizes.
-
-    **Arguments:**
-
-    - `drawing`: whose material and laws its muscles have [-].
-    - `sizes`: its own, without an axis for designs [-].
-    - `demand`: the task's [-].
-    - `names`: of the objectives [-].
-
-    **Returns:** the objectives [SI], and slopes [SI] in the form of the sizes, objectives first;
-    counts have none.
-    """
-
-    def objectives(free: tuple) -> Array:
-        return _objectives(drawing, sizes.counts, free, demand, names)
-
-    free = tuple(sizes)[1:]
-    return objectives(free), Sizes(jnp.zeros_like(sizes.counts), *jax.jacfwd(objectives)(free))
-
-
-def _objectives(
-    drawing: Muscle, counts: Array, free: tuple, demand: Demand, names: tuple[str, ...]
-) -> Array:
-    outcome = unlike_outcome(drawing, Sizes(counts, *free), demand, needs(names), UNLIKE)
-    return judged(outcome, names)
-
-
 @partial(jax.jit, static_argnames=("name", "bounded"))
 def _slopes(
     drawing: Muscle,
+    counts: Int[np.ndarray, " unit"],
     sizes: Sizes,
     demand: Demand,
     z: Float[Array, "start coordinate"],
@@ -173,9 +142,9 @@ def _slopes(
 
     def cost(z: Array, weight: Array) -> tuple[Array, tuple[Array, Array]]:
         own = _placed(sizes, z, low, high, bounded)
-        outcome = unlike_outcome(drawing, own, demand, needs((name,)), UNLIKE)
+        outcome = design_outcome(drawing, counts, own, demand, needs((name,)))
         names = (name, "relative_shortfall", *SHARES)
-        objective, worst, *missed = judged(outcome, names)
+        objective, worst, *missed = objective_values(outcome, names)
         F = outcome.force
         mean = jnp.mean(outcome.shortfall / jnp.where(F > 0, F, jnp.max(F)))
         enough = jnp.max(jnp.stack(missed)) <= may_miss
@@ -191,9 +160,8 @@ def _box(sizes: Sizes, bounds: Mapping[str, tuple[float, float]]) -> tuple[Array
     low, high, own = [], [], []
     for key, (least, most) in bounds.items():
         check_choice(key, BOUNDED, "bounds")
-        values = np.atleast_1d(
-            np.asarray(sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key))
-        )
+        values = sizes.wall / sizes.radius if key == "wall_ratio" else getattr(sizes, key)
+        values = values[:1] if key == "length" else values
         if not least < most or np.any(values < least) or np.any(values > most):
             raise InvalidInputError(
                 "bounds",
@@ -219,13 +187,10 @@ def _placed(sizes: Sizes, z: Array, low: Array, high: Array, bounded: tuple[str,
         start += size
     radius = given.get("radius", sizes.radius)
     ratio = given.get("wall_ratio", sizes.wall / sizes.radius)
-    return Sizes(
-        sizes.counts, given.get("length", sizes.length), radius, ratio * radius,
-        given.get("angle", sizes.angle),
-    )  # fmt: skip
+    length = given.get("length", sizes.length[0]) + 0.0 * sizes.length
+    return Sizes(length, radius, ratio * radius, given.get("angle", sizes.angle))
 
 
 def _designed(one: Designs, sizes: Sizes) -> Designs:
-    keys = ("counts", "radius", "wall", "angle")
-    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in keys}
-    return replace(one, length=np.asarray(sizes.length)[None], **arrays)
+    arrays = {key: np.asarray(getattr(sizes, key))[None] for key in ("radius", "wall", "angle")}
+    return replace(one, length=np.asarray(sizes.length)[:1], **arrays)

@@ -11,16 +11,14 @@ this alone can't.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import equinox as eqx
 import numpy as np
 
-from ..core.types import Float
+from ..core.types import Float, Int
 from ..core.validation import HIGHEST_PRESSURE
-from .cases import Bench
 from .catalog import Product
 from .designs import Designs
-from .evaluation import evaluate
-from .limits import Limits, enough, others
+from .evaluation import evaluate, outcomes
+from .objectives import Limits, enough, others
 from .task import Task
 
 
@@ -30,17 +28,14 @@ _GRID = 33
 _PRECISION = 1e-6  # of a pressure or a size
 _AT_ONCE = 256  # points looked at while solving; the others when it is solved
 
-Points = Float[np.ndarray, " point"]
-Forces = Callable[[float], Points]
-
 
 @dataclass(frozen=True)
 class Remedy:
     """A change that would reach the task. `what` is changed: "supply_pressure" [Pa], "muscles"
     [-], "radius" [m] or "length" [m], `now` as it is; its `value`, `None` where this alone can't;
     `most`: the largest that was looked at, which at the `worst` point is still `short` by so much
-    [N], so that it gives `largest` there [N]. `contracts`: the largest free strain of the muscles,
-    at that pressure [-]. `breaks`: limits that the changed design breaks, by name, and the value
+    [N], so that it gives `largest` there [N]. `free_strain`: the largest of the muscles, at that
+    pressure [-]. `breaks`: limits that the changed design breaks, by name, and the value
     it has then [SI]; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
     """
 
@@ -51,14 +46,14 @@ class Remedy:
     worst: int = 0
     short: float = 0.0
     largest: float = 0.0
-    contracts: float = 0.0
+    free_strain: float = 0.0
     breaks: tuple[tuple[str, float], ...] = ()
     measured: float = np.inf
 
 
 def remedies(
     designs: Designs,
-    place: int,
+    index: int,
     task: Task,
     may_miss: float,
     limits: Limits,
@@ -69,7 +64,7 @@ def remedies(
     **Arguments:**
 
     - `designs`: among which it is [-].
-    - `place`: which of them [-].
+    - `index`: which of them [-].
     - `task`: what is demanded [-].
     - `may_miss`: share of it that may be missed [-].
     - `limits`: on objectives, by name [SI]: which of them the changed design breaks is told.
@@ -77,144 +72,112 @@ def remedies(
 
     **Returns:** the changes [-], each by itself.
     """
-    bench, asked = Bench.of(designs, place), _Asked(task, may_miss)
-    top, supply = HIGHEST_PRESSURE, task.supply_pressure
+    design = designs.take(np.array([index]))
+    design = design.take(np.array([0]), int(design.units[0]))
+    drawing, now = design.drawing(0), _current(design, task)
+    top = HIGHEST_PRESSURE
     if product is not None and product.largest_pressure is not None:
         top = min(top, product.largest_pressure)
-
-    def by_pressure(value: float) -> Points:
-        return bench.largest(value, asked.strain(bench.length), task.scheme)
-
-    held, last = int(bench.counts[:-1].sum()), int(bench.counts[-1])
-
-    def by_number(value: float) -> Points:
-        more = replace(bench, counts=np.append(bench.counts[:-1], round(value) - held))
-        return more.largest(supply, asked.strain(bench.length), task.scheme)
-
-    radius = max(float(m.outer_radius) for m in bench.muscles)
-
-    def by_radius(value: float) -> Points:
-        wider = _scaled(bench, value / radius, 1.0)
-        return wider.largest(supply, asked.strain(bench.length), task.scheme)
-
-    def by_length(value: float) -> Points:
-        longer = _scaled(bench, 1.0, value / bench.length)
-        return longer.largest(supply, asked.strain(value), task.scheme)
-
-    number = np.geomspace(held + last, max(_MOST_MUSCLES, held + last), _GRID).round()
-    tried: list[tuple[str, Forces, Float[np.ndarray, " grid"]]] = [
-        ("supply_pressure", by_pressure, np.linspace(supply, max(supply, top), _GRID)),
-        ("muscles", by_number, np.unique(number)),
-    ]
+    number = np.geomspace(now["muscles"], max(_MOST_MUSCLES, now["muscles"]), _GRID).round()
+    grids = {
+        "supply_pressure": np.linspace(
+            now["supply_pressure"], max(task.supply_pressure, top), _GRID
+        ),
+        "muscles": np.unique(number),
+    }
     if product is None:
-        tried.append(("radius", by_radius, np.geomspace(radius, max(radius, _WIDEST), _GRID)))
+        grids["radius"] = np.geomspace(now["radius"], max(now["radius"], _WIDEST), _GRID)
     if task.stroke is not None:
-        longest = max(bench.length, _LONGEST)
-        tried.append(("length", by_length, np.geomspace(bench.length, longest, _GRID)))
+        grids["length"] = np.geomspace(now["length"], max(now["length"], _LONGEST), _GRID)
+    pressures = np.asarray(drawing.tuning.pressures)
+    measured = float(pressures.max()) if pressures.size > 1 else np.inf
     found = []
-    for what, forces, grid in tried:
-        one = _solved(what, forces, grid, asked)
-        if one.value is None:
-            at = one.most if what == "supply_pressure" else supply
-            one = replace(one, contracts=bench.contracts(at))
-        one = replace(one, measured=bench.measured)
-        found.append(_checked(one, designs, place, task, limits))
+    for what, grid in grids.items():
+        remedy = _solve(design, task, what, grid, may_miss)
+        if remedy.value is None:
+            pressure = remedy.most if what == "supply_pressure" else task.supply_pressure
+            law = design.sizes(0).muscle(drawing).law
+            free = law.tension.free_strain(pressure + 0.0 * design.radius[0])
+            remedy = replace(remedy, free_strain=float(free.max()))
+        remedy = replace(remedy, measured=measured)
+        found.append(replace(remedy, breaks=_broken_limits(remedy, design, task, limits)))
     return found
 
 
-class _Asked:
-    """The points of a task that are looked at: the hardest first, all when it is solved."""
-
-    def __init__(self, task: Task, may_miss: float):
-        self.task, self.may_miss = task, may_miss
-        self.rows = np.arange(len(task))
-
-    def strain(self, length: float) -> Points:
-        return self.task.strain_of(length)[self.rows]
-
-    def spare(self, largest: Points) -> Points:
-        return largest - self.task.force[self.rows]
-
-    def reached(self, largest: Points) -> bool:
-        return bool(enough(self.spare(largest), self.task.weight[self.rows], self.may_miss))
-
-    def all(self) -> None:
-        self.rows = np.arange(len(self.task))
-
-    def hardest(self, forces: Forces, value: float) -> None:
-        """Look at those alone that decide at a value, where all points must be reached."""
-        self.all()
-        if self.may_miss == 0 and len(self.rows) > _AT_ONCE:
-            self.rows = np.sort(np.argsort(self.spare(forces(value)))[:_AT_ONCE])
+def _current(design: Designs, task: Task) -> dict[str, float]:
+    """The quantities that a remedy may change, as they are [SI]."""
+    return {
+        "supply_pressure": task.supply_pressure,
+        "muscles": float(design.counts.sum()),
+        "radius": float(design.radius.max()),
+        "length": float(design.length[0]),
+    }
 
 
-def _solved(what: str, forces: Forces, grid: Float[np.ndarray, " grid"], asked: _Asked) -> Remedy:
-    """The smallest value that reaches, between the grid's ends."""
+def _change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
+    """The design and its task with a remedy's `value` [SI] of `what`."""
+    now = _current(design, task)[what]
+    ratio = value / now
+    if what == "supply_pressure":
+        return design, replace(task, supply_pressure=value)
+    if what == "length":
+        return replace(design, length=design.length * ratio), task
+    if what == "radius":
+        return replace(design, radius=design.radius * ratio, wall=design.wall * ratio), task
+    counts = design.counts.copy()
+    counts[0, -1] += round(value - now)
+    return replace(design, counts=counts), task
+
+
+def _solve(
+    design: Designs, task: Task, what: str, grid: Float[np.ndarray, " value"], may_miss: float
+) -> Remedy:
+    """The smallest value that reaches the task, between the grid's ends."""
     now, most = float(grid[0]), float(grid[-1])
-    asked.hardest(forces, now)
+
+    def spare(value: float, points: Int[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
+        changed, asked = _change(design, task.take(points), what, value)
+        ((_, found),) = outcomes(changed, asked)
+        return np.reshape(found.spare, -1)
+
+    def reaches(value: float, points: Int[np.ndarray, " point"]) -> bool:
+        return bool(enough(spare(value, points), task.weight[points], may_miss))
+
+    every = points = np.arange(len(task))
+    if may_miss == 0 and len(task) > _AT_ONCE:
+        # where all must be reached the hardest decide; which they are may change with the value
+        points = np.argsort(spare(now, every))[:_AT_ONCE]
     while True:
-        first = next((i for i, x in enumerate(grid) if asked.reached(forces(float(x)))), None)
+        first = next((i for i, value in enumerate(grid) if reaches(float(value), points)), None)
         if first is None:
-            return _none(what, forces, now, most, asked)
-        value = _between(what, forces, float(grid[max(first - 1, 0)]), float(grid[first]), asked)
-        looked_at = asked.rows
-        asked.all()
-        largest = forces(value)
-        if asked.reached(largest):
+            left = spare(most, every)
+            worst = int(np.argmin(left / task.reference))
+            largest = float(left[worst] + task.force[worst])
+            return Remedy(what, now, None, most, worst, float(-left[worst]), largest)
+        low, high = grid[max(first - 1, 0)], grid[first]
+        value = _bisect(lambda value: reaches(value, points), low, high, what == "muscles")  # noqa: B023
+        if reaches(value, every):
             return Remedy(what, now, value, most)
-        # points that were left out decide after all
-        missed = np.argsort(asked.spare(largest))[:_AT_ONCE]
-        asked.rows = np.union1d(looked_at, missed)
+        points = np.union1d(points, np.argsort(spare(value, every))[:_AT_ONCE])
 
 
-def _between(what: str, forces: Forces, low: float, high: float, asked: _Asked) -> float:
-    whole = what == "muscles"
+def _bisect(reaches: Callable[[float], bool], low: float, high: float, whole: bool) -> float:
+    """The smallest value that reaches, `whole` numbers alone or to the relative precision."""
     while high - low > (1.0 if whole else _PRECISION * high):
         middle = 0.5 * (low + high)
-        middle = np.floor(middle) if whole else middle
-        if asked.reached(forces(middle)):
-            high = middle
-        else:
-            low = middle
+        middle = float(np.floor(middle)) if whole else middle
+        low, high = (low, middle) if reaches(middle) else (middle, high)
     return float(high)
 
 
-def _none(what: str, forces: Forces, now: float, most: float, asked: _Asked) -> Remedy:
-    asked.all()
-    largest = forces(most)
-    spare = largest - asked.task.force
-    worst = int(np.argmin(spare / asked.task.reference))
-    return Remedy(what, now, None, most, worst, float(-spare[worst]), float(largest[worst]))
-
-
-def _scaled(bench: Bench, radius: float, length: float) -> Bench:
-    muscles = tuple(
-        eqx.tree_at(
-            lambda m: (m.outer_radius, m.wall_thickness, m.length),
-            muscle,
-            (muscle.outer_radius * radius, muscle.wall_thickness * radius, muscle.length * length),
-        )
-        for muscle in bench.muscles
-    )
-    return replace(bench, muscles=muscles)
-
-
-def _checked(one: Remedy, designs: Designs, place: int, task: Task, limits: Limits) -> Remedy:
-    """The same with the limits that it breaks; a change leaves the number of valves as it is."""
+def _broken_limits(
+    remedy: Remedy, design: Designs, task: Task, limits: Limits
+) -> tuple[tuple[str, float], ...]:
+    """Limits that the changed design breaks, and its values [SI]."""
+    # a change leaves the number of valves as it is
     names = tuple(name for name in others(limits) if name != "valves")
-    if one.value is None or not names:
-        return one
-    changed, by = designs.take(np.array([place])), one.value / one.now
-    if one.what == "supply_pressure":
-        task = replace(task, supply_pressure=one.value)
-    elif one.what == "muscles":
-        counts = changed.counts.copy()
-        counts[0, np.count_nonzero(counts[0]) - 1] += round(one.value - one.now)
-        changed = replace(changed, counts=counts)
-    elif one.what == "radius":
-        changed = replace(changed, radius=changed.radius * by, wall=changed.wall * by)
-    else:
-        changed = replace(changed, length=changed.length * by)
-    values = evaluate(changed, task, names)
-    told = ((name, float(values[name][0])) for name in names)
-    return replace(one, breaks=tuple(x for x in told if not limits[x[0]].holds(x[1])))
+    if remedy.value is None or not names:
+        return ()
+    values = evaluate(*_change(design, task, remedy.what, remedy.value), names)
+    pairs = ((name, float(values[name][0])) for name in names)
+    return tuple(pair for pair in pairs if not limits[pair[0]].holds(pair[1]))

@@ -11,25 +11,31 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
 from ..core.errors import InvalidInputError
-from ..core.types import Bool, Float, Values
+from ..core.module import with_fields
+from ..core.types import Bool, Float, Int, Values
 from ..muscle import Muscle
 from ..records.dynamometer import Scatter
-from .designs import Designs
-from .evaluation import size_of
+from .designs import Designs, Sizes
+from .evaluation import design_outcome, room_for_units
 from .exhaustive_search import directed, non_dominated
-from .limits import Limits, demanding, within_limits
-from .objectives import check_turns, judged, known, needs
+from .objectives import (
+    Limits,
+    check_turns,
+    demanding,
+    known,
+    needs,
+    objective_values,
+    within_limits,
+)
 from .outcome import Demand
-from .tables import UNLIKE, Resolution
+from .tables import MIXED, Resolution
 from .task import Task
-from .unlike import Sizes, unlike_outcome
 
 
 _LARGEST_ANGLE = 0.95  # rad, short of where a muscle no longer contracts
@@ -116,12 +122,12 @@ def spread(
     draw = np.arange(draws) if muscles is None else generator.integers(0, _size(muscles), draws)
     kinds = _repeated(drawing, draws) if muscles is None else _picked(muscles, drawing, draw)
     scales = _scales(drawing, kinds, scatter, generator, draws, units)
-    demand = Demand.of(task)
+    demand = Demand.from_task(task)
     values = np.empty((len(names), len(designs), draws))
     for place in range(len(designs)):
         values[:, place] = drawn_objectives(
             kinds,
-            size_of(designs, place, demand.scheme),
+            *_arrays(designs, place, task),
             scales,
             demand,
             names=names,
@@ -135,20 +141,22 @@ def spread(
 @partial(jax.jit, static_argnames=("names", "needs", "resolution"))
 def drawn_objectives(
     kinds: Muscle,
+    counts: Int[np.ndarray, " unit"],
     sizes: Sizes,
     scales: Scales,
     demand: Demand,
     *,
     names: tuple[str, ...],
     needs: tuple[str, ...],
-    resolution: Resolution = UNLIKE,
+    resolution: Resolution = MIXED,
 ) -> Float[Array, "objective draw"]:
     """Objectives of a design in every draw.
 
     **Arguments:**
 
     - `kinds`: the drawing as drawn, on the first axis of all its numbers [-].
-    - `sizes`: of the design [-].
+    - `counts`: muscles in each unit of the design.
+    - `sizes`: of them.
     - `scales`: what each draw does to them [-].
     - `demand`: the task's [-].
     - `names`: of the objectives [-].
@@ -162,13 +170,12 @@ def drawn_objectives(
     def one(drawn: tuple[Muscle, Scales]) -> Array:
         kind, by = drawn
         own = Sizes(
-            sizes.counts,
             sizes.length * by.length,
             sizes.radius * by.radius[:units],
             sizes.wall * by.wall[:units],
             jnp.clip(sizes.angle + by.angle[:units], 1e-3, _LARGEST_ANGLE),
         )
-        return judged(unlike_outcome(kind, own, demand, needs, resolution), names)
+        return objective_values(design_outcome(kind, counts, own, demand, needs, resolution), names)
 
     return lax.map(one, (kinds, scales), batch_size=8).T
 
@@ -218,15 +225,12 @@ def sensitivities(
     # without second orders a sample takes as many again as there are names, and two
     drawn = sample.sample(problem, samples, calc_second_order=False, seed=seed)
     factor = dict(zip(ranges, drawn.T, strict=True))
-    count, demand = len(drawn), Demand.of(task)
+    count, demand = len(drawn), Demand.from_task(task)
     kinds = _repeated(drawing, count)
     for name in set(_MATERIAL) & set(factor):
-        kinds = eqx.tree_at(
-            lambda m, name=name: getattr(m.material, name),
-            kinds,
-            getattr(kinds.material, name) * jnp.asarray(factor[name]),
-        )
-    sizes = size_of(designs, place, demand.scheme)
+        material = getattr(kinds.material, name) * jnp.asarray(factor[name])
+        kinds = with_fields(kinds, material=with_fields(kinds.material, **{name: material}))
+    counts, sizes = _arrays(designs, place, task)
     one, each = np.ones(count), np.ones((count, sizes.radius.size))
     angle = (factor.get("braid_angle", one) - 1)[:, None] * np.asarray(sizes.angle)
     scales = Scales(
@@ -236,7 +240,7 @@ def sensitivities(
         jnp.asarray(angle),
     )
     values = np.asarray(
-        drawn_objectives(kinds, sizes, scales, demand, names=names, needs=needs(names))
+        drawn_objectives(kinds, counts, sizes, scales, demand, names=names, needs=needs(names))
     )
     found = {}
     for name, row in zip(names, values, strict=True):
@@ -258,6 +262,12 @@ def _only(designs: Designs) -> Muscle:
     if len(kinds) != 1:
         raise InvalidInputError("designs", "must be of one drawing", len(kinds))
     return list(designs.drawings.values())[kinds.pop()]
+
+
+def _arrays(designs: Designs, index: int, task: Task) -> tuple[np.ndarray, Sizes]:
+    """Muscles in each unit of a design, and their sizes."""
+    units = int(room_for_units(designs, task.scheme)[index])
+    return designs.counts[index, :units], designs.sizes(index).take(slice(units))
 
 
 def _size(muscles: Muscle) -> int:

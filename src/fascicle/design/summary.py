@@ -1,23 +1,205 @@
-r"""One design as whoever buys and builds it looks at it: margin, size, mass, fluid, cost.
+r"""One design in detail: what it does at each load case, its size, mass, fluid and cost.
+
+Forces are those of its muscles at a table of throttled pressures, added up over the states. The
+*margin* is the least force to spare; the fluid is what flows in from the supply:
+
+$$V_N = \sum_i n_i \frac{(p_i + p_a) V_i(\varepsilon) - p_a V_i(0)}{p_a} \tag{G3}$$
+
+for air, in normal volume, over the units that are fed, each filled at its own pressure $p_i$ and
+vented to the atmosphere $p_a$ at rest; for a liquid $\sum_i n_i (V_i(\varepsilon) - V_i(0))$, since
+it stays full. A unit that isn't fed breathes with the atmosphere. Where a load case is one of
+a cloud, a *cycle* goes from rest to it and back, and the mean over the task counts by weight; where
+the task is given in time, it goes once through all of them and to the first again, and each unit
+takes in what its content rises by.
 
 Mass is what the products' makers say, or that of the bladders alone, $\rho \sum n_i V_{b,i}$, where
 a density is given. Of air the cost of a cycle is that of its normal volume $V_N$, or of the energy
 $p_a V_N \ln((P_s + p_a)/p_a)$ that compresses it without losses; of a liquid, that of $P_s V$.
+
+**Reference:** normal volumes at 20 °C and 100 kPa (ISO 8778, "ANR"), the air in the muscle at
+20 °C too, the atmosphere at 100 kPa. **Assumes** no dead volume in tubes and valves, and no leaks.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .cases import ATMOSPHERE, Cases, cases
+from ..bundle.states import states_of
+from ..core.module import with_fields
+from ..core.types import Bool, Float, Int
+from ..muscle import Muscle
 from .catalog import Catalog, Product
-from .designs import Designs, packed_radius
+from .designs import Designs, Sizes, packed_radius
 from .evaluation import evaluate
 from .exhaustive_search import Found
+from .outcome import MET, MOST_SETS, Demand, state_edges, sum_fed, visit
+from .tables import MIXED, UNIFORM, Resolution, every_level_table
 from .task import Task
 
 
+ATMOSPHERE = 100e3  # Pa, of ISO 8778
 STANDARD_GRAVITY = 9.80665  # m/s²
+_BATCH = 1024  # points computed together: some ten megabytes of forces at all levels
+
+Points = Float[np.ndarray, " point"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Load cases of a `task` for a bundle of `length` [m]: the `largest` force that it gives at
+    each [N] and the force to `spare` [N], negative where it isn't reached; the `state` that meets
+    it, counted from 0, and its throttled `pressure` [Pa], of free units that of the last one fed;
+    the `content` [m³] of each unit there: of air in normal volume, of liquid what flows in.
+    """
+
+    task: Task
+    length: float
+    largest: Points
+    spare: Points
+    state: Int[np.ndarray, " point"]
+    pressure: Points
+    content: Float[np.ndarray, "point unit"]
+
+    @property
+    def reached(self) -> Bool[np.ndarray, " point"]:
+        """Which load cases are reached [-]."""
+        return self.spare >= -MET
+
+    @property
+    def tightest(self) -> int:
+        """The load case with the least force to spare [-], counted from 0."""
+        return int(np.argmin(self.spare))
+
+    @property
+    def worst(self) -> int:
+        """The load case of which the largest share is missed [-], counted from 0."""
+        return int(np.argmin(self.spare / self.task.reference))
+
+    @property
+    def relative(self) -> Points:
+        """Force to spare over what is demanded [-]; over the largest demand, where nothing is."""
+        return self.spare / self.task.reference
+
+    @cached_property
+    def fluid(self) -> Points:
+        """What a cycle to each load case takes from the supply [m³]."""
+        return np.maximum(self.content, 0.0).sum(axis=1)
+
+    @property
+    def fluid_of_a_cycle(self) -> float:
+        """What a cycle takes [m³]: the mean of `fluid`, or all that a task in time takes once."""
+        if self.task.time is None:
+            return float(np.average(self.fluid, weights=self.task.weight))
+        rise = np.diff(self.content, axis=0, append=self.content[:1])
+        return float(np.maximum(rise, 0.0).sum())
+
+
+def cases(designs: Designs, index: int, task: Task) -> Cases:
+    """What a design does at each load case.
+
+    **Arguments:**
+
+    - `designs`: among which it is.
+    - `index`: which of them.
+    - `task`: what is demanded.
+
+    **Returns:** the load cases.
+    """
+    drawing, uniform = designs.drawing(index), bool(designs.uniform[index])
+    drawing.tuning.warn_extrapolation(task.supply_pressure)
+    counts = designs.counts[index][designs.counts[index] > 0]
+    sizes = designs.sizes(index).take(slice(0, 1 if uniform else len(counts)))
+    resolution, demand = UNIFORM if uniform else MIXED, Demand.from_task(task)
+    parts = []
+    for start in range(0, len(task), _BATCH):
+        cut = slice(start, start + _BATCH)
+        part = with_fields(
+            demand, force=demand.force[cut], travel=demand.travel[cut], weight=demand.weight[cut]
+        )
+        parts.append(_states_used(drawing, sizes, counts, part, resolution, task.fluid))
+    largest, spare, state, pressure, content = map(np.concatenate, zip(*parts, strict=True))
+    return Cases(task, float(sizes.length[0]), largest, spare, state, pressure, content)
+
+
+def _states_used(
+    drawing: Muscle,
+    sizes: Sizes,
+    counts: Int[np.ndarray, " unit"],
+    demand: Demand,
+    resolution: Resolution,
+    fluid: str,
+) -> tuple[np.ndarray, ...]:
+    """Largest force and force to spare at each point [N], the state used, its throttled pressure
+    [Pa] and the content of each unit [m³].
+    """
+    length, F = sizes.length[0], demand.force
+    table, _ = every_level_table(drawing, sizes, demand, (), resolution)
+    table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
+    sets, owner = states_of(demand.scheme, len(counts)).sets(most=MOST_SETS)
+    low, high = state_edges(counts, table, sets)
+    exists = np.ones(sets.size, bool)
+    cost = None if sets.nested else sum_fed(np.maximum(counts * table.volume, 0.0), sets)
+    visited = visit(demand, length, high, exists, low, cost)
+    held, throttled = sets.full[visited.state], sets.throttled[visited.state]
+    fed, each = held | throttled, counts * table.levels
+    if sets.independent:
+        share, own = _independent_levels(each, held, throttled, F, resolution.level)
+    else:
+        force = sets.sums(each, each[0], each[-1])[visited.state, :, np.arange(len(F))]
+        share = _first_level(force, F, resolution.level)
+        own = np.where(throttled, share[:, None], held)
+    # a case that isn't reached is as near as can be with all that it feeds at full supply
+    own = np.where(visited.reached[:, None], own, fed)
+    pressure = np.where(visited.reached, share, 1.0) * demand.supply
+    content = table.volume
+    if fluid == "air":
+        filling = own * demand.supply / ATMOSPHERE
+        at_rest = sizes.muscle(drawing).volume(0.0 * sizes.length)
+        content = (1 + filling) * content + filling * at_rest
+    top = high.max(axis=0)
+    largest = np.where(demand.is_possible(length), top, np.minimum(top, -2 * MET))
+    content = np.where(fed, counts * content, 0.0)
+    return largest, visited.spare, owner[visited.state], pressure, content
+
+
+def _independent_levels(
+    each: Float[np.ndarray, "level point unit"],
+    held: Bool[np.ndarray, "point unit"],
+    fed: Bool[np.ndarray, "point unit"],
+    demanded: Points,
+    level: Float[np.ndarray, " level"],
+) -> tuple[Points, Float[np.ndarray, "point unit"]]:
+    """Level of the last fed unit and of all units [-], as `bundle.free` has them."""
+    none, full = each[0], each[-1]
+    base = np.where(held, full, none).sum(axis=1)
+    more = (demanded >= base)[:, None]
+    place = np.where(more, each.argmax(axis=0), each.argmin(axis=0))
+    extreme = np.take_along_axis(each, place[None], axis=0)[0]
+    last = fed.shape[1] - 1 - np.argmax(fed[:, ::-1], axis=1)
+    throttled = np.arange(fed.shape[1]) == last[:, None]
+    others = np.where(held, full, np.where(fed, extreme, none))
+    rest = demanded - np.where(throttled, 0.0, others).sum(axis=1)
+    share = _first_level(each[:, np.arange(len(last)), last].T, rest, level)
+    own = np.where(held, 1.0, np.where(fed, level[place], 0.0))
+    return share, np.where(throttled, share[:, None], own)
+
+
+def _first_level(
+    force: Float[np.ndarray, "point level"], demanded: Points, level: Float[np.ndarray, " level"]
+) -> Points:
+    """The lowest level [-] at which a force is the demanded one, linear between two."""
+    over = force - demanded[:, None]
+    # from below or from above: a state that resists may fall before it rises
+    crosses = (over[:, :-1] * over[:, 1:] <= 0) & (over[:, 1:] != over[:, :-1])
+    first = np.argmax(crosses, axis=1)
+    every = np.arange(len(force))
+    before, after = over[every, first], over[every, first + 1]
+    drop = np.where(after == before, 1.0, after - before)
+    share = np.clip(-before / drop, 0.0, 1.0)
+    crossing = level[first] + share * (level[first + 1] - level[first])
+    # within the tolerance of a state's end, and so at it
+    return np.where(np.any(crosses, axis=1), crossing, 1.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,8 +35,7 @@ from ..core.errors import InvalidInputError
 from ..io.atomic import holds_drafts_only, remove_abandoned, write
 from .cluster import revive
 from .evaluation import Values, evaluate
-from .limits import Limit, checked, demanding, recorded
-from .objectives import OBJECTIVES
+from .objectives import OBJECTIVES, Limit, checked, demanding, recorded
 from .space import Space
 from .task import Task
 
@@ -114,9 +113,7 @@ class Study:
 
     def values(self, block: int) -> Values:
         """Objectives [SI] of a block's designs by name; `block` counts from 0 [-]."""
-        # for all blocks alike, whoever computes them, so that the bits are the same
-        among = len(self.space)
-        return evaluate(self.space.at(self.index(block)), self.task, self.names, among)
+        return evaluate(self.space.at(self.index(block)), self.task, self.names)
 
 
 def bits(values: Values) -> str:

@@ -1,39 +1,36 @@
-r"""What muscles give for a task, on which everything a design does is based.
+r"""Tables of forces: what muscles give at the points of a task and along their curves.
 
 Levels $u = p/P_s$ are denser at low pressure, $u_i = (i/n)^{3/2}$, where collapse and free
-strain change fastest. Buckling and collapse are asked for at few of them: past its free strain a
+strain change fastest. A table of every level is the whole force law there. Most designs need only
+the largest force over all levels, and buckling and collapse at few points: past its free strain a
 muscle only pushes, so that where any level pulls the largest force is a pull, of the tension law
-alone. One that is linear in pressure pulls most at the supply's; another is looked at at every
-level. Where no level pulls, or not that of the supply, the whole law is looked at at every level.
+alone. One that is linear in pressure pulls most at the supply's. Where no level pulls, or not that
+of the supply, the whole law is evaluated at every level.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
 
-import equinox as eqx
-import jax
 import numpy as np
 
-from ..core.array_namespace import max_nodes, maximum, minimum, node_axis, stack, where
-from ..core.jax_backend import compile_law
+from ..core.array_namespace import array_namespace, maximum, minimum, stack, where
 from ..core.types import Bool, Float, Numbers
 from ..muscle import Muscle
 from ..muscle.buckling.buckling_law import ROUNDING
 from ..muscle.piecewise import Piecewise, Pressurized
-from .designs import Rows
-from .outcome import Demand
+from .designs import Sizes
+from .outcome import Demand, ForceTable
 
 
-# points of a muscle's law: NumPy takes some 2 µs for each, compiling it a second
-COMPILE_ABOVE = 200_000
-_AT_ONCE = 2**16  # forces worked on at once: what stays in cache
+_BATCH = 2**16  # forces computed together: what stays in a processor's cache
+_LEVELS = 32  # levels of a curve computed together, for the same reason
 
 
-class Resolution(eqx.Module):
-    """How many throttled `levels`, and `strains` along the curves [-]."""
+@dataclass(frozen=True)
+class Resolution:
+    """How many throttled `levels`, and `strains` along the curves."""
 
-    levels: int = eqx.field(static=True, default=33)
-    strains: int = eqx.field(static=True, default=129)
+    levels: int = 33
+    strains: int = 129
 
     @property
     def level(self) -> np.ndarray:
@@ -41,181 +38,161 @@ class Resolution(eqx.Module):
         return np.linspace(0.0, 1.0, self.levels) ** 1.5
 
 
-SHARED = Resolution(257, 513)  # one muscle serves thousands of designs
-UNLIKE = Resolution(33, 129)  # every design has muscles of its own
+UNIFORM = Resolution(257, 513)  # one muscle serves thousands of designs
+MIXED = Resolution(33, 129)  # every design has muscles of its own
 
 
-class Table(NamedTuple):
-    """Of muscles, on the last axes: the force at the task's points `unfed`, at `full` supply
-    pressure and the `largest` at any level [N]; the fluid `volume` [m³] taken in at these, their
-    `blocked` force [N] and `length` [m]; where asked for their `radius` and `bulge` [m] at the
-    largest strain.
+def largest_force_table(
+    drawing: Muscle, sizes: Sizes, demand: Demand, needs: tuple[str, ...], resolution: Resolution
+) -> ForceTable:
+    """The table of muscles, with the largest force over all levels alone.
+
+    **Arguments:**
+
+    - `drawing`: whose material, laws and tuning all muscles have.
+    - `sizes`: of the muscles, NumPy's, on one axis.
+    - `demand`: the task's.
+    - `needs`: "size" among them, where radius and bulge are needed.
+    - `resolution`: of levels.
+
+    **Returns:** the table, NumPy's.
     """
+    muscle, none = sizes.muscle(drawing), 0.0 * sizes.length
+    law, strain, supply = muscle.law, demand.strain(sizes.length) + none, demand.supply + none
+    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
+        at_rest = law.at(none)
+        unfed, full = at_rest.force(strain)[0], _pull(law, supply, strain)
+        largest, pressure = maximum(unfed, full), resolution.level[1:] * demand.supply
+        # a tuning's tables bend what is linear
+        if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
+            step = max(1, _BATCH // largest.size)
+            for start in range(0, len(pressure), step):
+                P = pressure[start : start + step, None, None] + none
+                largest = maximum(largest, _pull(law, P, strain).max(axis=0))
+        pushes = full < 0  # as it does wherever even the largest force is less
+        if np.any(pushes):
+            force = _forces_where(pushes, drawing, sizes, pressure, strain)
+            full = where(pushes, force[0], full)
+            largest = where(pushes, maximum(largest, force[1]), largest)
+        return _table(muscle, demand, needs, at_rest, unfed, full, largest[None])
 
-    unfed: Numbers
-    full: Numbers
-    largest: Numbers
-    volume: Numbers
-    blocked: Numbers
-    length: Numbers
-    radius: Numbers | None = None
-    bulge: Numbers | None = None
 
-    def take(self, places: Any) -> "Table":
-        """Those of the muscles at `places` [-] of the last axis."""
-        return Table(*(None if x is None else x[..., places] for x in self))
-
-
-def tabulated(
-    rows: Rows,
+def every_level_table(
+    drawing: Muscle,
+    sizes: Sizes,
     demand: Demand,
     needs: tuple[str, ...],
-    level: Float[np.ndarray, " level"],
-    compiling: bool = False,
-) -> Table:
-    """The table of muscles.
+    resolution: Resolution,
+    curves_to: Numbers | None = None,
+) -> tuple[ForceTable, Numbers]:
+    """The table of muscles at every level, and their curves.
 
     **Arguments:**
 
-    - `rows`: the muscles [-], NumPy's.
-    - `demand`: the task's [-].
-    - `needs`: "size" among them, where radius and bulge are asked for [-].
-    - `level`: throttled pressures over the supply's, rising from 0 to 1 [-].
-    - `compiling`: whether their laws are compiled [-].
+    - `drawing`: whose material, laws and tuning all muscles have.
+    - `sizes`: of the muscles, on one axis, NumPy's or JAX's.
+    - `demand`: the task's.
+    - `needs`: "size" among them, where radius and bulge are needed.
+    - `resolution`: of levels, and strains of the curves.
+    - `curves_to`: strain to which the curves go [-]; `None` for no curves.
 
-    **Returns:** the table [-], NumPy's.
+    **Returns:** the table, and forces along the curves [N] by level, strain and muscle.
     """
-    table = run(_at_the_ends, compiling, "size" in needs)(rows, demand)
-    full, largest, pressure = table.full, table.largest, level[1:] * demand.supply
-    strain = np.broadcast_to(demand.strain(rows.length), largest.shape)
-    tension, tuning = rows.drawing.tension, rows.drawing.tuning
-    # a tuning's tables bend what is linear
-    if not (tension.linear_in_pressure and tuning.pressures.shape[-1] == 1):
-        step = max(1, _AT_ONCE // largest.size)
-        for some in filled_up(len(pressure), min(step, len(pressure))):
-            pull = run(_largest_pull, compiling)(rows, pressure[some], strain)
-            largest = np.maximum(largest, pull)
-    pushed = full < 0  # as is where even the largest is less
-    if np.any(pushed):
-        found = _whole_law(rows, pressure, strain, pushed, compiling)
-        full = np.where(pushed, found[0], full)
-        largest = np.where(pushed, np.maximum(largest, found[1]), largest)
-    return table._replace(full=full, largest=largest)
+    muscle = sizes.muscle(drawing)
+    strain, none = demand.strain(sizes.length), 0.0 * sizes.length
+    xp, count = array_namespace(none, strain), len(strain)
+    strain = strain + none
+    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
+        at = muscle.law.at(resolution.level[:, None, None] * demand.supply + none)
+        every = strain
+        if curves_to is not None:
+            # one call for all strains, so that JAX compiles the law once
+            even = np.linspace(0.0, 1.0, resolution.strains)[:, None]
+            every = xp.concatenate([strain, curves_to * even + none])
+        force = at.force(every)[0]
+        levels = force[:, :count]
+        at_rest = muscle.law.at(none) if "size" in needs else None
+        table = _table(muscle, demand, needs, at_rest, levels[0], levels[-1], levels)
+    return table, force[:, count:]
 
 
-def run(law: Callable, compiling: bool, *static: Any) -> Callable:
-    """A function of NumPy's arrays that gives NumPy's.
+def force_curves(
+    drawing: Muscle, sizes: Sizes, supply: float, resolution: Resolution
+) -> tuple[Float[np.ndarray, "level strain"], float]:
+    """The curves of one muscle at every level, from rest to the free strain at the supply's.
 
     **Arguments:**
 
-    - `law`: what it is of any library's [-].
-    - `compiling`: whether it is compiled [-].
-    - `static`: its last arguments [-].
+    - `drawing`: whose material, laws and tuning it has.
+    - `sizes`: its own, NumPy's.
+    - `supply`: the supply's pressure [Pa].
+    - `resolution`: of levels and strains.
 
-    **Returns:** the function [-].
+    **Returns:** forces [N], and the free strain [-].
     """
-    if compiling:
-        return lambda *arrays: jax.tree.map(np.asarray, compile_law(law, static)(*arrays))
-
-    def at_once(*arrays: Any) -> Any:
-        with np.errstate(all="ignore"):  # of branches that aren't taken
-            return law(*arrays, *static)
-
-    return at_once
-
-
-def filled_up(count: int, step: int) -> list[np.ndarray]:
-    """Places to work on one step after another: what is compiled has as many in every call.
-
-    **Arguments:**
-
-    - `count`: of the places [-].
-    - `step`: how many there are in a step [-].
-
-    **Returns:** those of each step [-]; the last repeats its own, where it is short.
-    """
-    starts = range(0, count, step)
-    return [np.minimum(np.arange(start, start + step), count - 1) for start in starts]
+    law, pressure = sizes.muscle(drawing).law, resolution.level[:, None] * supply
+    force = np.empty((resolution.levels, resolution.strains))
+    with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
+        every = law.at(pressure)
+        free = every.column.free_strain
+        top = float(free[-1, 0])
+        strain = np.linspace(0.0, top, resolution.strains)
+        for start in range(0, resolution.levels, _LEVELS):
+            some = slice(start, start + _LEVELS)
+            at = law.at(
+                pressure[some], free[some], np.broadcast_to(every.collapse, free.shape)[some]
+            )
+            # where all levels pull the tension law is enough, which takes a tenth of the time
+            pulls = int(np.searchsorted(strain, free[some].min()))
+            force[some, :pulls] = law.tension.force(pressure[some], strain[:pulls])
+            force[some, pulls:] = at.force(strain[pulls:])[0]
+    return force, top
 
 
-def sizes_at(
-    muscle: Muscle, unfed: Pressurized, largest_strain: Numbers
-) -> tuple[Numbers, Numbers]:
-    """Radius [m], and how far it bows out up to there [m].
-
-    **Arguments:**
-
-    - `muscle`: one or several [-].
-    - `unfed`: the same at no pressure [-].
-    - `largest_strain`: of the task [-].
-
-    **Returns:** both [m].
-    """
-    # deepest where it collapses, if it does before, else at the end
-    stops = stack([largest_strain, minimum(unfed.collapse, largest_strain)])
-    return muscle.braid.radius_at(largest_strain), max_nodes(unfed.deflection(stops))
-
-
-def _at_the_ends(rows: Rows, demand: Demand, sizes: bool) -> Table:
-    """The table as far as the tension law goes at full pressure: beyond, there is no force."""
-    none, muscle = 0.0 * rows.length, rows.muscle
-    strain, law = demand.strain(rows.length) + none, muscle.law
-    # what depends on pressure alone isn't merged with what is asked of it at each point
-    unfed, supply = law.at(none), demand.supply + none
-    forces = (unfed.force(strain)[0], _pull(law, supply, strain))
+def _table(
+    muscle: Muscle,
+    demand: Demand,
+    needs: tuple[str, ...],
+    at_rest: Pressurized | None,
+    unfed: Numbers,
+    full: Numbers,
+    levels: Numbers,
+) -> ForceTable:
+    """A table with all that its muscles' forces don't tell."""
+    none = 0.0 * muscle.length
+    strain = demand.strain(muscle.length) + none
     radius = bulge = None
-    if sizes:
-        radius, bulge = sizes_at(muscle, unfed, strain.max(axis=0))
-    return Table(
-        *forces,
-        largest=maximum(*forces),
-        volume=muscle.braid.volume(strain) - muscle.braid.volume(none),
-        blocked=law.tension.force(supply, none),
-        length=rows.length,
-        radius=radius,
-        bulge=bulge,
-    )
+    if "size" in needs and at_rest is not None:
+        largest = strain.max(axis=0)
+        # it bows deepest where it collapses, if it does before, else at the end
+        stops = stack([largest, minimum(at_rest.collapse, largest)])
+        radius, bulge = muscle.braid.radius_at(largest), at_rest.deflection(stops).max(axis=0)
+    volume = muscle.braid.volume(strain) - muscle.braid.volume(none)
+    blocked = muscle.law.tension.force(demand.supply + none, none)
+    return ForceTable(unfed, full, levels, volume, blocked, muscle.length, radius, bulge)
 
 
 def _pull(law: Piecewise, pressure: Numbers, strain: Numbers) -> Numbers:
     """Force [N] up to the free strain; beyond there is none, minus infinity."""
-    pulled = strain <= law.tension.free_strain(pressure) + ROUNDING
-    return where(pulled, law.tension.force(pressure, strain), -np.inf)
+    pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
+    return where(pulls, law.tension.force(pressure, strain), -np.inf)
 
 
-def _largest_pull(rows: Rows, pressure: Numbers, strain: Numbers) -> Numbers:
-    """Over pressures [Pa] at each `strain` [-], [N]."""
-    P = node_axis(pressure, rows.length)[:, None] + 0.0 * rows.length
-    return max_nodes(_pull(rows.muscle.law, P, strain))
-
-
-def _largest_force(rows: Rows, pressure: Numbers, strain: Numbers) -> tuple[Numbers, Numbers]:
-    """At the last of the pressures [Pa] and over all of them, at each `strain` [-], [N]."""
-    P = node_axis(pressure, rows.length)[:, None] + 0.0 * rows.length
-    force, _ = rows.muscle.law.at(P).force(strain)
-    return force[-1], max_nodes(force)
-
-
-def _whole_law(
-    rows: Rows,
+def _forces_where(
+    needed: Bool[np.ndarray, "point muscle"],
+    drawing: Muscle,
+    sizes: Sizes,
     pressure: Float[np.ndarray, " level"],
-    strain: Float[np.ndarray, "point *row"],
-    asked: Bool[np.ndarray, "point *row"],
-    compiling: bool,
-) -> Float[np.ndarray, "2 point *row"]:
-    """Force [N] at the last pressure [Pa] and the largest over all, where it is `asked` for."""
-    sizes = (np.broadcast_to(x, strain.shape[1:]).reshape(-1) for x in rows[1:])
-    each, flat = Rows(rows.drawing, *sizes), (len(strain), -1)
-    eps, asked = strain.reshape(flat), asked.reshape(flat)
-    found = np.full((2, *eps.shape), -np.inf)
-    points, lanes = (np.flatnonzero(asked.any(axis=axis)) for axis in (1, 0))
-    compiling = compiling and points.size * lanes.size * len(pressure) > COMPILE_ABOVE
-    if compiling:
-        (some,) = filled_up(points.size, 1 << (points.size - 1).bit_length())
-        points = points[some]
-    step = max(1, _AT_ONCE // (points.size * len(pressure)))
-    for some in filled_up(lanes.size, step if compiling else min(step, lanes.size)):
-        down, across = np.ix_(points, lanes[some])
-        law = run(_largest_force, compiling)
-        found[:, down, across] = law(each.take(lanes[some]), pressure, eps[down, across])
-    return found.reshape((2, *strain.shape))
+    strain: Float[np.ndarray, "point muscle"],
+) -> Float[np.ndarray, "2 point muscle"]:
+    """Force [N] at the last pressure [Pa] and the largest over all, where it is `needed`."""
+    forces = np.full((2, *strain.shape), -np.inf)
+    points, muscles = (np.flatnonzero(needed.any(axis=axis)) for axis in (1, 0))
+    step = max(1, _BATCH // (points.size * len(pressure)))
+    for start in range(0, muscles.size, step):
+        some = muscles[start : start + step]
+        part = sizes.take(some)
+        at = part.muscle(drawing).law.at(pressure[:, None, None] + 0.0 * part.length)
+        force = at.force(strain[np.ix_(points, some)])[0]
+        forces[:, points[:, None], some] = force[-1], force.max(axis=0)
+    return forces

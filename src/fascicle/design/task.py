@@ -186,6 +186,12 @@ class Task:
         """The largest contraction demanded [-]; NaN where it hangs on the bundle's length."""
         return float("nan") if self.strain is None else float(self.strain.max())
 
+    def take(self, index: Any) -> "Task":
+        """A task of the points with an `index` alone."""
+        names = ("force", "strain", "weight", "stroke", "time")
+        points = {name: getattr(self, name) for name in names}
+        return replace(self, **{n: None if x is None else x[index] for n, x in points.items()})
+
     def __len__(self) -> int:
         return self.force.size
 

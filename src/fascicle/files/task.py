@@ -15,11 +15,9 @@ from ..core.module import with_fields
 from ..core.validation import check_choice
 from ..design.catalog import Catalog
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
-from ..design.limits import SHARES, Limit, checked, demanding
-from ..design.objectives import OBJECTIVES, known
-from ..design.space import Space
-from ..design.splits import SPLITS
-from ..design.splits import read as read_split
+from ..design.objectives import OBJECTIVES, SHARES, Limit, checked, demanding, known
+from ..design.space import SPLITS, Space
+from ..design.space import read as read_split
 from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS

@@ -1,15 +1,13 @@
 """The page of a search for a bundle: does it do the task, then what each choice costs."""
 
+import warnings
 from html import escape
 
 import numpy as np
 
-from ..bundle.space import Space, overlap
-from ..bundle.states import states_of
-from ..design.cases import Bench
+from ..bundle.space import overlap, space
 from ..design.exhaustive_search import Found
-from ..design.limits import SHARES, may_miss
-from ..design.objectives import OBJECTIVES
+from ..design.objectives import OBJECTIVES, SHARES, may_miss
 from ..design.robust import Spread
 from ..design.summary import Summary
 from ..files import dumps
@@ -38,7 +36,7 @@ _SHOWN = 30  # designs of the front in the table
 _CASES = 60  # load cases in the table
 _LINKED = 8  # files beside the page
 _OTHERS = 3000  # points drawn behind the front
-_CURVES, _STRAINS = 7, 161  # of the plane
+_CURVES = 7  # of the plane
 
 
 def report(
@@ -238,24 +236,10 @@ def _plane(page: Page, found: Found, place: int, summary: Summary) -> None:
     """The force-strain space of a kept design, with the task in it."""
     page.heading("The bundle's forces and the task", "space")
     task, cases = found.task, summary.cases
-    bench = Bench.of(found.all_designs(np.array([place])), 0)
-    supply = task.supply_pressure
-    # to where none of its muscles pulls any longer
-    end = max(float(m.braid.ideal_free_strain) for m in bench.muscles)
-    for _ in range(2):
-        strain = np.linspace(0.0, end, _STRAINS)
-        pulls = np.any(bench.units(supply, strain)[-1] > 0, axis=-1)
-        end = float(strain[min(int(np.sum(pulls)), _STRAINS - 1)])
-    strain = np.linspace(0.0, end, _STRAINS)
-    table, states = bench.table(supply, strain), states_of(task.scheme, len(bench.counts))
-    force = states.sums(*table)
-    level = np.linspace(0.0, supply, _CURVES)
-    # between two levels, where the muscle pulls, the force is linear in pressure
-    rows = np.array([np.argmin(np.abs(bench.level * supply - x)) for x in level])
-    plane = Space(
-        task.scheme.name, supply, strain, bench.level[rows] * supply, force[:, rows],
-        *states.edges(*table),
-    )  # fmt: skip
+    bundle = found.all_designs(np.array([place])).bundle(0, task)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # a tuning's range was told with the cases
+        plane = space(bundle, levels=_CURVES)
     figure = draw_task(
         plane, overlap(plane), task.force, task.strain_of(cases.length), task.weight, cases.reached
     )

@@ -7,8 +7,7 @@ import numpy as np
 from ..design.catalog import meaning
 from ..design.designs import Designs
 from ..design.exhaustive_search import Found
-from ..design.limits import BY_WEIGHT, Limit, may_miss
-from ..design.objectives import OBJECTIVES
+from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, may_miss
 from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import figures, pretty
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..design.exhaustive_search import Found
-from ..design.limits import may_miss, others
+from ..design.objectives import may_miss, others
 from ..design.remedies import Remedy, remedies
 from ..design.summary import Summary, summarized
 from ..units import DIMENSIONS, pretty
@@ -106,7 +106,7 @@ class Unreached:
 
     def _too_far(self, one: Remedy) -> bool:
         strain = self._strain(one)
-        return one.value is None and one.largest <= 0 and strain > one.contracts
+        return one.value is None and one.largest <= 0 and strain > one.free_strain
 
     def _strain(self, one: Remedy) -> float:
         length = one.most if one.what == "length" else self.summary.cases.length
@@ -123,7 +123,7 @@ class Unreached:
             upto = f" up to {top}" if one.what == "length" else ""
             return (
                 f"{what}: {none}{upto} does: {at} these muscles contract by"
-                f" {100 * one.contracts:.3g} % at most, case {one.worst + 1} asks for"
+                f" {100 * one.free_strain:.3g} % at most, case {one.worst + 1} asks for"
                 f" {100 * self._strain(one):.3g} %."
             )
         return (

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fascicle import recruitment
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.cases import ATMOSPHERE, cases
+from fascicle.design.summary import ATMOSPHERE, cases
 
 
 SUPPLY = 413.7e3
@@ -97,7 +97,7 @@ def test_more_points_than_one_call_takes(designs):
 
 def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
     import fascicle as fs
-    from fascicle.design.limits import demanding
+    from fascicle.design.objectives import demanding
     from fascicle.design.remedies import remedies
 
     tuned = fs.Muscle(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.limits import demanding, enough, may_miss, others, within_limits
+from fascicle.design.objectives import demanding, enough, may_miss, others, within_limits
 
 
 def test_all_is_demanded_if_nothing_is_said():

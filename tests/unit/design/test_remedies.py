@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Product, Task, evaluate
-from fascicle.design.limits import demanding
+from fascicle.design.objectives import demanding
 from fascicle.design.remedies import remedies
 
 
@@ -62,9 +62,9 @@ def test_what_one_alone_can_not(designs):
     found = by_name(designs, 0, task, 0.0, NONE)
     for one in found.values():
         assert one.value is None and one.short > 10.0 and one.largest < 0
-        assert 0.2 < one.contracts < 0.3116  # of 33°, ideally
+        assert 0.2 < one.free_strain < 0.3116  # of 33°, ideally
     assert found["supply_pressure"].most == 1e6
-    assert found["supply_pressure"].contracts > found["muscles"].contracts
+    assert found["supply_pressure"].free_strain > found["muscles"].free_strain
 
 
 def test_a_pressure_that_is_beyond_the_models(designs):

@@ -40,7 +40,7 @@ def test_one_cross_section(muscle):
     assert_allclose(area, 0.012**2, rtol=1e-12)
     # 1 in two sizes; of four muscles the compositions with m units in 2**m sizes each
     assert len(space) == 2 + sum(2**m * c for m, c in ((1, 1), (2, 3), (3, 3), (4, 1)))
-    assert not np.all(designs.alike)
+    assert not np.all(designs.uniform)
 
 
 def test_packed_into_a_circle(muscle):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from fascicle.core.errors import InvalidInputError
-from fascicle.design.splits import (
+from fascicle.design.designs import label
+from fascicle.design.space import (
     MOST_SPLITS,
     check_number,
     compositions,
-    label,
     number_of_splits,
     partitions,
     read,

@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Catalog, Designs, Product, Task, evaluate
-from fascicle.design.cases import ATMOSPHERE
-from fascicle.design.summary import summary_of
+from fascicle.design.summary import ATMOSPHERE, summary_of
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """What muscles give at the task's points, against the whole law looked at at every level."""
 
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,10 +8,9 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design import unlike as judge_unlike
-from fascicle.design.designs import Rows, sized
+from fascicle.design.designs import Sizes
 from fascicle.design.outcome import Demand
-from fascicle.design.tables import Resolution, tabulated
+from fascicle.design.tables import Resolution, largest_force_table
 from fascicle.muscle.buckling import BUCKLING_LAWS
 from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
@@ -42,13 +39,11 @@ def drawing(laws):
     return fs.Muscle(0.12, 6e-3, 1.5e-3, np.radians(30), **laws)
 
 
-def rows_of(muscle, count, seed=3):
+def random_sizes(count, seed=3):
     generator = np.random.default_rng(seed)
     radius = generator.uniform(4e-3, 9e-3, count)
     wall, angle = generator.uniform(0.12, 0.3, count), generator.uniform(12.0, 45.0, count)
-    return Rows(
-        muscle, generator.uniform(0.08, 0.3, count), radius, wall * radius, np.radians(angle)
-    )
+    return Sizes(generator.uniform(0.08, 0.3, count), radius, wall * radius, np.radians(angle))
 
 
 # what takes ten times as long as any other law shows here with fewer designs
@@ -64,37 +59,25 @@ def rows_of(muscle, count, seed=3):
 )
 def test_the_largest_force_is_that_of_the_whole_law(laws, count):
     """At strains from rest to far beyond what any level pulls with."""
-    rows = rows_of(drawing(laws), count)
+    muscle, sizes = drawing(laws), random_sizes(count)
     strain = np.concatenate([np.linspace(0.0, 0.42, 60), [1e-9, 0.6]])
     task = Task.of(np.ones(strain.size), strain, SUPPLY)
-    table = tabulated(rows, Demand.of(task), (), COARSE.level)
+    table = largest_force_table(muscle, sizes, Demand.from_task(task), (), COARSE)
     for i in range(count):
-        one = sized(*(x if isinstance(x, fs.Muscle) else x[i] for x in rows))
+        one = sizes.take(i).muscle(muscle)
         with np.errstate(all="ignore"):  # of branches that aren't taken
             force = one.law.at(COARSE.level[:, None] * SUPPLY).force(strain)[0]
         # rounding of the forces that are added up
         close = {"rtol": 1e-10, "atol": 1e-9}
         assert_allclose(table.unfed[:, i], force[0], **close)
         assert_allclose(table.full[:, i], force[-1], **close)
-        assert_allclose(table.largest[:, i], force.max(axis=0), **close)
+        assert_allclose(table.levels[0, :, i], force.max(axis=0), **close)
         # so that the lowest state that gives enough covers what is demanded
         assert np.all(force[0] <= 1e-9)
 
 
-def test_compiled_it_is_the_same():
-    rows = rows_of(drawing({"tuning": TUNED}), 40)
-    task = Task.of(np.ones(150), np.linspace(0.0, 0.4, 150), SUPPLY)
-    tables = [
-        tabulated(rows, Demand.of(task), ("size",), COARSE.level, compiling)
-        for compiling in (False, True)
-    ]
-    for at_once, compiled in zip(*tables, strict=True):
-        assert_allclose(at_once, compiled, rtol=1e-9, atol=1e-9)
-
-
 def unlike(muscle, count, units=3):
-    rows = rows_of(muscle, count * units)
-    sizes = (x.reshape(count, units) for x in rows[2:])
+    sizes = (x.reshape(count, units) for x in random_sizes(count * units)[1:])
     counts = np.random.default_rng(4).integers(1, 5, (count, units))
     counts[::4, 2] = 0
     return Designs({"muscle": muscle}, np.zeros(count, int), counts, np.full(count, 0.12), *sizes)
@@ -123,27 +106,3 @@ def test_a_drawing_of_other_arrays_is_judged_as_one_of_numbers():
     same = jax.tree.map(jnp.asarray, plain)
     values = [evaluate(Designs.of(m, [(1, 2)]), task, ["margin"])["margin"] for m in (plain, same)]
     assert_allclose(*values, rtol=1e-12)
-
-
-@pytest.mark.parametrize(("among", "sizes"), [(10**7, {16, 32}), (0, {9, 12, 16, 17})])
-def test_numbers_of_unlike_designs_are_compiled_on_a_ladder(monkeypatch, among, sizes):
-    """A worker that met a block of another length compiled it inside of its work."""
-    seen = set()
-
-    def at_once(rows, demand, needs, level, compiling):
-        seen.add(rows.radius.shape[-1])
-        assert compiling == bool(among)
-        return tabulated(rows, demand, needs, level, False)
-
-    monkeypatch.setattr(judge_unlike, "tabulated", at_once)
-    monkeypatch.setattr(judge_unlike, "run", lambda law, _, names: partial(law, names=names))
-    task = Task.of([100.0, 300.0], [0.1, 0.02], SUPPLY)
-    designs = unlike(drawing({}), 17)
-    designs.counts[:] = 2  # all have three units
-    every = evaluate(designs, task, ["margin"], among)["margin"]
-    for count in (9, 12, 16):
-        some = designs.take(np.arange(count))
-        assert_allclose(
-            evaluate(some, task, ["margin"], among)["margin"], every[:count], rtol=1e-12
-        )
-    assert seen == sizes

@@ -1,4 +1,4 @@
-"""Objectives of whole batches: both kernels agree, and what is simple about them holds."""
+"""Objectives of whole batches: both ways to sum agree, and what is simple about them holds."""
 
 import jax
 import jax.numpy as jnp
@@ -8,13 +8,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.design import OBJECTIVES, Designs, evaluate
-from fascicle.design.evaluation import sizes_of
-from fascicle.design.objectives import judged
+from fascicle.design.evaluation import design_outcome
+from fascicle.design.objectives import objective_values
 from fascicle.design.outcome import Demand
-from fascicle.design.shared import prepared, shared_objectives
-from fascicle.design.splits import compositions, partitions
+from fascicle.design.space import compositions, partitions
 from fascicle.design.tables import Resolution
-from fascicle.design.unlike import unlike_objectives, unlike_outcome
 
 
 NAMES = tuple(OBJECTIVES)
@@ -32,16 +30,16 @@ def values(five, task):
     return evaluate(five, task, NAMES)
 
 
-def test_like_and_unlike_units_are_judged_the_same(muscle, five, task):
-    demand = Demand.of(task)
-    rows = np.array([0, 1, 7, 15])
-    known = prepared(muscle, 5, demand, most=5, needs=NEEDS, resolution=COARSE)
-    shared = shared_objectives(known, jnp.asarray(five.counts[rows]), demand, names=NAMES)
-    unlike = unlike_objectives(
-        muscle, sizes_of(five, rows), demand, names=NAMES, needs=NEEDS, resolution=COARSE
-    )
-    # the same sums in another order
-    assert_allclose(shared, unlike, rtol=1e-9, atol=1e-9)
+def test_designs_of_one_muscle_alone_are_what_they_are_together(muscle, five, task):
+    together = evaluate(five, task, NAMES, COARSE)
+    for row in (0, 1, 7, 15):
+        single = design_outcome(
+            muscle, five.counts[row], five.sizes(row), Demand.from_task(task), NEEDS, COARSE
+        )
+        alone = dict(zip(NAMES, objective_values(single, NAMES), strict=True))
+        for name in NAMES:
+            # the same sums in another order
+            assert_allclose(together[name][row], alone[name], rtol=1e-9, atol=1e-9, err_msg=name)
 
 
 def test_what_is_simple(muscle, five, task, values):
@@ -77,7 +75,7 @@ def test_unlike_units(muscle, task):
     other = Designs(
         same.drawings, same.kind, same.counts, same.length, radius, 0.25 * radius, same.angle
     )
-    assert not other.alike[0]
+    assert not other.uniform[0]
     values = evaluate(other, task, names)
     bundle = other.bundle(0, task)
     supply = np.full(2, task.supply_pressure)
@@ -111,21 +109,22 @@ def test_unknown_objectives_and_designs_that_can_not_be(five, task):
 
 def test_gradients_against_differences(muscle, task):
     """By length, radius, wall and angle of a unit, of every objective that is smooth."""
-    demand = Demand.of(task)
+    demand = Demand.from_task(task)
     smooth = tuple(name for name in NAMES if name not in ("valves", "not_reached"))
-    first = sizes_of(Designs.of(muscle, [(1, 2)]), np.array([0]))
-    sizes = jax.tree.map(lambda x: jnp.asarray(x[0]), first)
+    designs = Designs.of(muscle, [(1, 2)])
+    sizes = jax.tree.map(jnp.asarray, designs.sizes(0))
     scale = jnp.array([0.127, 6.35e-3, 1.6e-3, 0.576])
 
     def objectives(z):
         length, radius, wall, angle = z * scale
         moved = sizes._replace(
-            length=length,
+            length=length + 0.0 * sizes.length,
             radius=sizes.radius.at[1].set(radius),
             wall=sizes.wall.at[1].set(wall),
             angle=sizes.angle.at[1].set(angle),
         )
-        return judged(unlike_outcome(muscle, moved, demand, NEEDS, COARSE), smooth)
+        outcome = design_outcome(muscle, designs.counts[0], moved, demand, NEEDS, COARSE)
+        return objective_values(outcome, smooth)
 
     @jax.jit
     def along(z, way):  # values and slopes of one program
@@ -155,19 +154,3 @@ def test_all_partitions_of_thirty(muscle, task):
     # undivided, nothing can reverse; with a valve for each, little does
     assert every["reversal_depth"][0] == 0
     assert every["reversal_depth"][-1] < 0.1 * every["reversal_depth"].max()
-
-
-def test_few_designs_are_judged_without_a_compiler(muscle, task, caplog):
-    """Of one muscle, their reversal too, and of unlike ones; nor is what one of them does."""
-    from fascicle.design.cases import cases
-
-    like = Designs.of(muscle, [(1, 2), (3,)])
-    radius = like.radius * np.array([1.0, 1.2])
-    unlike = Designs(
-        like.drawings, like.kind, like.counts, like.length, radius, 0.25 * radius, like.angle
-    )
-    with jax.log_compiles(), caplog.at_level("WARNING"):
-        evaluate(like, task, [*NAMES])
-        evaluate(unlike, task, ["margin", "mean_efficiency", "envelope"])
-        cases(unlike, 0, task)
-    assert not [record for record in caplog.records if "ompil" in record.getMessage()]
