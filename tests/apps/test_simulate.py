@@ -147,7 +147,7 @@ def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
     code, out, err = fascicle("simulate", "a.toml", "--report", "a.html")
     assert code == 1 and "Polytropic is a fit that keeps no balance" in err
     assert "position mm" in out and "Balances" not in out
-    assert "This run can&#x27;t be trusted." in (tmp_path / "a.html").read_text()
+    assert "This run can't be trusted." in (tmp_path / "a.html").read_text()
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -51,7 +52,7 @@ def held(html: str) -> dict[str, bytes]:
 
 def check_said_alike(claims, html: str, data: dict) -> None:
     """The page and the file have each claim's words, number and verdict."""
-    plain = html.replace("&#x27;", "'").replace("&gt;", ">").replace("&lt;", "<")
+    plain = unescape(html)
     assert summary(claims) in plain
     assert summary(claims) == data["summary"]
     for claim, filed in zip(claims, data["claims"], strict=True):

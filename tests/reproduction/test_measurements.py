@@ -71,7 +71,7 @@ def test_each_law_stands_with_its_errors_and_what_it_misses(made):
     assert [law["label"] for law in told["records"][0]["laws"]] == labels
     assert len(told["left_out"]) == 2
     page = (folder / "report.html").read_text(encoding="utf-8")
-    for words in ("not public", "untested", "lab/pull.csv", "Left out", "doesn&#x27;t pay"):
+    for words in ("not public", "untested", "lab/pull.csv", "Left out", "doesn&#39;t pay"):
         assert words in page
     assert "&amp;#" not in page  # escaped once
 

@@ -42,9 +42,12 @@ def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
 
     **Returns:** the figure [-].
     """
-    figure, axes = new_figure(width=SINGLE)
+    figure, axes = new_figure(width=DOUBLE, height=0.45 * DOUBLE)
     ax = axes[0, 0]
-    draw_workspace(ax, space, overlap)
+    for state in range(1, len(space.force) + 1):
+        color = CYCLE[(state - 1) % len(CYCLE)]
+        ax.fill(*space.outline(state), color=color, alpha=0.12, linewidth=0)
+    draw_workspace(ax, space, overlap, thick=1.5)
     highest = in_kilopascals(space.supply_pressure)
     ax.set_title(f"{space.scheme} recruitment, up to {highest}", loc="left")
     ax.legend()
@@ -85,7 +88,9 @@ def workspaces(
     return figure
 
 
-def draw_workspace(ax: Axes, space: Space, overlap: Overlap | None = None) -> None:
+def draw_workspace(
+    ax: Axes, space: Space, overlap: Overlap | None = None, thick: float = _THICK
+) -> None:
     """Draw curves [N] of all states over strain [-], thicker for higher pressures, and overlap."""
     force_strain_axes(ax)
     for pair in range(0 if overlap is None else len(overlap.states)):
@@ -94,7 +99,7 @@ def draw_workspace(ax: Axes, space: Space, overlap: Overlap | None = None) -> No
         if strain.size:
             label = "overlap of the states" if pair == 0 else None
             ax.fill(strain, force, color=YELLOW, alpha=0.6, linewidth=0, label=label)
-    widths = np.linspace(_THIN, _THICK, space.level.size)
+    widths = np.linspace(_THIN, thick, space.level.size)
     for state, curves in enumerate(space.force, start=1):
         color = CYCLE[(state - 1) % len(CYCLE)]
         for i, (curve, width) in enumerate(zip(curves, widths, strict=True), start=1):

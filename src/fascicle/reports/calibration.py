@@ -17,7 +17,7 @@ from ..files.calibrated import laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..plot.style import to_bytes
 from ..units import pretty
-from .page import Page, prose
+from .page import Page, prose, sentence
 
 
 if TYPE_CHECKING:
@@ -85,7 +85,9 @@ def report(
     page = Page(f"Calibration: {names}")
     _opening(page, made)
     page.heading("Read this first", "warnings")
-    page.several(made.warned)
+    for about, texts in made.warned.items():
+        page.paragraph(f"{sentence(about)}:")
+        page.points(texts)
     if not made.warned:
         page.paragraph("Nothing to warn of.")
     _untold(page, made)

@@ -1,144 +1,30 @@
-"""A page built from headings, paragraphs, tables and pictures, with everything inside.
+"""Self-contained HTML pages from templates: one file each, which opens offline and prints well.
 
-Nothing on a page asks for anything outside it: the style is in its head, pictures and files
-are in their addresses. Links lead to places on the page or to files beside it.
+Nothing on a page asks for anything outside it: the style is in its head, pictures and files are in
+their addresses. Links lead to places on the page or to files beside it. `templates/page.html` is
+the frame of all pages.
 """
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
 
 from ..io.sanitize import escape_invisible
+from ..plot.style import to_bytes
 from ..plot.theme import LIGHT, css
 
 
-_STYLE = (
-    f":root {{ color-scheme: light; {css(LIGHT)} }}"
-    """
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 2.5rem 1.5rem 4rem; max-width: 62rem; color: var(--ink);
-  background: var(--paper); font: 16px/1.55 var(--sans); }
-h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .4rem; }
-h2 { font-size: 1.3rem; margin: 3rem 0 .6rem; padding-top: .8rem;
-  border-top: 1px solid var(--line); }
-h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
-p, ul { margin: .5rem 0; max-width: 48rem; }
-ul { padding-left: 1.2rem; }
-.lead { font-size: 1.05rem; }
-.note, figcaption, .files, footer { color: var(--soft); font-size: .9rem; }
-nav { display: flex; flex-wrap: wrap; gap: .3rem 1rem; margin: 1rem 0; font-size: .95rem; }
-a { color: var(--accent); text-decoration-thickness: 1px; text-underline-offset: 2px; }
-figure { margin: 1rem 0; }
-img { display: block; max-width: 100%; height: auto; }
-table { border-collapse: collapse; width: 100%; margin: .8rem 0; font-size: .93rem; }
-th, td { text-align: left; vertical-align: top; padding: .45rem .7rem .45rem 0;
-  border-bottom: 1px solid var(--line); }
-th { font-weight: 600; border-bottom-color: var(--soft); }
-td { font-variant-numeric: tabular-nums; }
-.holds, .differs, .fails, .chosen, .defined { font-weight: 600; white-space: nowrap; }
-.chosen, .defined, q { color: var(--soft); }
-.where { white-space: nowrap; }
-code { font: .92em var(--mono); }
-.warning { color: var(--bad); font-weight: 600; }
-.holds { color: var(--good); } .differs { color: var(--odd); } .fails { color: var(--bad); }
-footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: .8rem; }
-@media print {
-  body { max-width: none; padding: 0; font-size: 10pt; }
-  nav, .files { display: none; }
-  h2 { break-after: avoid; } figure, tr { break-inside: avoid; }
-  a { color: inherit; text-decoration: none; }
-}
-"""
-)
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-
-def data_uri(content: bytes, kind: str) -> str:
-    """A file's bytes, of `kind` "svg", "png", "csv" or "json", as an address that holds them."""
-    return f"data:{_MEDIA[kind]};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-class Page:
-    """A page that is filled from top to bottom, then taken as text. Text is escaped, save
-    where a method says that it takes HTML.
-    """
-
-    def __init__(self, title: str):
-        """**Arguments:** `title`: of the window and of the first heading [-]."""
-        self.title = title
-        self._parts = [f"<h1>{escape(title)}</h1>"]
-
-    def heading(self, text: str, anchor: str = "", level: int = 2) -> None:
-        """A heading of `level` 2 or 3; `anchor` is where links lead."""
-        mark = f' id="{escape(anchor)}"' if anchor else ""
-        self._parts.append(f"<h{level}{mark}>{escape(text)}</h{level}>")
-
-    def paragraph(self, text: str, kind: str = "") -> None:
-        """A paragraph; `kind` is "", "lead", "note" or "warning"."""
-        self.html(f"<p{_class(kind)}>{prose(text)}</p>")
-
-    def points(self, texts: Iterable[str]) -> None:
-        """A list."""
-        items = "".join(f"<li>{prose(text)}</li>" for text in texts)
-        self.html(f"<ul>{items}</ul>")
-
-    def several(self, lists: Mapping[str, Iterable[str]]) -> None:
-        """A list for each of what they are about."""
-        for about, texts in lists.items():
-            self.paragraph(f"{about[0].upper()}{about[1:]}:")
-            self.points(texts)
-
-    def links(self, titled: dict[str, str]) -> None:
-        """A row of links: addresses on this page or beside it, by text."""
-        inside = "".join(
-            f'<a href="{escape(to)}">{escape(text)}</a>' for text, to in titled.items()
-        )
-        self.html(f"<nav>{inside}</nav>")
-
-    def files(self, names: Sequence[str]) -> None:
-        """Links to files beside the page."""
-        inside = ", ".join(f'<a href="{escape(name)}">{escape(name)}</a>' for name in names)
-        self.html(f'<p class="files">{inside}</p>')
-
-    def downloads(self, files: Mapping[str, bytes]) -> None:
-        """Links that save `files`, which the page holds: they survive its being sent."""
-        inside = ", ".join(
-            f'<a download="{escape(name)}" href="{data_uri(content, name.rsplit(".", 1)[-1])}">'
-            f"{escape(name)}</a>"
-            for name, content in files.items()
-        )
-        self.html(f'<p class="files">{inside}</p>')
-
-    def picture(self, content: bytes, kind: str, alternative: str, width: float) -> None:
-        """A picture of `kind` "svg" or "png", at most `width` [m] wide when printed."""
-        self.html(
-            f'<figure><img src="{data_uri(content, kind)}" alt="{escape(alternative)}" '
-            f'style="width:{1e3 * width * _ENLARGED:.0f}mm"></figure>'
-        )
-
-    def table(self, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-        """A table; its cells are HTML, so that they may hold `verdict`s."""
-        head = "".join(f"<th>{escape(text)}</th>" for text in heads)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows
-        )
-        self.html(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
-
-    def html(self, text: str) -> None:
-        """Something that is HTML already."""
-        self._parts.append(text)
-
-    def text(self, footer: str) -> str:
-        """The whole page, `footer` last; of what it says, every sign can be seen."""
-        body = "\n".join(self._parts)
-        return escape_invisible(
-            '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            '<link rel="icon" href="data:,">\n'  # else browsers ask for one
-            f"<title>{escape(self.title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
-            f"{body}\n<footer>{escape(footer)}</footer>\n</body>\n</html>\n"
-        )
-
-
+_TEMPLATES = Path(__file__).with_name("templates")
+_INCH = 25.4  # mm
+_ENLARGED = 1.35  # a screen is read from further away than a page
 _MEDIA = {
     "svg": "image/svg+xml", "png": "image/png", "csv": "text/csv", "json": "application/json",
 }  # fmt: skip
@@ -146,27 +32,161 @@ _VERDICTS = {
     "holds": ("holds", "✓"), "chosen": ("chosen", "←"), "by definition": ("defined", "≡"),
     "differs": ("differs", "≠"), "fails": ("fails", "✗"),
 }  # fmt: skip
-_ENLARGED = 1.35  # a screen is read from further away than a page
 
 
-def prose(text: str) -> str:
+class Picture(NamedTuple):
+    """A picture on a page: the `address` that holds it, and its `width` on the screen [mm]."""
+
+    address: str
+    width: int
+
+
+def render(template: str, folder: Path = _TEMPLATES, **values: Any) -> str:
+    """Fill a `template` of a `folder` with `values`; every sign of the page can be seen.
+
+    A template of another folder may extend those of fascicle's own. Text is escaped, Markup isn't.
+    """
+    from .. import __version__
+
+    frame = {
+        "version": __version__,
+        "colors": Markup(css(LIGHT)),  # noqa: S704 our own
+        "footer": "",
+        "date": "",
+        "body": "",
+    }
+    return escape_invisible(_environment(folder).get_template(template).render(frame | values))
+
+
+@cache
+def _environment(folder: Path) -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader([folder, _TEMPLATES]), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters |= {"prose": prose, "sentence": sentence}
+    environment.globals |= {"verdict": verdict, "mark": mark}
+    return environment
+
+
+def data_uri(content: bytes, kind: str) -> str:
+    """Address that holds a file's bytes, of `kind` "svg", "png", "csv" or "json"."""
+    return f"data:{_MEDIA[kind]};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def downloads(files: Mapping[str, bytes]) -> dict[str, str]:
+    """Addresses that hold `files`, by name: they survive the page's being sent."""
+    return {name: data_uri(content, name.rsplit(".", 1)[-1]) for name, content in files.items()}
+
+
+def picture(figure: "Figure", svg: bytes | None = None) -> Picture:
+    """A figure as a picture of a page; `svg` is the figure where it was drawn already."""
+    content = to_bytes(figure, "svg") if svg is None else svg
+    return Picture(data_uri(content, "svg"), _width(figure.get_figwidth()))
+
+
+def _width(inches: float) -> int:
+    return round(inches * _INCH * _ENLARGED)
+
+
+def prose(text: str) -> Markup:
     """Plain text as HTML, with `names` between backticks set as code."""
-    parts = escape(text).split("`")
+    parts = str(escape(text)).split("`")
     if len(parts) % 2 == 0:  # a lone backtick is only itself
         return escape(text)
-    return "".join(f"<code>{part}</code>" if i % 2 else part for i, part in enumerate(parts))
+    return Markup("").join(
+        Markup(f"<code>{part}</code>" if i % 2 else part)  # noqa: S704 escaped above
+        for i, part in enumerate(parts)
+    )
 
 
-def verdict(word: str) -> str:
+def sentence(text: str) -> str:
+    """Text with its first letter in upper case, the others as they are."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def verdict(word: str) -> Markup:
     """A claim's verdict as HTML: "holds", "chosen", "by definition", "differs" or "fails"."""
     style, sign = _VERDICTS[word]
-    return f'<span class="{style}">{sign}\u00a0{word}</span>'
+    return Markup('<span class="{}">{}\u00a0{}</span>').format(style, sign, word)
 
 
-def quotation(text: str) -> str:
+def mark(good: bool, yes: str, no: str, bad: str = "differs") -> Markup:
+    """A check or a cross with a word, as HTML; nothing where the word is empty."""
+    word = yes if good else no
+    style, sign = ("holds", "✓") if good else (bad, "✗")
+    return (
+        Markup('<span class="{}">{}\u00a0{}</span>').format(style, sign, word) if word else Markup()
+    )
+
+
+def quotation(text: str) -> Markup:
     """Somebody else's words as HTML."""
-    return f"<q>{escape(text)}</q>"
+    return Markup("<q>{}</q>").format(text)
 
 
-def _class(kind: str) -> str:
-    return f' class="{escape(kind)}"' if kind else ""
+def lines(texts: Sequence[str]) -> Markup:
+    """Lines of a table's cell, one below the other, as HTML."""
+    return Markup("<br>").join(texts)
+
+
+class Page:
+    """A page that is filled from top to bottom, then taken as text. Text is escaped, `Markup` is
+    not.
+    """
+
+    def __init__(self, title: str):
+        """**Arguments:** `title`: of the window and of the first heading."""
+        self.title = title
+        self._parts: list[Markup] = []
+
+    def heading(self, text: str, anchor: str = "", level: int = 2) -> None:
+        """Add a heading of `level` 2 or 3; links lead to the `anchor`."""
+        name = Markup(' id="{}"').format(anchor) if anchor else ""
+        self.html(Markup("<h{0}{1}>{2}</h{0}>").format(level, name, text))
+
+    def paragraph(self, text: str, kind: str = "") -> None:
+        """Add a paragraph; `kind` is "", "lead", "note" or "warning"."""
+        style = Markup(' class="{}"').format(kind) if kind else ""
+        self.html(Markup("<p{}>{}</p>").format(style, prose(text)))
+
+    def points(self, texts: Iterable[str]) -> None:
+        """Add a list."""
+        self._macro("points", list(texts))
+
+    def links(self, titled: Mapping[str, str]) -> None:
+        """Add a row of links: addresses on this page or beside it, by text."""
+        links = (Markup('<a href="{}">{}</a>').format(to, text) for text, to in titled.items())
+        self.html(Markup("<nav>{}</nav>").format(Markup("").join(links)))
+
+    def files(self, names: Sequence[str]) -> None:
+        """Add links to files beside the page."""
+        links = (Markup('<a href="{0}">{0}</a>').format(name) for name in names)
+        self.html(Markup('<p class="files">{}</p>').format(Markup(", ").join(links)))
+
+    def downloads(self, files: Mapping[str, bytes]) -> None:
+        """Add links that save `files`, which the page holds."""
+        self._macro("downloads", downloads(files))
+
+    def picture(self, content: bytes, kind: str, alternative: str, width: float) -> None:
+        """Add a picture of `kind` "svg" or "png", at most `width` [m] wide when printed."""
+        drawn = Picture(data_uri(content, kind), _width(width / 0.0254))
+        self._macro("picture", drawn, alternative)
+
+    def table(self, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """Add a table; its cells are HTML."""
+        self._macro("table", heads, [[Markup(cell) for cell in row] for row in rows])  # noqa: S704
+
+    def html(self, text: str) -> None:
+        """Add HTML."""
+        self._parts.append(Markup(text))  # noqa: S704 HTML already
+
+    def text(self, footer: str) -> str:
+        """Fill the frame; `footer` comes last."""
+        return render(
+            "page.html", title=self.title, body=Markup("\n").join(self._parts), footer=footer
+        )
+
+    def _macro(self, name: str, *arguments: Any) -> None:
+        macros = _environment(_TEMPLATES).get_template("macros.html").module
+        self.html(getattr(macros, name)(*arguments))

@@ -96,7 +96,7 @@ def page(made, profiles, drawn):
 
 def test_warnings_come_first_then_what_the_data_cant_tell(page):
     heads = re.findall(r"<h2[^>]*>([^<]*)</h2>", page)
-    assert heads[:3] == ["Read this first", "What the data can&#x27;t tell", "Parameters"]
+    assert heads[:3] == ["Read this first", "What the data can&#39;t tell", "Parameters"]
     assert "Mind &lt; the step." in page
     untold = page[page.index('id="untold"') : page.index('id="parameters"')]
     assert "outer_radius" in untold and "c10" not in untold

@@ -24,7 +24,7 @@ def test_text_is_escaped():
     text = page()
     assert "<h1>A &lt;title&gt;</h1>" in text
     assert "1 &lt; 2 &amp; <code>code</code>" in text
-    assert 'alt="a &quot;picture&quot;"' in text
+    assert 'alt="a &#34;picture&#34;"' in text
 
 
 def test_no_sign_hides_wherever_it_stands():
@@ -62,7 +62,7 @@ def test_a_file_is_in_its_address_and_is_saved_under_its_name():
     made.downloads({"a.csv": b"x,y", 'b".json': b"{}"})
     text = made.text("")
     assert '<a download="a.csv" href="data:text/csv;base64,eCx5">a.csv</a>' in text
-    assert 'download="b&quot;.json" href="data:application/json;base64,e30="' in text
+    assert 'download="b&#34;.json" href="data:application/json;base64,e30="' in text
 
 
 @pytest.mark.parametrize("word", ["holds", "differs", "fails", "chosen", "by definition"])

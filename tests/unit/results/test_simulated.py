@@ -11,7 +11,7 @@ import fascicle as fs
 from fascicle.dynamics import audit
 from fascicle.files import example_text, loads_scenario
 from fascicle.plot.trajectory import MOST, energy_balances, sides, thinned, traces
-from fascicle.reports.simulated import report
+from fascicle.reports.simulation import report
 
 
 SHORT = (
@@ -103,5 +103,5 @@ def test_the_page_says_whether_to_believe_it(ran):
         assert part in page
     assert "http" not in re.sub(r'href="data:[^"]*"|src="data:[^"]*"', "", page)
     doubted = report(read, found, None, ["`chamber` is <a fit>"], "2026-05-04")
-    assert "This run can&#x27;t be trusted." in doubted
+    assert "This run can't be trusted." in doubted
     assert "&lt;a fit&gt;" in doubted and "balances close" not in doubted

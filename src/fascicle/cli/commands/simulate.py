@@ -89,9 +89,9 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
 
     def draw() -> Any:
         from ...plot.trajectory import traces
-        from ...reports.controlled import demanded
+        from ...reports.simulation import run_demand
 
-        return traces(study.plant, result, demanded(study, result))
+        return traces(study.plant, result, run_demand(study, result))
 
     notes = [*study.notes, *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else [])]
     outputs.write(
@@ -102,7 +102,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
         notes=" ".join(notes),
     )
     if report is not None:
-        from ...reports.simulated import report as page
+        from ...reports.simulation import report as page
 
         text = page(study, result, balances, doubts, _today())
         _write_report(report, outputs, text)
@@ -115,8 +115,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
     from ...control import POLICIES
     from ...plot.trajectory import PolicyCosts, policies
-    from ...reports import compared as pages
-    from ...reports.controlled import demanded, judged
+    from ...reports import simulation as pages
     from ...results.controlled import compared as table_of
 
     runs: dict[str, Any] = {}
@@ -127,10 +126,10 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
                 one = study.taking(policy)
                 result = one.run()
             _, doubts = audit_run(one.plant, result)
-            demand = demanded(one, result)
+            demand = pages.run_demand(one, result)
             assert demand is not None
-            metrics = judged(one.controlled, result)
-            runs[policy] = pages.Ran(one.controlled, result, metrics, demand, doubts)
+            metrics = pages.control_worth(one.controlled, result)
+            runs[policy] = pages.PolicyRun(one.controlled, result, metrics, demand, doubts)
     metrics = [run.worth for run in runs.values()]
     controllers = {name: run.controlled.controller for name, run in runs.items()}
     table = table_of(controllers, metrics, [not run.doubts for run in runs.values()])
@@ -140,17 +139,17 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         costs = PolicyCosts(
             [m.drawdown for m in metrics], [m.supply_energy for m in metrics], front
         )
-        pairs = {name: (run.run, run.demanded) for name, run in runs.items()}
+        pairs = {name: (run.run, run.demand) for name, run in runs.items()}
         return policies(study.plant, pairs, costs)
 
-    notes = [f"{note}." for note in pages.notes(study, runs)]
+    notes = [f"{note}." for note in pages.policy_notes(study, runs)]
 
     def table_for_reader() -> None:
         of = study.controlled.controller.of
         print_table(
             f"Policies on {study.name}, control of {of}",
-            pages.heads(study.plant, of),
-            pages.rows(study.plant, of, runs, front),
+            pages.policy_heads(study.plant, of),
+            pages.policy_rows(study.plant, of, runs, front),
             "front: no other policy has less drawdown for as much energy, or takes less energy for"
             " as much drawdown",
         )
@@ -160,7 +159,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     title = f"Policies of {study.name}"
     outputs.write(table, table_for_reader, draw, title=title, notes=" ".join(notes))
     if report is not None:
-        _write_report(report, outputs, pages.report(study, runs, front, draw(), _today()))
+        _write_report(report, outputs, pages.policy_report(study, runs, front, draw(), _today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
 
 
@@ -243,12 +242,12 @@ def _print(study: Any, result: Any, balances: Any) -> None:
 
 
 def _print_control(study: Any, result: Any) -> None:
-    from ...reports.controlled import beyond, judged, told
+    from ...reports.simulation import control_worth, unreachable_message, worth_rows
 
     control, plant = study.controlled, study.plant
-    metrics, of = judged(control, result), control.controller.of
-    print_table(f"Control of {of} by {control.policy}", ["", ""], told(plant, of, metrics))
-    if unreachable := beyond(plant, of, metrics):
+    metrics, of = control_worth(control, result), control.controller.of
+    print_table(f"Control of {of} by {control.policy}", ["", ""], worth_rows(plant, of, metrics))
+    if unreachable := unreachable_message(plant, of, metrics):
         print_line(f"note: {unreachable}")
 
 
