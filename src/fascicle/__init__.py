@@ -120,7 +120,7 @@ _WENT = {"describe": "files"} | {
     f"describe.{old}": new
     for old, new in {
         "atomic": "io.atomic",
-        "calibrated": "files.calibrated",
+        "calibrated": "files.calibration_files",
         "results": "results.labelled",
     }.items()
 }

@@ -322,7 +322,7 @@ def test_control_c_is_quiet(fascicle, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fascicle.files.named.example_text", interrupted)
+    monkeypatch.setattr("fascicle.files.shipped_files.example_text", interrupted)
     assert fascicle("muscles", SIX) == (130, "", "")
 
 

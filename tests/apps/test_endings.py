@@ -219,7 +219,7 @@ def test_memory_that_was_not_foreseen(fascicle, monkeypatch, error):
     def full(*_):
         raise error
 
-    monkeypatch.setattr("fascicle.files.named.example_text", full)
+    monkeypatch.setattr("fascicle.files.shipped_files.example_text", full)
     code, _, err = fascicle("muscles", SIX)
     assert code == 2 and err.count("\n") == 1
     assert (
@@ -233,7 +233,7 @@ def test_a_bug_is_one_line_that_says_so_and_can_be_looked_into(fascicle, monkeyp
     def broken(*_):
         raise KeyError("x")
 
-    monkeypatch.setattr("fascicle.files.named.example_text", broken)
+    monkeypatch.setattr("fascicle.files.shipped_files.example_text", broken)
     code, _, err = fascicle("muscles", SIX)
     assert code == 70 and err.count("\n") == 1
     assert "KeyError: 'x'. That is a bug in fascicle" in err and "FASCICLE_TRACEBACK=1" in err

@@ -57,7 +57,7 @@ def test_what_can_not_be_written_is_refused_in_a_line(fascicle, tmp_path, option
 
 
 def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
-    from fascicle.files.named import example_text
+    from fascicle.files.shipped_files import example_text
 
     text = example_text("ramp_hand_over")
     (tmp_path / "ramp.toml").write_text(text.replace('"hand_over"  ', '"threshold"'))

@@ -39,7 +39,7 @@ def load_laws() -> None:
     wrapt.register_post_import_hook(_configure_jax, "jax")
     with status("loading the laws"):
         from ..core.validation import disable_pressure_unit_warning
-        from ..files import reading  # noqa: F401 and with it all laws
+        from ..files import muscle_files  # noqa: F401 and with it all laws
     disable_pressure_unit_warning()  # options and files have their units
 
 
@@ -82,10 +82,10 @@ def read_target(target: str) -> Any:
         raise _unknown(target, examples(), "example", "see `fascicle muscles`.")
     load_laws()
     from ..files import example
-    from ..files.reading import load
+    from ..files.muscle_files import load_muscle
 
     with user_errors():
-        return load(target) if exists else example(target)
+        return load_muscle(target) if exists else example(target)
 
 
 def read_scenario(target: str) -> Any:
@@ -113,10 +113,10 @@ def is_scenario(target: str) -> bool:
 
     if not _exists(target):
         return target in scenarios()
-    from ..files.reading import parsed, text_of
+    from ..files.muscle_files import parse_file, read_text
 
     with user_errors():
-        return "load" in parsed(text_of(Path(target)), target)
+        return "load" in parse_file(read_text(Path(target)), target)
 
 
 def read_muscle(target: str, remedy: str) -> "Muscle":

@@ -242,7 +242,7 @@ def fitted(
 
 def tuned_file(choice: "Choice", date: str) -> str:
     """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
-    from ..files.calibrated import calibrated_text
+    from ..files.calibration_files import calibrated_text
 
     return calibrated_text(choice.made, date, _several(choice))
 

@@ -126,13 +126,13 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
     from ..files import example, examples
-    from ..files.reading import load
+    from ..files.muscle_files import load_muscle
     from .state import view_of
 
     name = target if isinstance(target, str) else "muscle"
     found: Any = target
     if isinstance(target, str):
-        found = example(target) if target in examples() else load(target)
+        found = example(target) if target in examples() else load_muscle(target)
     pn.extension()
     return build(Session(view_of(found, name), pn.io.unlocked), theme)
 

@@ -1,20 +1,20 @@
-"""Muscles, bundles and scenarios as TOML files, the named examples, and results in and out.
+"""Muscles, bundles, scenarios and tasks as TOML files, and the named examples.
 
-Names are looked up when they are asked for, so that listing the examples (as the shell's
-completion does) loads neither pydantic nor JAX.
+Names are imported when they are first used: listing the examples, as the shell's completion does,
+loads neither pydantic nor JAX.
 """
 
-from typing import TYPE_CHECKING
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .named import example, example_text, examples, scenarios
-    from .opening import load
-    from .reading import loads, provenance
+    from .shipped_files import example_text, examples, scenarios
+    from .muscle_files import dumps, loads, provenance, save
     from .scenario import Scenario, load_scenario, loads_scenario
-    from .writing import dumps, save
 
 __all__ = [
     "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",
@@ -22,18 +22,53 @@ __all__ = [
 ]  # fmt: skip
 
 _HOMES = {
-    "dumps": "writing",
-    "example": "named",
-    "example_text": "named",
-    "examples": "named",
-    "load": "opening",
-    "load_scenario": "scenario",
-    "loads": "reading",
-    "loads_scenario": "scenario",
-    "provenance": "reading",
-    "save": "writing",
-    "Scenario": "scenario",
-    "scenarios": "named",
+    **dict.fromkeys(("dumps", "loads", "provenance", "save"), "muscle_files"),
+    **dict.fromkeys(("example_text", "examples", "scenarios"), "shipped_files"),
+    **dict.fromkeys(("Scenario", "load_scenario", "loads_scenario"), "scenario"),
 }
+_MOVED = {"calibrated": "files.calibration_files"}
 
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)
+
+
+def load(path: str | os.PathLike[str]) -> Any:
+    """Read a muscle, bundle or scenario file.
+
+    **Arguments:** `path`: the TOML file [-].
+
+    **Returns:** a `Scenario` if the file has a `[load]` and a `[run]`, a `Bundle` if it has a
+    `[bundle]` alone, else its `Muscle` [SI].
+
+    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
+    values that aren't valid.
+    """
+    from .muscle_files import from_dict, parse_file, read_text
+
+    path = Path(path)
+    data = parse_file(read_text(path), str(path))
+    if {"load", "run", "schedule"} & data.keys():
+        from .scenario import scenario_from_dict
+
+        return scenario_from_dict(data, str(path), path.parent, path.stem)
+    return from_dict(data, str(path))
+
+
+def example(name: str) -> Any:
+    """Build a named muscle, bundle or scenario.
+
+    **Arguments:** `name`: one of `examples()` or `scenarios()` [-].
+
+    **Returns:** the `Muscle`, `Bundle` or `Scenario` [SI].
+
+    **Raises:** `ValueError` for an unknown name; the nearest is suggested.
+    """
+    from .shipped_files import example_text, scenarios
+
+    content = example_text(name)
+    if name in scenarios():
+        from .scenario import loads_scenario
+
+        return loads_scenario(content, source=name)
+    from .muscle_files import loads
+
+    return loads(content, source=name)

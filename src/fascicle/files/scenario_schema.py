@@ -1,15 +1,17 @@
-"""The sections of a scenario file, format 1: a table for each part of a plant, the run, commands.
+"""Schema of a scenario file, format 1: tables of a plant's parts, the run, commands, control.
 
-What a part's table may hold is what its class declares; a class is chosen by the table's `kind`.
-Only each name's dimension is said here, once for all of them.
+A part's table holds what its class declares; the class is chosen by the table's `kind`. Only each
+name's dimension is given here, once for all classes.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from inspect import Parameter, signature
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BaseModel, Field, StrictInt, create_model
+from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
+from ..core.schema import Quantity, TableModel, did_you_mean
 from ..dynamics import (
     AntagonisticJoint,
     Coulomb,
@@ -40,12 +42,15 @@ from ..fluid import (
     Tank,
     VariablePump,
 )
-from .control_schema import control_keys
-from .faults import nearest
-from .places import Place
-from .schema import Section, key, quantity
+from ..units import sample
+from .errors import FileLocation
 
 
+_CONTROL_DIMENSIONS = {
+    "band": "force", "sample_time": "time", "delay": "time", "highest_pressure": "pressure",
+    "flow_limit": "number", "co_contraction": "force", "integral_time": "time",
+    "force_gain": "number", "force_integral_time": "time", "pressure_time": "time",
+}  # fmt: skip
 _DIMENSIONS = {
     "mass": "mass", "gravity": "acceleration", "damping": "damping", "rest": "length",
     "spring_stiffness": "stiffness", "force_outside": "force", "inertia_moment": "inertia_moment",
@@ -64,12 +69,12 @@ _DIMENSIONS = {
     "slip_force": "force", "slip_force_slope": "slip", "width": "pressure",
     "velocity": "velocity",
 }  # fmt: skip
-_OF_A_TURN = {
+_ROTARY_DIMENSIONS = {
     "damping": "angular_damping", "stiffness": "angular_stiffness", "low": "angle", "high": "angle",
     "position": "angle",
 }  # fmt: skip
-# what a name is in one class alone
-_OF_A_CLASS: Mapping[type, Mapping[str, str]] = {
+# dimensions of a name in one class alone
+_CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
     PressureBand: {"low": "pressure", "high": "pressure"},
     VariablePump: {"band": "pressure"},
 }
@@ -78,18 +83,27 @@ _INNER = {"stop": Stop, "line": Line}  # tables in a table
 PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
 
 
+def _key(dimension: str, many: bool = False, needed: bool = True) -> tuple[Any, Any]:
+    """Type and default of a key."""
+    kind: Any = Annotated[Any, Quantity(dimension, many)]
+    return kind, Field(examples=[sample(dimension)]) if needed else None
+
+
 class Part(NamedTuple):
-    """A part of a plant: the key `by` which its class is chosen, `kinds` by name, which of them is
-    the `usual` one where none is said, names that its table doesn't have, as they are `found`
-    elsewhere, whether the table may be `left_out`, and whether its numbers may be a list, one for
-    each motor unit, a valve's spring, … (`many`).
+    """A part of a plant.
+
+    - `key`: the key by which its class is chosen.
+    - `kinds`: classes by name; `default`: the one if none is named.
+    - `supplied`: arguments that don't come from its table.
+    - `optional`: true if the table may be missing.
+    - `many`: true if its numbers may be a list, one for each motor unit, spring, ….
     """
 
-    by: str
+    key: str
     kinds: Mapping[str, type]
-    usual: str = ""
-    found: tuple[str, ...] = ()
-    left_out: bool = False
+    default: str = ""
+    supplied: tuple[str, ...] = ()
+    optional: bool = False
     many: bool = True
 
 
@@ -103,103 +117,94 @@ PARTS = {
     "fluid": Part("chamber", {
         "adiabatic_wall": AdiabaticWall, "isothermal": Isothermal, "polytropic": Polytropic,
         "liquid": LiquidChamber,
-    }, found=("gas", "liquid")),
+    }, supplied=("gas", "liquid")),
     "supply": Part("kind", {
         "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
         "pumped": PumpedAccumulator,
-    }, found=(*_ROOM, "chamber"), many=False),
+    }, supplied=(*_ROOM, "chamber"), many=False),
     "valve": Part("kind", _VALVES),
-    "exhaust_valve": Part("kind", _VALVES, left_out=True),
+    "exhaust_valve": Part("kind", _VALVES, optional=True),
     "spool": Part("kind", {
         "direct": Direct, "servovalve": Servovalve, "orderly": OrderlyValve,
-    }, "direct", found=("units",), left_out=True),
+    }, "direct", supplied=("units",), optional=True),
     "hysteresis": Part("kind", {
         "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
-    }, left_out=True),
+    }, optional=True),
 }  # fmt: skip
 _PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
-              found=("liquid",), many=False)  # fmt: skip
+              supplied=("liquid",), many=False)  # fmt: skip
 
 
-def _or_none(kind: Any) -> Any:
-    return kind | None
-
-
-def _table(part: Part, kind: type, turns: bool) -> type[Section]:
-    """The table of a class: what its constructor takes."""
-    keys: dict[str, Any] = {part.by: _NAME} if part.by else {}
-    for name, one in signature(kind).parameters.items():
-        if name in part.found:
+def _table(part: Part, kind: type, turns: bool) -> type[TableModel]:
+    """Table of a class: the arguments of its constructor."""
+    keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
+    for name, parameter in signature(kind).parameters.items():
+        if name in part.supplied:
             continue
         if name in _INNER:
             inner: Any = _table(Part("", {}, many=False), _INNER[name], turns)
-            keys[name] = (_or_none(inner), None)
+            keys[name] = (inner | None, None)
             continue
-        own = _OF_A_CLASS.get(kind, _OF_A_TURN if turns else {})
-        dimension = own.get(name)
-        needed = one.default is Parameter.empty
-        keys[name] = key(dimension or _DIMENSIONS[name], part.many, needed)
+        names = _CLASS_DIMENSIONS.get(kind, _ROTARY_DIMENSIONS if turns else {})
+        dimension = names.get(name)
+        needed = parameter.default is Parameter.empty
+        keys[name] = _key(dimension or _DIMENSIONS[name], part.many, needed)
     if kind is Tank:  # it stands behind a wall of its own
-        keys["conductance"] = key("wall_conductance", needed=False)
-    return create_model(f"{kind.__name__}Section", __base__=Section, **keys)
+        keys["conductance"] = _key("wall_conductance", needed=False)
+    return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
 
 
-def _pumped(data: Mapping[str, Any], place: Place) -> type[Section]:
+def _pumped(data: Mapping[str, Any], location: FileLocation) -> type[TableModel]:
     """The table of an accumulator with the kind of pump that a scenario's `data` name."""
     keys: dict[str, Any] = {
-        name: (_or_none(_table(Part("", {}, many=False), kind, turns=False)), None)
+        name: (_table(Part("", {}, many=False), kind, turns=False) | None, None)
         for name, kind in PUMPED.items()
     }
-    pump = _table(_PUMPS, pump_class(data, place), turns=False)
+    pump = _table(_PUMPS, pump_class(data, location), turns=False)
     keys["pump"] = (pump, Field(examples=["[supply.pump]"]))
     store = _table(PARTS["supply"], Accumulator, turns=False)
     return create_model("PumpedSection", __base__=store, **keys)
 
 
-def pump_class(data: Mapping[str, Any], place: Place) -> type:
-    """The class of the pump [-] that a scenario's `data` [-] name, of the whole file's `place`."""
+def pump_class(data: Mapping[str, Any], location: FileLocation) -> type:
+    """Class of the pump in a scenario's tables."""
     table = data["supply"].get("pump")
-    at = place.inner("supply", kind="part")
-    return _class("pump", _PUMPS, table if isinstance(table, dict) else {}, at)
+    inner = location.inner("supply", kind="part")
+    return _class("pump", _PUMPS, table if isinstance(table, dict) else {}, inner)
 
 
-class CommandSection(Section):
+class CommandSection(TableModel):
     """`[[schedule]]`: from a time on, a command for each valve, or one for all of them."""
 
-    time: Annotated[float, quantity("time")] = Field(examples=['"0 s"'])
-    command: Annotated[Any, quantity("number", many=True)] = Field(examples=["[1, 0]"])
+    time: Annotated[float, Quantity("time")] = Field(examples=['"0 s"'])
+    command: Annotated[Any, Quantity("number", many=True)] = Field(examples=["[1, 0]"])
 
 
-def _run(turns: bool) -> type[Section]:
+def _run(turns: bool) -> type[TableModel]:
     return create_model(
         "RunSection",
-        __base__=Section,
-        duration=(Annotated[float, quantity("time")], Field(examples=['"10 s"'])),
-        dt=key("time", needed=False),
+        __base__=TableModel,
+        duration=(Annotated[float, Quantity("time")], Field(examples=['"10 s"'])),
+        dt=_key("time", needed=False),
         law=_NAME,
         volume=_NAME,
-        pressures=key("pressure", many=True, needed=False),
-        position=key("angle" if turns else "length", needed=False),
+        pressures=_key("pressure", many=True, needed=False),
+        position=_key("angle" if turns else "length", needed=False),
     )
 
 
-def chosen(data: Mapping[str, Any], place: Place) -> tuple[type[BaseModel], dict[str, type]]:
-    """The file's schema, for the kinds of parts that it names.
+def choose_schema(
+    data: Mapping[str, Any], location: FileLocation
+) -> tuple[type[BaseModel], dict[str, type]]:
+    """Schema for the kinds of parts in a file's tables, and the class of each part by its key.
 
-    **Arguments:**
-
-    - `data`: what it holds [-].
-    - `place`: of the whole file [-].
-
-    **Returns:** the schema, and the class of each part that is there, by its key [-].
-
-    **Raises:** `ValueError`, in one line, for a kind that there isn't.
+    Raises a `ValueError`, in one line, for an unknown kind.
     """
     classes = {}
     for name, part in PARTS.items():
         table = data.get(name)
         if isinstance(table, dict):
-            classes[name] = _class(name, part, table, place)
+            classes[name] = _class(name, part, table, location)
     turns = classes.get("load") is AntagonisticJoint
     keys: dict[str, Any] = {
         "format": (StrictInt, Field(examples=["1"])),
@@ -209,33 +214,61 @@ def chosen(data: Mapping[str, Any], place: Place) -> tuple[type[BaseModel], dict
         "muscle": (Any, None),
     }
     for name, part in PARTS.items():
-        kind: Any = Section
+        kind: Any = TableModel
         if classes.get(name) is PumpedAccumulator:
-            kind = _pumped(data, place)
+            kind = _pumped(data, location)
         elif name in classes:
             kind = _table(part, classes[name], turns and name == "load")
         if name == "fluid" and name in classes:
             kind = create_model("FluidSection", __base__=kind, medium=_NAME)
         needed = (kind, Field(examples=[f"[{name}]"]))
-        keys[name] = (_or_none(kind), None) if part.left_out else needed
+        keys[name] = (kind | None, None) if part.optional else needed
     keys["run"] = (_run(turns), Field(examples=["[run]"]))
     if isinstance(data.get("control"), dict):
-        keys |= control_keys(turns)
+        keys |= _control_keys(turns)
     else:
         keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
-    return create_model("ScenarioFileSection", __base__=Section, **keys), classes
+    return create_model("ScenarioFileSection", __base__=TableModel, **keys), classes
 
 
-def _class(name: str, part: Part, table: Mapping[str, Any], place: Place) -> type:
-    kind = table.get(part.by, part.usual or None)
+def _control_keys(turns: bool) -> dict[str, Any]:
+    """Keys of a controlled scenario's file; `turns`: true for a joint."""
+    may = partial(_key, needed=False)
+    keys: dict[str, Any] = {name: may(dimension) for name, dimension in _CONTROL_DIMENSIONS.items()}
+    keys["position_gain"] = may("angular_stiffness" if turns else "stiffness")
+    keys["velocity_gain"] = may("angular_damping" if turns else "damping")
+    named: Any = (str, Field(examples=['"hand_over"']))
+    control: Any = create_model(
+        "ControlSection", __base__=TableModel, policy=named,
+        compensate=(StrictBool | None, None), **keys,
+    )  # fmt: skip
+    where = "angle" if turns else "length"
+    force = "moment" if turns else "force"
+    demand: Any = create_model(
+        "DemandSection", __base__=TableModel, time=_key("time"), force=may(force),
+        position=may(where),
+    )  # fmt: skip
+    sine: Any = create_model(
+        "SineSection", __base__=TableModel, mean=_key(where), amplitude=_key(where),
+        frequency=_key("frequency"),
+    )  # fmt: skip
+    return {
+        "control": (control, Field(examples=["[control]"])),
+        "demand": (list[demand] | None, None),
+        "sine": (sine | None, None),
+    }
+
+
+def _class(name: str, part: Part, table: Mapping[str, Any], location: FileLocation) -> type:
+    kind = table.get(part.key, part.default or None)
     if name == "fluid" and kind is None:
         kind = "liquid" if table.get("medium") in ("oil", "water") else "adiabatic_wall"
     if kind is None:
         known = ", ".join(part.kinds)
-        raise place.refuse((name, part.by), f"missing, write {part.by} = one of {known}.")
+        raise location.error((name, part.key), f"missing, write {part.key} = one of {known}.")
     if not isinstance(kind, str):
         rule = f"must be a name in quotes, one of {', '.join(part.kinds)}."
-        raise place.refuse((name, part.by), rule)
+        raise location.error((name, part.key), rule)
     if kind not in part.kinds:
-        raise place.refuse((name, part.by), f"there is none{nearest(kind, part.kinds)}")
+        raise location.error((name, part.key), f"there is none{did_you_mean(kind, part.kinds)}")
     return part.kinds[kind]

@@ -1,156 +1,137 @@
-"""The sections of a muscle file, format 1: their keys and the kind of value of each.
+"""Schemas of muscle, bundle, task and catalog files, format 1: their keys and kinds of values.
 
-A section knows units and types only. What a muscle may be is the laws' own business: their
-constructors refuse it, and `reading` adds the file's name and key to what they say. A key
-that is left out stays `None` here, so a default is written in one place, the constructor. The
-keys of a law are those of the constants that it declares.
+A section knows units and types only. What a muscle may be is checked by the laws' constructors;
+`muscle_files` adds the file's name and key to what they say. A key that is left out stays `None`
+here, so a default is written in one place, the constructor. The keys of a law are those of the
+constants that it declares.
 """
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any
+import math
+import re
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-import numpy as np
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
+    StrictBool,
     StrictInt,
     StrictStr,
     Tag,
     create_model,
 )
 
-from ..core.parameters import Constant
+from ..core.errors import InvalidInputError
+from ..core.schema import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
+from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from ..units import parse, sample
+from ..units import parse, parse_list
 
 
-def quantity(dimension: str, many: bool = False) -> BeforeValidator:
-    """What reads text with a unit of a `dimension` [-], a list of it too where there may be `many`
-    [-].
-    """
-
-    def read(value: Any, info: Any) -> Any:
-        name = info.field_name
-        if many and isinstance(value, list) and value:
-            return np.array([parse(entry, dimension, name) for entry in value])
-        return parse(value, dimension, name)
-
-    return BeforeValidator(read)
+Length = Annotated[float, Quantity("length")]
+Angle = Annotated[float, Quantity("angle")]
+Force = Annotated[float, Quantity("force")]
+Pressure = Annotated[float, Quantity("pressure")]
+Number = Annotated[float, Quantity("number")]
 
 
-def key(dimension: str, many: bool = False, needed: bool = True) -> tuple[Any, Any]:
-    """A key of a section [-]: its value's kind, and what stands for it; arguments as `quantity`'s,
-    and whether it is `needed` [-].
-    """
-    kind: Any = Annotated[Any, quantity(dimension, many)]
-    return kind, Field(examples=[sample(dimension)]) if needed else None
-
-
-Length = Annotated[float, quantity("length")]
-Angle = Annotated[float, quantity("angle")]
-Force = Annotated[float, quantity("force")]
-Pressure = Annotated[float, quantity("pressure")]
-InversePressure = Annotated[float, quantity("inverse_pressure")]
-Number = Annotated[float, quantity("number")]
-
-# a value that is either plain or a table: the choice is by type, so an error names one key
-PLAIN, TABLE = "(plain)", "(table)"
-_CHOICES = ("material", "hinge_stiffness_factor", "catalog", *LAWS)
-CHOICES = tuple((key,) for key in _CHOICES)
-
-
-def _plain_or_table(value: Any) -> str:
-    return TABLE if isinstance(value, dict) else PLAIN
-
-
-class Section(BaseModel):
-    """A table of a muscle file; a key it doesn't know is refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class LawSection(Section):
+class LawSection(TableModel):
     """`tension = { … }` and the like: a law by name, with its own numbers."""
 
     law: StrictStr | None = None
 
+    @classmethod
+    def known_keys(cls, table: Any) -> list[str]:
+        """Keys of the law that the `table` names, or of all laws of its kind."""
+        laws = LAWS[cls.__name__.removesuffix("Section").lower()]
+        chosen = laws.get(str(value_at(table, ["law"])))
+        if chosen is None:
+            return list(cls.model_fields)
+        others = {key for law in laws.values() for key in _law_keys(law)} - _law_keys(chosen)
+        return [key for key in cls.model_fields if key not in others]
 
-def _float(reader: BeforeValidator) -> Any:
-    return Annotated[float | None, reader]  # no file says `None`: it is left out
+
+def _law_keys(law: type[AbstractLaw]) -> set[str]:
+    return {key.name for key in (*law.constants(), *law.switches())}
 
 
-def _keys(constants: Iterable[Constant]) -> dict[str, Any]:
-    return {one.name: (_float(quantity(one.dimension)), None) for one in constants}
+def _optional(reader: Any) -> Any:
+    return (Annotated[float | None, reader], None)  # no file says `None`: it is left out
 
 
-def _reader_of(kind: str, name: str) -> BeforeValidator:
-    """As `_reader`, of a constant of whichever law of that kind was chosen above it."""
-    known = {
-        law.name: one.dimension
+def _constant_of(kind: str, name: str) -> BeforeValidator:
+    """Parser of a constant of whichever law of a kind was named before it in the table."""
+    dimensions = {
+        law.name: constant.dimension
         for law in LAWS[kind].values()
-        for one in law.constants()
-        if one.name == name
+        for constant in law.constants()
+        if constant.name == name
     }
-
     first = next(iter(LAWS[kind]))
 
     def read(value: Any, info: Any) -> float:
-        # where the law has none of this name it is refused later, by its own name
-        dimension = known.get(info.data.get("law") or first, next(iter(known.values())))
+        # a law that has none of this name refuses it later, by its own name
+        default = next(iter(dimensions.values()))
+        dimension = dimensions.get(info.data.get("law") or first, default)
         return parse(value, dimension, info.field_name)
 
     return BeforeValidator(read)
 
 
-def _table(kind: str, **first: Any) -> type[LawSection]:
-    """The table of a kind of law: all that its laws declare."""
+def _law_table(kind: str, **first: Any) -> type[LawSection]:
+    """Table of a kind of law: all that its laws declare."""
     keys: dict[str, Any] = {}
     for law in LAWS[kind].values():
-        for one in law.constants():
-            keys[one.name] = (_float(_reader_of(kind, one.name)), None)
-        keys |= {one.name: (str | None, None) for one in law.switches()}
+        keys |= {c.name: _optional(_constant_of(kind, c.name)) for c in law.constants()}
+        keys |= {switch.name: (str | None, None) for switch in law.switches()}
     return create_model(f"{kind.title()}Section", __base__=LawSection, **first, **keys)
 
 
-def _chosen(kind: str) -> Any:
-    """A law by name or, where its kind has any with numbers of their own, by a table."""
-    laws = LAWS[kind].values()
-    most = max(laws, key=lambda law: len(law.constants()))
-    if not any(law.constants() or law.switches() for law in laws):
-        return StrictStr
-    table = _table(kind, law=(StrictStr, Field(examples=[f'"{most.name}"'])))
+def _or_table(plain: Any, table: Any) -> Any:
+    """A plain value or a table: the choice is by type, so an error names one key."""
     return Annotated[
-        Annotated[StrictStr, Tag(PLAIN)] | Annotated[table, Tag(TABLE)],
-        Discriminator(_plain_or_table),
+        Annotated[plain, Tag(PLAIN)] | Annotated[table, Tag(TABLE)], Discriminator(plain_or_table)
     ]
 
 
-if TYPE_CHECKING:  # made of what the laws declare, which no type checker sees
-    MaterialSection = Section
-    CollapseSection = LawSection
-    Tension = Buckling = PostCollapse = Ends = str | LawSection
-else:
-    MaterialSection = create_model(
-        "MaterialSection", __base__=Section, **_keys(MooneyRivlin.constants())
-    )
-    CollapseSection = _table("collapse", transition_rate=(Number | None, None))
-    Tension, Buckling, PostCollapse, Ends = map(
-        _chosen, ("tension", "buckling", "post_collapse", "ends")
-    )
+def _law(kind: str) -> Any:
+    """A law by name or, if its kind has any with numbers of their own, by a table."""
+    laws = LAWS[kind].values()
+    if not any(map(_law_keys, laws)):
+        return StrictStr
+    example = max(laws, key=lambda law: len(law.constants())).name
+    return _or_table(StrictStr, _law_table(kind, law=(StrictStr, Field(examples=[f'"{example}"']))))
 
 
-class HingeSection(Section):
+class HingeSection(TableModel):
     """`hinge_stiffness_factor = { … }`: a factor that is affine in pressure."""
 
     constant: Number | None = None
-    slope: InversePressure | None = None
+    slope: Annotated[float, Quantity("inverse_pressure")] | None = None
 
 
-class TuningSection(Section):
+if TYPE_CHECKING:  # made of what the laws declare, which no type checker sees
+    MaterialSection = TableModel
+    CollapseSection = LawSection
+    Material = str | TableModel
+    Hinge = float | HingeSection
+    Tension = Buckling = PostCollapse = Ends = str | LawSection
+else:
+    MaterialSection = create_model(
+        "MaterialSection",
+        __base__=TableModel,
+        **{c.name: _optional(Quantity(c.dimension)) for c in MooneyRivlin.constants()},
+    )
+    CollapseSection = _law_table("collapse", transition_rate=(Number | None, None))
+    Material = _or_table(StrictStr, MaterialSection)
+    Hinge = _or_table(Number, HingeSection)
+    Tension, Buckling, PostCollapse, Ends = map(
+        _law, ("tension", "buckling", "post_collapse", "ends")
+    )
+
+
+class TuningSection(TableModel):
     """`[muscle.tuning]`: tables of C1 and C2 in pressure, four factors, the dead band."""
 
     pressure: list[Pressure] | None = None
@@ -158,31 +139,19 @@ class TuningSection(Section):
     c2: list[Number] | None = None
     youngs_modulus_factor: Number | None = None
     collapse_moment_factor: Number | None = None
-    hinge_stiffness_factor: (
-        Annotated[
-            Annotated[Number, Tag(PLAIN)] | Annotated[HingeSection, Tag(TABLE)],
-            Discriminator(_plain_or_table),
-        ]
-        | None
-    ) = None
+    hinge_stiffness_factor: Hinge | None = None
     transition_rate: Number | None = None
     dead_band: Pressure | None = None
 
 
-class MuscleSection(Section):
+class MuscleSection(TableModel):
     """`[muscle]`, or one of several named ones."""
 
     length: Length = Field(examples=['"127 mm"'])
     outer_radius: Length = Field(examples=['"6.35 mm"'])
     wall_thickness: Length = Field(examples=['"1.6 mm"'])
     braid_angle: Angle = Field(examples=['"33 deg"'])
-    material: (
-        Annotated[
-            Annotated[StrictStr, Tag(PLAIN)] | Annotated[MaterialSection, Tag(TABLE)],
-            Discriminator(_plain_or_table),
-        ]
-        | None
-    ) = None
+    material: Material | None = None
     tension: Tension | None = None
     buckling: Buckling | None = None
     post_collapse: PostCollapse | None = None
@@ -191,14 +160,14 @@ class MuscleSection(Section):
     tuning: TuningSection | None = None
 
 
-class MotorUnitSection(Section):
+class MotorUnitSection(TableModel):
     """`[[bundle.motor_unit]]`: how many muscles share a pressure, and which."""
 
     count: StrictInt | None = None
     muscle: StrictStr | None = None
 
 
-class BundleSection(Section):
+class BundleSection(TableModel):
     """`[bundle]`: the supply, the recruitment scheme, the motor units in their order."""
 
     supply_pressure: Pressure | None = None
@@ -209,10 +178,220 @@ class BundleSection(Section):
     )
 
 
-class FileSection(Section):
-    """A whole file; one unnamed muscle is filed under the empty name."""
+class MuscleFile(TableModel):
+    """A muscle or bundle file; one unnamed muscle stands under the empty name."""
 
     format: StrictInt = Field(examples=["1"])
     muscle: dict[str, MuscleSection] = Field(examples=["[muscle]"])
     bundle: BundleSection | None = None
-    calibration: dict[str, Any] | None = None  # where the muscle comes from: `provenance`
+    calibration: dict[str, Any] | None = None  # for readers and programs, no part of the muscle
+
+
+class Price(NamedTuple):
+    """An `amount` of a `currency`, for a piece or for the SI unit of a dimension."""
+
+    amount: float
+    currency: str
+
+
+_PRICE = re.compile(
+    r"\s*([€$£¥])?\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]{1,6}|[€$£¥])?\s*(?:(?:/|\bper\b)\s*(\S.*?))?\s*"
+)
+_HIGHEST_PRICE = 1e9  # of a currency
+_EXAMPLES = {None: "95 EUR", "volume": "0.025 EUR/m^3", "energy": "0.30 EUR/kWh",
+             "length": "40 EUR/m"}  # fmt: skip
+
+
+def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
+    """Parse a price; currencies aren't converted.
+
+    **Arguments:**
+
+    - `text`: such as "95 EUR" or "0.025 EUR/m^3"; the m³ of air is a normal one.
+    - `name`: the key, for errors.
+    - `dimension`: a key of `DIMENSIONS`, for a price by a unit; default: the price of a piece.
+
+    **Returns:** the price.
+
+    **Raises:** `ValueError`, in one line, for anything else.
+    """
+    shown = repr(text)
+    shown = shown if len(shown) <= 60 else f"{shown[:40]}…{shown[-1]}"
+    what = f'`{name}` must be a price, such as "{_EXAMPLES[dimension]}", got {shown}'
+    match = _PRICE.fullmatch(text) if isinstance(text, str) and len(text) <= 60 else None
+    if match is None:
+        raise ValueError(f"{what}.")
+    sign, digits, word, unit = match.groups()
+    if bool(sign) == bool(word):
+        raise ValueError(f"{what}: write one currency.")
+    if bool(unit) != (dimension is not None):
+        more = "by which unit?" if dimension else "it is for one, drop the unit."
+        raise ValueError(f"{what}: {more}")
+    amount = float(digits)
+    if not math.isfinite(amount) or amount > _HIGHEST_PRICE:
+        raise ValueError(f"{what}: it must lie in [0, {_HIGHEST_PRICE:g}].")
+    if dimension is None or not unit:
+        return Price(amount, sign or word)
+    # a normal cubic meter is written Nm³ by many
+    plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
+    try:
+        size = parse(f"1 {plain}", dimension, name)
+    except ValueError:
+        raise ValueError(f"{what}: {unit!r} is no unit of {dimension}.") from None
+    return Price(amount / size, sign or word)
+
+
+def _quantities(dimension: str) -> BeforeValidator:
+    """A quantity, a list or range in the command line's syntax, or a list of these."""
+
+    def read(value: Any, info: Any) -> tuple[float, ...]:
+        values: list[float] = []
+        for entry in value if isinstance(value, list) else [value]:
+            if isinstance(entry, str) and (":" in entry or "," in entry):
+                values += parse_list(entry, dimension, info.field_name)
+            else:
+                values.append(parse(entry, dimension, info.field_name))
+        return tuple(values)
+
+    return BeforeValidator(read)
+
+
+def _entries(kind: type, rule: str) -> BeforeValidator:
+    """One entry or a list of them."""
+
+    def read(value: Any, info: Any) -> tuple[Any, ...]:
+        entries = value if isinstance(value, list) else [value]
+        if not entries or any(type(entry) is not kind for entry in entries):
+            raise InvalidInputError(info.field_name, f"must be {rule}, or a list of them", None)
+        return tuple(entries)
+
+    return BeforeValidator(read)
+
+
+def _price(dimension: str | None) -> BeforeValidator:
+    def read(value: Any, info: Any) -> Price:
+        return parse_price(value, info.field_name, dimension)
+
+    return BeforeValidator(read)
+
+
+def _name_or_tables(value: Any) -> str:
+    return TABLE if isinstance(value, list) else PLAIN
+
+
+PriceEach = Annotated[Price, _price(None)]
+PricePerLength = Annotated[Price, _price("length")]
+Names = Annotated[tuple[str, ...], _entries(str, "a name")]
+Integers = Annotated[tuple[int, ...], _entries(int, "a whole number")]
+Lengths = Annotated[tuple[float, ...], _quantities("length")]
+Angles = Annotated[tuple[float, ...], _quantities("angle")]
+Forces = Annotated[tuple[float, ...], _quantities("force")]
+Strains = Annotated[tuple[float, ...], _quantities("strain")]
+Times = Annotated[tuple[float, ...], _quantities("time")]
+Numbers = Annotated[tuple[float, ...], _quantities("number")]
+
+
+class TaskSection(TableModel):
+    """`[task]`: a named example, or forces at strains or strokes, with weights or times."""
+
+    example: StrictStr | None = None
+    name: StrictStr | None = None
+    source: StrictStr | None = None
+    force: Forces | None = None
+    strain: Strains | None = None
+    stroke: Lengths | None = None
+    weight: Numbers | None = None
+    time: Times | None = None
+    supply_pressure: Pressure = Field(examples=['"413.7 kPa"'])
+    scheme: StrictStr | None = None
+    fluid: StrictStr | None = None
+
+
+class ProductSection(TableModel):
+    """`[[design.catalog]]`, or `[[product]]` of a catalog's own file: a muscle that is sold."""
+
+    name: StrictStr = Field(examples=['"DMSP-20"'])
+    muscle: StrictStr | None = None
+    outer_radius: Length | None = None
+    outer_diameter: Length | None = None
+    inner_diameter: Length | None = None
+    wall_thickness: Length | None = None
+    braid_angle: Angle | None = None
+    length: Lengths | None = None
+    least_length: Length | None = None
+    most_length: Length | None = None
+    price: PriceEach | None = None
+    price_per_length: PricePerLength | None = None
+    mass: Annotated[float, Quantity("mass")] | None = None
+    mass_per_length: Annotated[float, Quantity("linear_density")] | None = None
+    largest_pressure: Pressure | None = None
+    largest_strain: Annotated[float, Quantity("strain")] | None = None
+    source: StrictStr | None = None
+
+
+class CatalogFile(TableModel):
+    """A whole catalog file."""
+
+    format: StrictInt = Field(examples=["1"])
+    product: list[ProductSection] = Field(examples=["[[product]]"])
+
+
+class PricesSection(TableModel):
+    """`[prices]`: by the piece or by a unit; the m³ of air is a normal one."""
+
+    valve: PriceEach | None = None
+    muscle: PriceEach | None = None
+    air: Annotated[Price, _price("volume")] | None = None
+    energy: Annotated[Price, _price("energy")] | None = None
+
+
+class DesignSection(TableModel):
+    """`[design]`: the muscles to choose from, their numbers, splits and sizes."""
+
+    muscle: Names = Field(examples=['"kim2021_slenderness_10"'])
+    muscles: Integers | None = None
+    splits: Names | None = None
+    radius: Lengths | None = None
+    radius_rule: StrictStr | None = None
+    length: Lengths | None = None
+    braid_angle: Angles | None = None
+    wall_ratio: Numbers | None = None
+    unit_factors: Numbers | None = None
+    buckling: StrictStr | None = None
+    density: Annotated[float, Quantity("density")] | None = None
+    catalog: (
+        Annotated[
+            Annotated[StrictStr, Tag(PLAIN)] | Annotated[list[ProductSection], Tag(TABLE)],
+            Discriminator(_name_or_tables),
+            BeforeValidator(lambda value: [value] if isinstance(value, dict) else value),
+        ]
+        | None
+    ) = None
+
+
+class SweepSection(TableModel):
+    """`[sweep]`: how many designs of a study are evaluated at once."""
+
+    block: StrictInt | None = None
+
+
+class ScatterSection(TableModel):
+    """`[scatter]`: fabrication scatter, and whether constants are drawn, too."""
+
+    length: Number | None = None
+    braid_angle: Angle | None = None
+    draws: StrictInt | None = None
+    calibrated: StrictBool | None = None
+
+
+class TaskFileSection(TableModel):
+    """A whole task file."""
+
+    format: StrictInt = Field(examples=["1"])
+    task: TaskSection = Field(examples=["[task]"])
+    design: DesignSection = Field(examples=["[design]"])
+    objectives: dict[str, StrictStr] | None = None
+    limits: dict[str, Any] | None = None
+    prices: PricesSection | None = None
+    scatter: ScatterSection | None = None
+    sweep: SweepSection | None = None

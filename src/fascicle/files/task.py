@@ -1,19 +1,22 @@
-"""From a task file to a task, a space of designs, and what is good: checked once, on the way in."""
+"""Task files: from TOML to a task, a space of designs, what is good, and a catalog of products.
+
+A catalog's product has a radius, and lengths: those it is stocked in, or a range that it is cut
+from to order. What it doesn't say, wall and braid angle among it, is taken from the drawing whose
+material and laws it has. One product of one length becomes one drawing.
+"""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
-
-from pydantic import ValidationError
 
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
-from ..core.validation import check_choice
-from ..design.catalog import Catalog
+from ..core.validation import check_choice, check_interval
+from ..design.catalog import Catalog, Product
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
 from ..design.objectives import OBJECTIVES, SHARES, Limit, checked, demanding, known
 from ..design.space import SPLITS, Space
@@ -23,34 +26,36 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..records.dynamometer import Scatter
 from ..units import parse
-from .catalog import Offer, offer, sections_of
-from .drawn import drawn
-from .faults import from_validation
-from .kinds import check_kind
-from .named import example, examples
-from .places import Place
-from .prices import Price
-from .reading import load, parsed, provenance, text_of
-from .task_schema import (
+from .errors import FileLocation, check_kind, validate
+from .shipped_files import examples, shipped_names, shipped_text
+from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
+from .schema import (
+    CatalogFile,
     DesignSection,
+    Price,
     PricesSection,
+    ProductSection,
     ScatterSection,
     TaskFileSection,
     TaskSection,
 )
 
 
-DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
+_DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}
 _WARNING = "warn_below"  # of a margin, in its table
-_BY_LIST = ("force", "strain", "stroke", "weight")
+_LISTS = ("force", "strain", "stroke", "weight")
 _OF_PRODUCTS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
-BLOCK = 4096  # designs of a study worked on at once, unless it says otherwise
+_RADII = ("outer_radius", "outer_diameter", "inner_diameter")
+_BLOCK = 4096  # designs of a study evaluated at once, unless it says otherwise
+_MOST_DRAWINGS = 10_000
+_MOST = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
+         "mass_per_length": (1e6, "kg/m")}  # fmt: skip
 
 
 class Chance(NamedTuple):
-    """How unlike muscles come out: `scatter`, how many `draws`, and `muscles` drawn from a
-    calibration, or `None`.
+    """Uncertainty of a design: fabrication `scatter`, number of `draws`, and `muscles` sampled from
+    a calibration, or `None`.
     """
 
     scatter: Scatter
@@ -58,12 +63,29 @@ class Chance(NamedTuple):
     muscles: Muscle | None
 
 
+class Offer(NamedTuple):
+    """Muscles on sale by name, the `products` they are, the `currency` of their prices ("" if none
+    has one), and `notes` on what was left out.
+    """
+
+    drawings: dict[str, Muscle]
+    products: dict[str, Product]
+    currency: str
+    notes: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class TaskFile:
-    """What a task file says: the `task`, the `space` of designs, the objectives' `senses` and
-    `limits` by name, the `catalog` of what can be bought, the `chance` that no muscle comes out as
-    drawn, how many designs make a `block` of a study, the file's own `data`, `notes` on what
-    was left out, and the `least_margin` below which a design is warned of.
+    """Contents of a task file.
+
+    - `task`, `space`: the task, and the designs to choose from.
+    - `senses`, `limits`: "min" or "max", and bounds, by objective.
+    - `catalog`: what can be bought, and for how much.
+    - `chance`: scatter to evaluate, or `None`.
+    - `block`: designs of a study evaluated at once.
+    - `data`: the file's tables.
+    - `notes`: on what was left out.
+    - `least_margin`: relative margin of force below which a design is warned of [-].
     """
 
     task: Task
@@ -81,271 +103,389 @@ class TaskFile:
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
     """Read a task file.
 
-    **Arguments:** `path`: the TOML file [-]; muscles that it names by a path stand beside it.
+    **Arguments:** `path`: the TOML file; muscles that it names by a path stand beside it.
 
-    **Returns:** what it says [-].
+    **Returns:** its contents.
 
-    **Raises:** `OSError` where it can't be read; `ValueError`, in one line with the path and
-    the key, where what it says can't be.
+    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
+    values that aren't valid.
     """
     path = Path(path)
-    return loads_task(text_of(path), str(path), path.parent)
+    return loads_task(read_text(path), str(path), path.parent)
 
 
 def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> TaskFile:
-    """Read what a task file holds.
+    """Read a task from text.
 
     **Arguments:**
 
-    - `text`: the TOML [-].
-    - `source`: what to call it in an error [-].
-    - `folder`: where muscle files stand that it names [-].
+    - `text`: the TOML.
+    - `source`: its name in errors.
+    - `folder`: where muscle files stand that it names.
 
-    **Returns:** as `load_task` [-].
+    **Returns:** as `load_task`.
 
     **Raises:** as `load_task`.
     """
-    data = parsed(text, source)
+    data = parse_file(text, source)
     check_kind(data, "task", source)
-    try:
-        file = TaskFileSection.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(from_validation(error, source, data, TaskFileSection)) from None
-    task = _task(file.task, Place(source, data, ("task",), "task"))
-    at_limits = Place(source, data, ("limits",), "limits")
-    limits, least_margin = _limits(file.limits or {}, at_limits)
-    senses = _senses(file.objectives, Place(source, data, ("objectives",), "objectives"))
-    place = Place(source, data, ("design",), "design")
-    with at_limits.naming():
+    file = validate(TaskFileSection, data, source)
+    whole = FileLocation(source, data)
+    task = _task(file.task, whole.inner("task"))
+    limits_location = whole.inner("limits", kind="limits")
+    limits, least_margin = _limits(file.limits or {}, limits_location)
+    senses = _senses(file.objectives, whole.inner("objectives", kind="objectives"))
+    location = whole.inner("design", kind="design")
+    with limits_location.error_context():
         checked(senses, demanding(limits))
-    bought = _offer(file.design, place, folder)
-    space = _space(file.design, place, limits, folder, bought)
-    at = Place(source, data, ("prices",), "prices")
-    catalog = _catalog(file.prices or PricesSection(), at, file.design.density, bought)
-    block = BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
+    offer = _offer(file.design, location, folder)
+    space = _space(file.design, location, limits, folder, offer)
+    prices = file.prices or PricesSection()
+    catalog = _catalog(prices, whole.inner("prices"), file.design.density, offer)
+    block = _BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
     if not 1 <= block <= 2**20:
-        at = Place(source, data, ("sweep",), "task")
-        raise at.refuse(("block",), "must lie in [1, 1048576] designs.")
+        raise whole.error(("sweep", "block"), "must lie in [1, 1048576] designs.")
     density = file.design.density
     if density is not None and not 1.0 <= density <= 3e4:
-        raise place.refuse(("density",), "must lie in [1, 30000] kg/m^3.")
+        raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
     chance = None
     if file.scatter is not None:
-        at = Place(source, data, ("scatter",), "task")
-        if len(space.drawings) > 1:
-            raise at.refuse((), "needs a space of one muscle, search each alone.")
-        chance = _chance(file.scatter, file.design, at, folder)
-    notes = (*_errors(file.design, folder), *(() if bought is None else bought.notes))
+        scatter_location = whole.inner("scatter")
+        if len(space.drawings) > 1 or len(file.design.muscle) > 1:
+            raise scatter_location.error((), "needs a space of one muscle, search each alone.")
+        chance = _chance(file.scatter, file.design, scatter_location, folder)
+    notes = (*_fit_error_notes(file.design, folder), *(() if offer is None else offer.notes))
     return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes, least_margin)
 
 
-def _task(section: TaskSection, place: Place) -> Task:
-    given: dict[str, Any] = section.model_dump(exclude_none=True)
-    supply = given.pop("supply_pressure")
+def _task(section: TaskSection, location: FileLocation) -> Task:
+    values: dict[str, Any] = section.model_dump(exclude_none=True)
+    supply = values.pop("supply_pressure")
     if section.example is not None:
-        others = [key for key in given if key not in ("example", "scheme", "fluid")]
+        others = [key for key in values if key not in ("example", "scheme", "fluid")]
         if others:
-            raise place.refuse((others[0],), "an example has its own, drop this key or `example`.")
-        with place.naming():
-            made = example_task(section.example, supply)
-            scheme = scheme_of(section.scheme or made.scheme)
-            return replace(
-                made, scheme=scheme, fluid=check_choice(section.fluid or "air", FLUIDS, "fluid")
-            )
-    if "strain" in given and "stroke" in given:
-        raise place.refuse(
-            ("stroke",),
-            "`strain` is there too, and says the same of a bundle of one length: keep one of them.",
-        )
+            rule = "an example has its own, drop this key or `example`."
+            raise location.error((others[0],), rule)
+        with location.error_context():
+            task = example_task(section.example, supply)
+            scheme = scheme_of(section.scheme or task.scheme)
+            fluid = check_choice(section.fluid or "air", FLUIDS, "fluid")
+            return replace(task, scheme=scheme, fluid=fluid)
+    if "strain" in values and "stroke" in values:
+        rule = "`strain` is there too, and says the same of a bundle of one length: keep one."
+        raise location.error(("stroke",), rule)
     for key in ("force", "strain"):
-        if key not in given and not (key == "strain" and "stroke" in given):
+        if key not in values and not (key == "strain" and "stroke" in values):
             other = ' (or stroke = ["25 mm", …])' if key == "strain" else ""
-            raise place.refuse((key,), f'missing, write {key} = […]{other}, or example = "…".')
-    if "time" in given and "weight" in given:
-        raise place.refuse(("weight",), "points in time count for as long as they last: drop it.")
-    for key in _BY_LIST:
+            raise location.error((key,), f'missing, write {key} = […]{other}, or example = "…".')
+    if "time" in values and "weight" in values:
+        rule = "points in time count for as long as they last: drop it."
+        raise location.error(("weight",), rule)
+    for key in _LISTS:
         # one value, not a list of one, stands for all points
-        if key in given and isinstance(place.data["task"][key], str | int | float):
-            given[key] = given[key][0] if len(given[key]) == 1 else given[key]
-    with place.naming():
-        make = Task.in_time if "time" in given else Task.of
-        return make(**({"strain": None, "supply_pressure": supply} | given))
-
-
-def _offer(section: DesignSection, place: Place, folder: Path) -> Offer | None:
-    """What the catalog offers, where there is one."""
-    if section.catalog is None:
-        return None
-    for key in _OF_PRODUCTS:
-        if getattr(section, key) is not None:
-            raise place.refuse((key,), "products have their own: drop this key, or the catalog.")
-    if len(section.muscle) != 1:
-        raise place.refuse(
-            ("muscle",), "must be one for a catalog; a product may name its own, muscle = …."
-        )
-    at = place.inner("catalog", kind="catalog")
-    sections, at = sections_of(section.catalog, at, folder)
-    drawing: dict[str | None, tuple[str, Muscle]] = {}
-    for i, product in enumerate(sections):
-        name = product.muscle or section.muscle[0]
-        own = place if product.muscle is None else at.inner(i, kind="catalog")
-        drawing[product.muscle] = name, _drawing(name, section, own, folder)
-    return offer(sections, at, section.length or (), drawing)
+        if key in values and isinstance(location.data["task"][key], str | int | float):
+            values[key] = values[key][0] if len(values[key]) == 1 else values[key]
+    with location.error_context():
+        make = Task.in_time if "time" in values else Task.of
+        return make(**({"strain": None, "supply_pressure": supply} | values))
 
 
 def _catalog(
-    section: PricesSection, place: Place, density: float | None, bought: Offer | None
+    section: PricesSection, location: FileLocation, density: float | None, offer: Offer | None
 ) -> Catalog:
-    given: dict[str, Price] = {key: one for key, one in section if one is not None}
-    currency = "" if bought is None else bought.currency
-    for key, one in given.items():
-        currency = currency or one.currency
-        if one.currency != currency:
-            raise place.refuse((key,), f"another price is in {currency}: give all in one currency.")
-    amounts = {key: one.amount for key, one in given.items()}
-    products = {} if bought is None else bought.products
+    prices: dict[str, Price] = {key: price for key, price in section if price is not None}
+    currency = "" if offer is None else offer.currency
+    for key, price in prices.items():
+        currency = currency or price.currency
+        if price.currency != currency:
+            rule = f"another price is in {currency}: give all in one currency."
+            raise location.error((key,), rule)
+    amounts = {key: price.amount for key, price in prices.items()}
+    products = {} if offer is None else offer.products
     return Catalog(products, currency, density=density, **amounts)
 
 
 def _space(
     section: DesignSection,
-    place: Place,
+    location: FileLocation,
     limits: Mapping[str, Limit],
     folder: Path,
-    bought: Offer | None,
+    offer: Offer | None,
 ) -> Space:
-    kept = ("muscle", "splits", "buckling", "density", "catalog")
-    if bought is None:
-        drawings = {name: _drawing(name, section, place, folder) for name in section.muscle}
+    used = {"muscle", "splits", "buckling", "density", "catalog"}
+    if offer is None:
+        drawings = {name: _drawing(name, section, location, folder) for name in section.muscle}
     else:
-        drawings, kept = bought.drawings, (*kept, "length")
-    given: dict[str, Any] = section.model_dump(exclude_none=True, exclude=set(kept))
+        drawings, used = offer.drawings, {*used, "length"}
+    options: dict[str, Any] = section.model_dump(exclude_none=True, exclude=used)
     splits = section.splits or ("all",)
-    if "valves" in limits and limits["valves"].most < 1:
-        raise place.refuse((), "the space is empty: every bundle needs a valve.")
-    if "valves" in limits and limits["valves"].most < 1e6:
-        given["most_units"] = int(limits["valves"].most)
-    with place.naming():
+    valves = limits["valves"].most if "valves" in limits else float("inf")
+    if valves < 1:
+        raise location.error((), "the space is empty: every bundle needs a valve.")
+    if valves < 1e6:
+        options["most_units"] = int(valves)
+    with location.error_context():
         if len(splits) == 1 and splits[0] in SPLITS:
-            return Space(drawings, splits=splits[0], **given)
-        chosen = tuple(read_split(text) for text in splits)
-        numbers = tuple(dict.fromkeys(sum(row) for row in chosen))
-        if "muscles" in given and set(given["muscles"]) != set(numbers):
-            raise InvalidInputError(
-                "muscles", "must be left out where the splits are written out", None
-            )
-        given["muscles"] = numbers
-        return Space(drawings, splits=chosen, **given)
+            return Space(drawings, splits=splits[0], **options)
+        rows = tuple(read_split(text) for text in splits)
+        numbers = tuple(dict.fromkeys(sum(row) for row in rows))
+        if "muscles" in options and set(options["muscles"]) != set(numbers):
+            rule = "must be left out where the splits are written out"
+            raise InvalidInputError("muscles", rule, None)
+        options["muscles"] = numbers
+        return Space(drawings, splits=rows, **options)
 
 
-def _chance(section: ScatterSection, design: DesignSection, place: Place, folder: Path) -> Chance:
-    name, *others = design.muscle
-    if others:
-        raise place.refuse((), "needs a space of one muscle, search each alone.")
+def _chance(
+    section: ScatterSection, design: DesignSection, location: FileLocation, folder: Path
+) -> Chance:
     draws = 200 if section.draws is None else section.draws
     if not 2 <= draws <= 100_000:
-        raise place.refuse(("draws",), "must lie in [2, 100000].")
-    with place.naming():
-        given = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
-        scatter, muscles = Scatter(**given), None
+        raise location.error(("draws",), "must lie in [2, 100000].")
+    name, muscles = design.muscle[0], None
+    with location.error_context():
+        scatter = Scatter(
+            **section.model_dump(exclude_none=True, include={"length", "braid_angle"})
+        )
         if section.calibrated:
+            from .calibration_files import sample_muscles
+
             path = folder / name
             if not path.exists():
-                raise InvalidInputError(
-                    "calibrated", f"needs a muscle file, {name!r} is none", None
-                )
-            muscles = drawn(path)
+                rule = f"needs a muscle file, {name!r} is none"
+                raise InvalidInputError("calibrated", rule, None)
+            muscles = sample_muscles(path)
             if design.buckling is not None:
-                raise InvalidInputError(
-                    "calibrated", "constants hold for the law they were fitted with", None
-                )
+                rule = "constants hold for the law they were fitted with"
+                raise InvalidInputError("calibrated", rule, None)
         return Chance(scatter, draws, muscles)
 
 
-def _drawing(name: str, section: DesignSection, place: Place, folder: Path) -> Muscle:
-    with place.naming():
+def _drawing(name: str, section: DesignSection, location: FileLocation, folder: Path) -> Muscle:
+    with location.error_context():
         if name in examples():
-            found = example(name)
+            muscle = loads(shipped_text("examples", name), name)
         else:
             path = folder / name
             if not path.exists():
                 check_choice(name, examples(), "muscle")
-            found = load(path)
-        if isinstance(found, Bundle):
+            muscle = load_muscle(path)
+        if isinstance(muscle, Bundle):
             raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
             law: Any = BUCKLING_LAWS[check_choice(section.buckling, BUCKLING_LAWS, "buckling")]
-            found = with_fields(found, buckling=law())
-        return found
+            muscle = with_fields(muscle, buckling=law())
+        return muscle
 
 
-def _errors(section: DesignSection, folder: Path) -> list[str]:
-    """What calibrated muscles are off by, which no margin counts."""
+def _fit_error_notes(section: DesignSection, folder: Path) -> list[str]:
+    """Errors of calibrated muscles, which no margin accounts for."""
     notes = []
     for name in section.muscle:
-        told = provenance(folder / name).get("rmse") if name not in examples() else None
-        if isinstance(told, str):
+        rmse = provenance(folder / name).get("rmse") if name not in examples() else None
+        if isinstance(rmse, str):
             notes.append(
-                f"{name} was fitted with an error of {told} (rmse): a margin doesn't count it."
+                f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
             )
     return notes
 
 
-def _senses(given: Mapping[str, str] | None, place: Place) -> dict[str, str]:
-    senses = dict(USUAL if given is None else given)
+def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[str, str]:
+    senses = dict(USUAL if section is None else section)
     for name, sense in senses.items():
-        with place.naming():
+        with location.error_context():
             known([name])
         if sense not in ("min", "max"):
-            raise place.refuse((name,), 'must be "min" or "max".')
+            raise location.error((name,), 'must be "min" or "max".')
     return senses
 
 
-def _limits(given: Mapping[str, Any], place: Place) -> tuple[dict[str, Limit], float]:
+def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[str, Limit], float]:
     """Limits by objective, and the relative margin below which a design is warned of."""
     limits, least_margin = {}, LEAST_MARGIN
-    for name, bounds in given.items():
-        with place.naming():
+    for name, bounds in section.items():
+        with location.error_context():
             known([name])
         if name == "margin" and not isinstance(bounds, dict):
-            least_margin = _share(bounds, place, (name,))
+            least_margin = _share(bounds, location, (name,))
             continue
         if not isinstance(bounds, dict):
-            raise place.refuse((name,), "must be a table: write { at_most = … }.")
+            raise location.error((name,), "must be a table: write { at_most = … }.")
         if name == "margin" and _WARNING in bounds:
-            least_margin = _share(bounds[_WARNING], place, (name, _WARNING))
+            least_margin = _share(bounds[_WARNING], location, (name, _WARNING))
             if len(bounds) == 1:
                 continue
         ends = {key: end for key, end in bounds.items() if (name, key) != ("margin", _WARNING)}
-        limits[name] = _limit(name, ends, place)
+        limits[name] = _limit(name, ends, location)
     return limits, least_margin
 
 
-def _share(text: Any, place: Place, keys: tuple[str, ...]) -> float:
+def _share(text: Any, location: FileLocation, keys: tuple[str, ...]) -> float:
     """The share of a demanded force that `[limits] margin` gives."""
     rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
     try:
         share = parse(text, "number", keys[-1])
     except ValueError:
-        raise place.refuse(keys, rule) from None
+        raise location.error(keys, rule) from None
     if not 0 <= share <= 10:
-        raise place.refuse(keys, rule)
+        raise location.error(keys, rule)
     return share
 
 
-def _limit(name: str, bounds: Mapping[str, Any], place: Place) -> Limit:
-    dimension = DIMENSIONS[OBJECTIVES[name].unit]
+def _limit(name: str, bounds: Mapping[str, Any], location: FileLocation) -> Limit:
+    dimension = _DIMENSIONS[OBJECTIVES[name].unit]
     ends = {}
     for key, text in bounds.items():
         if key not in _BOUNDS:
-            raise place.refuse((name, key), "unknown key: write at_least or at_most.")
+            raise location.error((name, key), "unknown key: write at_least or at_most.")
         try:
             ends[_BOUNDS[key]] = parse(text, dimension, key)
         except ValueError as error:
-            raise place.refuse((name, key), str(error)) from None
+            raise location.error((name, key), str(error)) from None
     if not ends:
-        raise place.refuse((name,), "empty: write { at_most = … } or { at_least = … }.")
+        raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
     if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
-        rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
-        raise place.refuse((name,), f"{rule} Something must be reached.")
+        rule = 'a share of the task: must lie in [0, 1), as "10 %" does. Something must be reached.'
+        raise location.error((name,), rule)
     return Limit(**ends)
+
+
+def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offer | None:
+    """Muscles on sale, if there is a catalog."""
+    if section.catalog is None:
+        return None
+    for key in _OF_PRODUCTS:
+        if getattr(section, key) is not None:
+            rule = "products have their own: drop this key, or the catalog."
+            raise location.error((key,), rule)
+    if len(section.muscle) != 1:
+        rule = "must be one for a catalog; a product may name its own, muscle = …."
+        raise location.error(("muscle",), rule)
+    catalog = location.inner("catalog", kind="catalog")
+    products: Sequence[ProductSection] = ()
+    if isinstance(section.catalog, str):
+        products, catalog = _catalog_file(section.catalog, catalog, folder)
+    else:
+        products = section.catalog
+    drawings: dict[str | None, tuple[str, Muscle]] = {}
+    for i, product in enumerate(products):
+        name = product.muscle or section.muscle[0]
+        where = location if product.muscle is None else catalog.inner(i, kind="catalog")
+        drawings[product.muscle] = name, _drawing(name, section, where, folder)
+    return _offer_of(products, catalog, section.length or (), drawings)
+
+
+def _catalog_file(
+    name: str, location: FileLocation, folder: Path
+) -> tuple[Sequence[ProductSection], FileLocation]:
+    """Products of a shipped catalog or of a file, and the location of their list."""
+    path, shipped = folder / name, shipped_names("catalogs")
+    if name in shipped:
+        content, source = shipped_text("catalogs", name), name
+    else:
+        if not path.exists():
+            with location.error_context():
+                check_choice(name, shipped, "catalog")
+        content, source = read_text(path), str(path)
+    data = parse_file(content, source)
+    file = validate(CatalogFile, data, source)
+    return file.product, FileLocation(source, data, ("product",), "catalog")
+
+
+def _offer_of(
+    sections: Sequence[ProductSection],
+    location: FileLocation,
+    lengths: Sequence[float],
+    bases: Mapping[str | None, tuple[str, Muscle]],
+) -> Offer:
+    """Muscles on sale, in `lengths` [m] where they are cut to order; `bases`: names and muscles
+    whose material and laws products have, by the name that they give.
+    """
+    if not sections:
+        raise location.error((), "holds no product.")
+    drawings: dict[str, Muscle] = {}
+    products: dict[str, Product] = {}
+    currencies: dict[str, FileLocation] = {}
+    notes: list[str] = []
+    borrowed: dict[tuple[str, str], list[str]] = {}  # products by what they take from a base
+    for i, section in enumerate(sections):
+        where = location.inner(i, kind="catalog")
+        base_name, base = bases[section.muscle]
+        wished = section.length or tuple(lengths) or (float(base.length),)
+        low, high = section.least_length or 0.0, section.most_length or float("inf")
+        if low > high:
+            raise where.error(("least_length",), "must not be more than most_length.")
+        available = [length for length in wished if low <= length <= high]
+        if len(available) < len(wished):
+            rest = ", ".join(f"{1e3 * x:g}" for x in wished if x not in available)
+            end = "" if high == float("inf") else f" to {1e3 * high:g}"
+            notes.append(f"{section.name} isn't made {rest} mm long, but {1e3 * low:g}{end} mm.")
+        for price in (section.price, section.price_per_length):
+            if price is not None:
+                currencies.setdefault(price.currency, where)
+        for length in available:
+            name = f"{section.name}, {1e3 * length:.6g} mm"
+            if name in drawings:
+                raise where.error(("name",), "is there twice with this length.")
+            with where.error_context():
+                drawings[name] = _product_muscle(section, base, length)
+                products[name] = _product(section, length)
+        missing = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
+        words = [*(word for word, value in missing.items() if value is None), "rubber and laws"]
+        borrowed.setdefault((base_name, ", ".join(words)), []).append(section.name)
+        if len(drawings) > _MOST_DRAWINGS:
+            raise location.error((), f"holds more than {_MOST_DRAWINGS} products and lengths.")
+    if len(currencies) > 1:
+        rule = f"prices in {' and '.join(currencies)}: give all in one currency."
+        raise list(currencies.values())[1].error((), rule)
+    if not drawings:
+        raise location.error((), f"none of its products can be had: {' '.join(notes)}")
+    for (base_name, words), names in borrowed.items():
+        notes.append(f"of {', '.join(names)} {words} are taken from {base_name}.")
+    return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
+
+
+def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Muscle:
+    """The base in a product's sizes, checked as any muscle is."""
+    ratio = float(base.wall_thickness) / float(base.outer_radius)
+    wall = section.wall_thickness
+    sizes = [key for key in _RADII if getattr(section, key) is not None]
+    if len(sizes) != 1:
+        rule = ", outer_diameter or inner_diameter tells how wide it is"
+        remedy = f"give one of them, got {' and '.join(sizes) or 'none'}"
+        raise InvalidInputError("outer_radius", rule, None, remedy)
+    if section.inner_diameter is not None:
+        inner = 0.5 * section.inner_diameter
+        radius = inner / (1 - ratio) if wall is None else inner + wall
+    else:
+        radius = section.outer_radius or 0.5 * (section.outer_diameter or 0.0)
+    return base.replace(
+        length=length,
+        outer_radius=radius,
+        wall_thickness=ratio * radius if wall is None else wall,
+        braid_angle=float(base.braid_angle) if section.braid_angle is None else section.braid_angle,
+    )
+
+
+def _product(section: ProductSection, length: float) -> Product:
+    for key, (most, unit) in _MOST.items():
+        if getattr(section, key) is not None:
+            check_interval(getattr(section, key), 0.0, most, key, unit, closed=(False, True))
+    return Product(
+        section.name,
+        _total(section.price, section.price_per_length, length),
+        _total(section.mass, section.mass_per_length, length),
+        section.largest_pressure,
+        section.largest_strain,
+        section.source or "",
+    )
+
+
+def _total(
+    fixed: Price | float | None, per_length: Price | float | None, length: float
+) -> float | None:
+    """A price or mass: a fixed part and one that grows with the length, if either is known."""
+    if fixed is None and per_length is None:
+        return None
+    amounts = [x.amount if isinstance(x, Price) else x or 0.0 for x in (fixed, per_length)]
+    return amounts[0] + amounts[1] * length

@@ -13,7 +13,7 @@ from ..calibrate.after.calibration import Calibration, Estimate
 from ..calibrate.after.profiling import Profile
 from ..calibrate.after.trends import ALPHA
 from ..calibrate.after.warned import hysteresis
-from ..files.calibrated import laws_of
+from ..files.calibration_files import laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..plot.style import to_bytes
 from ..units import pretty

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..control import ControlMetrics
     from ..dynamics import Audit, Balance, Plant, Trajectory
     from ..files import Scenario
-    from ..files.controlled import Controlled
+    from ..files.scenario import Controlled
 
 _FORCE = {"m": "N", "rad": "N·m"}
 _REFERENCE = "threshold"  # the policy that energies are compared with

@@ -13,7 +13,7 @@ from fascicle.calibrate import Prior, fit
 from fascicle.calibrate.after.calibration import largest_force
 from fascicle.calibrate.fits.fitting import _with_tables
 from fascicle.calibrate.problem.uncertainty import NORMAL
-from fascicle.files.calibrated import provenance_of
+from fascicle.files.calibration_files import provenance_of
 from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record, Source

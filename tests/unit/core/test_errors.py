@@ -9,7 +9,7 @@ import pytest
 import fascicle as fs
 from fascicle import InvalidInputError, units
 from fascicle.core.errors import InvalidInputError as Base
-from fascicle.files.places import Place
+from fascicle.files.errors import FileLocation
 
 
 def refused(run):
@@ -65,11 +65,11 @@ def test_a_workers_refusal_comes_back_whole(again):
 
 
 def test_a_file_names_the_key_by_the_field_not_by_the_words():
-    place = Place("m.toml", {"muscle": {"length": "1 m"}}, ("muscle",), "muscle")
+    place = FileLocation("m.toml", {"muscle": {"length": "1 m"}}, ("muscle",), "muscle")
     named = r"^m.toml: muscle.length = \"1 m\": `length` is odd\.$"
-    with pytest.raises(ValueError, match=named), place.naming():
+    with pytest.raises(ValueError, match=named), place.error_context():
         raise InvalidInputError("length", "is odd", None)
-    with pytest.raises(ValueError, match=r"^m.toml: muscle: `length` is what"), place.naming():
+    with pytest.raises(ValueError, match=r"^m.toml: muscle: `length` is what"), place.error_context():
         raise ValueError("`length` is what somebody else's words begin with.")
 
 

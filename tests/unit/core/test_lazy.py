@@ -24,7 +24,7 @@ MOVED = {
     "calibrate.reference.sarosi": "calibrate.data.reference",
     "calibrate.trends.looked": "calibrate.after.trends",
     "calibrate.uncertainty.conclude": "calibrate.problem.uncertainty",
-    "describe.calibrated.provenance_of": "files.calibrated",
+    "describe.calibrated.provenance_of": "files.calibration_files",
     "describe.provenance": "files",
     "describe.results.Variable": "results.labelled",
     "design.searching.Found": "design.exhaustive_search",

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fascicle.files import dumps, example, load, loads, provenance, save
-from fascicle.files.calibration import calibration_text
+from fascicle.files.muscle_files import calibration_text
 
 
 MUSCLE = example("kim2021_figure_6")

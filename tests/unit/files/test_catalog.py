@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.files.catalog import catalogs
+from fascicle.files.shipped_files import catalogs
 from fascicle.files.task import load_task, loads_task
 
 

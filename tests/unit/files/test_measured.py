@@ -8,7 +8,7 @@ import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.dynamics import MaxwellSlip
 from fascicle.files import load_scenario, loads_scenario
-from fascicle.files.calibrated import provenance_of
+from fascicle.files.calibration_files import provenance_of
 from fascicle.records import VirtualDynamometer
 
 

@@ -1,7 +1,7 @@
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.files.prices import parse_price
+from fascicle.files.schema import parse_price
 
 
 @pytest.mark.parametrize(

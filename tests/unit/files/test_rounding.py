@@ -8,8 +8,8 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.files import dumps, loads, provenance
-from fascicle.files.calibrated import calibrated_text
-from fascicle.files.rounding import as_known, told
+from fascicle.files.calibration_files import calibrated_text
+from fascicle.files.calibration_files import round_to_uncertainty, rounded_muscle
 from fascicle.io.toml import parse_toml
 from fascicle.records import Record
 from fascicle.units import parse
@@ -73,10 +73,10 @@ def test_its_report_has_as_many_digits_as_are_known(noisy):
 
 
 def test_a_fitted_constant_has_the_digits_of_its_interval():
-    assert told(0.1234567, "length", 0.1) == "123 mm"
-    assert told(0.1234567, "length", 1e-3) == "123.46 mm"
-    assert told(0.1234567, "length", 0.0) == "123.4567 mm"
-    assert told(1 / 3, "number", 0.0) == repr(1 / 3)
+    assert round_to_uncertainty(0.1234567, "length", 0.1) == "123 mm"
+    assert round_to_uncertainty(0.1234567, "length", 1e-3) == "123.46 mm"
+    assert round_to_uncertainty(0.1234567, "length", 0.0) == "123.4567 mm"
+    assert round_to_uncertainty(1 / 3, "number", 0.0) == repr(1 / 3)
 
 
 def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
@@ -98,7 +98,7 @@ def test_the_file_says_at_which_length_it_was_fitted(noisy, tmp_path):
 
 def test_what_was_given_stays_as_it_was(noisy):
     start, made = noisy
-    rounded, _ = as_known(made)
+    rounded, _ = rounded_muscle(made)
     assert rounded.wall_thickness == start.wall_thickness
     assert rounded.length == start.length
     assert rounded.material == start.material

@@ -12,7 +12,7 @@ import fascicle as fs
 from fascicle import fluid
 from fascicle.dynamics.muscles import Exact
 from fascicle.files import example_text, loads_scenario, scenarios
-from fascicle.files.scenario import scenario_of
+from fascicle.files.scenario import scenario_from_dict
 
 
 GAS, OIL, JOINT, DRY, PUMPED, RAMP = map(
@@ -225,7 +225,7 @@ def test_a_kind_that_is_no_name_is_one_line(table, key, name, kind):
     section[key] = tomllib.loads(f"x = {kind}")["x"]
     dotted = f"{table}.{key}".lstrip(".")
     with pytest.raises(ValueError, match=rf"^x\.toml: {re.escape(dotted)}\b") as refused:
-        scenario_of(data, "x.toml", Path(), "x")
+        scenario_from_dict(data, "x.toml", Path(), "x")
     assert "\n" not in str(refused.value)
 
 

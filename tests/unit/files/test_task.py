@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.files.drawn import drawn
+from fascicle.files.calibration_files import sample_muscles
 from fascicle.files.task import load_task, loads_task
 
 
@@ -183,7 +183,7 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
         "covariance": [[0.04, 0.0], [0.0, 0.0001]],
     }
     fs.save(muscle, tmp_path / "fitted.toml", told)
-    draws = drawn(tmp_path / "fitted.toml", 4000, seed=1)
+    draws = sample_muscles(tmp_path / "fitted.toml", 4000, seed=1)
     stiff = np.log(np.asarray(draws.tuning.youngs_modulus_factor))
     strong = np.log(np.asarray(draws.tuning.collapse_moment_factor))
     assert stiff.shape == (4000,)
@@ -195,7 +195,7 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
 def test_a_muscle_without_a_calibration(tmp_path):
     fs.save(fs.example("kim2021_figure_6"), tmp_path / "plain.toml")
     with pytest.raises(ValueError, match="has no \\[calibration\\] with a covariance"):
-        drawn(tmp_path / "plain.toml")
+        sample_muscles(tmp_path / "plain.toml")
 
 
 def test_sixty_muscles_of_few_units_are_a_space():

@@ -19,7 +19,7 @@ from fascicle.calibrate.problem.residuals import Problem
 from fascicle.calibrate.problem.solving import Solutions
 from fascicle.calibrate.problem.uncertainty import Conclusion
 from fascicle.files import provenance
-from fascicle.files.calibrated import provenance_of
+from fascicle.files.calibration_files import provenance_of
 from fascicle.records import Record, Source
 from fascicle.reports.calibration import report
 

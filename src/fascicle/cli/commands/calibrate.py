@@ -361,7 +361,7 @@ def _compare(
 def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
     """Write muscle, report and figures; returns the files' paths."""
     from ...calibrate.after.pictures import figures as draw
-    from ...files.calibrated import calibrated_text
+    from ...files.calibration_files import calibrated_text
     from ...plot import to_bytes
     from ...reports.calibration import report
 

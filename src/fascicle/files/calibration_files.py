@@ -1,0 +1,293 @@
+"""Files of a calibration: the fitted muscle, and a log of all that the fit found.
+
+Values are written with their units. The muscle's numbers have as many digits as the data support:
+each fitted constant stays within `SHARE` of the width of its interval, and each reading's force
+within `SHARE` of the root mean square residual. Constants that weren't fitted stay as they were.
+The coordinates and their covariance, in the order of the parameters' names, keep all digits: of
+nearly dependent constants a rounded covariance is useless.
+"""
+
+import os
+import warnings
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..calibrate.after.calibration import Calibration, Estimate
+from ..calibrate.after.friction import Friction
+from ..calibrate.problem.parameters import named, of_muscle, put
+from ..core.module import tree_leaves, tree_replace
+from ..core.validation import HIGHEST_PRESSURE
+from ..muscle import Muscle
+from ..muscle.fitted_length import END_PARAMETERS, copy_fit_info
+from ..muscle.laws import LAWS
+from ..units import DIMENSIONS, exact, parse, pretty
+from .muscle_files import calibration_text, dumps, load_muscle, provenance
+
+
+if TYPE_CHECKING:
+    from ..calibrate.fits.finding import Choice
+
+
+SHARE = 0.01  # of an interval, and of the residual: far below what anyone can tell
+_FEWEST, _MOST = 3, 17  # digits; with 17 every float is itself
+_ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
+_PRIOR_DIGITS = 10  # past the rounding of going to a coordinate and back
+_SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse",
+            "relative_rmse", "rest_length", "fitted_length", "rounded", "warnings")  # fmt: skip
+
+
+def calibrated_files(
+    calibration: Calibration, date: str, choice: "Choice | None" = None
+) -> dict[str, str]:
+    """Texts of the muscle's file and of its log, by name.
+
+    The muscle file has a summary in `[calibration]`, with the interval of each fitted constant;
+    `provenance` reads both.
+
+    **Arguments:** as for `provenance_of`.
+
+    **Returns:** "muscle.toml" and "muscle.log.toml".
+    """
+    muscle, table = _rounded_with_provenance(calibration, date, choice)
+    summary = {key: table[key] for key in _SUMMARY}
+    if not END_PARAMETERS.isdisjoint(table["coordinate_names"]):
+        summary["fitted_ends"] = True
+    log = "muscle.log.toml"
+    intervals = {row["name"]: [row["low"], row["high"]] for row in table["parameter"]}
+    summary |= {"log": log, "intervals_of": intervals}
+    text = f"format = 1\n\n{calibration_text(table)}"
+    return {"muscle.toml": dumps(muscle, summary), log: text}
+
+
+def calibrated_text(calibration: Calibration, date: str, choice: "Choice | None" = None) -> str:
+    """Text of a muscle file that holds the log itself; arguments as for `provenance_of`."""
+    return dumps(*_rounded_with_provenance(calibration, date, choice))
+
+
+def provenance_of(
+    calibration: Calibration, date: str, choice: "Choice | None" = None
+) -> dict[str, Any]:
+    """Provenance of a fitted muscle.
+
+    **Arguments:**
+
+    - `calibration`: the fit.
+    - `date`: its day, such as "2026-05-04".
+    - `choice`: the model selection that it comes from, or `None`.
+
+    **Returns:** text, numbers and lists by key, one level of tables deep, for `save`.
+    """
+    from .. import __version__
+
+    record, loop = calibration.record, calibration.loop
+    table = {
+        "method": calibration.method,
+        "date": date,
+        "fascicle": __version__,
+        "synthetic": record.synthetic,
+        "status": calibration.status,
+        "loss": calibration.problem.loss,
+        "points": calibration.points,
+        "censored": calibration.censored,
+        "rmse": pretty(calibration.rmse, "force", _ERROR_DIGITS),
+        "relative_rmse": _short(calibration.relative_rmse),
+        "noise": pretty(float(calibration.problem.noise), "force", _ERROR_DIGITS),
+        "inflation": _short(calibration.inflation),
+        "wider": [_short(x) for x in calibration.wider.tolist()],
+        "intervals": "quick" if calibration.bootstrapped is None else "bootstrap",
+        "not_told": list(calibration.untold),
+        "rest_length": "the muscle's own length"
+        if record.rest_length is None
+        else exact(record.rest_length, "length"),
+        "fitted_length": exact(float(calibration.muscle.length), "length"),
+        "warnings": list(calibration.warnings),
+        "notes": list(record.notes),
+        "coordinate_names": list(calibration.names),
+        "coordinates": calibration.coordinates.tolist(),
+        "covariance": calibration.covariance.tolist(),
+        "laws": laws_of(calibration),
+        "record": [{"file": source.name, "sha256": source.sha256} for source in record.sources],
+        "parameter": [_parameter(estimate) for estimate in calibration.parameters],
+        "readings": calibration.taken.counts(),
+        "residuals": [
+            {"against": trend.along, "share": _short(trend.share), "chance": _short(trend.chance),
+             "noise": not trend.found}
+            for trend in calibration.seen.trends
+        ]
+        + [
+            {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
+             "chance": _short(run.chance), "noise": not run.found}
+            for run in calibration.seen.runs
+        ],
+    }  # fmt: skip
+    if loop is not None:
+        table["hysteresis"] = {
+            "pressure": [pretty(float(x), "pressure", _ERROR_DIGITS) for x in loop.pressure],
+            "width": [pretty(float(x), "force", _ERROR_DIGITS) for x in loop.width],
+            "half": pretty(loop.half, "force", _ERROR_DIGITS),
+            **_springs(calibration.friction),
+        }
+    if choice is not None:
+        table["reasons"] = list(choice.reasons)
+        table["candidate"] = [
+            {
+                "free": row.label, "numbers": row.constants, "rmse": _short(row.rmse),
+                "left_out_rmse": _short(row.left_out_rmse), "on": row.readings,
+                "taken": row.chosen,
+            }
+            for row in choice.candidates
+        ]  # fmt: skip
+    return table
+
+
+def laws_of(calibration: Calibration) -> dict[str, str]:
+    """Names of the fitted laws, by kind."""
+    return {kind: str(getattr(calibration.muscle, kind).name) for kind in LAWS}
+
+
+def round_to_uncertainty(value: float, dimension: str, width: float) -> str:
+    """A fitted `value` [SI] and its unit, in the fewest digits, at least three, that keep it within
+    `SHARE` of its interval's `width` [SI].
+    """
+    for digits in range(_FEWEST, _MOST):
+        text = pretty(value, dimension, digits)
+        if abs(parse(text, dimension) - value) <= SHARE * width:
+            return text
+    return exact(value, dimension)
+
+
+def rounded_muscle(calibration: Calibration) -> tuple[Muscle, str]:
+    """The fitted muscle as its file has it, and a description of the rounding."""
+    unfitted = set(_numbers(calibration.start))
+    for digits in range(_FEWEST, _MOST):
+        muscle = _round_constants(calibration.muscle, unfitted, digits)
+        deviation = _force_deviation(calibration, muscle)
+        if deviation is not None:
+            return copy_fit_info(calibration.muscle, muscle), (
+                f"to {digits} digits: no fitted constant is off by more than {SHARE:.0%} of its"
+                f" interval, no reading's force by more than {pretty(deviation, 'force', 2)}"
+            )
+    return calibration.muscle, "not rounded"
+
+
+def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 0) -> Muscle:
+    """Draw a calibrated muscle's constants, normally distributed in the fitted coordinates.
+
+    **Arguments:**
+
+    - `path`: the muscle file of `fascicle calibrate`.
+    - `draws`: number of draws.
+    - `seed`: random seed.
+
+    **Returns:** the muscle, with draws on the first axis of all its numbers.
+
+    **Raises:** `ValueError` for a file without a calibration; `OSError` if it can't be read.
+    """
+    muscle, table = load_muscle(path), provenance(path)
+    if not isinstance(muscle, Muscle) or "covariance" not in table:
+        rule = "has no [calibration] with a covariance to draw from."
+        if "log" in table:
+            rule = f"its log with the covariance, {table['log']}, isn't beside it."
+        raise ValueError(f"{os.fspath(path)}: {rule}")
+    names = list(table["coordinate_names"])
+    parameters = named(names, muscle)
+    center, covariance = np.array(table["coordinates"]), np.array(table["covariance"])
+    # the parameters' own order needn't be that of the names in the file
+    order = [names.index(parameter.name) for parameter in parameters]
+    z = np.random.default_rng(seed).multivariate_normal(center, covariance, draws)[:, order]
+    import jax
+
+    return jax.vmap(lambda row: put(parameters, muscle, row))(jax.numpy.asarray(z))
+
+
+def _rounded_with_provenance(
+    calibration: Calibration, date: str, choice: "Choice | None"
+) -> tuple[Muscle, dict[str, Any]]:
+    muscle, rounding = rounded_muscle(calibration)
+    table = provenance_of(calibration, date, choice)
+    fitted_length = exact(float(muscle.length), "length")
+    return muscle, table | {"fitted_length": fitted_length, "rounded": rounding}
+
+
+def _springs(friction: Friction | None) -> dict[str, Any]:
+    """Keys of a scenario's `[hysteresis]`."""
+    if friction is None:
+        return {}
+    law = friction.law
+    if law is None:
+        return {"kind": "none"}
+    numbers = {
+        "stiffness": (law.stiffness, "stiffness"),
+        "slip_force": (law.slip_force, "force"),
+        "slip_force_slope": (law.slip_force_slope, "slip"),
+    }
+    springs = {
+        key: [pretty(float(x), unit, _ERROR_DIGITS) for x in row]
+        for key, (row, unit) in numbers.items()
+    }
+    return {
+        "kind": "maxwell_slip",
+        **springs,
+        "width_rmse": pretty(friction.rmse, "force", _ERROR_DIGITS),
+        "told": list(friction.told),
+    }
+
+
+def _parameter(estimate: Estimate) -> dict[str, Any]:
+    width = estimate.high - estimate.low
+    values = {
+        key: round_to_uncertainty(getattr(estimate, key), estimate.dimension, width)
+        for key in ("value", "low", "high")
+    }
+    prior = pretty(estimate.start, estimate.dimension, _PRIOR_DIGITS)
+    return {"name": estimate.name, **values, "prior": prior, "identifiable": estimate.identifiable}
+
+
+def _short(number: float) -> float:
+    return float(f"{number:.{_ERROR_DIGITS}g}")
+
+
+def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
+    """Largest change of a reading's force by rounding [N]; `None` if that, or the change of a
+    constant, is too large.
+    """
+    known = of_muscle(calibration.muscle)
+    for estimate in calibration.parameters:
+        value = known[estimate.name].value
+        change = abs(float(value(muscle)) - float(value(calibration.muscle)))
+        if not change <= SHARE * (estimate.high - estimate.low):
+            return None
+    pressure = np.clip(calibration.record.pressure, 0.0, HIGHEST_PRESSURE)
+    strain = calibration.record.strain
+    with warnings.catch_warnings():  # a level's pressure is its mean: readings lie above the last
+        warnings.simplefilter("ignore")
+        forces = [np.asarray(m.force(pressure, strain)) for m in (muscle, calibration.muscle)]
+    change = float(np.max(np.abs(forces[0] - forces[1])))
+    return change if change <= SHARE * calibration.rmse else None
+
+
+def _round_constants(muscle: Muscle, unfitted: set[float], digits: int) -> Muscle:
+    leaves = [_round_leaf(leaf, unfitted, digits) for leaf in tree_leaves(muscle)]
+    rounded: Muscle = tree_replace(muscle, leaves)
+    angle = float(muscle.braid_angle)
+    if angle in unfitted:
+        return rounded
+    # in degrees, as it is written
+    degrees = angle / float(DIMENSIONS["angle"].factors["deg"])
+    return rounded.replace(braid_angle=parse(f"{degrees:.{digits}g} deg", "angle"))
+
+
+def _round_leaf(leaf: object, unfitted: set[float], digits: int) -> object:
+    values = np.asarray(leaf)
+    if values.dtype.kind != "f":
+        return leaf
+    short = [x if x in unfitted else float(f"{x:.{digits}g}") for x in values.ravel().tolist()]
+    return values.dtype.type(short[0]) if values.ndim == 0 else np.reshape(short, values.shape)
+
+
+def _numbers(muscle: Muscle) -> Iterable[float]:
+    for leaf in tree_leaves(muscle):
+        if np.asarray(leaf).dtype.kind == "f":
+            yield from np.asarray(leaf).ravel().tolist()

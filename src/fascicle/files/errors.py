@@ -1,0 +1,106 @@
+"""Errors of a file in one line: path, key, the value as written, the rule.
+
+The laws refuse invalid arguments by the argument's name. A `FileLocation` turns that into the
+file's error, with the key that the argument was given by.
+"""
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ..core.errors import InvalidInputError
+from ..core.schema import location_message, validation_message, value_at
+from ..muscle.laws import LAWS
+from ..muscle.materials import MooneyRivlin
+
+
+# keys of a constructor's arguments, where they differ from the arguments' names
+_KEYS: dict[str, dict[str, tuple[str, ...]]] = {
+    "muscle": {
+        "transition_rate": ("collapse", "transition_rate"),
+        **{constant.name: ("material", constant.name) for constant in MooneyRivlin.constants()},
+    },
+    **{kind: {kind: ("law",)} for kind in LAWS},
+    "tuning": {
+        "pressures": ("pressure",),
+        "hinge_stiffness_slope": ("hinge_stiffness_factor", "slope"),
+    },
+    "bundle": {"motor_units": ("motor_unit",), "pressures": ("supply_pressure",)},
+    "design": {"drawings": ("muscle",), "most_units": ()},
+    "catalog": {"catalog": ()},
+    "objectives": {"objectives": ()},
+    "limits": {"objectives": ()},
+    # a plant's parts are tables of the file, its initial state stands in [run]
+    "scenario": {
+        **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
+        "units": ("spool",),
+    },
+    "moved": {"position": ("load",), "pressures": ("run", "pressures")},
+    "part": {"gas": ("medium",), "liquid": ("medium",)},
+}
+# keys that only a file of that kind has, save a scenario's muscle and bundle
+_MARKS = {
+    "scenario": ("load", "supply", "run", "schedule"),
+    "task": ("task", "design"),
+    "muscle or bundle": ("muscle", "bundle"),
+}
+_COMMANDS = {
+    "scenario": "`fascicle simulate` runs it",
+    "task": "`fascicle design` takes it",
+    "muscle or bundle": "`fascicle force` and `fascicle bundle` take it",
+}
+
+
+class FileLocation:
+    """A section of a file, which an error in it names.
+
+    - `source`: the file's path.
+    - `data`: the whole file's tables.
+    - `keys`: the keys that lead to the section.
+    - `kind`: what the section describes: a key of `_KEYS`, or another word.
+    """
+
+    def __init__(self, source: str, data: Any, keys: tuple[Any, ...] = (), kind: str = ""):
+        self.source, self.data, self.keys, self.kind = source, data, keys, kind
+
+    def inner(self, *keys: Any, kind: str = "") -> "FileLocation":
+        """The location at `keys` below this one."""
+        return FileLocation(self.source, self.data, self.keys + keys, kind)
+
+    def error(self, keys: tuple[Any, ...], rule: str) -> ValueError:
+        """The error for the value at `keys` below this location, which breaks a `rule`."""
+        path = self.keys + keys
+        shown = [part for part in path if part != ""]  # a lone muscle's name is empty
+        return ValueError(location_message(self.source, shown, rule, value_at(self.data, path)))
+
+    @contextlib.contextmanager
+    def error_context(self) -> Iterator[None]:
+        """Name this location in an error raised inside, or in that of a file that it names."""
+        try:
+            yield
+        except (ValueError, OSError) as error:
+            name = error.argument if isinstance(error, InvalidInputError) else ""
+            keys = _KEYS.get(self.kind, {}).get(name, (name,) if name else ())
+            raise self.error(keys, str(error)) from None
+
+
+def validate(model: type[BaseModel], data: Any, source: str) -> Any:
+    """The file's tables as a `model`; `ValueError` in one line if they don't fit."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(validation_message(error, source, data, model)) from None
+
+
+def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:
+    """Refuse a file with tables of another kind than "muscle or bundle", "scenario" or "task"."""
+    # a scenario has muscles as well: these don't tell it from their own file
+    if kind != "muscle or bundle" and any(key in data for key in _MARKS[kind]):
+        return
+    for other, keys in _MARKS.items():
+        key = next((key for key in keys if key in data), None)
+        if other != kind and key is not None:
+            rule = f"a {other}, not a {kind}: {_COMMANDS[other]}."
+            raise ValueError(location_message(source, [key], rule))

@@ -1,0 +1,498 @@
+"""Muscle and bundle files: TOML to checked `Muscle` or `Bundle`, and back to the same bits."""
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..bundle import Bundle, MotorUnit
+from ..bundle.schemes import name_of
+from ..core.errors import InvalidInputError
+from ..core.parameters import Constant
+from ..core.schema import TableModel, did_you_mean, location_message
+from ..core.validation import check_choice
+from ..io.atomic import write_text
+from ..io.input_file import read_bytes
+from ..io.toml import parse_toml
+from ..muscle import Muscle
+from ..muscle.fitted_length import (
+    END_PARAMETERS,
+    fit_info_entries,
+    warn_fitted_length,
+    with_fitted_length,
+)
+from ..muscle.law import AbstractLaw
+from ..muscle.laws import LAWS, is_written_out
+from ..muscle.materials import MATERIALS, MooneyRivlin
+from ..muscle.tuning import Tuning
+from ..units import DIMENSIONS, exact, parse
+from .errors import FileLocation, check_kind, validate
+from .schema import (
+    BundleSection,
+    HingeSection,
+    LawSection,
+    MotorUnitSection,
+    MuscleFile,
+    MuscleSection,
+    TuningSection,
+)
+
+
+_LARGEST_FILE = 1_000_000  # bytes; a muscle takes 500
+_TABLES = ("material", "tuning", *LAWS)  # keys of a muscle that hold a table
+_DIMENSIONS = (("length", "length"), ("outer_radius", "length"), ("wall_thickness", "length"),
+               ("braid_angle", "angle"))  # fmt: skip
+_CALIBRATION = "calibration"
+
+
+def load_muscle(path: str | os.PathLike[str]) -> Muscle | Bundle:
+    """Read a muscle or bundle file; a scenario is refused.
+
+    **Arguments:** `path`: the TOML file.
+
+    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle`.
+
+    **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
+    values that aren't valid.
+    """
+    return loads(read_text(Path(path)), source=str(path))
+
+
+def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
+    """Read a muscle or bundle from text.
+
+    **Arguments:**
+
+    - `text`: the TOML [-].
+    - `source`: its name in errors [-].
+
+    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle` [SI].
+
+    **Raises:** `ValueError`, in one line, for values that aren't valid.
+    """
+    return from_dict(parse_file(text, source), source)
+
+
+def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read the `[calibration]` of a muscle file, and of the log that it names.
+
+    **Arguments:** `path`: the TOML file [-].
+
+    **Returns:** nested tables and lists; empty if it has none [SI].
+
+    **Raises:** as `load_muscle`.
+    """
+    path = Path(path)
+    table = _calibration_table(path)
+    log = table.get("log", "")
+    if not isinstance(log, str) or Path(log).name != log:
+        rule = "must be the name of a file in the same folder."
+        raise ValueError(location_message(str(path), [_CALIBRATION, "log"], rule, log))
+    if log and (path.parent / log).is_file():
+        table = _calibration_table(path.parent / log) | table
+    return table
+
+
+def save(
+    obj: Any, path: str | os.PathLike[str], calibration: Mapping[str, Any] | None = None
+) -> None:
+    """Write a muscle file, completely or not at all.
+
+    **Arguments:**
+
+    - `obj`: a `Muscle` or a `Bundle` [-].
+    - `path`: the file [-]; an existing file is replaced.
+    - `calibration`: provenance, as for `dumps` [-].
+
+    **Raises:** `ValueError` for an object that a file can't describe; `OSError` if it can't be
+    written.
+    """
+    write_text(path, dumps(obj, calibration))
+
+
+def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
+    """Text of a muscle file.
+
+    **Arguments:**
+
+    - `obj`: a `Muscle` or a `Bundle` [-].
+    - `calibration`: provenance [-]: text, numbers, booleans and lists of them by key, and one
+      level of tables or lists of tables, for `provenance`. Default: of a fitted muscle, the length
+      at which it was fitted.
+
+    **Returns:** the TOML; `loads` gives back every parameter to the bit [-].
+
+    **Raises:** `ValueError` for an object that a file can't describe.
+    """
+    text = "\n".join(["format = 1", "", *_object_lines(obj)]) + "\n"
+    table = _fitted_length(obj) or None if calibration is None else calibration
+    return text if table is None else f"{text}\n{calibration_text(table)}"
+
+
+def calibration_text(calibration: Mapping[str, Any]) -> str:
+    """TOML of a `[calibration]`, with its tables last; see `dumps` for what it may hold."""
+    import tomlkit  # loading takes as long as a whole file
+
+    table = {key: _plain_entry(value, key) for key, value in calibration.items()}
+    return tomlkit.dumps({_CALIBRATION: table})
+
+
+def read_text(path: Path) -> str:
+    """Text of a TOML file; `OSError` or `ValueError` if it can't be read."""
+    raw = read_bytes(path, _LARGEST_FILE, "muscle file")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: not a text file; a muscle file is TOML in UTF-8.") from None
+
+
+def parse_file(text: str, source: str) -> dict[str, Any]:
+    """Tables of a file of format 1; `source` names it in errors."""
+    try:
+        data = parse_toml(text, source)
+    except ValueError as error:
+        raise ValueError(_duplicate_key_message(str(error), text)) from None
+    version = data.get("format")
+    if version is not None and (version != 1 or isinstance(version, bool)):
+        rule = "must be 1, the format that this version of fascicle reads."
+        raise ValueError(location_message(source, ["format"], rule, version))
+    return data
+
+
+def from_dict(data: dict[str, Any], source: str) -> Muscle | Bundle:
+    """The muscle or bundle in a file's tables; `ValueError` as `loads`."""
+    check_kind(data, "muscle or bundle", source)
+    data = _normalize_muscles(data)
+    file = validate(MuscleFile, data, source)
+    whole = FileLocation(source, data)
+    muscles = {
+        name: _muscle(section, whole.inner("muscle", name, kind="muscle"))
+        for name, section in file.muscle.items()
+    }
+    if len(muscles) == 1:
+        (name,) = muscles
+        muscles[name] = _with_fitted_length(muscles[name], data.get(_CALIBRATION), whole)
+    if file.bundle is not None:
+        return _bundle(file.bundle, muscles, whole.inner("bundle", kind="bundle"))
+    if len(muscles) > 1:
+        names = ", ".join(muscles)
+        raise ValueError(
+            f"{source}: several muscles ({names}) and no [bundle]: keep one, or add a [bundle]."
+        )
+    return next(iter(muscles.values()))
+
+
+def _calibration_table(path: Path) -> dict[str, Any]:
+    table = parse_file(read_text(path), str(path)).get(_CALIBRATION, {})
+    if not isinstance(table, dict):
+        rule = "must be a table of keys."
+        raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
+    return table
+
+
+def _duplicate_key_message(message: str, text: str) -> str:
+    """An error of TOML, with the key's name and line if it is there twice."""
+    match = re.search(r"(not TOML: )Cannot overwrite a value \(at (?:line (\d+)|end)", message)
+    if match is None:
+        return message
+    # the place is where the value ends; at the end of the text, on its last line
+    lines = text.rstrip().replace("\r\n", "\n").split("\n")
+    number = int(match[2] or len(lines))
+    key = lines[number - 1].partition("=")[0].strip()
+    where = f"{key} is there twice, again on line {number}: keep one."
+    return message[: match.end(1)] + where
+
+
+def _normalize_muscles(data: dict[str, Any]) -> dict[str, Any]:
+    """`data` with its muscles by name; one unnamed muscle goes under the empty name."""
+    muscles = data.get("muscle")
+    if not isinstance(muscles, dict):
+        return data
+    named = muscles and all(
+        isinstance(section, dict) and name not in MuscleSection.model_fields
+        for name, section in muscles.items()
+    )
+    return data if named else data | {"muscle": {"": muscles}}
+
+
+def _with_fitted_length(muscle: Muscle, calibration: Any, whole: FileLocation) -> Muscle:
+    """The muscle with the length that its file's `[calibration]` is for, if there is one."""
+    text = calibration.get("fitted_length") if isinstance(calibration, dict) else None
+    if text is None:
+        return muscle
+    names = calibration.get("coordinate_names", ())
+    try:
+        length = parse(text, "length")
+    except ValueError:
+        rule = 'must be a length with its unit, such as "127 mm".'
+        raise whole.error((_CALIBRATION, "fitted_length"), rule) from None
+    ends = calibration.get("fitted_ends") is True or not END_PARAMETERS.isdisjoint(names)
+    with_fitted_length(muscle, length, ends)
+    warn_fitted_length(muscle)
+    return muscle
+
+
+def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
+    arguments: dict[str, Any] = {
+        name: value for name, value in section if value is not None and name not in _TABLES
+    }
+    if section.collapse is not None:
+        arguments |= section.collapse.model_dump(exclude_none=True, include={"transition_rate"})
+    for kind in LAWS:
+        if (law := getattr(section, kind)) is not None:
+            arguments[kind] = _law(kind, law, location.inner(kind, kind=kind))
+    if section.tuning is not None:
+        arguments["tuning"] = _tuning(section.tuning, location.inner("tuning", kind="tuning"))
+    with location.error_context():
+        if section.material is not None:
+            arguments["material"] = _material(section.material)
+        return Muscle.from_dimensions(**arguments)
+
+
+def _material(material: str | TableModel) -> str | MooneyRivlin:
+    if isinstance(material, str):
+        return material
+    constants = material.model_dump(exclude_none=True)
+    if not {"c10", "c01"} & set(constants) and "youngs_modulus" in constants:
+        return MooneyRivlin.from_youngs_modulus(**constants)
+    for name in ("c10", "c01"):
+        if name not in constants:
+            rule = "is missing, write c10 and c01, or youngs_modulus alone"
+            raise InvalidInputError(name, rule, None)
+    return MooneyRivlin(**constants)
+
+
+def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | AbstractLaw:
+    if isinstance(section, str):
+        return section  # an unknown one is refused by the muscle
+    laws = LAWS[kind]
+    name = section.law or next(iter(laws))
+    with location.error_context():
+        law: Any = laws[check_choice(name, laws, kind)]
+    known = [field.name for field in fields(law)]
+    numbers = section.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*known})
+    for key in numbers:
+        if key not in known:
+            rule = did_you_mean(key, known) if known else ": it has none, drop it."
+            raise location.error((key,), f"not a parameter of {name}{rule}")
+    with location.error_context():
+        return law(**numbers)
+
+
+def _tuning(tuning: TuningSection, location: FileLocation) -> Tuning:
+    numbers = tuning.model_dump(exclude_none=True, exclude={"pressure", "hinge_stiffness_factor"})
+    if tuning.pressure is not None:
+        numbers["pressures"] = tuning.pressure
+    hinge = tuning.hinge_stiffness_factor
+    if isinstance(hinge, HingeSection):
+        names = {"constant": "hinge_stiffness_factor", "slope": "hinge_stiffness_slope"}
+        numbers |= {names[key]: value for key, value in hinge if value is not None}
+    elif hinge is not None:
+        numbers["hinge_stiffness_factor"] = hinge
+    with location.error_context():
+        return Tuning(**numbers)
+
+
+def _bundle(
+    section: BundleSection, muscles: Mapping[str, Muscle], location: FileLocation
+) -> Bundle:
+    units = [
+        _motor_unit(unit, muscles, location.inner("motor_unit", index))
+        for index, unit in enumerate(section.motor_unit)
+    ]
+    with location.error_context():
+        return Bundle(units, **section.model_dump(exclude_none=True, exclude={"motor_unit"}))
+
+
+def _motor_unit(
+    section: MotorUnitSection, muscles: Mapping[str, Muscle], location: FileLocation
+) -> MotorUnit:
+    name = section.muscle
+    if name is None and len(muscles) > 1:
+        rule = f"missing, write which muscle it has: {', '.join(muscles)}."
+        raise location.error(("muscle",), rule)
+    if name is not None and name not in muscles:
+        names = [known for known in muscles if known]
+        hint = did_you_mean(name, names) if names else ", drop the key: the only one is [muscle]."
+        raise location.error(("muscle",), f"no such muscle in the file{hint}")
+    muscle = next(iter(muscles.values())) if name is None else muscles[name]
+    with location.error_context():
+        return MotorUnit(muscle, **section.model_dump(exclude_none=True, include={"count"}))
+
+
+def _fitted_length(obj: Any) -> dict[str, Any]:
+    """The fitted length of a fitted muscle, or of a bundle of such ones alone."""
+    muscles = [obj] if isinstance(obj, Muscle) else [unit.muscle for unit in obj.motor_units]
+    entries = [fit_info_entries(muscle) for muscle in muscles]
+    equal = all(muscle == muscles[0] for muscle in muscles) and entries[1:] == entries[:-1]
+    return entries[0] if equal else {}
+
+
+def _object_lines(obj: Any) -> list[str]:
+    # lines, not tomlkit: it has no inline tables spaced as people write them
+    if isinstance(obj, Muscle):
+        return _muscle_lines(obj, "muscle")
+    if isinstance(obj, Bundle):
+        return _bundle_lines(obj)
+    raise ValueError(f"only a Muscle or a Bundle can be saved, got {type(obj).__name__}.")
+
+
+def _muscle_lines(muscle: Muscle, table: str) -> list[str]:
+    laws = [kind for kind in LAWS if kind != "collapse" and is_written_out(kind, getattr(muscle, kind))]
+    lines = [
+        f"[{table}]",
+        *(f"{name} = {_quantity(getattr(muscle, name), dim, name)}" for name, dim in _DIMENSIONS),
+        f"material = {_material_text(muscle.material)}",
+        *(f"{kind} = {_law_text(getattr(muscle, kind), kind)}" for kind in laws),
+        "",
+        f"[{table}.collapse]",
+        f"law = {_law_name(muscle.collapse, 'collapse')}",
+        f"transition_rate = {_number(muscle.transition_rate, 'transition_rate')}",
+        *(f"{key} = {text}" for key, text in _law_numbers(muscle.collapse).items()),
+    ]
+    tuning = _tuning_lines(muscle.tuning)
+    return [*lines, "", f"[{table}.tuning]", *tuning] if tuning else lines
+
+
+def _law_text(law: Any, kind: str) -> str:
+    """The law's name, with its own numbers if they aren't the default ones."""
+    name, numbers = _law_name(law, kind), _law_numbers(law)
+    if not numbers:
+        return name
+    return f"{{ law = {name}, {', '.join(f'{key} = {text}' for key, text in numbers.items())} }}"
+
+
+def _law_name(law: Any, kind: str) -> str:
+    name, known = getattr(law, "name", ""), LAWS[kind]
+    if name not in known or type(law) is not known[name]:
+        raise InvalidInputError(kind, f"can be saved if it is one of {', '.join(known)}", law)
+    return json.dumps(name)
+
+
+def _law_numbers(law: AbstractLaw) -> dict[str, str]:
+    """A law's numbers and switches by key; none if all are the defaults."""
+    constants, switches = law.constants(), law.switches()
+    if all(getattr(law, c.name) == c.default for c in constants) and all(
+        getattr(law, switch.name) == switch.options[0] for switch in switches
+    ):
+        return {}
+    numbers = {c.name: _constant_text(getattr(law, c.name), c) for c in constants}
+    return numbers | {s.name: json.dumps(getattr(law, s.name)) for s in switches}
+
+
+def _constant_text(value: Any, constant: Constant) -> str:
+    if DIMENSIONS[constant.dimension].unitless:
+        return _number(value, constant.name)
+    return _quantity(value, constant.dimension, constant.name)
+
+
+def _material_text(material: Any) -> str:
+    if type(material) is not MooneyRivlin:
+        raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
+    constants = {c.name: _constant_text(getattr(material, c.name), c) for c in material.constants()}
+    for name, known in MATERIALS.items():
+        if material == known:
+            return json.dumps(name)
+    return f"{{ {', '.join(f'{key} = {text}' for key, text in constants.items())} }}"
+
+
+def _tuning_lines(tuning: Tuning) -> list[str]:
+    lines = []
+    if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
+        for key, values, dimension in (
+            ("pressure", tuning.pressures, "pressure"),
+            ("c1", tuning.c1, "force"),
+        ):
+            texts = ", ".join(f'"{exact(float(x), dimension)}"' for x in _vector(values, key))
+            lines.append(f"{key} = [{texts}]")
+        lines.append(f"c2 = [{', '.join(repr(float(x)) for x in _vector(tuning.c2, 'c2'))}]")
+    lines += [
+        f"{key} = {_number(getattr(tuning, key), key)}"
+        for key in ("youngs_modulus_factor", "collapse_moment_factor")
+        if _scalar(getattr(tuning, key), key) != 1
+    ]
+    constant = _scalar(tuning.hinge_stiffness_factor, "hinge_stiffness_factor")
+    slope = _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope")
+    if slope:
+        rise = exact(slope, "inverse_pressure")
+        lines.append(f'hinge_stiffness_factor = {{ constant = {constant!r}, slope = "{rise}" }}')
+    elif constant != 1:
+        lines.append(f"hinge_stiffness_factor = {constant!r}")
+    if tuning.transition_rate is not None:
+        lines.append(f"transition_rate = {_number(tuning.transition_rate, 'transition_rate')}")
+    if _scalar(tuning.dead_band, "dead_band"):
+        lines.append(f"dead_band = {_quantity(tuning.dead_band, 'pressure', 'dead_band')}")
+    return lines
+
+
+def _bundle_lines(bundle: Bundle) -> list[str]:
+    tables: list[list[str]] = []  # of each different muscle, in the order of their first unit
+    indices = []
+    for unit in bundle.motor_units:
+        table = _muscle_lines(unit.muscle, "muscle.@")
+        if table not in tables:
+            tables.append(table)
+        indices.append(tables.index(table))
+    several = len(tables) > 1
+    lines = []
+    for index, table in enumerate(tables):
+        name = f"[muscle.unit_{index + 1}" if several else "[muscle"
+        lines += [line.replace("[muscle.@", name, 1) for line in table] + [""]
+    lines.append("[bundle]")
+    for key, value, dimension in (
+        ("supply_pressure", bundle.supply_pressure, "pressure"),
+        ("scheme", None, ""),
+        ("length", bundle.plate_distance, "length"),
+    ):
+        if key == "scheme":
+            lines.append(f"scheme = {json.dumps(name_of(bundle.scheme))}")
+        elif value is not None:
+            lines.append(f"{key} = {_quantity(value, dimension, key)}")
+    for unit, index in zip(bundle.motor_units, indices, strict=True):
+        lines += ["", "[[bundle.motor_unit]]", f"count = {int(unit.count)}"]
+        lines += [f'muscle = "unit_{index + 1}"'] if several else []
+    return lines
+
+
+def _quantity(value: Any, dimension: str, key: str) -> str:
+    return f'"{exact(_scalar(value, key), dimension)}"'
+
+
+def _number(value: Any, key: str) -> str:
+    number = _scalar(value, key)
+    return repr(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number)
+
+
+def _scalar(value: Any, key: str) -> float:
+    if np.shape(value) != ():
+        rule, remedy = f"has the shape {np.shape(value)}", "a file describes one muscle, save each"
+        raise InvalidInputError(key, rule, None, remedy)
+    return float(value)
+
+
+def _vector(values: Any, key: str) -> Any:
+    if np.ndim(values) != 1:
+        rule = f"has the shape {np.shape(values)}"
+        raise InvalidInputError(key, rule, None, "a file takes one list")
+    return np.asarray(values)
+
+
+def _plain_entry(value: Any, key: str, depth: int = 0) -> Any:
+    """A value of a `[calibration]` as Python's own types."""
+    if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays
+        value = value.tolist()
+    if isinstance(value, Mapping) and depth == 0:
+        return {name: _plain_entry(entry, name, 1) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        tables = depth == 0 and all(isinstance(entry, Mapping) for entry in value)
+        return [_plain_entry(entry, key, 0 if tables else 1) for entry in value]
+    if isinstance(value, bool | str | int | float):
+        return value
+    rule = "takes text, numbers, booleans, lists and one level of tables"
+    shown = f"a {type(value).__name__} for {key!r}"
+    raise InvalidInputError(_CALIBRATION, rule, (type(value).__name__, key), shown=shown)
