@@ -12,9 +12,9 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .shipped_files import example_text, examples, scenarios
     from .muscle_files import dumps, loads, provenance, save
     from .scenario import Scenario, load_scenario, loads_scenario
+    from .shipped_files import example_text, examples, scenarios
 
 __all__ = [
     "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",

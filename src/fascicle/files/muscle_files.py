@@ -343,7 +343,9 @@ def _object_lines(obj: Any) -> list[str]:
 
 
 def _muscle_lines(muscle: Muscle, table: str) -> list[str]:
-    laws = [kind for kind in LAWS if kind != "collapse" and is_written_out(kind, getattr(muscle, kind))]
+    laws = [
+        kind for kind in LAWS if kind != "collapse" and is_written_out(kind, getattr(muscle, kind))
+    ]
     lines = [
         f"[{table}]",
         *(f"{name} = {_quantity(getattr(muscle, name), dim, name)}" for name, dim in _DIMENSIONS),

@@ -44,9 +44,9 @@ from ..fluid import (
 )
 from ..muscle import Muscle
 from .errors import FileLocation, check_kind, validate
-from .shipped_files import shipped_names, shipped_text
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
 from .scenario_schema import PARTS, PUMPED, choose_schema, pump_class
+from .shipped_files import shipped_names, shipped_text
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it

@@ -27,7 +27,6 @@ from ..muscle.buckling import BUCKLING_LAWS
 from ..records.dynamometer import Scatter
 from ..units import parse
 from .errors import FileLocation, check_kind, validate
-from .shipped_files import examples, shipped_names, shipped_text
 from .muscle_files import load_muscle, loads, parse_file, provenance, read_text
 from .schema import (
     CatalogFile,
@@ -39,6 +38,7 @@ from .schema import (
     TaskFileSection,
     TaskSection,
 )
+from .shipped_files import examples, shipped_names, shipped_text
 
 
 _DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}

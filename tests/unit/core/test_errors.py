@@ -69,7 +69,10 @@ def test_a_file_names_the_key_by_the_field_not_by_the_words():
     named = r"^m.toml: muscle.length = \"1 m\": `length` is odd\.$"
     with pytest.raises(ValueError, match=named), place.error_context():
         raise InvalidInputError("length", "is odd", None)
-    with pytest.raises(ValueError, match=r"^m.toml: muscle: `length` is what"), place.error_context():
+    with (
+        pytest.raises(ValueError, match=r"^m.toml: muscle: `length` is what"),
+        place.error_context(),
+    ):
         raise ValueError("`length` is what somebody else's words begin with.")
 
 

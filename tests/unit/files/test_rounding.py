@@ -8,8 +8,7 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.files import dumps, loads, provenance
-from fascicle.files.calibration_files import calibrated_text
-from fascicle.files.calibration_files import round_to_uncertainty, rounded_muscle
+from fascicle.files.calibration_files import calibrated_text, round_to_uncertainty, rounded_muscle
 from fascicle.io.toml import parse_toml
 from fascicle.records import Record
 from fascicle.units import parse
