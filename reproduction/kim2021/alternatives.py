@@ -29,6 +29,7 @@ from fascicle.plot.style import (
     new_figure,
     styled,
 )
+from fascicle.reports.page import lines
 from fascicle.results.labelled import Variable
 
 from ..figures import PaperFigure
@@ -245,9 +246,11 @@ def comparison() -> list[list[str]]:
 def _by_pressure(number: Callable[[Variant, int], float], digits: int) -> Callable[[Variant], str]:
     def entry(variant: Variant) -> str:
         numbers = [number(variant, row) for row in setting.FIGURE_6]
-        return "<br>".join(
-            f"{name}: {x:.{digits}f}" if np.isfinite(x) else f"{name}: never"
-            for name, x in zip(_NAMES, numbers, strict=True)
+        return lines(
+            [
+                f"{name}: {x:.{digits}f}" if np.isfinite(x) else f"{name}: never"
+                for name, x in zip(_NAMES, numbers, strict=True)
+            ]
         )
 
     return entry

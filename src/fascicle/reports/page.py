@@ -82,10 +82,11 @@ def downloads(files: Mapping[str, bytes]) -> dict[str, str]:
 def picture(figure: "Figure", svg: bytes | None = None) -> Picture:
     """A figure as a picture of a page; `svg` is the figure where it was drawn already."""
     content = to_bytes(figure, "svg") if svg is None else svg
-    return Picture(data_uri(content, "svg"), _width(figure.get_figwidth()))
+    return Picture(data_uri(content, "svg"), screen_width(figure.get_figwidth()))
 
 
-def _width(inches: float) -> int:
+def screen_width(inches: float) -> int:
+    """Width on a screen [mm] of a picture of so many `inches` in print."""
     return round(inches * _INCH * _ENLARGED)
 
 
@@ -170,7 +171,7 @@ class Page:
 
     def picture(self, content: bytes, kind: str, alternative: str, width: float) -> None:
         """Add a picture of `kind` "svg" or "png", at most `width` [m] wide when printed."""
-        drawn = Picture(data_uri(content, kind), _width(width / 0.0254))
+        drawn = Picture(data_uri(content, kind), screen_width(width / 0.0254))
         self._macro("picture", drawn, alternative)
 
     def table(self, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
