@@ -70,7 +70,7 @@ class Branches(Module):
     def of(
         cls, bundle: Bundle, supply_pressure: Values = None, shape: tuple[int, int] = _SHAPE
     ) -> "Branches":
-        """Those of a bundle.
+        """Branches of a bundle.
 
         **Arguments:**
 
@@ -88,15 +88,15 @@ class Branches(Module):
 
     @classmethod
     def tabulated(cls, muscles: Tables, top: float) -> "Branches":
-        """Those of `muscles` [-] that are tables already, up to a pressure `top` [Pa]."""
+        """Branches of `muscles` that are tables already, up to a pressure `top` [Pa]."""
         table = muscles.table
         columns = table.coefficients.shape[-3]
         rows = []
-        for which in range(len(table.coefficients)):
-            unit = int(np.flatnonzero(muscles.which == which)[0])
+        for indices in range(len(table.coefficients)):
+            unit = int(np.flatnonzero(muscles.which == indices)[0])
             low, high = (float(end[unit]) for end in table.strains)
             rows.append(_branch(muscles, unit, np.linspace(low, high, columns + 1), top))
-        parts = (np.stack(part) for part in zip(*rows, strict=True))
+        parts = (np.stack(piece) for piece in zip(*rows, strict=True))
         return cls(muscles, np.float64(top), *parts)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
@@ -105,20 +105,20 @@ class Branches(Module):
 
     def onset(self, strain: Numbers) -> Numbers:
         """$p_{on}$ [Pa] at a `strain` [-]: the top where no pressure up to it gains."""
-        j, w, which = self._column(strain)
+        j, w, indices = self._column(strain)
         onsets = array_namespace(strain).asarray(self.onsets)
-        between = (1 - w) * onsets[which, j] + w * onsets[which, j + 1]
-        some = between > 0
+        between = (1 - w) * onsets[indices, j] + w * onsets[indices, j + 1]
+        any_rising = between > 0
         empty = self.force(0.0 * strain, strain)
 
         def step(p: Numbers) -> Numbers:
             at = self.muscles.at(p, strain)
-            rises = some & (at.force_by_pressure > 0)
-            way = (at.force - empty) / guarded(rises, at.force_by_pressure)
+            rises = any_rising & (at.force_by_pressure > 0)
+            direction = (at.force - empty) / guarded(rises, at.force_by_pressure)
             # no pressure at all is a root as well, and past a kink a slope leads away
             reach = minimum(0.5 * between, 2e-3 * self.top)
-            near = minimum(maximum(p - way, between - reach), between + reach)
-            return where(rises, near, p)
+            guess = minimum(maximum(p - direction, between - reach), between + reach)
+            return where(rises, guess, p)
 
         p = _repeated(step, between, 2)
         return minimum(maximum(p, 0.0), self.top)
@@ -127,9 +127,9 @@ class Branches(Module):
         """How deep one muscle of each unit dips [N] at a `strain` [-], and at which pressure [Pa],
         both between the table's strains.
         """
-        j, w, which = self._column(strain)
+        j, w, indices = self._column(strain)
         rows = (array_namespace(strain).asarray(row) for row in (self.dips, self.dip_pressures))
-        depth, at = ((1 - w) * row[which, j] + w * row[which, j + 1] for row in rows)
+        depth, at = ((1 - w) * row[indices, j] + w * row[indices, j + 1] for row in rows)
         return depth, at
 
     def pressure(self, force: Numbers, strain: Numbers) -> BranchPressure:
@@ -148,26 +148,26 @@ class Branches(Module):
         none = 0.0 * strain
         empty, full = self.force(none, strain), self.force(none + self.top, strain)
         gains = full > empty
-        share = (force - empty) / guarded(gains, full - empty)
-        low = share <= 0
-        high = share >= 1
+        fraction = (force - empty) / guarded(gains, full - empty)
+        low = fraction <= 0
+        high = fraction >= 1
         inside = gains & ~low & ~high
-        phi = where(inside, share, 0.5)
+        phi = where(inside, fraction, 0.5)
         onset = self.onset(strain)
 
         def step(p: Numbers) -> Numbers:
             at = self.muscles.at(p, strain)
             rises = at.force_by_pressure > 0
-            way = (at.force - force) / guarded(rises, at.force_by_pressure)
+            direction = (at.force - force) / guarded(rises, at.force_by_pressure)
             size = 0.1 * self.top
-            way = maximum(minimum(where(rises, way, 0.0), size), -size)
-            return minimum(maximum(p - way, onset), self.top)
+            direction = maximum(minimum(where(rises, direction, 0.0), size), -size)
+            return minimum(maximum(p - direction, onset), self.top)
 
         p = _repeated(step, self._looked_up(phi, strain), _NEWTON)
         ends = where(high & gains, self.top, 0.0)
         status = xp.where(
             ~gains, HELPLESS,
-            xp.where(share < 0, TOO_LITTLE, xp.where(share > 1, TOO_MUCH, REACHED)),
+            xp.where(fraction < 0, TOO_LITTLE, xp.where(fraction > 1, TOO_MUCH, REACHED)),
         )  # fmt: skip
         return BranchPressure(where(inside, p, ends), status)
 
@@ -180,15 +180,15 @@ class Branches(Module):
         j = minimum(xp.floor(x), columns - 1.0).astype(int)
         return j, x - j, self.muscles.which
 
-    def _looked_up(self, share: Numbers, strain: Numbers) -> Numbers:
-        j, w, which = self._column(strain)
+    def _looked_up(self, fraction: Numbers, strain: Numbers) -> Numbers:
+        j, w, indices = self._column(strain)
         rows = self.pressures.shape[-1] - 1
-        x = sqrt(share) * rows
-        i = minimum(array_namespace(share).floor(x), rows - 1.0).astype(int)
+        x = sqrt(fraction) * rows
+        i = minimum(array_namespace(fraction).floor(x), rows - 1.0).astype(int)
         u = x - i
-        p = array_namespace(share).asarray(self.pressures)
+        p = array_namespace(fraction).asarray(self.pressures)
         left, right = (
-            (1 - u) * p[which, j + side, i] + u * p[which, j + side, i + 1] for side in (0, 1)
+            (1 - u) * p[indices, j + side, i] + u * p[indices, j + side, i + 1] for side in (0, 1)
         )
         return (1 - w) * left + w * right
 
@@ -210,16 +210,18 @@ def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple
     def force(pressure: np.ndarray) -> np.ndarray:
         P, eps = np.broadcast_arrays(pressure[..., None], strain[:, None])
         # of all units the one that is meant
-        many = np.shape(muscles.which)
-        found = muscles.at(np.broadcast_to(P, (*P.shape[:-1], *many)), eps + np.zeros(many))
-        return np.asarray(found.force)[..., unit]
+        count = np.shape(muscles.which)
+        unit_branches = muscles.at(
+            np.broadcast_to(P, (*P.shape[:-1], *count)), eps + np.zeros(count)
+        )
+        return np.asarray(unit_branches.force)[..., unit]
 
     with np.errstate(all="ignore"):  # of branches that aren't taken
         # even in √P, as the table is: a muscle changes most at low pressure
         grid = top * np.linspace(0.0, 1.0, _FINE) ** 2
         empty = force(0.0 * strain)
-        taken = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
-        gains, deepest = taken < 0, np.argmax(taken, axis=0)
+        chosen = empty - force(np.broadcast_to(grid[:, None], (_FINE, len(strain))))
+        gains, deepest = chosen < 0, np.argmax(chosen, axis=0)
         last = _FINE - 1 - np.argmax(~gains[::-1], axis=0)
         helpless = last == _FINE - 1
         low, high = grid[last], grid[np.minimum(last + 1, _FINE - 1)]
@@ -230,9 +232,11 @@ def _branch(muscles: Tables, unit: int, strain: np.ndarray, top: float) -> tuple
         onset = np.where(helpless, top, np.where(last == 0, 0.0, high))
         branch = onset + (top - onset) * np.linspace(0.0, 1.0, _FINE)[:, None] ** 2
         pull = np.minimum.accumulate(force(branch)[::-1])[::-1]
-    shares = np.linspace(0.0, 1.0, _SHARES) ** 2
-    kept = [
-        np.interp(shares * (f[-1] - f[0]) + f[0], f, p) if f[-1] > f[0] else np.full(_SHARES, top)
+    fractions = np.linspace(0.0, 1.0, _SHARES) ** 2
+    kept_strains = [
+        np.interp(fractions * (f[-1] - f[0]) + f[0], f, p)
+        if f[-1] > f[0]
+        else np.full(_SHARES, top)
         for f, p in zip(pull.T, branch.T, strict=True)
     ]
-    return onset, np.maximum(np.max(taken, axis=0), 0.0), grid[deepest], np.stack(kept)
+    return onset, np.maximum(np.max(chosen, axis=0), 0.0), grid[deepest], np.stack(kept_strains)

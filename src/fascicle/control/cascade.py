@@ -65,9 +65,9 @@ class Gains(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What a controller remembers: integrals of its errors [SI], the `demand` of before and its
+    """Memory of a controller: integrals of its errors [SI], the `demand` of before and its
     filtered `rate` [SI], friction's forces as it was `reckoned` [N], the reference before [SI],
-    each bundle's policy, measurements that are on their `way` [SI], commands that are `held` [-]
+    each bundle's policy, measurements that are on their `queue` [SI], commands that are `held` [-]
     and for how many steps yet [-].
     """
 
@@ -78,7 +78,7 @@ class Memory(NamedTuple):
     reckoned: Numbers
     before: Batch
     policies: tuple
-    way: Numbers
+    queue: Numbers
     held: Numbers
     wait: Batch
     fresh: Batch
@@ -114,13 +114,14 @@ class Cascade(Module):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What in it is likely to be unstable, in words [-]."""
-        given, late = float(self.gains.pressure_time), self.lateness
-        if given >= late:
+        """Warnings of gains that are likely to be unstable, one sentence each."""
+        pressure_time, late = float(self.gains.pressure_time), self.lateness
+        if pressure_time >= late:
             return ()
         return (
-            f"`pressure_time` of {given:g} s is too fast: valves, measurements and samples are late"
-            f" by {late:g} s, and pressures will swing; take {DAMPED * late:g} s, or leave it out",
+            f"`pressure_time` of {pressure_time:g} s is too fast: valves, measurements"
+            f" and samples are {late:g} s late, and pressures will swing; take"
+            f" {DAMPED * late:g} s, or leave it out",
         )
 
     @property
@@ -128,12 +129,20 @@ class Cascade(Module):
         """With which it begins [-]."""
         none = jnp.zeros(())
         n = self.plant.units
-        begun = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
+        policy_memories = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
         return Memory(
-            none, none, none, none, jnp.zeros((n, self.friction.count if self.friction else 0)),
-            none, jax.tree.map(jnp.asarray, begun), jnp.zeros((self.delay, n + 4)), jnp.zeros(n),
-            none, none,
-        )  # fmt: skip
+            none,
+            none,
+            none,
+            none,
+            jnp.zeros((n, self.friction.count if self.friction else 0)),
+            none,
+            jax.tree.map(jnp.asarray, policy_memories),
+            jnp.zeros((self.delay, n + 4)),
+            jnp.zeros(n),
+            none,
+            none,
+        )
 
     def __call__(
         self, memory: Memory, measurement: Measurement, reference: Any
@@ -141,74 +150,93 @@ class Cascade(Module):
         """Its next memory [-] and the commands [-], from its `memory` [-], a `measurement` [SI] and
         the `reference` now [SI].
         """
-        seen, way = self._delayed(memory, measurement)
-        memory = memory._replace(way=way)
+        delayed, queue = self._delayed(memory, measurement)
+        memory = memory._replace(queue=queue)
         if self.every == 1:
-            kept, commands = self._act(memory, seen, reference)
+            memory_next, commands = self._act(memory, delayed, reference)
         else:  # between its samples nothing is reckoned
-            kept, commands = lax.cond(
+            memory_next, commands = lax.cond(
                 memory.wait <= 0,
                 lambda: self._act(
-                    memory._replace(wait=self.every + 0.0 * memory.wait), seen, reference
+                    memory._replace(wait=self.every + 0.0 * memory.wait), delayed, reference
                 ),
                 lambda: (memory, memory.held),
             )
-        wait = kept.wait - 1
-        return kept._replace(held=commands, wait=wait, fresh=memory.fresh + 1), commands
+        wait = memory_next.wait - 1
+        return memory_next._replace(held=commands, wait=wait, fresh=memory.fresh + 1), commands
 
-    def _act(self, memory: Memory, seen: Measurement, reference: Any) -> tuple[Memory, Numbers]:
+    def _act(
+        self, memory: Memory, measurement: Measurement, reference: Any
+    ) -> tuple[Memory, Numbers]:
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
         if self.of == "position":
-            error = reference - seen.position
-            wanted = -plant.load.force(reference)
+            error = reference - measurement.position
+            goal = -plant.load.force(reference)
             before = jnp.where(memory.fresh > 0, memory.before, reference)
-            friction, reckoned = self._friction(memory, reference, before, seen)
-            pulled = wanted + friction + gains.position * error - gains.velocity * seen.velocity
+            friction, reckoned = self._friction(memory, reference, before, measurement)
+            pulled = (
+                goal + friction + gains.position * error - gains.velocity * measurement.velocity
+            )
             pulled = pulled + memory.integral
             integral = memory.integral + gains.integral * error * dt
         else:
             error, pulled, integral = (
-                0.0 * seen.position,
-                reference + 0.0 * seen.position,
+                0.0 * measurement.position,
+                reference + 0.0 * measurement.position,
                 memory.integral,
             )
             before, reckoned = memory.before, memory.reckoned
-        missing = pulled - seen.force
+        missing = pulled - measurement.force
         demand = pulled + gains.force * missing + memory.force_integral
         force_integral = memory.force_integral + gains.force_integral * missing * dt
         change = jnp.where(memory.fresh > 0, (demand - memory.demand) / dt, 0.0)
-        share = dt / (dt + _FILTER)
+        fraction = dt / (dt + _FILTER)
         if self.of == "force":
             # at first the mean of all changes: a filter that begins at zero would see a ramp too
             # late. Of a position the first changes are its error's, whose mean says nothing
-            share = jnp.maximum(share, self.every / jnp.maximum(memory.fresh, self.every))
-        rate = memory.rate + (change - memory.rate) * share
+            fraction = jnp.maximum(fraction, self.every / jnp.maximum(memory.fresh, self.every))
+        rate = memory.rate + (change - memory.rate) * fraction
 
-        strains, speed = plant.strains(seen.position), plant.gains * seen.velocity
+        strains, speed = plant.strains(measurement.position), plant.gains * measurement.velocity
         joint = len(self.units) == 2
         policies, targets, lacks = [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
-            places = plant.places(side)
+            indices = plant.places(side)
             arm = plant.load.arms[side][1]
             shared = (1 / (2 * arm)) if joint else 1 / arm
             extra = self.co_contraction if joint else 0.0
-            asked = UnitDemand(
-                demand * shared + extra, rate * shared, strains[places], seen.pressures[places],
-                minimum(seen.supply_pressure, self.highest_pressure), gains.pressure_time, dt,
-            )  # fmt: skip
-            now = evaluate_capability(units, asked)
-            after, target = policy(memory.policies[side], units, asked, now)
+            unit_demand = UnitDemand(
+                demand * shared + extra,
+                rate * shared,
+                strains[indices],
+                measurement.pressures[indices],
+                minimum(measurement.supply_pressure, self.highest_pressure),
+                gains.pressure_time,
+                dt,
+            )
+            capability = evaluate_capability(units, unit_demand)
+            after, target = policy(memory.policies[side], units, unit_demand, capability)
             policies.append(after)
             targets.append(target)
-            lacks.append((asked.force > now.largest[-1], asked.force < jnp.sum(now.empty), shared))
+            lacks.append(
+                (
+                    unit_demand.force > capability.largest[-1],
+                    unit_demand.force < jnp.sum(capability.empty),
+                    shared,
+                )
+            )
         # more isn't to be had where the bundle that pulls on can't, nor the other one less
-        more = jnp.any(jnp.stack([where(s > 0, a, b) for a, b, s in lacks]))
+        is_short = jnp.any(jnp.stack([where(s > 0, a, b) for a, b, s in lacks]))
         less = jnp.any(jnp.stack([where(s > 0, b, a) for a, b, s in lacks]))
 
-        def still(now: Batch, before: Batch) -> Batch:
-            return jnp.where((more & (now > before)) | (less & (now < before)), before, now)
+        def still(capability: Batch, before: Batch) -> Batch:
+            return jnp.where(
+                (is_short & (capability > before)) | (less & (capability < before)),
+                before,
+                capability,
+            )
 
-        commands = self._valves(jnp.concatenate(targets), seen, strains, speed)
+        commands = self._valves(jnp.concatenate(targets), measurement, strains, speed)
         return memory._replace(
             integral=still(integral, memory.integral),
             force_integral=still(force_integral, memory.force_integral),
@@ -218,19 +246,19 @@ class Cascade(Module):
         ), commands  # fmt: skip
 
     def _valves(
-        self, target: Numbers, seen: Measurement, strains: Numbers, speed: Numbers
+        self, target: Numbers, measurement: Measurement, strains: Numbers, speed: Numbers
     ) -> Numbers:
         """Commands [-], equation (K3)."""
         commands = []
         for side, units in enumerate(self.units):
-            places = self.plant.places(side)
-            P, eps, v = seen.pressures[places], strains[places], speed[places]
-            P_r = minimum(maximum(target[places], 0.0), self.highest_pressure)
+            indices = self.plant.places(side)
+            P, eps, v = measurement.pressures[indices], strains[indices], speed[indices]
+            P_r = minimum(maximum(target[indices], 0.0), self.highest_pressure)
             m = units.content(P, eps)
             by_pressure = (units.content(P + _STEP, eps) - m) / _STEP
             by_strain = (units.content(P, eps + _STRAIN) - m) / _STRAIN
             flow = by_pressure * (P_r - P) / self.gains.pressure_time + by_strain * v
-            into, out = units.flows(P, seen.supply_pressure + 0.0 * P)
+            into, out = units.flows(P, measurement.supply_pressure + 0.0 * P)
             opening = where(flow > 0, flow / maximum(into, 1e-9), flow / maximum(out, 1e-9))
             # one that idles is open to the room: shut, it would be sucked empty as it is shortened,
             # and what comes back into it needn't come from the supply
@@ -239,32 +267,39 @@ class Cascade(Module):
         return jnp.concatenate(commands)
 
     def _friction(
-        self, memory: Memory, reference: Batch, before: Batch, seen: Measurement
+        self, memory: Memory, reference: Batch, before: Batch, measurement: Measurement
     ) -> tuple[Batch, Numbers]:
-        """What friction will take along the reference [SI], and its forces there [N]."""
+        """Predicted friction along the reference [SI], and its forces there [N]."""
         if self.friction is None:
             return 0.0 * reference, memory.reckoned
-        plant, P = self.plant, maximum(seen.pressures, 0.0)
+        plant, P = self.plant, maximum(measurement.pressures, 0.0)
         per = plant.lengths * plant.gains
-        way = per * (reference - before)
-        speed = way / (self.dt * self.every)
+        queue = per * (reference - before)
+        speed = queue / (self.dt * self.every)
         at = plant.muscles.at(P, plant.strains(reference))
-        slid = self.friction.slid(memory.reckoned, way, speed, (P, P), at.force_by_pressure)
-        return array_namespace(P).sum(plant.counts * per * slid.force), slid.kept
+        slid = self.friction.slid(memory.reckoned, queue, speed, (P, P), at.force_by_pressure)
+        return array_namespace(P).sum(plant.counts * per * slid.force), slid.spring_forces
 
-    def _delayed(self, memory: Memory, seen: Measurement) -> tuple[Measurement, Numbers]:
-        """What was measured a delay ago, and what is on its way."""
+    def _delayed(self, memory: Memory, measurement: Measurement) -> tuple[Measurement, Numbers]:
+        """Delayed measurement, and the queue of later ones."""
         if not self.delay:
-            return seen, memory.way
+            return measurement, memory.queue
         row = jnp.concatenate(
             [
-                jnp.stack([seen.position, seen.velocity, seen.force, seen.supply_pressure]),
-                seen.pressures,
+                jnp.stack(
+                    [
+                        measurement.position,
+                        measurement.velocity,
+                        measurement.force,
+                        measurement.supply_pressure,
+                    ]
+                ),
+                measurement.pressures,
             ]
         )
-        way = jnp.where(memory.fresh > 0, memory.way, row)
-        q, v, F, P_s = (way[0, i] for i in range(4))
-        old = seen._replace(
-            position=q, velocity=v, force=F, supply_pressure=P_s, pressures=way[0, 4:]
+        queue = jnp.where(memory.fresh > 0, memory.queue, row)
+        q, v, F, P_s = (queue[0, i] for i in range(4))
+        old = measurement._replace(
+            position=q, velocity=v, force=F, supply_pressure=P_s, pressures=queue[0, 4:]
         )
-        return old, jnp.concatenate([way[1:], row[None]])
+        return old, jnp.concatenate([queue[1:], row[None]])

@@ -1,4 +1,4 @@
-r"""Whether and when the next motor unit can be recruited without a dip of force.
+r"""Time at which the next motor unit can be recruited without a dip of force, if there is one.
 
 Along a path of demand $F(t)$ and strain $\varepsilon(t)$ the hand-over to unit $k + 1$ must be over
 before the units up to $k$ no longer suffice. While its pressure rises from 0 to the onset, unit
@@ -42,7 +42,7 @@ _STRAINS = 65  # at which dips are looked for, where more are on the path
 
 
 class Path(NamedTuple):
-    """What is demanded: `time` [s], rising, `force` [N], and `strain` [-], one for all or each."""
+    """Demand: `time` [s], rising, `force` [N], and `strain` [-], one for all or each."""
 
     time: Numbers
     force: Numbers
@@ -95,7 +95,7 @@ class Crossing(NamedTuple):
 
     @property
     def found(self) -> bool:
-        """Whether there is one [-]."""
+        """True if there is a crossing."""
         return self.start is not None
 
     def __str__(self) -> str:
@@ -126,9 +126,9 @@ def hand_over_time(
     **Raises:** `ValueError` as `transition` does, and for valves that don't fit.
     """
     supply = supply_of(bundle, supply_pressure)
-    found = transition(bundle, strain, unit, supply)
+    result = transition(bundle, strain, unit, supply)
     valve = for_each(valves, len(bundle.motor_units))[unit - 1]
-    return _time(bundle, unit, valve, found.onset_pressure, strain)
+    return _time(bundle, unit, valve, result.onset_pressure, strain)
 
 
 def crossing(
@@ -158,9 +158,9 @@ def crossing(
     """
     check_unit(bundle, unit)
     supply = supply_of(bundle, supply_pressure)
-    each = for_each(valves, len(bundle.motor_units))
+    per_unit = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
-    along = _HandOver(bundle, unit, supply, path, each, slack)
+    along = _HandOver(bundle, unit, supply, path, per_unit, slack)
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
     F, at = along.demand(t)
     reserve = at.largest_force - F
@@ -180,23 +180,23 @@ def crossing(
     k = short[0]  # between whose moments the reserve is used up
     needed = float(t[k - 1] + (t[k] - t[k - 1]) * reserve[k - 1] / (reserve[k - 1] - reserve[k]))
     open_ = t[(t < needed) & (reserve >= at.dip)]
-    looked = along.followed(open_)
-    good = np.flatnonzero(np.isfinite(looked))
+    evaluated = along.followed(open_)
+    good = np.flatnonzero(np.isfinite(evaluated))
     if not good.size:
         return none(along.why(t[: k + 1], before), needed)
     start, step = float(open_[good[-1]]), float(np.max(np.diff(t)))
     for _ in range(_ZOOMS):
         finer = np.linspace(start, min(start + step, needed), 33)
-        looked = along.followed(finer)
-        good = np.flatnonzero(np.isfinite(looked))
+        evaluated = along.followed(finer)
+        good = np.flatnonzero(np.isfinite(evaluated))
         start, step = float(finer[good[-1]]), step / 32
-    end = float(looked[good[-1]])
+    end = float(evaluated[good[-1]])
     eps = float(np.interp(end, path.time, path.strain))
-    there = transition(bundle, eps, unit, supply)
+    index = transition(bundle, eps, unit, supply)
     F_then, then = along.demand(np.array([start]))
     return Crossing(
-        start, end, float(_time(bundle, unit, each[unit - 1], there.onset_pressure, eps)), eps,
-        float(there.dip), float(there.onset_pressure), float(then.largest_force[0] - F_then[0]),
+        start, end, float(_time(bundle, unit, per_unit[unit - 1], index.onset_pressure, eps)), eps,
+        float(index.dip), float(index.onset_pressure), float(then.largest_force[0] - F_then[0]),
         needed, "",
     )  # fmt: skip
 
@@ -222,8 +222,8 @@ class _HandOver:
         self.branches: Branches = bundle.store[key]
         self.counts = np.asarray(bundle.counts, float)
         low, high = float(np.min(path.strain)), float(np.max(path.strain))
-        few = np.unique(path.strain)
-        self.strains = few if len(few) <= _STRAINS else np.linspace(low, high, _STRAINS)
+        fewest = np.unique(path.strain)
+        self.strains = fewest if len(fewest) <= _STRAINS else np.linspace(low, high, _STRAINS)
         self.found = transition(bundle, self.strains, unit, supply)
         self.bundle = bundle
 
@@ -240,40 +240,40 @@ class _HandOver:
         """
         t, last = start + 0.0, self.path.time[-1]
         good, took, before = np.full(t.shape, True), np.zeros_like(t), []
-        for share in np.linspace(0.0, 1.0, _STEPS + 1):
+        for fraction in np.linspace(0.0, 1.0, _STEPS + 1):
             # the demand of then, if this step takes as long as the one before
-            ok, held = self._held(np.minimum(t + took, last), share)
+            ok, held = self._held(np.minimum(t + took, last), fraction)
             if before:
-                each = [
-                    self.slack * np.maximum(now - was, 0.0) / np.maximum(flow, _NO_FLOW)
-                    for (now, flow), (was, _) in zip(held, before, strict=True)
+                per_unit = [
+                    self.slack * np.maximum(time_now - was, 0.0) / np.maximum(flow, _NO_FLOW)
+                    for (time_now, flow), (was, _) in zip(held, before, strict=True)
                 ]
-                took = np.maximum(*each)
+                took = np.maximum(*per_unit)
             t, before = t + took, held
             good &= ok & (t <= last)
             t = np.where(good, t, last)
         return np.where(good, t, np.inf)
 
-    def _held(self, time: np.ndarray, share: float) -> tuple[np.ndarray, list]:
-        """Whether unit k can give room [-], and what both units hold and take a second."""
+    def _held(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list]:
+        """Feasibility of a hand-over to unit k, and the forces and rates of both units."""
         k, P_s = self.k, self.supply
         F, at = self.demand(time)
         eps = self._strains(time)
         helps = np.isfinite(at.onset_pressure)
         # the deepest point is among the steps, where a muscle's force has a kink
         onset = np.where(helps, at.onset_pressure, P_s)
-        down, up = 2 * share * at.dip_pressure, (2 * share - 1) * (onset - at.dip_pressure)
-        p = down if share <= 0.5 else at.dip_pressure + up
+        down, up = 2 * fraction * at.dip_pressure, (2 * fraction - 1) * (onset - at.dip_pressure)
+        p = down if fraction <= 0.5 else at.dip_pressure + up
         n, P = self.counts, np.zeros((len(time), len(self.counts)))
         empty = self.branches.force(P, eps)[:, k]
         P[:, k - 1], P[:, k] = P_s, p
         forces = self.branches.force(P, eps)
         # at the kink the law, which a table rounds off
-        gained = -at.dip if share == 0.5 else n[k] * (forces[:, k] - empty)
+        gained = -at.dip if fraction == 0.5 else n[k] * (forces[:, k] - empty)
         left = at.largest_force - F + gained
-        asked = forces.copy()
-        asked[:, k - 1] -= np.maximum(left, 0.0) / n[k - 1]
-        P[:, k - 1] = self.branches.pressure(asked, eps).pressure[:, k - 1]
+        demand = forces.copy()
+        demand[:, k - 1] -= np.maximum(left, 0.0) / n[k - 1]
+        P[:, k - 1] = self.branches.pressure(demand, eps).pressure[:, k - 1]
         # less than an empty unit's is held by none, which isn't the hand-over's fault
         ok = helps & (left >= 0)
         V = self.branches.muscles.at(P, eps).volume * n
@@ -287,8 +287,8 @@ class _HandOver:
 
     def _strains(self, time: np.ndarray) -> np.ndarray:
         eps = np.interp(time, self.path.time, self.path.strain)
-        each = [unit_strain(self.bundle, i + 1, eps) for i in range(len(self.counts))]
-        return np.stack(each, axis=-1)
+        per_unit = [unit_strain(self.bundle, i + 1, eps) for i in range(len(self.counts))]
+        return np.stack(per_unit, axis=-1)
 
     def why(self, time: np.ndarray, before: str) -> str:
         """Why there is no hand-over that begins at any `time` [s]."""
@@ -312,11 +312,11 @@ class _HandOver:
 def _time(
     bundle: Bundle, unit: int, valve: AbstractValves, onset: Values, strain: Values
 ) -> Numbers:
-    one = bundle.motor_units[unit - 1]
+    time = bundle.motor_units[unit - 1]
     eps = unit_strain(bundle, unit, strain)
     p_on = np.asarray(onset)
-    there = np.where(np.isfinite(p_on), p_on, 0.0)
-    V = [one.count * one.muscle.conjugate_volume(P, eps) for P in (there, 0.0 * there)]
-    taken = valve.content(there, V[0]) - valve.content(0.0 * there, V[1])
+    index = np.where(np.isfinite(p_on), p_on, 0.0)
+    V = [time.count * time.muscle.conjugate_volume(P, eps) for P in (index, 0.0 * index)]
+    spent = valve.content(index, V[0]) - valve.content(0.0 * index, V[1])
     # the least flow on its way
-    return np.where(np.isfinite(p_on), taken / valve.flow(there), np.inf)[()]
+    return np.where(np.isfinite(p_on), spent / valve.flow(index), np.inf)[()]

@@ -83,46 +83,48 @@ def frequency_response(
     span, dt = float(check_positive(time, "time", "s")), float(controller.dt)
     if controller.of != "position":
         raise InvalidInputError("controller", "must be one of position", controller.of)
-    whole = np.abs(f * span - np.round(f * span)) < 1e-9
-    if not np.all(whole & (f * span > 0.5)):
+    is_whole = np.abs(f * span - np.round(f * span)) < 1e-9
+    if not np.all(is_whole & (f * span > 0.5)):
         rule = f"must have whole periods in {span:g} s"
         raise InvalidInputError(
-            "frequencies", rule, float(f[~whole][0]) if np.any(~whole) else float(f[0])
+            "frequencies", rule, float(f[~is_whole][0]) if np.any(~is_whole) else float(f[0])
         )
     steps = round((_GROWS + span) / dt)
-    now = dt * np.arange(steps)
-    grown = np.minimum(now / _GROWS, 1.0)
+    times = dt * np.arange(steps)
+    grown = np.minimum(times / _GROWS, 1.0)
     grown = grown**2 * (3 - 2 * grown)  # without a jerk at either end
-    turns = np.sin(2 * np.pi * f[:, None] * (now - _GROWS))
-    wanted = middle + A[:, None, None] * grown * turns
-    lanes = wanted.reshape(-1, steps)
-    looked = estimate_substeps(plant, dt)
+    periods = np.sin(2 * np.pi * f[:, None] * (times - _GROWS))
+    target = middle + A[:, None, None] * grown * periods
+    batch = target.reshape(-1, steps)
+    outputs_batch = estimate_substeps(plant, dt)
 
     def run(reference: Numbers) -> PlantOutputs:
-        how = {"dt": dt, "start": start, "substeps": looked.substeps}
+        how = {"dt": dt, "start": start, "substeps": outputs_batch.substeps}
         return simulate(plant, controller, reference, **how).seen
 
-    seen = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(lanes)))
+    outputs = jax.tree.map(np.asarray, jax.vmap(run)(jnp.asarray(batch)))
     late = slice(round(_GROWS / dt), steps)
 
     def shaped(values: Numbers) -> Numbers:
         return values.reshape(len(A), len(f), *values.shape[1:])
 
-    missed = seen.position[:, 1:][:, late] - lanes[:, late]
+    missed = outputs.position[:, 1:][:, late] - batch[:, late]
     rms = np.sqrt(np.mean(missed**2, axis=-1)).reshape(len(A), len(f))
-    pull = np.sum(plant.lengths * plant.gains * seen.forces, axis=-1)
-    power = np.maximum(pull * seen.velocity, 0.0)[:, late]
+    pull = np.sum(plant.lengths * plant.gains * outputs.forces, axis=-1)
+    power = np.maximum(pull * outputs.velocity, 0.0)[:, late]
     work = np.sum(power, axis=-1).reshape(len(A), len(f)) * dt / (span * f)
     can = [
         np.mean(
-            reachability(controller, PlantOutputs(*(field[k] for field in seen)), wanted).can[late]
+            reachability(controller, PlantOutputs(*(field[k] for field in outputs)), target).can[
+                late
+            ]
         )
-        for k, wanted in enumerate(lanes)
+        for k, target in enumerate(batch)
     ]
-    fed = seen.supply > 0
-    top = np.max(np.where(fed, seen.pressures, 0.0), axis=-1)[:, late]
-    drawn = np.sum(np.maximum(seen.drawn, 0.0), axis=-1)[:, late]
-    ok = ~np.any((seen.status & _DISTRUSTED) > 0, axis=-1) & (not looked.stiff)
+    pressurized = outputs.supply > 0
+    top = np.max(np.where(pressurized, outputs.pressures, 0.0), axis=-1)[:, late]
+    drawn = np.sum(np.maximum(outputs.drawn, 0.0), axis=-1)[:, late]
+    ok = ~np.any((outputs.status & _DISTRUSTED) > 0, axis=-1) & (not outputs_batch.stiff)
     return FrequencyResponse(
         A, f, rms / (A[:, None] / np.sqrt(2)), np.reshape(can, (len(A), len(f))), work,
         shaped(drawn), shaped(top), dt, span, ok.reshape(len(A), len(f)),

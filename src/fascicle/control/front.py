@@ -1,4 +1,4 @@
-"""Which runs no other one betters in both of two prices: how deep they dip, and what they take."""
+"""Pareto front of runs by two costs: depth of the dip of force, and energy."""
 
 import numpy as np
 
@@ -19,8 +19,8 @@ def front(dips: Values, energies: Values) -> Marks:
     **Returns:** whether no other run is better in one of both and as good in the other [-].
     """
     pairs = np.stack([np.asarray(dips, float), np.asarray(energies, float)], axis=-1)
-    within = _SAME * np.maximum(np.max(np.abs(pairs), axis=0), 1e-300)
-    one, other = pairs[:, None, :], pairs[None, :, :]
-    as_good = np.all(other <= one + within, axis=-1)
-    better = np.any(other < one - within, axis=-1)
+    is_dominated = _SAME * np.maximum(np.max(np.abs(pairs), axis=0), 1e-300)
+    point, rival = pairs[:, None, :], pairs[None, :, :]
+    as_good = np.all(rival <= point + is_dominated, axis=-1)
+    better = np.any(rival < point - is_dominated, axis=-1)
     return ~np.any(as_good & better, axis=1)

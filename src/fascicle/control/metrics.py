@@ -1,4 +1,4 @@
-r"""What a run was worth: how deep the force dipped, how far off and how late it was, its price.
+r"""Metrics of a controlled run: drawdown of force, tracking error, lag and energy.
 
 The drawdown of what is controlled, along each stretch on which its demand doesn't fall,
 
@@ -52,29 +52,29 @@ class ControlMetrics(NamedTuple):
 
 
 class Reachability(NamedTuple):
-    """At each step what a reference asks of the muscles, `wanted`, and the `least` and `most` that
-    they can do then, forces or moments [SI]; whether it asks for a place on the load's way,
-    `inside` [-].
+    """Reachability at each step: the reference's `target` for the muscles, and the `lower` and
+    `upper` ends of their range, forces or moments [SI]; `inside`, true where the reference is on
+    the load's way.
     """
 
-    wanted: Numbers
-    least: Numbers
-    most: Numbers
+    target: Numbers
+    lower: Numbers
+    upper: Numbers
     inside: Marks
 
     @property
     def can(self) -> Marks:
-        """Whether it could be done [-]."""
+        """True where the target could be reached."""
         return self.inside & (self.short == 0)
 
     @property
     def short(self) -> Numbers:
         """By how much it is more than they can, or less than they must [SI]."""
-        return np.maximum(np.maximum(self.wanted - self.most, self.least - self.wanted), 0.0)
+        return np.maximum(np.maximum(self.target - self.upper, self.lower - self.target), 0.0)
 
 
 def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> ControlMetrics:
-    """What a run of a controller was worth.
+    """Metrics of a run of a controller.
 
     **Arguments:**
 
@@ -86,30 +86,41 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
 
     **Raises:** `ValueError` for a reference of another length.
     """
-    seen = run.seen
-    wanted = np.asarray(reference, float)
-    if wanted.shape != (len(run.time) - 1,):
-        raise InvalidInputError("reference", "must have one for each step", wanted.size)
+    outputs = run.seen
+    target = np.asarray(reference, float)
+    if target.shape != (len(run.time) - 1,):
+        raise InvalidInputError("reference", "must have one for each step", target.size)
     # what a step led to is compared with what was demanded at its beginning
     y = controlled_output(controller, run)[1:]
-    reach = reachability(controller, seen, wanted)
-    can, beyond = reach.can, np.flatnonzero(~reach.can)
-    first, last = (float(run.time[beyond[end]]) if beyond.size else np.nan for end in (0, -1))
-    error = np.where(can, y - wanted, 0.0)
-    many = max(1, int(can.sum()))
-    drawn = np.maximum(np.asarray(seen.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
+    reach = reachability(controller, outputs, target)
+    can, out_of_reach = reach.can, np.flatnonzero(~reach.can)
+    first, last = (
+        float(run.time[out_of_reach[end]]) if out_of_reach.size else np.nan for end in (0, -1)
+    )
+    error = np.where(can, y - target, 0.0)
+    count = max(1, int(can.sum()))
+    drawn = np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * float(run.time[1] - run.time[0])
     spent = np.asarray(run.account)[:, LEDGER.index("supplied")]
     dip, recruited = _units(controller, run)
     return ControlMetrics(
-        drawdown(y, wanted, can), dip, float(np.sqrt(np.sum(error**2) / many)),
-        float(np.max(np.abs(error))), _lag(y, wanted, can) * float(controller.dt),
-        float(spent[-1] - spent[0]), float(drawn), recruited, len(beyond), len(can), first, last,
+        drawdown(y, target, can),
+        dip,
+        float(np.sqrt(np.sum(error**2) / count)),
+        float(np.max(np.abs(error))),
+        _lag(y, target, can) * float(controller.dt),
+        float(spent[-1] - spent[0]),
+        float(drawn),
+        recruited,
+        len(out_of_reach),
+        len(can),
+        first,
+        last,
         float(np.max(reach.short)),
-    )  # fmt: skip
+    )
 
 
 def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
-    """What a `controller` [-] is to bring to its demand, at each moment of a `run` [SI]: the
+    """Controlled output of a `controller` at each moment of a `run` [SI]: the
     position, or the pull of all muscles on the load [SI].
     """
     if controller.of == "position":
@@ -124,65 +135,68 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
     """
     deepest, top = 0.0, -np.inf
     before = -np.inf
-    for y, wanted, can in zip(values, demand, counted, strict=True):
-        top = max(top, y) if can and wanted >= before else -np.inf
-        before = wanted
+    for y, target, can in zip(values, demand, counted, strict=True):
+        top = max(top, y) if can and target >= before else -np.inf
+        before = target
         deepest = max(deepest, top - y)
     return float(deepest)
 
 
-def reachability(controller: Cascade, seen: PlantOutputs, reference: Numbers) -> Reachability:
-    """What the bundles could do, standing still, of what the `reference` [SI] asks of the
-    `controller` [-] at each step of a run that was `seen` [SI]: a `Reach` [SI].
+def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers) -> Reachability:
+    """Range that the bundles can reach at rest, beside the `reference` [SI] of the
+    `controller` [-] at each step of a run that was `outputs` [SI]: a `Reachability` [SI].
     """
-    plant, supply = controller.plant, np.asarray(seen.supply_pressure)[:-1]
-    position, wanted = np.asarray(seen.position)[:-1], np.asarray(reference, float)
+    plant, supply = controller.plant, np.asarray(outputs.supply_pressure)[:-1]
+    position, target = np.asarray(outputs.position)[:-1], np.asarray(reference, float)
     if controller.of == "position":
-        low, high = plant.way
-        position = np.clip(wanted, low, high)
-        inside = (wanted >= low) & (wanted <= high)
-        wanted = -np.asarray(plant.load.force(wanted))
+        low, high = plant.stroke
+        position = np.clip(target, low, high)
+        inside = (target >= low) & (target <= high)
+        target = -np.asarray(plant.load.force(target))
     else:
-        inside = np.full(wanted.shape, True)
+        inside = np.full(target.shape, True)
     strains = plant.strains(position[:, None])
     highest = np.minimum(supply, float(controller.highest_pressure))
-    least, most = 0.0, 0.0
+    lower, upper = 0.0, 0.0
     for side, units in enumerate(controller.units):
-        places = plant.places(side)
-        eps, arm = strains[:, places], float(plant.load.arms[side][1])
+        indices = plant.places(side)
+        eps, arm = strains[:, indices], float(plant.load.arms[side][1])
         pulls = [
             np.sum(units.counts * units.branches.force(P[:, None] + 0.0 * eps, eps), axis=-1)
             for P in (0.0 * highest, highest)
         ]
         low, high = np.minimum(*pulls), np.maximum(*pulls)
-        least = least + np.minimum(arm * low, arm * high)
-        most = most + np.maximum(arm * low, arm * high)
-    return Reachability(wanted, np.asarray(least), np.asarray(most), inside)
+        lower = lower + np.minimum(arm * low, arm * high)
+        upper = upper + np.maximum(arm * low, arm * high)
+    return Reachability(target, np.asarray(lower), np.asarray(upper), inside)
 
 
 def _units(controller: Cascade, run: Trajectory) -> tuple[float, int]:
     """The deepest dip [N] that was passed, and how often a unit was recruited [-]."""
-    plant, deepest, often = controller.plant, 0.0, 0
+    plant, deepest, switches = controller.plant, 0.0, 0
     for side, units in enumerate(controller.units):
-        places = plant.places(side)
-        eps, P = np.asarray(run.seen.strains)[:, places], np.asarray(run.seen.pressures)[:, places]
+        indices = plant.places(side)
+        eps, P = (
+            np.asarray(run.seen.strains)[:, indices],
+            np.asarray(run.seen.pressures)[:, indices],
+        )
         depth, _ = units.branches.dip(eps)
         deepest = max(deepest, float(np.max((units.counts * depth)[:, 1:], initial=0.0)))
-        least = _LEAST * float(units.branches.top)
-        on = np.maximum(_FED * units.branches.onset(eps), least) < P
-        often += int(np.sum(on[1:] & ~on[:-1]))
-    return deepest, often
+        lower = _LEAST * float(units.branches.top)
+        on = np.maximum(_FED * units.branches.onset(eps), lower) < P
+        switches += int(np.sum(on[1:] & ~on[:-1]))
+    return deepest, switches
 
 
-def _lag(y: Numbers, wanted: Numbers, counted: Marks) -> int:
+def _lag(y: Numbers, target: Numbers, counted: Marks) -> int:
     """By how many steps [-] what is done follows best what was wanted."""
-    if np.ptp(wanted) == 0 or not counted.any():
+    if np.ptp(target) == 0 or not counted.any():
         return 0
-    most = min(_LAGS, len(y) // 4)
+    upper = min(_LAGS, len(y) // 4)
     misses = [
-        np.mean(((y[n:] - wanted[: len(wanted) - n]) ** 2)[counted[: len(counted) - n]])
+        np.mean(((y[n:] - target[: len(target) - n]) ** 2)[counted[: len(counted) - n]])
         if counted[: len(counted) - n].any()
         else np.inf
-        for n in range(most + 1)
+        for n in range(upper + 1)
     ]
     return int(np.argmin(misses))

@@ -80,7 +80,7 @@ def cascade(
         if name != "pressure_time":
             check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
-    every = _steps(
+    interval = _steps(
         check_positive(step if sample_time is None else sample_time, "sample_time", "s"),
         step,
         "sample_time",
@@ -102,37 +102,38 @@ def cascade(
         band = _BAND * max(
             float(
                 np.max(
-                    one.counts * one.branches.force(np.full(one.many, supply), np.zeros(one.many))
+                    bundle.counts
+                    * bundle.branches.force(np.full(bundle.many, supply), np.zeros(bundle.many))
                 )
             )
-            for one in units
+            for bundle in units
         )
-    each = tuple(make(band) for _ in units)
-    for one, unit in zip(each, units, strict=True):
-        one.begin(unit)
+    policies = tuple(make(band) for _ in units)
+    for rule, bundle in zip(policies, units, strict=True):
+        rule.begin(bundle)
     derived = gains.pressure_time is None
     settles = FASTEST if derived else gains.pressure_time
     settles = check_positive(settles, "pressure_time", "s")
     gains = Gains(*map(np.float64, gains._replace(pressure_time=settles)))
-    made = Cascade(
-        plant, units, each, gains, np.float64(highest), np.float64(limit),
+    controller = Cascade(
+        plant, units, policies, gains, np.float64(highest), np.float64(limit),
         plant.hysteresis if compensate else None,
         np.float64(
             check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
         ),
-        np.float64(step), of, waits, every,
+        np.float64(step), of, waits, interval,
     )  # fmt: skip
     if derived:
-        settles = np.float64(max(FASTEST, DAMPED * made.lateness))
-        return replace(made, gains=gains._replace(pressure_time=settles))
-    for warning in made.warnings:
+        settles = np.float64(max(FASTEST, DAMPED * controller.lateness))
+        return replace(controller, gains=gains._replace(pressure_time=settles))
+    for warning in controller.warnings:
         warnings.warn(f"{warning}.", stacklevel=2)
-    return made
+    return controller
 
 
 def _steps(value: Any, dt: float, name: str) -> int:
-    many = round(float(value) / dt)
-    if many < 1 or abs(many - float(value) / dt) > 1e-6 * many:
+    steps = round(float(value) / dt)
+    if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
         rule = f"must be whole steps of {dt:g} s"
         raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
-    return many
+    return steps

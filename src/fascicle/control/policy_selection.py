@@ -1,4 +1,4 @@
-r"""Which policy to take, and why: by the reserve, the hand-over's time and the load.
+r"""Selection of a policy, with the reason: by reserve, hand-over time and load.
 
 A dip of length $t_c$ moves a load of mass $M$ on its muscles' stiffness $k$ hardly while
 $t_c \sqrt{k/M} \ll 1$.
@@ -48,22 +48,29 @@ def select_policy(plant: Plant, reference: Values, dt: float, of: str) -> Policy
     path = _path(plant, np.asarray(reference, float), dt, of)
     bundle, supply = plant.bundles[0], plant.supply_pressure
     units = range(2, plant.units + 1)
-    found = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
-    return PolicyChoice(*_chosen(plant, path, found), found)
+    crossings = tuple(crossing(bundle, path, plant, unit, supply) for unit in units)
+    return PolicyChoice(*_chosen(plant, path, crossings), crossings)
 
 
-def _chosen(plant: Plant, path: Path, found: tuple[Crossing, ...]) -> tuple[str, str]:
-    needed = [one for one in found if one.needed is not None]
+def _chosen(plant: Plant, path: Path, crossings: tuple[Crossing, ...]) -> tuple[str, str]:
+    needed = [
+        crossing_result for crossing_result in crossings if crossing_result.needed is not None
+    ]
     if not needed:
-        return "threshold", f"no crossing is needed: {found[0].reason}"
-    none = [one for one in needed if not one.found]
+        return "threshold", f"no crossing is needed: {crossings[0].reason}"
+    none = [crossing_result for crossing_result in needed if not crossing_result.found]
     if none:
         ratio = _ratio(plant, path)
         if ratio < _HARMLESS:
             why = f"{none[0].reason}; the load hardly follows, t_c √(k/M) is {ratio:.2g}"
             return "fast_cross", why
         return "hand_over", f"{none[0].reason}; it keeps the dip as small as it can be"
-    waits = max((one.needed or 0.0) - (one.end or 0.0) - (one.time or 0.0) for one in needed)
+    waits = max(
+        (crossing_result.needed or 0.0)
+        - (crossing_result.end or 0.0)
+        - (crossing_result.time or 0.0)
+        for crossing_result in needed
+    )
     if waits > 0 and np.ptp(path.strain) > 1e-6:
         why = f"the last crossing ends {waits:.3g} s before the unit is needed: {needed[0]}"
         return "pre_charge", why
@@ -72,14 +79,14 @@ def _chosen(plant: Plant, path: Path, found: tuple[Crossing, ...]) -> tuple[str,
 
 def _path(plant: Plant, reference: np.ndarray, dt: float, of: str) -> Path:
     """Demand and strain, as quasi-static motion has them."""
-    few = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
-    time, wanted = dt * few, reference[few]
-    low, high = plant.way
+    fewest = np.unique(np.linspace(0, len(reference) - 1, 401).astype(int))
+    time, target = dt * fewest, reference[fewest]
+    low, high = plant.stroke
     if of == "position":
-        q = np.clip(wanted, low, high)
+        q = np.clip(target, low, high)
         return Path.of(time, -np.asarray(plant.load.force(q)), plant.strains(q[:, None])[:, 0])
     q = float(plant.load.placed(0.0, 0.0, 0.0)[0])
-    return Path.of(time, wanted, float(np.atleast_1d(plant.strains(q))[0]))
+    return Path.of(time, target, float(np.atleast_1d(plant.strains(q))[0]))
 
 
 def _ratio(plant: Plant, path: Path) -> float:

@@ -1,4 +1,4 @@
-r"""What power units take at their shaft for the oil that a period of a sine draws.
+r"""Shaft work of power units for the oil that a period of a sine draws.
 
 The bundle is fed at the supply's pressure $P_s$. With the flow $Q$ that it draws, over a period,
 
@@ -29,25 +29,25 @@ POWER_UNITS = ("relief", "accumulator", "sensing")
 
 
 def shaft_work(
-    found: FrequencyResponse,
+    response: FrequencyResponse,
     supply_pressure: Values,
     density: Values,
     efficiency: Values = 0.8,
     band: Values = 80e3,
     margin: Values = 50e3,
 ) -> dict[str, Numbers]:
-    """What each of `POWER_UNITS` takes for a period, equation (K6).
+    """Shaft work of each of `POWER_UNITS` for a period, equation (K6).
 
     **Arguments:**
 
-    - `found`: the sines [SI].
+    - `response`: the sines [SI].
     - `supply_pressure`: gauge [Pa].
     - `density`: of the liquid [kg/m³].
     - `efficiency`: of pump and motor together [-].
     - `band`: $b$ [Pa].
     - `margin`: $c$ [Pa].
 
-    **Returns:** work [J] by the power unit's name, of `found`'s shape.
+    **Returns:** work [J] by the power unit's name, of `response`'s shape.
 
     **Raises:** `ValueError` for values that can't be.
     """
@@ -58,14 +58,14 @@ def shaft_work(
         float(check_interval(value, 0.0, np.inf, name, "Pa", closed=(True, False)))
         for name, value in (("band", band), ("margin", margin))
     )
-    periods = found.time * found.frequencies
-    Q = found.drawn / rho
+    periods = response.time * response.frequencies
+    Q = response.drawn / rho
 
     def period(values: Any) -> Numbers:
-        return np.sum(values, axis=-1) * found.dt / periods
+        return np.sum(values, axis=-1) * response.dt / periods
 
     return {
-        "relief": P_s * np.max(Q, axis=-1) / (eta * found.frequencies),
+        "relief": P_s * np.max(Q, axis=-1) / (eta * response.frequencies),
         "accumulator": (P_s + b / 2) * period(Q) / eta,
-        "sensing": period(np.minimum(found.top + c, P_s) * Q) / eta,
+        "sensing": period(np.minimum(response.top + c, P_s) * Q) / eta,
     }

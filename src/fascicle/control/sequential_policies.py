@@ -44,12 +44,12 @@ _SHORT = 0.02  # of the supply: so far off, the unit before holds the next one's
 
 
 class SequentialState(NamedTuple):
-    """Memory: how many units are `recruited` [-], and the `way` it goes [-]: 1, 0 or -1; the
+    """Memory: how many units are `recruited` [-], and the `direction` it goes [-]: 1, 0 or -1; the
     `target` of each unit [Pa].
     """
 
     recruited: Batch
-    way: Batch
+    direction: Batch
     target: Numbers
 
 
@@ -70,86 +70,94 @@ class SequentialPolicy(Module):
         return SequentialState(none[0] + 1.0, none[0], none)
 
     def __call__(
-        self, memory: SequentialState, units: Units, asked: UnitDemand, now: UnitCapability
+        self, memory: SequentialState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[SequentialState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
-        can do `now` [-].
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
+        can do `capability` [-].
         """
-        xp = array_namespace(asked.strains, asked.force)
-        places = xp.arange(units.many)
-        top = minimum(asked.supply, units.branches.top)
-        parked = minimum(now.onset + _ABOVE * top, top)
+        xp = array_namespace(demand.strains, demand.force)
+        indices = xp.arange(units.many)
+        top = minimum(demand.supply, units.branches.top)
+        parked = minimum(capability.onset + _ABOVE * top, top)
         k = minimum(maximum(xp.floor(memory.recruited + 1e-9), 1.0), float(units.many))
-        share = memory.recruited - k
+        fraction = memory.recruited - k
         # the last unit that is recruited and the next one; and those one back
-        last = where(places == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
-        next_ = where(places == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
-        reserve, dip, need = self._needed(now, asked, last, next_)
-        there = xp.sum(next_[0] * where(now.gains, 1.0, 0.0)) > 0
+        last = where(indices == xp.stack([k - 1, k - 2])[:, None], 1.0, 0.0)
+        next_ = where(indices == xp.stack([k, k - 1])[:, None], 1.0, 0.0)
+        reserve, dip, need = self._needed(capability, demand, last, next_)
+        next_unit = xp.sum(next_[0] * where(capability.gains, 1.0, 0.0)) > 0
         late = reserve[0] < 0
         in_time = (self.early > 0) & (reserve[0] <= need[0]) & (reserve[0] >= dip[0])
-        up = there & (late | in_time)
-        down = (k > 1) & (share == 0) & (reserve[1] > need[1] + self.band)
-        way = where(up, 1.0, where(down, -1.0, where(share > 0, memory.way, 0.0)))
+        up = next_unit & (late | in_time)
+        down = (k > 1) & (fraction == 0) & (reserve[1] > need[1] + self.band)
+        direction = where(up, 1.0, where(down, -1.0, where(fraction > 0, memory.direction, 0.0)))
 
         # the further off the unit before is, the more the ramp is held; what it is late behind a
         # demand that rises alone doesn't count
-        follows = asked.lag * minimum(maximum(asked.rate, 0.0) / now.slope, now.speed)
-        behind = maximum(xp.abs(memory.target - asked.pressures) - follows, 0.0)
+        follows = demand.lag * minimum(
+            maximum(demand.rate, 0.0) / capability.slope, capability.speed
+        )
+        behind = maximum(xp.abs(memory.target - demand.pressures) - follows, 0.0)
         off = xp.sum(last[0] * behind) / (_SHORT * top)
-        held = maximum(1.0 - off, 0.0)
-        pulls = units.counts * units.branches.force(asked.pressures, asked.strains)
-        gained = xp.sum(next_[0] * (pulls - now.empty))
+        holding = maximum(1.0 - off, 0.0)
+        pulls = units.counts * units.branches.force(demand.pressures, demand.strains)
+        gained = xp.sum(next_[0] * (pulls - capability.empty))
         rush = late | (reserve[0] + gained < 0)
-        falls = down | ((share > 0) & (way < 0))
-        times = where(falls, now.vent, now.time)
+        falls = down | ((fraction > 0) & (direction < 0))
+        times = where(falls, capability.vent, capability.time)
         time = SLACK * xp.sum(where(down, next_[1], next_[0]) * times)
-        slow = (self.early > 0) & ~(rush & (way > 0))
-        pace = where(slow, held / maximum(time, asked.dt), 1 / asked.dt)
-        moved = memory.recruited + way * pace * asked.dt
-        moved = minimum(maximum(moved, where(down, k - 1, k)), where(down, k, k + 1))
-        recruited = minimum(moved, float(units.many))
+        slow = (self.early > 0) & ~(rush & (direction > 0))
+        pace = where(slow, holding / maximum(time, demand.dt), 1 / demand.dt)
+        moving = memory.recruited + direction * pace * demand.dt
+        moving = minimum(maximum(moving, where(down, k - 1, k)), where(down, k, k + 1))
+        recruited = minimum(moving, float(units.many))
 
         k = xp.floor(recruited + 1e-9)
-        ramp = where(places == k, (recruited - k) * parked, 0.0)
-        low = where((places > 0) & (places < k), parked * self.parked, ramp)
-        high = where(places < k, top, ramp)
+        ramp = where(indices == k, (recruited - k) * parked, 0.0)
+        low = where((indices > 0) & (indices < k), parked * self.parked, ramp)
+        high = where(indices < k, top, ramp)
         # in a rush, and as long as a unit is being vented, also after its ramp has ended, the one
         # before gives room for what is felt, not for what is meant to come
-        hurried = (asked.pressures < low) & rush
-        vented = (places >= k) & (asked.pressures > low) & (way <= 0)
-        seen = maximum(asked.pressures, 0.0)
-        felt = where((places > 0) & (self.early > 0) & (hurried | vented), seen, low)
-        target, _ = share_demand(units, now, asked, low, high, felt)
+        hurried = (demand.pressures < low) & rush
+        vented = (indices >= k) & (demand.pressures > low) & (direction <= 0)
+        measured = maximum(demand.pressures, 0.0)
+        felt = where((indices > 0) & (self.early > 0) & (hurried | vented), measured, low)
+        target, _ = share_demand(units, capability, demand, low, high, felt)
         # wide open to the onset, and no further
-        opened = (self.wide > 0) & (places > 0) & (places < k) & (asked.pressures < now.onset)
-        return SequentialState(recruited, way, target), where(opened, top, target)
+        opened = (
+            (self.wide > 0) & (indices > 0) & (indices < k) & (demand.pressures < capability.onset)
+        )
+        return SequentialState(recruited, direction, target), where(opened, top, target)
 
     def _needed(
-        self, now: UnitCapability, asked: UnitDemand, last: Numbers, next_: Numbers
+        self, capability: UnitCapability, demand: UnitDemand, last: Numbers, next_: Numbers
     ) -> tuple[Numbers, Numbers, Numbers]:
         """Of the states that end with the `last` unit [-], as ones among zeros: the reserve, the
         `next_` unit's dip, and the reserve at which a hand-over to it begins [N].
         """
 
-        def of(which: Numbers, values: Numbers) -> Numbers:
-            return array_namespace(values).sum(which * values, axis=-1)
+        def of(index: Numbers, values: Numbers) -> Numbers:
+            return array_namespace(values).sum(index * values, axis=-1)
 
-        reserve, dip = of(last, now.largest) - asked.force, of(next_, now.dip)
-        rise = maximum(asked.rate, 0.0)
+        reserve, dip = of(last, capability.largest) - demand.force, of(next_, capability.dip)
+        rise = maximum(demand.rate, 0.0)
         # by as much the ramp is held while the unit before follows it
-        slope = maximum(of(last, now.slope), 1e-12)  # the first has none before it
-        held = asked.lag * dip / slope / (_SHORT * asked.supply)
-        deepest, end = ((SLACK * time + held) * rise for time in hand_over_times(now, last, next_))
+        slope = maximum(of(last, capability.slope), 1e-12)  # the first has none before it
+        holding = demand.lag * dip / slope / (_SHORT * demand.supply)
+        deepest, end = (
+            (SLACK * time + holding) * rise for time in hand_over_times(capability, last, next_)
+        )
         need = maximum(dip * (1 + _MARGIN) + deepest, end)
-        need = need + of(last, now.near) + self.lead * rise * of(next_, now.time)
+        need = need + of(last, capability.near) + self.lead * rise * of(next_, capability.time)
         return reserve, dip, where((self.early > 0) & (dip > 0), need, 0.0)
 
 
 def _sequential_policy(**ways: float) -> Any:
     def made(band: Any) -> SequentialPolicy:
-        known = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | ways
-        return SequentialPolicy(check_positive(band, "band", "N"), *map(np.float64, known.values()))
+        is_known = {"early": 0.0, "lead": 0.0, "wide": 0.0, "parked": 1.0} | ways
+        return SequentialPolicy(
+            check_positive(band, "band", "N"), *map(np.float64, is_known.values())
+        )
 
     return made
 

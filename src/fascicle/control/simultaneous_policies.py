@@ -39,27 +39,27 @@ class Batched(Module):
         return PolicyState(1.0 + 0.0 * units.counts[0])
 
     def __call__(
-        self, memory: PolicyState, units: Units, asked: UnitDemand, now: UnitCapability
+        self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[PolicyState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
-        can do `now` [-].
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
+        can do `capability` [-].
         """
-        xp, n = array_namespace(asked.strains, asked.force), units.counts
-        places = np.arange(units.many)
-        top = minimum(asked.supply, units.branches.top)
-        few = 1.0 + xp.sum(where(asked.force > now.largest, 1.0, 0.0))
-        few_with_band = 1.0 + xp.sum(where(asked.force > now.largest - self.band, 1.0, 0.0))
+        xp, n = array_namespace(demand.strains, demand.force), units.counts
+        indices = np.arange(units.many)
+        top = minimum(demand.supply, units.branches.top)
+        fewest = 1.0 + xp.sum(where(demand.force > capability.largest, 1.0, 0.0))
+        few_with_band = 1.0 + xp.sum(where(demand.force > capability.largest - self.band, 1.0, 0.0))
         k = minimum(
-            where(few > memory.chosen, few, minimum(memory.chosen, few_with_band)), units.many
+            where(fewest > memory.chosen, fewest, minimum(memory.chosen, few_with_band)), units.many
         )
-        on = places < k
+        on = indices < k
         low, high = 0.0 * top, top
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            pull = xp.sum(n * units.branches.force(where(on, middle, 0.0), asked.strains))
+            pull = xp.sum(n * units.branches.force(where(on, middle, 0.0), demand.strains))
             low, high = (
-                where(pull < asked.force, middle, low),
-                where(pull < asked.force, high, middle),
+                where(pull < demand.force, middle, low),
+                where(pull < demand.force, high, middle),
             )
         return PolicyState(k + 0.0), where(on, high, 0.0)
 
@@ -78,24 +78,24 @@ class EnergyAware(Module):
         return PolicyState(0.0 * units.counts[0])
 
     def __call__(
-        self, memory: PolicyState, units: Units, asked: UnitDemand, now: UnitCapability
+        self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[PolicyState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `asked` [-], of what they
-        can do `now` [-].
+        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
+        can do `capability` [-].
         """
-        xp = array_namespace(asked.strains, asked.force)
-        top = minimum(asked.supply, units.branches.top)
+        xp = array_namespace(demand.strains, demand.force)
+        top = minimum(demand.supply, units.branches.top)
         sets = np.array([[m >> i & 1 for i in range(units.many)] for m in range(1, 2**units.many)])
-        none = 0.0 * asked.strains
-        pressures = share_demand(units, now, asked, none + 0.0 * sets, top * sets)[0] * sets
-        held = xp.sum(units.content(pressures, asked.strains), axis=-1)
-        full = xp.sum(xp.asarray(sets) * (now.full - now.empty), axis=-1)
-        most = full + xp.sum(now.empty)
-        suffices = most >= asked.force
+        none = 0.0 * demand.strains
+        pressures = share_demand(units, capability, demand, none + 0.0 * sets, top * sets)[0] * sets
+        holding = xp.sum(units.content(pressures, demand.strains), axis=-1)
+        full = xp.sum(xp.asarray(sets) * (capability.full - capability.empty), axis=-1)
+        highest = full + xp.sum(capability.empty)
+        suffices = highest >= demand.force
         last = memory.chosen.astype(int)
-        cost = where(suffices, held, 1e3 - 1e-6 * most)
+        cost = where(suffices, holding, 1e3 - 1e-6 * highest)
         best = xp.argmin(cost)
-        keep = (most[last] >= asked.force) & (cost[best] > (1 - _SAVED) * cost[last])
+        keep = (highest[last] >= demand.force) & (cost[best] > (1 - _SAVED) * cost[last])
         chosen = xp.where(keep, last, best)
         return PolicyState(chosen + 0.0), pressures[chosen]
 

@@ -1,4 +1,4 @@
-r"""What the next motor unit takes before it gives.
+r"""Force that the next motor unit takes before it pulls.
 
 At the strain $\varepsilon$ the units before $k$ are at the supply's pressure, unit $k$ is
 throttled, those after it are empty. What the next one adds as it is fed,
@@ -55,7 +55,7 @@ class Transition(NamedTuple):
 
 
 def gain(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
-    """What a unit adds as it is fed, equation (X1).
+    """Force that a unit adds as it is pressurized, equation (X1).
 
     **Arguments:**
 
@@ -98,7 +98,7 @@ def transition(
         _dip(bundle, unit, flat[k : k + size], supply) for k in range(0, max(1, len(flat)), size)
     ]
     dip, at, onset = (
-        np.concatenate(part).reshape(np.shape(eps))[()] for part in zip(*parts, strict=True)
+        np.concatenate(piece).reshape(np.shape(eps))[()] for piece in zip(*parts, strict=True)
     )
     pressures = np.where(np.arange(len(bundle.motor_units)) < unit - 1, supply, 0.0)
     return Transition(dip, at, onset, bundle.force(pressures, strain))
@@ -130,25 +130,27 @@ def needed_reserve(
     t_c = check_interval(time, 0.0, np.inf, "time", "s", closed=(True, False))
     rate = check_interval(force_rate, -np.inf, np.inf, "force_rate", "N/s")
     supply = supply_of(bundle, supply_pressure)
-    found = transition(bundle, strain, unit, supply)
+    roots = transition(bundle, strain, unit, supply)
     rising = rate * t_c
-    onset = found.onset_pressure[..., None]
+    onset = roots.onset_pressure[..., None]
     helps = np.isfinite(onset)
-    share = np.linspace(0.0, 1.0, _SHARES)
+    fraction = np.linspace(0.0, 1.0, _SHARES)
     eps = unit_strain(bundle, unit, strain)
-    taken = -_gain(bundle, unit, np.where(helps, onset, supply) * share, np.asarray(eps)[..., None])
-    need = np.max(taken + np.asarray(rising)[..., None] * share, axis=-1)
+    used = -_gain(
+        bundle, unit, np.where(helps, onset, supply) * fraction, np.asarray(eps)[..., None]
+    )
+    need = np.max(used + np.asarray(rising)[..., None] * fraction, axis=-1)
     # between the grid's pressures the dip itself is deeper, often a kink
-    part = np.where(helps, found.dip_pressure[..., None] / np.maximum(onset, 1.0), 0.0)[..., 0]
-    need = np.maximum(need, found.dip + rising * part)
+    piece = np.where(helps, roots.dip_pressure[..., None] / np.maximum(onset, 1.0), 0.0)[..., 0]
+    need = np.maximum(need, roots.dip + rising * piece)
     return np.where(helps[..., 0], np.maximum(need, 0.0), np.inf)[()]
 
 
 def check_unit(bundle: Bundle, unit: int, first: int = 2) -> None:
     """Refuse a `unit` [-] of the `bundle` [-] that isn't among the `first` [-] to the last."""
-    many = len(bundle.motor_units)
-    if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= many:
-        raise InvalidInputError("unit", f"must be a whole number in [{first}, {many}]", unit)
+    count = len(bundle.motor_units)
+    if isinstance(unit, bool) or unit != int(unit) or not first <= unit <= count:
+        raise InvalidInputError("unit", f"must be a whole number in [{first}, {count}]", unit)
 
 
 def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
@@ -160,11 +162,11 @@ def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
 
 
 def _gain(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> Batch:
-    one = bundle.motor_units[unit - 1]
-    fed = one.muscle.law.at(pressure + 0.0 * strain)
-    empty = one.muscle.law.at(0.0 * strain)
+    unit_force = bundle.motor_units[unit - 1]
+    pressurized = unit_force.muscle.law.at(pressure + 0.0 * strain)
+    empty = unit_force.muscle.law.at(0.0 * strain)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        return one.count * (fed.force(strain)[0] - empty.force(strain)[0])
+        return unit_force.count * (pressurized.force(strain)[0] - empty.force(strain)[0])
 
 
 def _dip(
@@ -175,24 +177,24 @@ def _dip(
     def looked(pressure: np.ndarray) -> np.ndarray:
         return np.asarray(_gain(bundle, unit, pressure, strain))
 
-    lanes = np.arange(len(strain))
+    batch = np.arange(len(strain))
     grid = supply * np.linspace(0.0, 1.0, _GRID)[:, None] ** 2 + 0.0 * strain
     values = looked(grid)
     last = _GRID - 1 - np.argmax(values[::-1] <= 0, axis=0)
     helpless = last == _GRID - 1
-    low, high = (grid[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
-    falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), lanes] for side in (0, 1))
+    low, high = (grid[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
+    falls_to, rises_to = (values[np.minimum(last + side, _GRID - 1), batch] for side in (0, 1))
     onset = _find_crossing(looked, (low, falls_to), (high, rises_to))
     onset = np.where(helpless, np.inf, np.where(last == 0, 0.0, onset))
     k = np.argmin(values, axis=0)
     for _ in range(_ZOOMS):
-        low, high = (grid[np.clip(k + side, 0, len(grid) - 1), lanes] for side in (-1, 1))
+        low, high = (grid[np.clip(k + side, 0, len(grid) - 1), batch] for side in (-1, 1))
         # the best so far stays among them
         inner = low + (high - low) * np.linspace(0.0, 1.0, 16)[:, None]
-        grid = np.sort(np.concatenate([inner, grid[k, lanes][None]]), axis=0)
+        grid = np.sort(np.concatenate([inner, grid[k, batch][None]]), axis=0)
         values = looked(grid)
         k = np.argmin(values, axis=0)
-    best, depth = grid[k, lanes], values[k, lanes]
+    best, depth = grid[k, batch], values[k, batch]
     falls = depth < 0
     return np.where(falls, -depth, 0.0), np.where(falls, best, 0.0), onset
 
@@ -209,9 +211,9 @@ def _find_crossing(
     for step in range(_STEPS):
         if np.all(b - a <= 1e-13 * b):
             break
-        share = np.where(f_b > f_a, -f_a / np.where(f_b > f_a, f_b - f_a, 1.0), 0.5)
-        share = 0.5 if step % 3 == 2 else np.clip(share, 1e-6, 1 - 1e-6)
-        middle = a + share * (b - a)
+        fraction = np.where(f_b > f_a, -f_a / np.where(f_b > f_a, f_b - f_a, 1.0), 0.5)
+        fraction = 0.5 if step % 3 == 2 else np.clip(fraction, 1e-6, 1 - 1e-6)
+        middle = a + fraction * (b - a)
         value = looked(middle)
         up = value > 0
         a, f_a = np.where(up, a, middle), np.where(up, f_a, value)

@@ -1,4 +1,4 @@
-"""What a policy knows: a bundle's units as they are now, and what is asked of them."""
+"""Input of a policy: the present state of a bundle's units, and the demand on them."""
 
 from typing import Any, NamedTuple
 
@@ -36,18 +36,18 @@ class Units(Module):
 
     @classmethod
     def of(cls, plant: Plant, side: int) -> "Units":
-        """Those of a `plant`'s [-] bundle `side` [-], counted from 0."""
+        """Units of the bundle `side` of a `plant`, counted from 0."""
         bundle, top = plant.bundles[side], plant.supply_pressure
         key = "control.units", top
         if key not in bundle.store:
             bundle.store[key] = Branches.of(bundle, top)
-        places = plant.places(side)
+        indices = plant.places(side)
         chamber, valve, exhaust = (
-            of_units(part, places, plant.units)
-            for part in (plant.chamber, plant.valve, plant.exhaust_valve)
+            of_units(piece, indices, plant.units)
+            for piece in (plant.chamber, plant.valve, plant.exhaust_valve)
         )
         return cls(
-            bundle.store[key], plant.counts[places], chamber, valve, exhaust,
+            bundle.store[key], plant.counts[indices], chamber, valve, exhaust,
             np.float64(plant.supply.temperature_at(plant.supply.start())),
         )  # fmt: skip
 
@@ -65,16 +65,16 @@ class Units(Module):
         """Into and out of each chamber at a `pressure` [Pa] below its `supply` [Pa], wide open
         [kg/s].
         """
-        room, warm = self.chamber.room_pressure, self.chamber.room_temperature
+        room, temperature = self.chamber.room_pressure, self.chamber.room_temperature
         p = maximum(pressure, 0.0) + room
         return (
-            self.valve.flow(supply + room, p, self.supply_temperature, warm),
-            self.exhaust_valve.flow(p, room, warm, warm),
+            self.valve.flow(supply + room, p, self.supply_temperature, temperature),
+            self.exhaust_valve.flow(p, room, temperature, temperature),
         )
 
 
 class UnitDemand(NamedTuple):
-    """What is asked now: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
+    """Present demand: a `force` [N] that changes at a `rate` [N/s], at `strains` of the units
     [-], with their `pressures` [Pa] and the supply's [Pa], which come `lag` after they are wanted
     [s]; `dt` since it was asked last [s].
     """
@@ -89,11 +89,13 @@ class UnitDemand(NamedTuple):
 
 
 class UnitCapability(NamedTuple):
-    """What units can do at their strains: each one's force when `full` and `empty` [N], whether it
-    `gains` [-], the `onset` of each [Pa], its `dip` [N] and `dip_pressure` [Pa], what a state
+    """Capability of units at their strains: each one's force when `full` and `empty` [N],
+    `gains`, true where it adds force, the `onset` of each [Pa], its `dip` [N] and
+    `dip_pressure` [Pa], what a state
     holds at most, `largest` [N], how long each one's valve takes to its onset, `time`, from there
-    back, `vent`, and from where it is until it is `near` the supply's pressure, `climb` [s], at
-    which mean `speed` [Pa/s], and what each lacks there, `near`, as its valve is slow beyond [N].
+    back, `vent`, and from where it is until it is near the supply's pressure, `climb` [s], at
+    which mean `speed` [Pa/s], and the force that each lacks there, `near` [N], as its valve is slow
+    beyond.
     """
 
     full: Numbers
@@ -111,80 +113,86 @@ class UnitCapability(NamedTuple):
     near: Numbers
 
 
-def evaluate_capability(units: Units, asked: UnitDemand) -> UnitCapability:
-    """What `units` [-] can do of what is `asked` [-]."""
-    xp, eps, n = array_namespace(asked.strains), asked.strains, units.counts
+def evaluate_capability(units: Units, demand: UnitDemand) -> UnitCapability:
+    """Capability of `units` for a `demand`."""
+    xp, eps, n = array_namespace(demand.strains), demand.strains, units.counts
     none = 0.0 * eps
-    top = minimum(asked.supply, units.branches.top) + none
+    top = minimum(demand.supply, units.branches.top) + none
     empty, full = n * units.branches.force(none, eps), n * units.branches.force(top, eps)
     gains = full > empty
     full = where(gains, full, empty)
     depth, at = units.branches.dip(eps)
     onset = units.branches.onset(eps)
     largest = xp.cumsum(full, axis=-1) + xp.sum(empty) - xp.cumsum(empty, axis=-1)
-    near = minimum(onset, CLOSE * top)
-    flow, _ = units.flows(near, top)
-    close = full - n * units.branches.force(CLOSE * top, eps)
-    _, out = units.flows(_LATE * near, top)
-    held = maximum(units.content(near, eps) - units.content(none, eps), 0.0)
-    time, vent = held / maximum(flow, 1e-12), held / maximum(out, 1e-12)
-    close = where(gains, close, 0.0)
-    climb = _climb(units, asked, CLOSE * top)
-    speed = maximum(CLOSE * top - asked.pressures, 0.0) / maximum(climb, 1e-9)
-    here = minimum(maximum(asked.pressures, 0.0), _CHORD * top)
-    risen = full - close - n * units.branches.force(here, eps)
-    slope = maximum(risen / (CLOSE * top - here), _FLAT * absolute(full) / top + 1e-12)
+    is_near = minimum(onset, CLOSE * top)
+    flow, _ = units.flows(is_near, top)
+    is_close = full - n * units.branches.force(CLOSE * top, eps)
+    _, out = units.flows(_LATE * is_near, top)
+    holding = maximum(units.content(is_near, eps) - units.content(none, eps), 0.0)
+    time, vent = holding / maximum(flow, 1e-12), holding / maximum(out, 1e-12)
+    is_close = where(gains, is_close, 0.0)
+    climb = _climb(units, demand, CLOSE * top)
+    speed = maximum(CLOSE * top - demand.pressures, 0.0) / maximum(climb, 1e-9)
+    level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
+    risen = full - is_close - n * units.branches.force(level, eps)
+    slope = maximum(risen / (CLOSE * top - level), _FLAT * absolute(full) / top + 1e-12)
     return UnitCapability(
-        full, empty, gains, onset, n * depth, at, largest, time, vent, climb, speed, slope, close
+        full, empty, gains, onset, n * depth, at, largest, time, vent, climb, speed, slope, is_close
     )
 
 
-def _climb(units: Units, asked: UnitDemand, end: Numbers) -> Numbers:
+def _climb(units: Units, demand: UnitDemand, end: Numbers) -> Numbers:
     """How long [s] each unit's valve, wide open, takes from its pressure to an `end` [Pa]."""
-    here = minimum(maximum(asked.pressures, 0.0), end)
-    ends = here + _LEGS[:, None] * (end - here)
-    held = units.content(ends, asked.strains)
-    flow, _ = units.flows((ends[1:] + ends[:-1]) / 2, asked.supply + 0.0 * here)
-    legs = maximum(held[1:] - held[:-1], 0.0) / maximum(flow, 1e-12)
+    level = minimum(maximum(demand.pressures, 0.0), end)
+    ends = level + _LEGS[:, None] * (end - level)
+    holding = units.content(ends, demand.strains)
+    flow, _ = units.flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
+    legs = maximum(holding[1:] - holding[:-1], 0.0) / maximum(flow, 1e-12)
     return array_namespace(legs).sum(legs, axis=0)
 
 
 def share_demand(
     units: Units,
-    now: UnitCapability,
-    asked: UnitDemand,
+    capability: UnitCapability,
+    demand: UnitDemand,
     low: Numbers,
     high: Numbers,
     felt: Numbers | None = None,
 ) -> tuple[Numbers, Whole]:
     """Pressures of `units` [-] that are filled in turn between a `low` and a `high` pressure [Pa]
-    of each, so that together they pull as is `asked` [-]; and each one's status [-]. Where they
+    of each, so that together they pull as is `demand` [-]; and each one's status [-]. Where they
     aren't there yet, what is `felt` of those that are throttled last is given instead of `low`
     [Pa].
     """
-    xp, n = array_namespace(asked.strains), units.counts
-    at_low = n * units.branches.force(low if felt is None else felt, asked.strains)
-    at_high = where(now.gains, n * units.branches.force(high, asked.strains), now.empty)
+    xp, n = array_namespace(demand.strains), units.counts
+    at_low = n * units.branches.force(low if felt is None else felt, demand.strains)
+    at_high = where(
+        capability.gains, n * units.branches.force(high, demand.strains), capability.empty
+    )
     at_high = maximum(at_high, at_low)
     before = xp.cumsum(at_high, axis=-1) - at_high
     after = xp.sum(at_low, axis=-1, keepdims=True) - xp.cumsum(at_low, axis=-1)
-    found = units.branches.pressure((asked.force - before - after) / n, asked.strains)
-    return minimum(maximum(found.pressure, low), high), found.status
+    result = units.branches.pressure((demand.force - before - after) / n, demand.strains)
+    return minimum(maximum(result.pressure, low), high), result.status
 
 
-def hand_over_times(now: UnitCapability, before: Numbers, unit: Numbers) -> tuple[Batch, Batch]:
+def hand_over_times(
+    capability: UnitCapability, before: Numbers, unit: Numbers
+) -> tuple[Batch, Batch]:
     """How long [s] a hand-over to a `unit` [-] from the one `before` it [-], both as ones among
     zeros, several in rows, takes to where the dip is deepest, and to its end, from what units can
-    do `now` [SI].
+    do `capability` [SI].
 
     Where it is deepest the unit before must have come as near to the supply's pressure as it ever
     will: its valve, whose flow vanishes there, has until then, and no longer.
     """
 
-    def of(which: Numbers, values: Numbers) -> Batch:
-        return array_namespace(values).sum(which * values, axis=-1)
+    def of(index: Numbers, values: Numbers) -> Batch:
+        return array_namespace(values).sum(index * values, axis=-1)
 
-    t_c = of(unit, now.time)
-    part = minimum(of(unit, now.dip_pressure) / maximum(of(unit, now.onset), 1.0), 1.0)
-    deepest = maximum(part * t_c, of(before, now.climb))
-    return deepest, deepest + (1 - part) * t_c
+    t_c = of(unit, capability.time)
+    piece = minimum(
+        of(unit, capability.dip_pressure) / maximum(of(unit, capability.onset), 1.0), 1.0
+    )
+    deepest = maximum(piece * t_c, of(before, capability.climb))
+    return deepest, deepest + (1 - piece) * t_c

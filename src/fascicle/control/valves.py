@@ -32,7 +32,7 @@ from ..fluid.entry import above_zero, part, room_pressure, temperature
 
 
 class AbstractValves(Module):
-    """What a motor unit's chamber holds, and how fast its valve fills it."""
+    """Content of a motor unit's chamber, and flow of the valve that fills it."""
 
     @abc.abstractmethod
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
@@ -91,7 +91,7 @@ class PlantValves(AbstractValves):
 
     @classmethod
     def of(cls, plant: Plant) -> tuple["PlantValves", ...]:
-        """Those of each motor unit of a `plant` [-], in its order [-]."""
+        """Valves of each motor unit of a `plant`, in its order."""
         warm = float(plant.supply.temperature_at(plant.supply.start()))
         return tuple(
             cls(
@@ -119,24 +119,24 @@ def for_each(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     [-].
     """
     if isinstance(valves, Plant):
-        found: tuple[Any, ...] = PlantValves.of(valves)
+        per_unit: tuple[Any, ...] = PlantValves.of(valves)
     elif isinstance(valves, AbstractValves):
-        found = (valves,) * units
+        per_unit = (valves,) * units
     else:
-        found = tuple(valves) if isinstance(valves, Sequence) else (valves,)
-    for one in found:
-        if not isinstance(one, AbstractValves):
+        per_unit = tuple(valves) if isinstance(valves, Sequence) else (valves,)
+    for valve in per_unit:
+        if not isinstance(valve, AbstractValves):
             rule = "must be GasValves, OilValves, a Plant, or a list of one for each unit"
-            raise InvalidInputError("valves", rule, one, shown=type(one).__name__)
-    if len(found) != units:
+            raise InvalidInputError("valves", rule, valve, shown=type(valve).__name__)
+    if len(per_unit) != units:
         raise InvalidInputError(
-            "valves", f"must be one for each of the {units} motor units", len(found)
+            "valves", f"must be one for each of the {units} motor units", len(per_unit)
         )
-    return found
+    return per_unit
 
 
-def of_units(thing: Module, which: Any, units: int) -> Any:
-    """A part [-] of a plant of so many `units` [-], its numbers those of `which` of them [-]."""
+def of_units(part: Module, index: Any, units: int) -> Any:
+    """A part [-] of a plant of so many `units` [-], its numbers those of `index` of them [-]."""
     return jax.tree.map(
-        lambda x: np.asarray(x)[..., which] if np.shape(x)[-1:] == (units,) else x, thing
+        lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, part
     )

@@ -1,4 +1,4 @@
-r"""Where every joule went: balances of a run, each term an integral of its own.
+r"""Energy and mass balances of a run, each term an integral of its own.
 
 Of a gas, in exergy, what a room at $p_a$, $T_a$ would let it still do; of a liquid, in energy,
 
@@ -75,13 +75,13 @@ class Balance(NamedTuple):
 
     @property
     def closes(self) -> bool:
-        """Whether [-] what is left is small enough."""
+        """True if the rest is small enough."""
         return bool(self.share <= self.closes_within)
 
 
 class Event(NamedTuple):
-    """What happened in a run: its `name`, when first and last [s], in how many moments [-], in
-    `words`, and whether the run can be `trusted` all the same [-].
+    """Event of a run: `name`; `first` and `last` time [s]; number of `moments` [-]; a sentence in
+    `words`; `trusted`, true if the run can be trusted all the same.
     """
 
     name: str
@@ -100,19 +100,23 @@ class Audit(NamedTuple):
 
     @property
     def closes(self) -> bool:
-        """Whether [-] all balances close and nothing happened that forbids to trust the run."""
-        return all(one.closes for one in self.balances) and all(e.trusted for e in self.events)
+        """True if all balances close and every event can be trusted."""
+        return all(balance.closes for balance in self.balances) and all(
+            e.trusted for e in self.events
+        )
 
     def __str__(self) -> str:
         """A table in words."""
         lines = []
-        for one in self.balances:
-            verdict = "closes" if one.closes else "DOES NOT CLOSE"
-            lines.append(f"{one.name}: {verdict}, {one.share:.1e} of its largest term is left over")
-            lines += [f"  {one.remedy}"] if one.remedy else []
-            for side, terms in (("in", one.into), ("out", one.went)):
+        for balance in self.balances:
+            verdict = "closes" if balance.closes else "DOES NOT CLOSE"
+            lines.append(
+                f"{balance.name}: {verdict}, {balance.share:.1e} of its largest term is left over"
+            )
+            lines += [f"  {balance.remedy}"] if balance.remedy else []
+            for side, terms in (("in", balance.into), ("out", balance.went)):
                 lines += [
-                    f"  {side:>3} {name:<28} {value:>14.6g} {one.unit}"
+                    f"  {side:>3} {name:<28} {value:>14.6g} {balance.unit}"
                     for name, value in terms.items()
                 ]
         lines += [f"{e.name} from {e.first:.4g} s: {e.words}" for e in self.events]
@@ -141,10 +145,10 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         raise InvalidInputError("run", "must be one run", np.shape(run.account), shown="a batch")
     rows = np.asarray(run.account)
     a: dict[str, Any] = dict(zip(LEDGER, rows[-1] - rows[0], strict=True))
-    most: dict[str, Any] = dict(zip(LEDGER, np.abs(rows - rows[0]).max(axis=0), strict=True))
+    largest: dict[str, Any] = dict(zip(LEDGER, np.abs(rows - rows[0]).max(axis=0), strict=True))
     store = np.asarray(run.seen.store)
     d = dict(zip(STORES, store[-1] - store[0], strict=True))
-    most |= {
+    largest |= {
         f"Δ{name}": x for name, x in zip(STORES, np.abs(store - store[0]).max(axis=0), strict=True)
     }
 
@@ -153,54 +157,57 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     what = "energy" if plant.liquid else "exergy"
     lost = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
     balances = [
-        _balance(f"{what} of the fluid", law, most, {"supplied": a["supplied"]},
+        _balance(f"{what} of the fluid", law, largest, {"supplied": a["supplied"]},
                  {**{name: a[name] for name in lost}, "work on the muscles": a["fluid_work"],
                   "stored in the fluid": d["fluid"]}, ("supplied", *lost, "fluid_work", "Δfluid")),
-        _balance("energy of the muscles", law, most, {"work of the fluid": a["fluid_work"]},
+        _balance("energy of the muscles", law, largest, {"work of the fluid": a["fluid_work"]},
                  {"pull on the load": a["pull"], "stored in the muscles": d["muscles"]},
                  ("fluid_work", "pull", "Δmuscles"), volume=a["mismatch"]),
-        _balance("energy of the motion", _motion_tolerance(plant, law), most,
+        _balance("energy of the motion", _motion_tolerance(plant, law), largest,
                  {"pull of the muscles": a["pull"], "motor": a["motor"]},
                  {"kinetic": d["motion"], "potential": d["load"], "damper": a["damper"],
                   "stop, lost": a["stop"], "stop, stored": d["stop"],
                   "friction, lost": a["friction"], "friction, stored": d["friction"]},
                  ("pull", "motor", "Δmotion", "Δload")),
-        _mass_balance(run, a, most),
+        _mass_balance(run, a, largest),
     ]  # fmt: skip
     if plant.liquid and plant.supply.count:
-        balances.append(_supply_balance(plant, run, a, most))
+        balances.append(_supply_balance(plant, run, a, largest))
     if isinstance(plant.chamber, AdiabaticWall):
-        balances.append(_first_law_balance(plant, run, a, most))
+        balances.append(_first_law_balance(plant, run, a, largest))
     return Audit(tuple(balances), events(run))
 
 
 def events(run: Trajectory) -> tuple[Event, ...]:
-    """What happened in a run [-], by when it began [s]."""
-    status, time, found = np.asarray(run.seen.status), np.asarray(run.time), []
-    for place, name in enumerate(STATUS):
-        here = np.flatnonzero(status & (1 << place))
-        if here.size:
-            found.append(Event(name, float(time[here[0]]), float(time[here[-1]]), int(here.size),
-                               WORDS[name], name in _HARMLESS))  # fmt: skip
-    return tuple(sorted(found, key=lambda event: event.first))
+    """Events of a run, by their first time."""
+    status, time, seen = np.asarray(run.seen.status), np.asarray(run.time), []
+    for bit, name in enumerate(STATUS):
+        indices = np.flatnonzero(status & (1 << bit))
+        if indices.size:
+            first, last = float(time[indices[0]]), float(time[indices[-1]])
+            count = int(indices.size)
+            seen.append(Event(name, first, last, count, WORDS[name], name in _HARMLESS))
+    return tuple(sorted(seen, key=lambda event: event.first))
 
 
 def _balance(
-    name: str, within: float, most: dict[str, Any], into: dict[str, Any], went: dict[str, Any],
-    terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
+    name: str, tolerance: float, largest: dict[str, Any], into: dict[str, Any],
+    went: dict[str, Any], terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
 ) -> Balance:  # fmt: skip
     into = {key: float(value) for key, value in into.items()}
     went = {key: float(value) for key, value in went.items()}
     left = sum(into.values()) - sum(went.values())
     # of the most that any term was meanwhile: at the end of a cycle all may be zero again
-    size = max([most[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())])
+    size = max(
+        [largest[term] for term in terms] + [abs(x) for x in (*into.values(), *went.values())]
+    )
     remedy = ""
     if volume is not None:  # named, and left over all the same: it came from nowhere
         went[_BY_VOLUME] = volume = float(volume)
-        if abs(volume) > within * size:
+        if abs(volume) > tolerance * size:
             remedy = f"{volume:.3g} J of it are {_BY_VOLUME}: {_CONJUGATE}"
     share = abs(left) / size if size > 0 else 0.0
-    return Balance(name, unit, into, went, left, share, within, remedy)
+    return Balance(name, unit, into, went, left, share, tolerance, remedy)
 
 
 def _motion_tolerance(plant: Plant, law: float) -> float:
@@ -208,28 +215,28 @@ def _motion_tolerance(plant: Plant, law: float) -> float:
     return KINKED if kinked else law
 
 
-def _mass_balance(run: Trajectory, a: dict[str, Any], most: dict[str, Any]) -> Balance:
-    held = np.sum(np.asarray(run.seen.masses), axis=-1)
-    into, went = {"flowed in": a["mass"]}, {"held": held[-1] - held[0]}
-    most = most | {"held": float(np.max(held))}
-    return _balance("mass of the fluid", COUNTED, most, into, went, ("mass", "held"), unit="kg")
+def _mass_balance(run: Trajectory, a: dict[str, Any], largest: dict[str, Any]) -> Balance:
+    stored = np.sum(np.asarray(run.seen.masses), axis=-1)
+    into, went = {"flowed in": a["mass"]}, {"held": stored[-1] - stored[0]}
+    largest = largest | {"held": float(np.max(stored))}
+    return _balance("mass of the fluid", COUNTED, largest, into, went, ("mass", "held"), unit="kg")
 
 
 def _supply_balance(
-    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
+    plant: Plant, run: Trajectory, a: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
     reserve = np.asarray(run.seen.reserve)
-    held = np.asarray(plant.supply.stored(reserve))
+    stored = np.asarray(plant.supply.stored(reserve))
     spent = {name: x[-1] - x[0] for name, x in plant.supply.spent(reserve).items()}
     into = {"shaft": spent.pop("shaft_work", 0.0)}
     spent = {_SPENT.get(name, name): x for name, x in spent.items()}
-    went = {"supplied": a["supplied"], "stored in the supply": held[-1] - held[0], **spent}
-    most = most | {"held": float(np.max(np.abs(held - held[0])))}
-    return _balance("energy of the supply", SMOOTH, most, into, went, ("supplied", "held"))
+    went = {"supplied": a["supplied"], "stored in the supply": stored[-1] - stored[0], **spent}
+    largest = largest | {"held": float(np.max(np.abs(stored - stored[0])))}
+    return _balance("energy of the supply", SMOOTH, largest, into, went, ("supplied", "held"))
 
 
 def _first_law_balance(
-    plant: Plant, run: Trajectory, a: dict[str, Any], most: dict[str, Any]
+    plant: Plant, run: Trajectory, a: dict[str, Any], largest: dict[str, Any]
 ) -> Balance:
     # U = p V/(γ − 1), from what is seen rather than from the state that was integrated
     p = np.asarray(run.seen.pressures) + plant.chamber.room_pressure
@@ -238,5 +245,5 @@ def _first_law_balance(
     went = {"heat through the wall": a["heat"], "work, absolute": a["displaced"],
             "internal energy": U[-1] - U[0]}  # fmt: skip
     terms = ("enthalpy", "heat", "displaced", "held")
-    most = most | {"held": float(np.max(U))}
-    return _balance("first law", SMOOTH, most, {"enthalpy": a["enthalpy"]}, went, terms)
+    largest = largest | {"held": float(np.max(U))}
+    return _balance("first law", SMOOTH, largest, {"enthalpy": a["enthalpy"]}, went, terms)

@@ -49,7 +49,7 @@ class ChamberEvaluation(NamedTuple):
 
     @property
     def is_folded(self) -> BoolBatch:
-        """Whether [-] the volume falls with pressure by more than fluid and hose give way."""
+        """True where the volume falls with pressure by more than fluid and hose give way."""
         return self.slope <= 0
 
     @property
@@ -69,15 +69,15 @@ class ChamberEvaluation(NamedTuple):
 
     @property
     def is_unsolved(self) -> BoolBatch:
-        """Whether [-] the root is farther away than a pascal and a ten thousandth."""
+        """True where the root is farther away than a pascal and a ten thousandth."""
         return absolute(self.step) > 1.0 + 1e-4 * absolute(self.pressures)
 
-    def pressure_rate(self, still: Numbers, strain_rate: Batch) -> Numbers:
-        """$\\dot P$ [Pa/s], equation (T4), of chambers that change by `still` [SI] in a volume that
-        stays, at a `strain_rate` [1/s].
+    def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:
+        """$\\dot P$ [Pa/s], equation (T4), of chambers that change by
+        `fixed_volume_rate` [SI] in a constant volume, at a `strain_rate` [1/s].
         """
-        xp = array_namespace(still, strain_rate)
-        flowing = xp.sum(self.balance.by_state * still, axis=-1)
+        xp = array_namespace(fixed_volume_rate, strain_rate)
+        flowing = xp.sum(self.balance.by_state * fixed_volume_rate, axis=-1)
         push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
         return -push / self._steep(self.rise)
 
@@ -85,8 +85,8 @@ class ChamberEvaluation(NamedTuple):
         """A `slope` of the residual [SI]; where it turns, the fluid's own, so that nothing is
         divided by zero.
         """
-        own = self.balance.by_pressure
-        return guarded(absolute(slope) > _TURNS * own, slope, own)
+        fluid_slope = self.balance.by_pressure
+        return guarded(absolute(slope) > _TURNS * fluid_slope, slope, fluid_slope)
 
 
 def evaluate_chambers(
@@ -120,10 +120,11 @@ def assemble_chambers(
 
 
 def solve_pressures(
-    plant: Plant, chambers: Numbers, strains: Numbers, near: Numbers, steps: int
+    plant: Plant, chambers: Numbers, strains: Numbers, guess: Numbers, steps: int
 ) -> Numbers:
-    """The pressures [Pa] of `chambers` [SI] of a `plant` [-] at `strains` [-], from `near` [Pa], in
-    so many `steps` [-] of Newton's method.
+    """Pressures [Pa] of `chambers` [SI] of a `plant` at `strains` [-].
+
+    Takes `steps` of Newton's method from `guess` [Pa].
     """
     lowest = plant.chamber.lowest_pressure
 
@@ -133,9 +134,9 @@ def solve_pressures(
             P + evaluate_chambers(plant, chambers, strains, P).step, (P + lowest) / 2
         ), None
 
-    if array_namespace(chambers, strains, near) is np:
+    if array_namespace(chambers, strains, guess) is np:
         for _ in range(steps):
-            near, _ = stepped(near, None)
-        return near
+            guess, _ = stepped(guess, None)
+        return guess
     # a loop, which is compiled once
-    return lax.scan(stepped, near, length=steps)[0]
+    return lax.scan(stepped, guess, length=steps)[0]

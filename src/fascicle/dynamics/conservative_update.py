@@ -1,4 +1,4 @@
-r"""What a chamber holds besides the work of its wall, which fixed steps can add up.
+r"""Chamber states from which volume work is integrated out, for energy-conserving fixed steps.
 
 A wall that moves works on what is behind it. Where a muscle collapses, the slope of its volume
 jumps, and a method of fixed steps that adds up $\dot V$ of its stages misses some of the volume
@@ -49,41 +49,42 @@ def conserved_state(
 def conserved_rates(
     chamber: AbstractChamber,
     chambers: Numbers,
-    still: Numbers,
+    fixed_volume_rate: Numbers,
     pressure_rates: Numbers,
     volumes: Numbers,
 ) -> Numbers:
-    """$\\dot k$ [SI], equation (T6), of `chambers` [SI] of a kind of `chamber` [-] that change by
-    `still` [SI] in volumes that stay, at `pressure_rates` [Pa/s] and `volumes` [m³] of muscles.
+    """$\\dot k$ [SI], equation (T6), of `chambers` [SI] of a kind of `chamber` that change by
+    `fixed_volume_rate` [SI] in constant volumes, at `pressure_rates` [Pa/s] and `volumes` [m³] of
+    muscles.
     """
     push, P_dot = chamber.per_volume_rate, pressure_rates
-    turned = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
-    return still - turned * volumes[..., None]
+    folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
+    return fixed_volume_rate - folded * volumes[..., None]
 
 
 def project_chambers(
-    plant: Plant, holds: Numbers, strains: Numbers, near: Numbers, steps: int
+    plant: Plant, holds: Numbers, strains: Numbers, guess: Numbers, steps: int
 ) -> ProjectedChambers:
     """Chambers of a `plant` [-] that hold $k$, `holds` [SI], at `strains` [-] and led to pressures
-    `near` [Pa], set right in so many `steps` [-] of Newton's method.
+    `guess` [Pa], set right in so many `steps` [-] of Newton's method.
     """
     n, chamber = plant.counts, plant.chamber
     push, lowest = chamber.per_volume_rate, chamber.lowest_pressure
-    at_0, first = at, now = muscle_volumes(plant, strains, near)
+    at_0, first = at, chambers_now = muscle_volumes(plant, strains, guess)
     V_0 = first.volume
-    s = s_0 = holds + push(holds, near) * V_0[..., None]
-    P = before = near
+    s = s_0 = holds + push(holds, guess) * V_0[..., None]
+    P = before = guess
     for turn in range(steps):
         if turn:
-            at, now = muscle_volumes(plant, strains, P)
-            s = s_0 + push(s_0, (near + P) / 2) * (now.volume - V_0)[..., None]
-        step = assemble_chambers(plant, s, P, at, now).working_step
+            at, chambers_now = muscle_volumes(plant, strains, P)
+            s = s_0 + push(s_0, (guess + P) / 2) * (chambers_now.volume - V_0)[..., None]
+        step = assemble_chambers(plant, s, P, at, chambers_now).working_step
         # half of the way to no fluid at all at most
         P, before = maximum(P + step, (P + lowest) / 2), P
     last = P - before
-    V = now.volume + now.by_pressure * last
-    s = s_0 + push(s_0, (near + P) / 2) * (V - V_0)[..., None]
-    add, way = array_namespace(P).sum, near - P
-    work = (V_0 + V) / 2 * way
-    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * way
+    V = chambers_now.volume + chambers_now.by_pressure * last
+    s = s_0 + push(s_0, (guess + P) / 2) * (V - V_0)[..., None]
+    add, change = array_namespace(P).sum, guess - P
+    work = (V_0 + V) / 2 * change
+    conjugate = n * (at_0.volume + at.volume + at.volume_by_pressure * last) / 2 * change
     return ProjectedChambers(s, P, add(work, axis=-1), add(work - conjugate, axis=-1))

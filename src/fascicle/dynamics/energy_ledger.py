@@ -1,4 +1,4 @@
-r"""Where each watt goes, and what is stored.
+r"""Energy ledger of a plant: powers of its parts, and stored energies.
 
 Energies are powers of their own, integrated beside the motion; none is what others leave. Of a gas
 they are exergies: a kilogram that is throttled from $p_1$ to $p_2$ loses $R T_a \ln(p_1/p_2)$; one
@@ -45,17 +45,22 @@ LEDGER = (*_OF_FLUID, *_OF_LOAD)
 STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 
-def ledger_rates(plant: Plant, state: State, now: PlantEvaluation) -> Numbers:
-    """How fast each number of the `ACCOUNT` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
-    that is so `now` [SI], but for what is `pressed` into its muscles.
+def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Numbers:
+    """How fast each number of the `LEDGER` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
+    that is so `evaluation` [SI], but for what is `pressed` into its muscles.
     """
-    load, P, flows = plant.load, now.fluid.pressures, now.flows
-    V, V_dot, P_dot, v = now.fluid.volume, now.volume_rates, now.pressure_rates, now.velocity
+    load, P, flows = plant.load, evaluation.fluid.pressures, evaluation.flows
+    V, V_dot, P_dot, v = (
+        evaluation.fluid.volume,
+        evaluation.volume_rates,
+        evaluation.pressure_rates,
+        evaluation.velocity,
+    )
     heat = plant.chamber.heat(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
     of_fluid = (
         *_fluid_powers(plant, flows, heat),
         -V * P_dot,
-        -(V - plant.counts * now.fluid.at.volume) * P_dot,
+        -(V - plant.counts * evaluation.fluid.at.volume) * P_dot,
         flows.mass,
         flows.enthalpy,
         heat,
@@ -63,29 +68,27 @@ def ledger_rates(plant: Plant, state: State, now: PlantEvaluation) -> Numbers:
     )
     xp = array_namespace(v, P)
     # of all units in one sum, which takes a fraction of the time
-    together = xp.sum(row(*of_fluid), axis=-2)
+    fluid_total = xp.sum(row(*of_fluid), axis=-2)
     of_load = row(
-        now.pull * v,
+        evaluation.pull * v,
         load.damper * v**2,
-        now.stop_damper * v,
-        now.friction_power,
-        -(now.pull - now.friction_force) * v if load.moved else 0.0 * v,
+        evaluation.stop_damper * v,
+        evaluation.friction_power,
+        -(evaluation.pull - evaluation.friction_force) * v if load.moved else 0.0 * v,
     )
-    return xp.concatenate([together, of_load], axis=-1)
+    return xp.concatenate([fluid_total, of_load], axis=-1)
 
 
-def pressure_volume_term(plant: Plant, now: PlantEvaluation) -> Numbers:
-    """What comes on top of each number of the `ACCOUNT` of a `plant` [-] that is so `now` [SI]:
-    $P V$ of a work by parts [J].
-    """
-    P, V = now.fluid.pressures, now.fluid.volume
-    more = {
+def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
+    """$P V$ of each entry of the `LEDGER` whose work is taken by parts [J]."""
+    P, V = evaluation.fluid.pressures, evaluation.fluid.volume
+    terms = {
         "fluid_work": P * V,
-        "mismatch": P * (V - plant.counts * now.fluid.at.volume),
+        "mismatch": P * (V - plant.counts * evaluation.fluid.at.volume),
         "displaced": (P + plant.chamber.room_pressure) * V,
     }
     none = 0.0 * P
-    return array_namespace(P, V).sum(row(*(more.get(name, none) for name in LEDGER)), axis=-2)
+    return array_namespace(P, V).sum(row(*(terms.get(name, none) for name in LEDGER)), axis=-2)
 
 
 def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:
@@ -123,23 +126,29 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
 
 
 def stored_energies(
-    plant: Plant, state: State, anchor: FrictionMemory, now: PlantEvaluation
+    plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
 ) -> Numbers:
     """Energies [J] named in `STORES` of a `plant` [-] in a `state` [SI] with friction's `anchor`
-    [SI] that is so `now` [SI].
+    [SI] that is so `evaluation` [SI].
     """
-    q, v, load, P, at = now.position, now.velocity, plant.load, now.fluid.pressures, now.fluid.at
+    q, v, load, P, at = (
+        evaluation.position,
+        evaluation.velocity,
+        plant.load,
+        evaluation.fluid.pressures,
+        evaluation.fluid.at,
+    )
     xp = array_namespace(q, P)
-    add, kept = xp.sum, 0.0 * q
+    add, friction_energy = xp.sum, 0.0 * q
     if plant.hysteresis is not None:
-        forces = friction_step(plant, anchor, q, P).kept
-        kept = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
+        forces = friction_step(plant, anchor, q, P).spring_forces
+        friction_energy = add(plant.counts * plant.hysteresis.stored(forces), axis=-1)
     parts = (
         add(plant.chamber.stored(state.chambers, P), axis=-1),
         add(plant.counts * (P * at.volume - at.coenergy), axis=-1),
         0.0 * v if load.moved else load.inertia * v**2 / 2,
         load.potential(q),
         load.stop.energy(q) if load.stop else 0.0 * q,
-        kept,
+        friction_energy,
     )
     return xp.stack(xp.broadcast_arrays(*parts), axis=-1)

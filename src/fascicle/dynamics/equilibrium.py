@@ -1,4 +1,4 @@
-r"""Where a plant stands still: a state from which nothing jerks.
+r"""Equilibrium of a plant: a state at rest.
 
 At given pressures the load rests where
 
@@ -51,7 +51,7 @@ def equilibrium_state(
         )
     P = np.broadcast_to(P, (plant.units,)) + 0.0
     load = plant.load
-    low, high = plant.way
+    low, high = plant.stroke
     if not low < high:
         raise InvalidInputError(
             "load", "must leave a way on which all muscles are within their tables", low,
@@ -91,26 +91,27 @@ def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float)
         )  # fmt: skip
 
     looks = np.linspace(low, high, _LOOKS)
-    found = np.asarray(left(looks))
-    falls = np.flatnonzero((found[:-1] > 0) & (found[1:] <= 0))
+    residuals = np.asarray(left(looks))
+    falls = np.flatnonzero((residuals[:-1] > 0) & (residuals[1:] <= 0))
     if not falls.size:
-        side = "weak" if found[0] <= 0 else "strong"
-        far = low if found[0] <= 0 else high
+        side = "weak" if residuals[0] <= 0 else "strong"
+        worst = residuals[0 if side == "weak" else -1]
+        far = low if residuals[0] <= 0 else high
         raise InvalidInputError(
             "load",
             "must be one that the bundle can hold at rest",
-            float(found[0] if found[0] <= 0 else found[-1]),
-            f"at these pressures it is too {side} by {abs(found[0 if side == 'weak' else -1]):.4g}"
+            float(worst),
+            f"at these pressures it is too {side} by {abs(worst):.4g}"
             f" {'N' if plant.load.unit == 'm' else 'N·m'} even at {far:.4g} {plant.load.unit}:"
             " begin at other pressures, or give `position`, from which it then starts",
             shown="",
         )
     k = falls[0]
-    if found[k + 1] == 0:
+    if residuals[k + 1] == 0:
         return float(looks[k + 1])
     # to rounding of the way
-    found = root_scalar(left, bracket=(looks[k], looks[k + 1]), xtol=1e-16, rtol=1e-14)
-    return float(found.root)
+    residuals = root_scalar(left, bracket=(looks[k], looks[k + 1]), xtol=1e-16, rtol=1e-14)
+    return float(residuals.root)
 
 
 def _check_position(position: float, low: float, high: float, unit: str) -> float:

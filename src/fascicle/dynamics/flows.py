@@ -1,4 +1,4 @@
-"""What flows between the supply, the chambers and the room, through open valves."""
+"""Flows between the supply, the chambers and the room, through open valves."""
 
 from typing import NamedTuple
 

@@ -46,11 +46,12 @@ from ..core.validation import check_interval, check_positive
 
 
 class FrictionStep(NamedTuple):
-    """A friction element after a way: its forces `kept` on the last axis [N], the force against
+    """A friction element after a way: its `spring_forces` on the last axis [N], the
+    `force` against
     contraction [N], and the energy `lost` on the way [J].
     """
 
-    kept: Numbers
+    spring_forces: Numbers
     force: Batch
     lost: Batch
 
@@ -67,15 +68,15 @@ class AbstractHysteresis(Module):
 
     @abc.abstractmethod
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
-        """What it is after a way that doesn't turn.
+        """Friction after a displacement that does not turn.
 
         **Arguments:**
 
-        - `kept`: its forces before, on the last axis [N].
-        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `forces`: its forces before, on the last axis [N].
+        - `displacement`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
         - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
@@ -84,8 +85,8 @@ class AbstractHysteresis(Module):
         """
 
     @abc.abstractmethod
-    def stored(self, kept: Numbers) -> Batch:
-        """Energy in its springs [J] for its forces `kept` [N]."""
+    def stored(self, forces: Numbers) -> Batch:
+        """Energy in its springs [J] for its spring `forces` [N]."""
 
     @abc.abstractmethod
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
@@ -131,15 +132,15 @@ class MaxwellSlip(AbstractHysteresis):
         return int(np.shape(self.stiffness)[-1])
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
         """Equation (H1).
 
         **Arguments:**
 
-        - `kept`: its forces before, on the last axis [N].
-        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `forces`: its forces before, on the last axis [N].
+        - `displacement`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
         - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
@@ -151,13 +152,13 @@ class MaxwellSlip(AbstractHysteresis):
         before, f = (
             self.slip_force + self.slip_force_slope * maximum(P, 0.0)[..., None] for P in pressures
         )
-        now = minimum(maximum(kept + k * way[..., None], -f), f)
+        new_forces = minimum(maximum(forces + k * displacement[..., None], -f), f)
         # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
-        lost = (before + f) / 2 * absolute(way[..., None] - (now - kept) / k)
-        add = array_namespace(now).sum
-        return FrictionStep(now, add(now, axis=-1), add(lost, axis=-1))
+        lost = (before + f) / 2 * absolute(displacement[..., None] - (new_forces - forces) / k)
+        add = array_namespace(new_forces).sum
+        return FrictionStep(new_forces, add(new_forces, axis=-1), add(lost, axis=-1))
 
-    def loop_width(self, there: Batch, back: Batch, pressure: Batch) -> Batch:
+    def loop_width(self, forward: Batch, back: Batch, pressure: Batch) -> Batch:
         """How wide a closed loop is, between two turns, equation (H4).
 
         **Arguments:**
@@ -168,15 +169,15 @@ class MaxwellSlip(AbstractHysteresis):
 
         **Returns:** the pull on the way back less that on the way there [N].
         """
-        k, there, back = self.stiffness, there[..., None], back[..., None]
+        k, forward, back = self.stiffness, forward[..., None], back[..., None]
         f = self.slip_force + self.slip_force_slope * maximum(pressure, 0.0)[..., None]
-        a = minimum(f, k * (there + back) / 2)  # a short stroke bends some springs, and no more
-        wide = minimum(k * there, 2 * a) + minimum(k * back, 2 * a) - 2 * a
+        a = minimum(f, k * (forward + back) / 2)  # a short stroke bends some springs, and no more
+        wide = minimum(k * forward, 2 * a) + minimum(k * back, 2 * a) - 2 * a
         return array_namespace(wide).sum(wide, axis=-1)
 
-    def stored(self, kept: Numbers) -> Batch:
-        """$\\sum z_j^2/(2 k_j)$ [J] for its forces `kept` [N]."""
-        return array_namespace(kept).sum(kept**2 / (2 * self.stiffness), axis=-1)
+    def stored(self, forces: Numbers) -> Batch:
+        """$\\sum z_j^2/(2 k_j)$ [J] for its spring `forces` [N]."""
+        return array_namespace(forces).sum(forces**2 / (2 * self.stiffness), axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """None [W] that its way doesn't tell, at any `velocity` [m/s], `pressure` [Pa] and
@@ -216,15 +217,15 @@ class Dahl(AbstractHysteresis):
         return 1
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
         """Equation (H2).
 
         **Arguments:**
 
-        - `kept`: its forces before, on the last axis [N].
-        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `forces`: its forces before, on the last axis [N].
+        - `displacement`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
         - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
@@ -234,18 +235,18 @@ class Dahl(AbstractHysteresis):
         del velocity, by_pressure
         k = self.stiffness
         f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
-        before = kept[..., 0]
-        held = minimum(maximum(before, -f), f)
-        end = where(way >= 0, f, -f)
-        now = end + (held - end) * exp(-k * absolute(way) / f)
+        before = forces[..., 0]
+        limited = minimum(maximum(before, -f), f)
+        end = where(displacement >= 0, f, -f)
+        new_forces = end + (limited - end) * exp(-k * absolute(displacement) / f)
         # the way is done against z and stored or lost: ∫z dx = s f |Δx| − (z − z0) s f/k
-        work = end * way - (now - held) * end / k
-        lost = work - (now**2 - held**2) / (2 * k) + (before**2 - held**2) / (2 * k)
-        return FrictionStep(now[..., None], now, lost)
+        work = end * displacement - (new_forces - limited) * end / k
+        lost = work - (new_forces**2 - limited**2) / (2 * k) + (before**2 - limited**2) / (2 * k)
+        return FrictionStep(new_forces[..., None], new_forces, lost)
 
-    def stored(self, kept: Numbers) -> Batch:
-        """$z^2/(2k)$ [J] for its force `kept` [N]."""
-        return kept[..., 0] ** 2 / (2 * self.stiffness)
+    def stored(self, forces: Numbers) -> Batch:
+        """$z^2/(2k)$ [J] for its `forces` [N]."""
+        return forces[..., 0] ** 2 / (2 * self.stiffness)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """None [W] that its way doesn't tell, at any `velocity` [m/s], `pressure` [Pa] and
@@ -281,15 +282,15 @@ class Coulomb(AbstractHysteresis):
         return 0
 
     def slid(
-        self, kept: Numbers, way: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
+        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
         by_pressure: Batch,
     ) -> FrictionStep:  # fmt: skip
         """Equation (H3).
 
         **Arguments:**
 
-        - `kept`: its forces before, on the last axis [N].
-        - `way`: $\\Delta x$ of the contraction since then [m].
+        - `forces`: its forces before, on the last axis [N].
+        - `displacement`: $\\Delta x$ of the contraction since then [m].
         - `velocity`: $\\dot x$ now [m/s].
         - `pressures`: $P$ before and now [Pa].
         - `by_pressure`: $\\partial F/\\partial P$ of the muscle now [m²].
@@ -302,18 +303,22 @@ class Coulomb(AbstractHysteresis):
             * absolute(by_pressure)
             * array_namespace(velocity).tanh(velocity / self.velocity)
         )
-        return FrictionStep(kept, force, 0.0 * way)
+        return FrictionStep(forces, force, 0.0 * displacement)
 
-    def stored(self, kept: Numbers) -> Batch:
-        """None [J], whatever it `kept` [N]."""
-        return array_namespace(kept).sum(kept, axis=-1)
+    def stored(self, forces: Numbers) -> Batch:
+        """None [J], whatever its `forces` [N]."""
+        return array_namespace(forces).sum(forces, axis=-1)
 
     def lost_power(self, velocity: Batch, pressure: Batch, by_pressure: Batch) -> Batch:
         """$z \\dot x$ [W] at a `velocity` [m/s], any `pressure` [Pa] and `by_pressure` [m²]."""
-        way = 0.0 * velocity
+        displacement = 0.0 * velocity
         return (
             self.slid(
-                way[..., None][..., :0], way, velocity, (pressure, pressure), by_pressure
+                displacement[..., None][..., :0],
+                displacement,
+                velocity,
+                (pressure, pressure),
+                by_pressure,
             ).force
             * velocity
         )

@@ -73,22 +73,27 @@ def integrate(
     begin = equilibrium_state(plant) if start is None else start
     size = _scales(plant, begin)
     row = _row(begin, np.zeros(len(LEDGER)))
-    found = [row[None]]
+    row_blocks = [row[None]]
     # each command by itself: a stage can't see the next one
     edges = [*schedule.times[schedule.times < t[-1]], t[-1]]
     seen_at = [np.zeros(1)]
     legs = [(low, high, t[(t > low) & (t <= high)]) for low, high in pairwise(edges)]
-    most = 1 + max(len(inside) for _, _, inside in legs)
+    most_points = 1 + max(len(inside) for _, _, inside in legs)
     for low, high, inside in legs:
-        asked = np.unique(np.append(inside, high))
+        output_times = np.unique(np.append(inside, high))
         # as many moments in each leg, so that one compilation serves all
-        more = np.linspace(low, asked[0], most - len(asked) + 2)[1:-1]
-        asked = np.append(more, asked)
+        extra = np.linspace(low, output_times[0], most_points - len(output_times) + 2)[1:-1]
+        output_times = np.append(extra, output_times)
         command = schedule.at(low)
         result, rows = _leg(
-            plant, jnp.asarray(row), jnp.asarray(command), low, jnp.asarray(asked), tolerance,
+            plant,
+            jnp.asarray(row),
+            jnp.asarray(command),
+            low,
+            jnp.asarray(output_times),
+            tolerance,
             jnp.asarray(size),
-        )  # fmt: skip
+        )
         if not bool(result):
             raise InvalidInputError(
                 "tolerance", f"can't be held: the method gave up between {low:g} and {high:g} s",
@@ -96,32 +101,40 @@ def integrate(
             )  # fmt: skip
         rows = np.asarray(rows)
         row = rows[-1]
-        found.append(rows[np.isin(asked, inside)])
+        row_blocks.append(rows[np.isin(output_times, inside)])
         seen_at.append(inside)
-    every, moments = np.concatenate(found), np.concatenate(seen_at)
+    solution_rows, moments = np.concatenate(row_blocks), np.concatenate(seen_at)
     commands = schedule.at(moments)
-    looked = _look(plant, jnp.asarray(moments), jnp.asarray(every), jnp.asarray(commands))
-    seen, account, states = to_numpy(looked)
+    observed = _look(plant, jnp.asarray(moments), jnp.asarray(solution_rows), jnp.asarray(commands))
+    outputs, account, states = to_numpy(observed)
     end = State(*(x[-1] for x in states))
-    return Trajectory(moments, seen, commands, account, 0, None, end)
+    return Trajectory(moments, outputs, commands, account, 0, None, end)
 
 
 @jax.jit
 def _leg(
-    plant: Plant, row: Numbers, command: Numbers, low: Batch, asked: Numbers, tolerance: Batch,
+    plant: Plant,
+    row: Numbers,
+    command: Numbers,
+    low: Batch,
+    output_times: Numbers,
+    tolerance: Batch,
     size: Numbers,
-) -> tuple[Any, Numbers]:  # fmt: skip
+) -> tuple[Any, Numbers]:
     import diffrax
 
     def field(t: Batch, y: Numbers, _: Any) -> Numbers:
         state, _ = _split_row(plant, y)
         state = project_pressures(plant, t, state, _NEWTON)
-        now = evaluate_plant(plant, t, state, command, _no_friction_memory(plant, state))
-        return _row(time_derivative(plant, state, now, command), ledger_rates(plant, state, now))
+        evaluation = evaluate_plant(plant, t, state, command, _no_friction_memory(plant, state))
+        return _row(
+            time_derivative(plant, state, evaluation, command),
+            ledger_rates(plant, state, evaluation),
+        )
 
     solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(field), diffrax.Tsit5(), low, asked[-1], None, row,
-        saveat=diffrax.SaveAt(ts=asked),
+        diffrax.ODETerm(field), diffrax.Tsit5(), low, output_times[-1], None, row,
+        saveat=diffrax.SaveAt(ts=output_times),
         stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance * size),
         max_steps=_MOST_STEPS, throw=False,
     )  # fmt: skip
@@ -136,11 +149,16 @@ def _look(
         state, account = _split_row(plant, row)
         state = project_pressures(plant, t, state, _NEWTON)
         anchor = _no_friction_memory(plant, state)
-        now = evaluate_plant(plant, t, state, c, anchor)
-        return observe(plant, state, anchor, now), account, pressure_volume_term(plant, now), state
+        evaluation = evaluate_plant(plant, t, state, c, anchor)
+        return (
+            observe(plant, state, anchor, evaluation),
+            account,
+            pressure_volume_term(plant, evaluation),
+            state,
+        )
 
-    seen, account, more, states = jax.vmap(one)(times, rows, commands)
-    return seen, account + more - more[0], states
+    outputs, account, extra, states = jax.vmap(one)(times, rows, commands)
+    return outputs, account + extra - extra[0], states
 
 
 def _row(state: State, account: Numbers) -> Numbers:
@@ -166,16 +184,16 @@ def _no_friction_memory(plant: Plant, state: State) -> FrictionMemory:
 
 def _scales(plant: Plant, state: State) -> Numbers:
     """Of each number of a `state` [SI], to which its absolute tolerance is a share."""
-    low, high = plant.way
+    low, high = plant.stroke
     top = np.full(plant.units, plant.supply_pressure)
     full = plant.charged(top, 0.0)
     swept = np.asarray(plant.muscles.at(top, plant.strains(0.0)).volume)
     energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)
     account = np.full(len(LEDGER), energy)
     account[LEDGER.index("mass")] = np.sum(full[..., 0])
-    way = np.float64(high - low)
+    stroke = np.float64(high - low)
     sizes = State(
-        way, way, np.ones(plant.spool.states(plant.units)), full, top,
+        stroke, stroke, np.ones(plant.spool.states(plant.units)), full, top,
         np.maximum(np.abs(state.supply), 1e-12),
     )  # fmt: skip
     return _row(sizes, account)

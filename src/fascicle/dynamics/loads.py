@@ -1,4 +1,4 @@
-r"""What a bundle moves, or what moves it.
+r"""Loads that a bundle moves, and motions that move it.
 
 A load has one coordinate $q$, in which a bundle's plates come nearer by $c_0 + a\,q$ [m], and
 
@@ -91,7 +91,7 @@ class Stop(Module):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """What it takes off [SI] at `position` [SI] and `velocity` [SI], and of that the
+        """Force of the stop [SI] at `position` [SI] and `velocity` [SI], and of that the
         damper's.
         """
         over, under = maximum(position - self.high, 0.0), maximum(self.low - position, 0.0)
@@ -111,7 +111,7 @@ class Stop(Module):
         return self.stiffness * (over**2 + under**2) / 2
 
     def touched(self, position: Batch) -> BoolBatch:
-        """Whether it is reached [-] at `position` [SI]."""
+        """True where the stop is touched at `position` [SI]."""
         return (position > self.high) | (position < self.low)
 
 
@@ -174,7 +174,7 @@ class AbstractFreeLoad(AbstractLoad):
         return self.damping
 
     def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Where it is: at `position` [SI] with `velocity` [SI], at any `time` [s]."""
+        """Position and velocity: `position` [SI] and `velocity` [SI], at any `time` [s]."""
         del time
         return position, velocity
 
@@ -331,8 +331,8 @@ class PrescribedMotion(AbstractLoad):
                 "stop", "can't hold a motion that is given", self.stop, "leave it out"
             )
         if is_concrete(self.amplitude, self.frequency):
-            some = np.asarray(self.amplitude) > 0
-            if np.any(some & (np.asarray(self.frequency) <= 0)):
+            accelerations = np.asarray(self.amplitude) > 0
+            if np.any(accelerations & (np.asarray(self.frequency) <= 0)):
                 raise InvalidInputError(
                     "frequency", "must be positive where there is an amplitude", 0.0
                 )

@@ -13,8 +13,8 @@ from .state import State
 
 
 class FrictionMemory(NamedTuple):
-    """Where friction was looked at last: its forces `kept` [N], the load's `position` [SI] and the
-    units' `pressures` [Pa].
+    """Memory of friction from the last step: its `spring_forces` [N], the load's
+    `position` [SI] and the units' `pressures` [Pa].
     """
 
     spring_forces: Numbers
@@ -71,12 +71,12 @@ def evaluate_plant(
     P, at = fluid.pressures, fluid.at
 
     flows = evaluate_flows(plant, state, P, command)
-    still = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
-    P_dot = fluid.pressure_rate(still, eps_dot)
+    fixed_volume_rate = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
+    P_dot = fluid.pressure_rate(fixed_volume_rate, eps_dot)
     V_dot = fluid.by_strain * eps_dot + fluid.by_pressure * P_dot
     filling = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
 
-    held = conserved_rates(chamber, state.chambers, still, P_dot, fluid.volume)
+    conserved = conserved_rates(chamber, state.chambers, fixed_volume_rate, P_dot, fluid.volume)
 
     arm = plant.counts * plant.lengths * plant.gains
     pull = array_namespace(at.force).sum(arm * at.force, axis=-1)
@@ -85,23 +85,28 @@ def evaluate_plant(
     outside = load.force(q) - load.damper * v - stopped
     a = (pull - rubbing + outside) / load.inertia
     return PlantEvaluation(
-        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, held, pull, rubbing,
+        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, conserved, pull, rubbing,
         lost, damped, a,
     )  # fmt: skip
 
 
-def time_derivative(plant: Plant, state: State, now: PlantEvaluation, command: Numbers) -> State:
-    """How fast each number of a `state` [SI] of a `plant` [-] changes [SI], so as it is `now` [SI]
-    and under a `command` [-].
+def time_derivative(
+    plant: Plant, state: State, evaluation: PlantEvaluation, command: Numbers
+) -> State:
+    """Time derivative of a `state` [SI] of a `plant` [SI], with its `evaluation` [SI], under a
+    `command` [-].
     """
-    add = array_namespace(now.flows.drawn).sum
-    drawn, enthalpy = add(now.flows.drawn, axis=-1), add(now.flows.drawn_enthalpy, axis=-1)
+    add = array_namespace(evaluation.flows.drawn).sum
+    drawn, enthalpy = (
+        add(evaluation.flows.drawn, axis=-1),
+        add(evaluation.flows.drawn_enthalpy, axis=-1),
+    )
     return State(
-        position=now.velocity,
-        velocity=0.0 * now.velocity if plant.load.moved else now.acceleration,
+        position=evaluation.velocity,
+        velocity=0.0 * evaluation.velocity if plant.load.moved else evaluation.acceleration,
         spool=plant.spool.rate(command, state.spool),
-        chambers=now.chamber_rates,
-        pressures=now.pressure_rates,
+        chambers=evaluation.chamber_rates,
+        pressures=evaluation.pressure_rates,
         supply=plant.supply.rates(state.supply, -drawn, -enthalpy),
     )
 
@@ -120,9 +125,9 @@ def _advance_friction(
     plant: Plant, anchor: FrictionMemory, q: Batch, speed: Numbers, P: Numbers, by_pressure: Numbers
 ) -> FrictionStep:
     assert plant.hysteresis is not None
-    way = plant.lengths * plant.gains * (q - anchor.position)[..., None]
+    displacement = plant.lengths * plant.gains * (q - anchor.position)[..., None]
     return plant.hysteresis.slid(
-        anchor.spring_forces, way, speed, (anchor.pressures, P), by_pressure
+        anchor.spring_forces, displacement, speed, (anchor.pressures, P), by_pressure
     )
 
 
@@ -149,6 +154,6 @@ def update_friction(
     """Friction after a step to a `position` [SI] at `pressures` [Pa], from where it was looked at
     last, and the energy that it lost on the way [J].
     """
-    now = friction_step(plant, anchor, position, pressures)
-    lost = array_namespace(now.lost).sum(plant.counts * now.lost, axis=-1)
-    return FrictionMemory(now.kept, position, pressures), lost
+    step = friction_step(plant, anchor, position, pressures)
+    lost = array_namespace(step.lost).sum(plant.counts * step.lost, axis=-1)
+    return FrictionMemory(step.spring_forces, position, pressures), lost

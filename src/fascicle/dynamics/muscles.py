@@ -37,7 +37,7 @@ class AbstractMuscles(Module):
 
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-]."""
+        """Surface of each at its `pressure` [Pa] and `strain` [-]."""
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
         """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
@@ -62,7 +62,7 @@ class AbstractMuscles(Module):
 
 
 class Tables(AbstractMuscles):
-    """Of several units, each muscle's table once: `table`, its numbers one for each unit, `which`
+    """Of several units, each muscle's table once: `table`, its numbers one for each unit, `indices`
     the place of each unit's coefficients [-].
     """
 
@@ -76,20 +76,23 @@ class Tables(AbstractMuscles):
         """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], with `shape` [-]
         nodes.
         """
-        kept, which = unlike(muscles)
-        tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in kept]
-        each = [tables[i] for i in which]
+        unique, indices = unlike(muscles)
+        tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
+        per_unit = [tables[i] for i in indices]
         table = UnitSurface(
-            np.stack([one.coefficients for one in tables]),
-            _row(each, lambda one: one.root_step),
-            (_row(each, lambda one: one.strains[0]), _row(each, lambda one: one.strains[1])),
-            _row(each, lambda one: one.rest_length),
-            _largest_errors([one.errors for one in tables]),
+            np.stack([unit_table.coefficients for unit_table in tables]),
+            _row(per_unit, lambda unit_table: unit_table.root_step),
+            (
+                _row(per_unit, lambda unit_table: unit_table.strains[0]),
+                _row(per_unit, lambda unit_table: unit_table.strains[1]),
+            ),
+            _row(per_unit, lambda unit_table: unit_table.rest_length),
+            _largest_errors([unit_table.errors for unit_table in tables]),
         )
-        return cls(table, np.array(which))
+        return cls(table, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V3)."""
+        """Surface of each at its `pressure` [Pa] and `strain` [-], (V3)."""
         return lookup(self.table, pressure, strain, self.which)
 
     @property
@@ -104,18 +107,18 @@ class Tables(AbstractMuscles):
 
 
 def _row(tables: Sequence[UnitSurface], number: Callable[[UnitSurface], Any]) -> Numbers:
-    return np.array([float(number(one)) for one in tables])
+    return np.array([float(number(unit_table)) for unit_table in tables])
 
 
 def _largest_errors(errors: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
-    median, most, largest = (max(column) for column in zip(*errors, strict=True))
-    return median, most, largest
+    median, upper, largest = (max(column) for column in zip(*errors, strict=True))
+    return median, upper, largest
 
 
 class Exact(AbstractMuscles):
     """By the law itself, integrated anew each time: right to rounding, and a hundred times slower.
 
-    `groups`: muscles of the same laws in a row, as of a bundle, `places` of their units;
+    `groups`: muscles of the same laws in a row, as of a bundle, `indices` of their units;
     `ends`: of the strains that are known [-]; `top`: the highest pressure [Pa].
     """
 
@@ -133,19 +136,19 @@ class Exact(AbstractMuscles):
         """
         top = np.full(len(muscles), highest_pressure)
         rows = stacked(list(muscles))
-        return cls(tuple(m for _, m in rows), tuple(places for places, _ in rows), ends, top)
+        return cls(tuple(m for _, m in rows), tuple(indices for indices, _ in rows), ends, top)
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], (V2)."""
+        """Surface of each at its `pressure` [Pa] and `strain` [-], (V2)."""
         P = minimum(maximum(pressure, 0.0), self.top)
         eps = minimum(maximum(strain, self.ends[0]), self.ends[1])
-        found = [
-            _exact_surface(muscles, P[..., np.array(places)], eps[..., np.array(places)])
-            for places, muscles in zip(self.places, self.groups, strict=True)
+        surfaces = [
+            _exact_surface(muscles, P[..., np.array(indices)], eps[..., np.array(indices)])
+            for indices, muscles in zip(self.places, self.groups, strict=True)
         ]
-        order = np.argsort([i for places in self.places for i in places])
+        order = np.argsort([i for indices in self.places for i in indices])
         at = Surface(
-            *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*found, strict=True))
+            *(jnp.concatenate(parts, axis=-1)[..., order] for parts in zip(*surfaces, strict=True))
         )
         past = pressure - P  # the volume stays there, and the force is linear
         inside = absolute(past) <= PRESSURE_ROUNDING
@@ -163,8 +166,8 @@ class Exact(AbstractMuscles):
             return self.at(pressure, strain).force
         P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.ends))
         force = np.empty(P.shape)
-        for places, muscles in zip(self.places, self.groups, strict=True):
-            of = np.array(places)
+        for indices, muscles in zip(self.places, self.groups, strict=True):
+            of = np.array(indices)
             force[..., of] = muscles.law.at(P[..., of]).force(eps[..., of])[0]
         return force
 
@@ -181,7 +184,7 @@ class Exact(AbstractMuscles):
 
 def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surface:
     """Of `muscles` [-], one for each unit on the last axis."""
-    one, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
+    unit_table, empty = jnp.ones_like(pressure), muscles.braid.volume(0.0) - muscles.bladder.volume
 
     def coenergy(P: Numbers) -> Numbers:
         at = muscles.law.at(P)
@@ -189,13 +192,13 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
         return done + coenergy_at_rest(at) if muscles.ends.gives else done
 
     def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
-        return jax.jvp(coenergy, (P,), (one,))
+        return jax.jvp(coenergy, (P,), (unit_table,))
 
     def force(P: Numbers) -> tuple[Numbers, Numbers]:
         return muscles.law.at(P).force(strain)
 
-    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (one,))
-    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (one,))
+    (value, volume), (_, volume_by) = jax.jvp(with_volume, (pressure,), (unit_table,))
+    (pull, slope), (by_pressure, _) = jax.jvp(force, (pressure,), (unit_table,))
     return Surface(value, pull, volume, slope, by_pressure, volume_by)
 
 
@@ -209,7 +212,7 @@ class Geometric(AbstractMuscles):
     walls: Numbers
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:
-        """What each does at its `pressure` [Pa] and `strain` [-], but for the volume."""
+        """Surface of each at its `pressure` [Pa] and `strain` [-], but for the volume."""
         return self.muscles.at(pressure, strain)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:

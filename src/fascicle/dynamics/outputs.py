@@ -1,4 +1,4 @@
-"""What a plant shows at a moment, and whether that can be trusted."""
+"""Outputs of a plant at a moment, with a status that says if they can be trusted."""
 
 from typing import Any, NamedTuple
 
@@ -25,7 +25,7 @@ _NEARLY_ATMOSPHERE = 100.0  # Pa: within a thousandth of an atmosphere of no flu
 
 
 class PlantOutputs(NamedTuple):
-    """What a plant shows at a moment.
+    """Outputs of a plant at a moment.
 
     `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
     `forces` of its muscles together [N], `volumes` [m³], `masses` [kg], openings to `supply` and
@@ -53,36 +53,45 @@ class PlantOutputs(NamedTuple):
 
 
 def observe(
-    plant: Plant, state: State, anchor: FrictionMemory, now: PlantEvaluation
+    plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
 ) -> PlantOutputs:
-    """What a `plant` [-] shows in a `state` [SI], with friction's `anchor` [SI], that is so `now`
-    [SI].
-    """
-    flows, store = now.flows, stored_energies(plant, state, anchor, now)
+    """Outputs of a `plant` in a `state` [SI], with friction's `anchor` and `evaluation` [SI]."""
+    flows, store = evaluation.flows, stored_energies(plant, state, anchor, evaluation)
     return PlantOutputs(
-        now.position, now.velocity, flows.pressures, flows.temperatures, now.strains,
-        plant.counts * now.fluid.at.force, now.fluid.volume, state.chambers[..., 0], flows.supply,
-        flows.exhaust, flows.drawn, flows.vented,
-        flows.supply_pressure[..., 0] + 0.0 * now.position, store,
-        _status(plant, state, now, store), state.supply,
-    )  # fmt: skip
+        evaluation.position,
+        evaluation.velocity,
+        flows.pressures,
+        flows.temperatures,
+        evaluation.strains,
+        plant.counts * evaluation.fluid.at.force,
+        evaluation.fluid.volume,
+        state.chambers[..., 0],
+        flows.supply,
+        flows.exhaust,
+        flows.drawn,
+        flows.vented,
+        flows.supply_pressure[..., 0] + 0.0 * evaluation.position,
+        store,
+        _status(plant, state, evaluation, store),
+        state.supply,
+    )
 
 
-def _status(plant: Plant, state: State, now: PlantEvaluation, store: Numbers) -> Any:
+def _status(plant: Plant, state: State, evaluation: PlantEvaluation, store: Numbers) -> Any:
     """Bits of `STATUS`."""
-    q, P, eps = now.position, now.fluid.pressures, now.strains
+    q, P, eps = evaluation.position, evaluation.fluid.pressures, evaluation.strains
     xp = array_namespace(q, P)
-    some, stop = xp.any, plant.load.stop
+    flags, stop = xp.any, plant.load.stop
     low, high = plant.muscles.strains
     off = (eps < low) | (eps > high) | (plant.muscles.highest_pressure < P)
     true = (
-        some(now.fluid.is_folded, axis=-1),
-        some(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
-        some(off, axis=-1),
-        some(now.fluid.is_unsolved, axis=-1),
+        flags(evaluation.fluid.is_folded, axis=-1),
+        flags(plant.chamber.lowest_pressure + _NEARLY_ATMOSPHERE >= P, axis=-1),
+        flags(off, axis=-1),
+        flags(evaluation.fluid.is_unsolved, axis=-1),
         plant.supply.empty(state.supply),
         False if stop is None else stop.touched(q),
         False,  # `simulate` tells whether it is too stiff
         ~xp.isfinite(xp.sum(store, axis=-1) + xp.sum(P, axis=-1)),
     )
-    return sum(xp.where(here, 1 << place, 0) for place, here in enumerate(true))
+    return sum(xp.where(flag, 1 << bit, 0) for bit, flag in enumerate(true))

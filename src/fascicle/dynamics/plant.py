@@ -91,15 +91,19 @@ class Plant(Module):
         **Raises:** `ValueError`, one line, for what doesn't go together.
         """
         self.bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
-        for one in self.bundles:
-            if not isinstance(one, Bundle):
-                raise InvalidInputError("bundle", "must be a Bundle", one, shown=type(one).__name__)
+        for item in self.bundles:
+            if not isinstance(item, Bundle):
+                raise InvalidInputError(
+                    "bundle", "must be a Bundle", item, shown=type(item).__name__
+                )
         self.load, self.supply, self.chamber = load, supply, chamber
         self.valve = valve
         self.exhaust_valve = valve if exhaust_valve is None else exhaust_valve
         self.spool = Direct() if spool is None else spool
         self.hysteresis = hysteresis
-        units = [(unit, side) for side, one in enumerate(self.bundles) for unit in one.motor_units]
+        units = [
+            (unit, side) for side, item in enumerate(self.bundles) for unit in item.motor_units
+        ]
         self.sides = tuple(side for _, side in units)
         self.counts = np.array([float(unit.count) for unit, _ in units])
         self.lengths = np.array([float(unit.muscle.length) for unit, _ in units])
@@ -107,15 +111,19 @@ class Plant(Module):
         _check_fit(self)
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
-        each = [unit.muscle for unit, _ in units]
+        per_bundle = [unit.muscle for unit, _ in units]
         top = min(_ABOVE_SUPPLY * self.supply_pressure, HIGHEST_PRESSURE)
-        muscles: AbstractMuscles = Tables.of(each, top, shape)
+        muscles: AbstractMuscles = Tables.of(per_bundle, top, shape)
         if law == "exact":
-            muscles = Exact.of(each, top, muscles.strains)
+            muscles = Exact.of(per_bundle, top, muscles.strains)
         if volume == "geometric":
             sizes = ("length", "outer_radius", "braid_angle")
-            braid = Braid(*(np.array([float(getattr(m, name)) for m in each]) for name in sizes))
-            muscles = Geometric(muscles, braid, np.array([float(m.bladder.volume) for m in each]))
+            braid = Braid(
+                *(np.array([float(getattr(m, name)) for m in per_bundle]) for name in sizes)
+            )
+            muscles = Geometric(
+                muscles, braid, np.array([float(m.bladder.volume) for m in per_bundle])
+            )
         self.muscles = muscles
 
     @property
@@ -130,7 +138,7 @@ class Plant(Module):
 
     @property
     def liquid(self) -> bool:
-        """Whether it is filled with a liquid [-]."""
+        """True if it is filled with a liquid."""
         return isinstance(self.chamber, LiquidChamber)
 
     @property
@@ -139,7 +147,7 @@ class Plant(Module):
         return float(self.supply.pressure_at(self.supply.start()))
 
     def places(self, side: int) -> Whole:
-        """Which of all units are of the bundle `side` [-], counted from 0 [-]."""
+        """Indices of the units of the bundle `side`, counted from 0."""
         return np.flatnonzero(np.array(self.sides) == side)
 
     @property
@@ -152,8 +160,8 @@ class Plant(Module):
         """$\\varepsilon_{0,i}$ of each unit's muscles [-]."""
         return 1 - (self.distances - self._of_sides(0)) / self.lengths
 
-    def _of_sides(self, which: int) -> Numbers:
-        arms = [self.load.arms[side][which] for side in self.sides]
+    def _of_sides(self, side_index: int) -> Numbers:
+        arms = [self.load.arms[side][side_index] for side in self.sides]
         return array_namespace(*arms).stack([arm + 0.0 for arm in arms])
 
     def checked(self, commands: Numbers) -> Numbers:
@@ -179,7 +187,7 @@ class Plant(Module):
         return self.offsets + self.gains * position
 
     @property
-    def way(self) -> tuple[float, float]:
+    def stroke(self) -> tuple[float, float]:
         """Ends of the load's coordinate [SI] between which all muscles' strains are known."""
         low, high = self.muscles.strains
         ends = np.stack([(end - self.offsets) / self.gains for end in (low, high)])
@@ -196,8 +204,8 @@ def _check_fit(plant: Plant) -> None:
     for name, kind in kinds.items():
         value: Any = getattr(plant, name)
         if not isinstance(value, kind):
-            each = getattr(kind, "__args__", (kind,))
-            named = " or ".join(one.__name__.removeprefix("Abstract") for one in each)
+            per_bundle = getattr(kind, "__args__", (kind,))
+            named = " or ".join(item.__name__.removeprefix("Abstract") for item in per_bundle)
             rule = f"must be a {named}".replace("NoneType", "None")
             raise InvalidInputError(name, rule, value, shown=type(value).__name__)
     sides = len(plant.load.arms)

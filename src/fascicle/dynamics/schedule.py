@@ -15,7 +15,7 @@ from ..fluid import checked_commands
 
 
 class Measurement(NamedTuple):
-    """What a controller sees: `time` [s]; `position` and `velocity` of the load [SI]; `pressures`
+    """Input of a controller: `time` [s]; `position` and `velocity` of the load [SI]; `pressures`
     of the units [Pa]; `force` of all muscles on the load [N or N·m]; `supply_pressure` [Pa].
     """
 
@@ -28,7 +28,7 @@ class Measurement(NamedTuple):
 
 
 class Controller(Protocol):
-    """What `simulate` asks for: `memory`, with which it begins, and a call."""
+    """Interface of a controller in `simulate`: its first `memory`, and a call."""
 
     @property
     def memory(self) -> Any:
@@ -79,5 +79,5 @@ class Schedule:
     def at(self, time: Values) -> Numbers:
         """Commands [-] at each `time` [s], on the last axis."""
         # a time that a step misses by rounding is meant
-        place = np.searchsorted(self.times, np.asarray(time) + 1e-9, side="right") - 1
-        return self.commands[np.maximum(place, 0)]
+        index = np.searchsorted(self.times, np.asarray(time) + 1e-9, side="right") - 1
+        return self.commands[np.maximum(index, 0)]

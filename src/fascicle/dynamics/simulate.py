@@ -86,10 +86,10 @@ def simulate(
     """
     dt = float(check_positive(dt, "dt", "s", "such as 0.001"))
     begin = equilibrium_state(plant) if start is None else start
-    looked = None
+    step_size = None
     if substeps is None:
-        looked = estimate_substeps(plant, dt)
-        substeps = looked.substeps
+        step_size = estimate_substeps(plant, dt)
+        substeps = step_size.substeps
     elif substeps != int(substeps) or not substeps >= 1:
         raise InvalidInputError("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _prepare_controller(plant, controller, reference, dt, duration)
@@ -99,31 +99,33 @@ def simulate(
     # numbers that a controller holds may be differentiated; all else about it is fixed
     leaves, kind = jax.tree.flatten(act)
     fixed = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
-    given = [x if isinstance(x, _NUMBERS) else None for x in leaves]
-    known, steps, count = is_concrete((plant, given, memory, inputs, begin)), len(inputs), None
-    if known:  # so that another length mostly compiles nothing
+    numbers = [x if isinstance(x, _NUMBERS) else None for x in leaves]
+    is_known, steps, count = is_concrete((plant, numbers, memory, inputs, begin)), len(inputs), None
+    if is_known:  # so that another length mostly compiles nothing
         count = np.int64(steps)
         inputs = np.concatenate(
             [inputs, np.repeat(inputs[-1:], _padded_steps(steps) - steps, axis=0)]
         )
-    numbered = plant, given, memory, inputs, begin, np.float64(dt), count
-    every, commands, last = _run(*numbered, (fixed, kind), int(substeps))
+    numbered = plant, numbers, memory, inputs, begin, np.float64(dt), count
+    history, commands, last = _run(*numbered, (fixed, kind), int(substeps))
     xp = jnp
-    if known:
-        every, commands, last = to_numpy((every, commands, last))
-        every, commands = jax.tree.map(lambda x: x[:steps], (every, commands))
+    if is_known:
+        history, commands, last = to_numpy((history, commands, last))
+        history, commands = jax.tree.map(lambda x: x[:steps], (history, commands))
         xp = np
-    every = jax.tree.map(lambda many, one: xp.concatenate([many, one[None]]), every, last)
+    history = jax.tree.map(lambda many, one: xp.concatenate([many, one[None]]), history, last)
     commands = xp.concatenate([commands, commands[-1:]])
     tables = isinstance(getattr(plant.muscles, "muscles", plant.muscles), Tables)
     # tables are asked without a compiler, which would take as long again as for the run
-    seen, more = (_observe_numpy if known and tables else _observe_jax)(plant, dt, every, commands)
-    seen, more = to_numpy((seen, more)) if known else (seen, more)
-    account = every.account + more - more[0]
-    if looked is not None and looked.stiff:
-        seen = seen._replace(status=seen.status | (1 << STATUS.index("stiff")))
+    outputs, pv_terms = (_observe_numpy if is_known and tables else _observe_jax)(
+        plant, dt, history, commands
+    )
+    outputs, pv_terms = to_numpy((outputs, pv_terms)) if is_known else (outputs, pv_terms)
+    account = history.account + pv_terms - pv_terms[0]
+    if step_size is not None and step_size.stiff:
+        outputs = outputs._replace(status=outputs.status | (1 << STATUS.index("stiff")))
     return Trajectory(
-        dt * np.arange(steps + 1), seen, commands, account, int(substeps), looked, last.state
+        dt * np.arange(steps + 1), outputs, commands, account, int(substeps), step_size, last.state
     )
 
 
@@ -156,7 +158,7 @@ def _prepare_controller(
 
 @partial(jax.jit, static_argnames=("fixed", "substeps"))
 def _run(
-    plant: Plant, given: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
+    plant: Plant, numbers: list[Any], memory: Any, inputs: Numbers, begin: State, dt: Batch,
     count: Any, fixed: tuple[tuple[Any, ...], Any], substeps: int,
 ) -> tuple[IntegratorState, Numbers, IntegratorState]:  # fmt: skip
     """Before each step, commanded in it, and after the last: a row of `inputs` for each, of which
@@ -164,17 +166,17 @@ def _run(
     """
     leaves, kind = fixed
     act = jax.tree.unflatten(
-        kind, [x if y is None else y for x, y in zip(given, leaves, strict=True)]
+        kind, [x if y is None else y for x, y in zip(numbers, leaves, strict=True)]
     )
     hysteresis = plant.hysteresis
-    kept = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
+    spring_forces = jnp.zeros((plant.units, 0 if hysteresis is None else hysteresis.count))
     state = project_pressures(plant, 0.0, State(*(jnp.asarray(x, float) for x in begin)), _NEWTON)
-    anchor = FrictionMemory(kept, state.position, state.pressures)
+    anchor = FrictionMemory(spring_forces, state.position, state.pressures)
     h = dt / substeps
 
-    def step(carry: tuple, given: tuple) -> tuple[tuple, tuple]:
+    def step(carry: tuple, numbers: tuple) -> tuple[tuple, tuple]:
         course, memory = carry
-        time, reference = given
+        time, reference = numbers
         if isinstance(act, _OpenLoop):  # which measures nothing
             command = reference
         else:
@@ -182,37 +184,39 @@ def _run(
 
         # a derivative goes through a substep again, instead of keeping all that is in it
         @partial(jax.checkpoint, prevent_cse=False)
-        def sub(i: Any, now: IntegratorState) -> IntegratorState:
-            return substep(plant, time + i * h, now, command, h)
+        def sub(i: Any, evaluation: IntegratorState) -> IntegratorState:
+            return substep(plant, time + i * h, evaluation, command, h)
 
-        begun = course._replace(folded=jnp.zeros_like(course.folded))
-        return (lax.fori_loop(0, substeps, sub, begun), memory), (course, command)
+        initial = course._replace(folded=jnp.zeros_like(course.folded))
+        return (lax.fori_loop(0, substeps, sub, initial), memory), (course, command)
 
-    begun = IntegratorState(state, anchor, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)), memory
-    (last, _), (every, commands) = _scan(step, begun, (dt * jnp.arange(len(inputs)), inputs), count)
-    return every, commands, last
+    initial = IntegratorState(state, anchor, jnp.zeros(len(LEDGER)), jnp.zeros((), bool)), memory
+    (last, _), (history, commands) = _scan(
+        step, initial, (dt * jnp.arange(len(inputs)), inputs), count
+    )
+    return history, commands, last
 
 
-def _scan(step: Callable, begun: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
-    """What `lax.scan` gives, of the first `count` steps, unless that is none."""
+def _scan(step: Callable, initial: Any, inputs: Any, count: Any) -> tuple[Any, Any]:
+    """Result of `lax.scan` over the first `count` steps; over all where `count` is `None`."""
     if count is None:
-        return lax.scan(step, begun, inputs)
+        return lax.scan(step, initial, inputs)
     step = jax.jit(step, inline=True)  # traced once for both
     row = jax.tree.map(lambda x: x[0], inputs)
-    shapes = jax.eval_shape(step, begun, row)[1]
+    shapes = jax.eval_shape(step, initial, row)[1]
     room = len(jax.tree.leaves(inputs)[0])
 
-    def stepped(i: Any, now: tuple) -> tuple:
-        carry, every = now
-        carry, found = step(
+    def stepped(i: Any, evaluation: tuple) -> tuple:
+        carry, history = evaluation
+        carry, outputs_row = step(
             carry, jax.tree.map(lambda x: lax.dynamic_index_in_dim(x, i, keepdims=False), inputs)
         )
         return carry, jax.tree.map(
-            lambda x, one: lax.dynamic_update_index_in_dim(x, one, i, 0), every, found
+            lambda x, one: lax.dynamic_update_index_in_dim(x, one, i, 0), history, outputs_row
         )
 
     empty = jax.tree.map(lambda x: jnp.zeros((room, *x.shape), x.dtype), shapes)
-    return lax.fori_loop(0, count, stepped, (begun, empty))
+    return lax.fori_loop(0, count, stepped, (initial, empty))
 
 
 def _padded_steps(steps: int) -> int:
@@ -226,40 +230,40 @@ def _padded_steps(steps: int) -> int:
 def _observe_step(
     plant: Plant, time: Batch, course: IntegratorState, command: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
-    """What a plant shows, and what is pressed into its muscles [J]."""
-    now = evaluate_plant(plant, time, course.state, command, course.anchor)
-    seen = observe(plant, course.state, course.anchor, now)
+    """Outputs of a plant, and the $P V$ terms of its ledger [J]."""
+    evaluation = evaluate_plant(plant, time, course.state, command, course.anchor)
+    outputs = observe(plant, course.state, course.anchor, evaluation)
     folded = course.folded * (1 << STATUS.index("folded"))
-    return seen._replace(status=seen.status | folded), pressure_volume_term(plant, now)
+    return outputs._replace(status=outputs.status | folded), pressure_volume_term(plant, evaluation)
 
 
 @jax.jit
 def _observe_jax(
-    plant: Plant, dt: Batch, every: IntegratorState, commands: Numbers
+    plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
     times = dt * jnp.arange(len(commands))
-    return jax.vmap(partial(_observe_step, plant))(times, every, commands)
+    return jax.vmap(partial(_observe_step, plant))(times, history, commands)
 
 
 def _observe_numpy(
-    plant: Plant, dt: Batch, every: IntegratorState, commands: Numbers
+    plant: Plant, dt: Batch, history: IntegratorState, commands: Numbers
 ) -> tuple[PlantOutputs, Numbers]:
     times = dt * np.arange(len(commands))
     plant = jax.tree.map(lambda x: np.asarray(x)[()] if isinstance(x, jax.Array) else x, plant)
-    found = []
+    outputs_row = []
     with np.errstate(all="ignore"):  # of branches that aren't taken
         for k in range(0, len(times), _AT_ONCE):
-            here = slice(k, k + _AT_ONCE)
-            some = jax.tree.map(lambda x, here=here: x[here], every)
-            found.append(_observe_step(plant, times[here], some, commands[here]))
-    return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
+            chunk = slice(k, k + _AT_ONCE)
+            part = jax.tree.map(lambda x, chunk=chunk: x[chunk], history)
+            outputs_row.append(_observe_step(plant, times[chunk], part, commands[chunk]))
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *outputs_row)
 
 
 def _measure(plant: Plant, time: Batch, course: IntegratorState) -> Measurement:
     state = course.state
-    now = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), course.anchor)
+    evaluation = evaluate_plant(plant, time, state, jnp.zeros(plant.commands), course.anchor)
     # what all muscles pull with, friction not in it
     return Measurement(
-        time, now.position, now.velocity, state.pressures, now.pull,
+        time, evaluation.position, evaluation.velocity, state.pressures, evaluation.pull,
         plant.supply.pressure_at(state.supply),
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What changes in time."""
+"""State of a plant."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from ..core.types import Batch, Numbers
 
 
 class State(NamedTuple):
-    """Where a plant is.
+    """State of a plant.
 
     `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
     of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or about them, where a

@@ -47,15 +47,15 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     """How fast chambers fill at most, valves wide open, and how fast spools move [1/s]."""
     top, chamber = plant.supply_pressure, plant.chamber
     # flow is steepest where pressures are nearly equal
-    near = top * np.logspace(-6, 0, 61)
-    P = np.concatenate([[0.0], near, (top - near)[:-1]])[:, None, None]
+    guess = top * np.logspace(-6, 0, 61)
+    P = np.concatenate([[0.0], guess, (top - guess)[:-1]])[:, None, None]
     room, T_a = chamber.room_pressure, chamber.room_temperature
     T_s = plant.supply.temperature_at(plant.supply.start())
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, places=7)
-        one, none = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
-        rise = fluid.pressure_rate(one - none, np.zeros(1))  # of pressure with mass [Pa/kg]
+        s, fluid = _charged(plant, P, units=7)
+        rate, none = (chamber.rates(s, P, m, m * c_p * T_a, 0.0) for m in (1.0, 0.0))
+        rise = fluid.pressure_rate(rate - none, np.zeros(1))  # of pressure with mass [Pa/kg]
         step = 1e-4 * np.maximum(P, 1e-6 * top)
         filling, venting = (
             np.abs(flow(P + room + step) - flow(P + room - step)) / (2 * step)
@@ -82,7 +82,7 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     M = float(load.inertia)
     P = np.linspace(0.0, plant.supply_pressure, 31)[:, None, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        s, fluid = _charged(plant, P, places=41)
+        s, fluid = _charged(plant, P, units=41)
         at, rise = fluid.at, fluid.pressure_rate(np.zeros_like(s), np.ones(1))
         spring = -n * L * g**2 * (at.force_by_strain + at.force_by_pressure * rise)
         stiff = np.abs(np.sum(spring, axis=-1, keepdims=True))
@@ -98,9 +98,9 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     return rates
 
 
-def _charged(plant: Plant, pressures: Numbers, places: int) -> tuple[Numbers, ChamberEvaluation]:
-    """Chambers [SI] at rest at `pressures` [Pa] and so many `places` [-] of the load's way."""
-    q = np.linspace(*plant.way, places)
+def _charged(plant: Plant, pressures: Numbers, units: int) -> tuple[Numbers, ChamberEvaluation]:
+    """Chambers [SI] at rest at `pressures` [Pa] and so many `units` [-] of the load's way."""
+    q = np.linspace(*plant.stroke, units)
     P, eps = np.broadcast_arrays(pressures, plant.strains(q[:, None]))
     s = plant.charged(P, q)
     return s, evaluate_chambers(plant, s, eps, P)

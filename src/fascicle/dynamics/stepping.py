@@ -50,25 +50,25 @@ def substep(
     """
     state, anchor, account, folded = course
 
-    def stage(carry: tuple, given: Numbers) -> tuple[tuple, tuple]:
+    def stage(carry: tuple, weights: Numbers) -> tuple[tuple, tuple]:
         slope, total, grown = carry
-        along, weight = given
+        along, weight = weights
         at = add_scaled(state, slope, along * h)
-        now = evaluate_plant(plant, time + along * h, at, command, anchor)
-        slope = time_derivative(plant, at, now, command)
-        grown = grown + weight * h * ledger_rates(plant, at, now)
-        added = slope._replace(chambers=now.conserved_rates)
+        evaluation = evaluate_plant(plant, time + along * h, at, command, anchor)
+        slope = time_derivative(plant, at, evaluation, command)
+        grown = grown + weight * h * ledger_rates(plant, at, evaluation)
+        added = slope._replace(chambers=evaluation.conserved_rates)
         return (slope, add_scaled(total, added, weight), grown), (
-            now.fluid.volume,
-            now.fluid.is_folded,
+            evaluation.fluid.volume,
+            evaluation.fluid.is_folded,
         )
 
     # a loop, as four copies of the stage would take four times as long to compile
-    still = jax.tree.map(lambda x: 0.0 * x, state)
+    zeros = jax.tree.map(lambda x: 0.0 * x, state)
     stages = np.stack([_ALONG, _WEIGHTS], axis=1)
-    (_, total, grown), (volumes, folds) = lax.scan(stage, (still, still, 0.0 * account), stages)
-    begun = conserved_state(plant.chamber, state.chambers, state.pressures, volumes[0])
-    after = add_scaled(state._replace(chambers=begun), total, h)
+    (_, total, grown), (volumes, folds) = lax.scan(stage, (zeros, zeros, 0.0 * account), stages)
+    initial = conserved_state(plant.chamber, state.chambers, state.pressures, volumes[0])
+    after = add_scaled(state._replace(chambers=initial), total, h)
     q, _ = plant.load.placed(time + h, after.position, after.velocity)
     end = project_chambers(
         plant, after.chambers, plant.strains(q[..., None]), after.pressures, _NEWTON

@@ -42,8 +42,8 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
             rule = "can't be written in C"
             remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
             raise InvalidInputError("buckling", rule, muscle.buckling.name, remedy)
-    kept, kinds = unlike(muscles)
-    written, room = _laws([muscles[i] for i in kept], name)
+    terms, kinds = unlike(muscles)
+    written, room = _laws([muscles[i] for i in terms], name)
     ratios = [1.0] * len(muscles)
     if bundle.ratios is not None:
         ratios = [float(ratio) for ratio in bundle.ratios]
@@ -93,11 +93,11 @@ def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
         ) from None
     from .symbols import symbols
 
-    made = ca.CodeGenerator(f"{name}.c", {"with_header": False})
+    code = ca.CodeGenerator(f"{name}.c", {"with_header": False})
     functions = [_law(ca, symbols(), muscle, f"{name}_law{i}") for i, muscle in enumerate(muscles)]
     for function in functions:
-        made.add(function)
-    return made.dump(), max(int(function.sz_w()) for function in functions)
+        code.add(function)
+    return code.dump(), max(int(function.sz_w()) for function in functions)
 
 
 def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
@@ -106,5 +106,5 @@ def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
     at = muscle.law.at(P)
     F, by_strain = at.force(eps)
     kinks = (at.column.free_strain, at.law.buckling.onset(at.column), at.collapse)
-    found = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))
-    return ca.Function(name, [P, eps], found)
+    expressions = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))
+    return ca.Function(name, [P, eps], expressions)

@@ -1,4 +1,4 @@
-"""What is written as a header and its source: of what, by which name, and where."""
+"""Header and source file of an export: object, name and folder."""
 
 import re
 from pathlib import Path

@@ -64,29 +64,29 @@ def checked(controller: Cascade) -> Cascade:
 
 
 def words(controller: Cascade, number: Any) -> dict[str, Any]:
-    """What stands in C's places for a `controller` [-] on its table; `number` writes one [-]."""
+    """Entries of the C template for a `controller` on its table; `number` formats one number."""
     units, gains = controller.units[0], controller.gains
-    branches, many = units.branches, units.many
+    branches, count = units.branches, units.many
     policy = controller.policies[0]
     chamber, room = units.chamber, units.chamber.room_pressure
-    warm = float(chamber.room_temperature)
+    temperature = float(chamber.room_temperature)
     supplied = float(units.supply_temperature)
 
     def row(values: Any) -> str:
-        return ", ".join(number(x) for x in np.broadcast_to(np.asarray(values, float), (many,)))
+        return ", ".join(number(x) for x in np.broadcast_to(np.asarray(values, float), (count,)))
 
     def rows(values: np.ndarray) -> str:
         if values.ndim == 1:
             return "{" + ", ".join(number(x) for x in values) + "}"
         return "{" + ",\n".join(map(rows, values)) + "}"
 
-    dense = np.broadcast_to(chamber.gas.density(np.asarray(room), warm), (many,))
+    dense = np.broadcast_to(chamber.gas.density(np.asarray(room), temperature), (count,))
     soft = 1 / np.asarray(getattr(chamber, "exponent", 1.0))
     return {
         "policy": _policy(controller),
         "shares": branches.pressures.shape[-1] - 1,
-        "onsets": ",\n".join(rows(np.asarray(one)) for one in branches.onsets),
-        "branches": ",\n".join(rows(np.asarray(one)) for one in branches.pressures),
+        "onsets": ",\n".join(rows(np.asarray(value)) for value in branches.onsets),
+        "branches": ",\n".join(rows(np.asarray(value)) for value in branches.pressures),
         "branch_top": number(branches.top),
         "highest_pressure": number(controller.highest_pressure),
         "dt": number(controller.dt * controller.every),
@@ -100,8 +100,8 @@ def words(controller: Cascade, number: Any) -> dict[str, Any]:
         "dead": row(chamber.dead_volume),
         "dense": row(dense),
         "softness": row(soft),
-        "supply_valve": rows(_valve(units.valve, (supplied, warm), many))[1:-1],
-        "exhaust_valve": rows(_valve(units.exhaust_valve, (warm, warm), many))[1:-1],
+        "supply_valve": rows(_valve(units.valve, (supplied, temperature), count))[1:-1],
+        "exhaust_valve": rows(_valve(units.exhaust_valve, (temperature, temperature), count))[1:-1],
         "linear": number(LAMINAR_FROM),
         "half": number(0.5),
         "strained": number(1e-4),
@@ -127,11 +127,11 @@ def _policy(controller: Cascade) -> str | None:
     return "threshold" if float(policy.parked) else "orderly"
 
 
-def _valve(valve: SonicValve, temperatures: tuple[float, float], many: int) -> np.ndarray:
+def _valve(valve: SonicValve, temperatures: tuple[float, float], count: int) -> np.ndarray:
     """Of each unit's valve [unit, way, 3], with its hose, onward and back."""
-    made = np.empty((many, 2, 3))
+    code = np.empty((count, 2, 3))
     for back, T in enumerate(temperatures):
         C, b = valve._passage(np.array(not back), 1.0)
-        made[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
-        made[:, back, 1], made[:, back, 2] = b, valve.m
-    return made
+        code[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
+        code[:, back, 1], code[:, back, 2] = b, valve.m
+    return code

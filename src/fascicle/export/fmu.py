@@ -81,18 +81,18 @@ def write_fmu(
     its sources.
     """
     path = Path(path)
-    here = _platform(platform)
-    found, texts, step = _texts(target, name, sample_time)
-    content = _packed(found, name, texts, step, None)
+    folder = _platform(platform)
+    table, texts, step = _texts(target, name, sample_time)
+    content = _packed(table, name, texts, step, None)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        if here is None:
+        if folder is None:
             raise Unbuilt("this machine has no name in FMI 2.0")
-        built = _built(texts, name, _ENDINGS[here])
+        built = _built(texts, name, _ENDINGS[folder])
     except Unbuilt:
         write(path, lambda draft: draft.write_bytes(content))
         raise
-    content = _packed(found, name, texts, step, (here, built))
+    content = _packed(table, name, texts, step, (folder, built))
     write(path, lambda draft: draft.write_bytes(content))
     return path
 
@@ -105,45 +105,49 @@ def _texts(
     step = _STEP
     if sample_time is not None:
         step = float(check_positive(sample_time, "sample_time", "s"))
-    found = tabulated(target)
-    controller = found.controller
+    table = tabulated(target)
+    controller = table.controller
     if controller is not None:
-        own = float(controller.dt)
-        if sample_time is not None and step != own:
+        identifier = float(controller.dt)
+        if sample_time is not None and step != identifier:
             remedy = "leave it out, or change the scenario's"
             raise InvalidInputError(
-                "sample_time", f"must be the controller's {own:g} s", step, remedy
+                "sample_time", f"must be the controller's {identifier:g} s", step, remedy
             )
-        step = own
-    header, source = written(found, name, "double")
+        step = identifier
+    header, source = written(table, name, "double")
     digest = hashlib.sha256((header + source).encode()).hexdigest()
-    low, high = found.strains
-    words = {
+    low, high = table.strains
+    names = {
         "name": name,
         "guard": name.upper(),
         "controls": int(controller is not None),
         "guid": digest[:32],
         "sample_time": repr(step),
-        "supply_pressure": repr(_supply(found)),
+        "supply_pressure": repr(_supply(table)),
         "low": f"{low:.6f}",
         "high": f"{high:.6f}",
         "lowest_pressure": "-101325",
-        "highest": f"{min(float(one.highest_pressure) for one in found.surfaces):.0f}",
+        "highest": f"{min(float(one.highest_pressure) for one in table.surfaces):.0f}",
     }
-    return found, {f"{name}.h": header, f"{name}.c": source, "fmu.c": filled("fmu.c", words)}, step
+    return (
+        table,
+        {f"{name}.h": header, f"{name}.c": source, "fmu.c": filled("fmu.c", names)},
+        step,
+    )
 
 
-def variables(found: Tabulated) -> list[Variable]:
-    """The numbers of a unit [-] from tables that are `found` [-], by their references."""
-    units = range(1, len(found.kinds) + 1)
+def variables(table: Tabulated) -> list[Variable]:
+    """The numbers of a unit [-] from tables that are `table` [-], by their references."""
+    units = range(1, len(table.kinds) + 1)
     into = [Variable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
     into.append(Variable("strain", "1", True, "contraction of the plates' distance, over it"))
     out = [Variable("force", "N", False, "that pulls the plates together")]
     out += [Variable(f"volume_{i}", "m3", False, f"of all muscles of unit {i}") for i in units]
-    if found.controller is not None:
+    if table.controller is not None:
         into += [
             Variable("strain_rate", "1/s", True, "rate of strain, measured"),
-            Variable("supply_pressure", "Pa", True, "gauge, measured", _supply(found)),
+            Variable("supply_pressure", "Pa", True, "gauge, measured", _supply(table)),
             Variable("demand", "N", True, "force that is asked for"),
             Variable("measured_force", "N", True, "force, measured"),
         ]
@@ -153,11 +157,11 @@ def variables(found: Tabulated) -> list[Variable]:
     return into + out
 
 
-def _supply(found: Tabulated) -> float:
-    return found.controller.plant.supply_pressure if found.controller else 0.0
+def _supply(table: Tabulated) -> float:
+    return table.controller.plant.supply_pressure if table.controller else 0.0
 
 
-def _described(found: Tabulated, name: str, guid: str, step: float) -> bytes:
+def _described(table: Tabulated, name: str, guid: str, step: float) -> bytes:
     """The model's description."""
     root = ET.Element(
         "fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid,
@@ -180,28 +184,28 @@ def _described(found: Tabulated, name: str, guid: str, step: float) -> bytes:
     ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
     listed = ET.SubElement(root, "ModelVariables")
     outputs = []
-    for reference, one in enumerate(variables(found)):
+    for reference, variable in enumerate(variables(table)):
         scalar = ET.SubElement(
-            listed, "ScalarVariable", name=one.name, valueReference=str(reference),
-            description=one.about, variability="continuous",
-            causality="input" if one.into else "output",
+            listed, "ScalarVariable", name=variable.name, valueReference=str(reference),
+            description=variable.about, variability="continuous",
+            causality="input" if variable.into else "output",
         )  # fmt: skip
-        real = ET.SubElement(scalar, "Real", unit=one.unit)
-        if one.into:
-            real.set("start", repr(one.start))
+        real = ET.SubElement(scalar, "Real", unit=variable.unit)
+        if variable.into:
+            real.set("start", repr(variable.start))
         else:
             outputs.append(str(reference + 1))
     structure = ET.SubElement(root, "ModelStructure")
     for kind in ("Outputs", "InitialUnknowns"):
-        unknown = ET.SubElement(structure, kind)
+        unknowns = ET.SubElement(structure, kind)
         for index in outputs:
-            ET.SubElement(unknown, "Unknown", index=index)
+            ET.SubElement(unknowns, "Unknown", index=index)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
 def _packed(
-    found: Tabulated,
+    table: Tabulated,
     name: str,
     texts: dict[str, str],
     step: float,
@@ -209,7 +213,7 @@ def _packed(
 ) -> bytes:
     """The archive; of one age always, so that the same numbers make the same file."""
     guid = hashlib.sha256((texts[f"{name}.h"] + texts[f"{name}.c"]).encode()).hexdigest()[:32]
-    files = {"modelDescription.xml": _described(found, name, guid, step)}
+    files = {"modelDescription.xml": _described(table, name, guid, step)}
     files |= {f"sources/{file}": text.encode() for file, text in texts.items()}
     if binary is not None:
         where, built = binary
@@ -229,29 +233,29 @@ def _built(texts: dict[str, str], name: str, ending: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         for file, text in texts.items():
             Path(folder, file).write_text(text, encoding="utf-8")
-        made = Path(folder, f"{name}.{ending}")
+        library = Path(folder, f"{name}.{ending}")
         sources = [str(Path(folder, file)) for file in texts if file.endswith(".c")]
-        how = ["-O2", "-std=c99", "-shared", "-fPIC", "-o", str(made), *sources, "-lm"]
+        how = ["-O2", "-std=c99", "-shared", "-fPIC", "-o", str(library), *sources, "-lm"]
         ran = subprocess.run([compiler, *how], capture_output=True, text=True, check=False)  # noqa: S603 C that was just written
         if ran.returncode != 0:
             first = (ran.stderr.splitlines() or ["no words"])[0]
             raise Unbuilt(f"{Path(compiler).name} could not build it: {first}")
-        return made.read_bytes()
+        return library.read_bytes()
 
 
-def _platform(asked: str | None) -> str | None:
+def _platform(platform: str | None) -> str | None:
     """Name of this machine in FMI 2.0, if it has one; refused where another one is asked for."""
     system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform)
-    known = system is not None and machine.machine().lower() in ("x86_64", "amd64")
-    here = f"{system}64" if known else None
-    if asked is not None and asked != here:
-        can = f"only {here}" if here else "this machine has no name in FMI 2.0"
-        ending = _ENDINGS.get(asked)
+    platforms = system is not None and machine.machine().lower() in ("x86_64", "amd64")
+    folder = f"{system}64" if platforms else None
+    if platform is not None and platform != folder:
+        can = f"only {folder}" if folder else "this machine has no name in FMI 2.0"
+        ending = _ENDINGS.get(platform)
         remedy = "leave it out"
         if ending is not None:
-            library = f"binaries/{asked}/NAME.{ending}"
+            library = f"binaries/{platform}/NAME.{ending}"
             remedy = f"leave it out, and compile the file's sources/*.c there into its {library}"
         raise InvalidInputError(
-            "platform", f"can't be built here, {can}", asked, remedy, shown=asked
+            "platform", f"can't be built here, {can}", platform, remedy, shown=platform
         )
-    return here
+    return folder

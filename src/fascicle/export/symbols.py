@@ -40,8 +40,8 @@ class Symbols:
 
     def resolved(self, *expressions: Any) -> list[Any]:
         """The `expressions` [any unit] with everything put in that was held still."""
-        given: Any = list(expressions)
-        return list(ca.substitute_inplace(self.held, self.meant, given, False)[1])
+        inputs: Any = list(expressions)
+        return list(ca.substitute_inplace(self.held, self.meant, inputs, False)[1])
 
     @staticmethod
     def asarray(values: Any) -> Any:
@@ -50,7 +50,7 @@ class Symbols:
 
     @staticmethod
     def isfinite(x: Any) -> Any:
-        """Whether it is neither infinite nor NaN [-]."""
+        """True where it is neither infinite nor NaN."""
         return ca.logic_and(x < np.inf, x > -np.inf)
 
     @staticmethod

@@ -23,6 +23,7 @@ from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, table_error
+from .c_files import checked_bundle, checked_name, write_c_files
 from .controlling import on_table
 from .controlling import words as controls
 
@@ -82,8 +83,8 @@ def table_code(
     **Raises:** `ValueError` for a name that C can't have, what isn't one muscle or bundle, and ends
     and shapes that can't be.
     """
-    found = tabulated(target, precision, highest_pressure, shape)
-    return written(found, checked_name(name), precision)
+    table = tabulated(target, precision, highest_pressure, shape)
+    return written(table, checked_name(name), precision)
 
 
 def write_table(
@@ -123,17 +124,17 @@ def tabulated(
     if isinstance(target, Cascade):
         if precision == "float":
             raise InvalidInputError("precision", "must be double of a controller", precision)
-        made = on_table(target, shape or SHAPES[precision])
-        plant = made.plant
+        tables = on_table(target, shape or SHAPES[precision])
+        plant = tables.plant
         top = np.max(plant.muscles.highest_pressure)
-        return tabulated(plant.bundles[0], precision, top, shape)._replace(controller=made)
+        return tabulated(plant.bundles[0], precision, top, shape)._replace(controller=tables)
     bundle = checked_bundle(target, "a Muscle or a Bundle, or a Cascade")
     units = bundle.motor_units
     if highest_pressure is None:
         supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
-    kept, kinds = unlike([unit.muscle for unit in units])
-    muscles = [units[i].muscle for i in kept]
+    nodes_kept, kinds = unlike([unit.muscle for unit in units])
+    muscles = [units[i].muscle for i in nodes_kept]
     surfaces = tuple(
         UnitSurface.tabulate(muscle, highest_pressure, shape=shape or SHAPES[precision])
         for muscle in muscles
@@ -155,34 +156,34 @@ def nodes(surface: UnitSurface) -> np.ndarray:
     corner = ends @ c @ ends.T
     i = np.arange(lines)[:, None]
     by_P = np.where(i > 0, 2 * i * h**2, h**2), np.where(i > 0, 2 * (i + 1) * h**2, h**2)
-    made = np.empty((lines + 1, columns + 1, 4))
+    tables = np.empty((lines + 1, columns + 1, 4))
     # each node from its own cell, those of the last line and column from the ones before
     for a, rows in ((1, slice(1, None)), (0, slice(None, -1))):
         for b, cols in ((1, slice(1, None)), (0, slice(None, -1))):
             u, w = 2 * a, 2 * b
-            made[rows, cols] = np.stack([
+            tables[rows, cols] = np.stack([
                 corner[..., u, w], corner[..., u, w + 1],
                 corner[..., u + 1, w] / by_P[a], corner[..., u + 1, w + 1] / by_P[a],
             ], axis=-1)  # fmt: skip
-    return made
+    return tables
 
 
-def written(found: Tabulated, name: str, precision: str) -> tuple[str, str]:
-    """Header and source [-] of the tables `found` [-], by a `name` [-] and in a `precision` [-]."""
+def written(table: Tabulated, name: str, precision: str) -> tuple[str, str]:
+    """Header and source [-] of the tables `table` [-], by a `name` [-] and in a `precision` [-]."""
     number = _numbers(precision)
-    low, high = found.strains
-    surfaces = found.surfaces
+    low, high = table.strains
+    surfaces = table.surfaces
     lines, columns = surfaces[0].coefficients.shape[:2]
-    tops = [float(one.highest_pressure) for one in surfaces]
-    ends = [[float(x) for x in one.strains] for one in surfaces]
-    words = {
-        "title": "A muscle" if len(found.kinds) == 1 else "A bundle of muscles",
+    tops = [float(value.highest_pressure) for value in surfaces]
+    ends = [[float(x) for x in value.strains] for value in surfaces]
+    names = {
+        "title": "A muscle" if len(table.kinds) == 1 else "A bundle of muscles",
         "version": __version__,
         "name": name,
         "guard": name.upper(),
         "real": precision,
         "sqrt": "sqrtf" if precision == "float" else "sqrt",
-        "units": len(found.kinds),
+        "units": len(table.kinds),
         "kinds": len(surfaces),
         "lines": lines,
         "columns": columns,
@@ -192,32 +193,32 @@ def written(found: Tabulated, name: str, precision: str) -> tuple[str, str]:
         "low": f"{low:.6f}",
         "high": f"{high:.6f}",
         "rounding": number(1 + (1e-12 if precision == "double" else 2.0**-22)),
-        "errors": "\n".join(f" * {line}" for line in found.errors.splitlines()),
-        "nodes": ",\n".join(_table(nodes(one), number) for one in surfaces),
-        "root_steps": _row((float(one.root_step) for one in surfaces), number),
+        "errors": "\n".join(f" * {line}" for line in table.errors.splitlines()),
+        "nodes": ",\n".join(_table(nodes(value), number) for value in surfaces),
+        "root_steps": _row((float(value.root_step) for value in surfaces), number),
         "tops": _row(tops, number),
         "lows": _row((low for low, _ in ends), number),
         "highs": _row((high for _, high in ends), number),
         "cells": _row(((high - low) / columns for low, high in ends), number),
-        "lengths": _row((float(one.rest_length) for one in surfaces), number),
-        "kind_of": ", ".join(map(str, found.kinds)),
-        "counts": _row(found.counts, number),
-        "ratios": _row(found.ratios, number),
+        "lengths": _row((float(value.rest_length) for value in surfaces), number),
+        "kind_of": ", ".join(map(str, table.kinds)),
+        "counts": _row(table.counts, number),
+        "ratios": _row(table.ratios, number),
         "controller": "",
         "controller_source": "",
     }
-    if found.controller is not None:
-        words |= controls(found.controller, number)
-        words["controller"] = filled("controller.h", words)
-        words["controller_source"] = filled("controller.c", words)
-    return filled("table.h", words), filled("table.c", words)
+    if table.controller is not None:
+        names |= controls(table.controller, number)
+        names["controller"] = filled("controller.h", names)
+        names["controller_source"] = filled("controller.c", names)
+    return filled("table.h", names), filled("table.c", names)
 
 
-def filled(file: str, words: dict[str, Any]) -> str:
-    """The text of a C `file` [-] beside this module with `words` [-] in their places."""
+def filled(file: str, names: dict[str, Any]) -> str:
+    """The text of a C `file` [-] beside this module with `names` [-] in their places."""
     text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
-    made = re.sub(r"@(\w+)@", lambda found: str(words[found[1]]), text)
-    return made.rstrip("\n") + "\n"
+    tables = re.sub(r"@(\w+)@", lambda table: str(names[table[1]]), text)
+    return tables.rstrip("\n") + "\n"
 
 
 def _numbers(precision: str) -> Any:
@@ -238,11 +239,11 @@ def _table(of: np.ndarray, number: Any) -> str:
 
 def _errors(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
     """How far one muscle's table is off its law, the worst of all kinds, in words."""
-    off = [table_error(one, muscle) for one, muscle in zip(surfaces, muscles, strict=True)]
+    off = [table_error(value, muscle) for value, muscle in zip(surfaces, muscles, strict=True)]
     force, volume = (
-        np.max([np.quantile(one[of], (0.5, 0.99, 1.0)) for one in off], axis=0) for of in (0, 1)
+        np.max([np.quantile(value[of], (0.5, 0.99, 1.0)) for value in off], axis=0) for of in (0, 1)
     )
-    rounded = max(_rounding(one) for one in surfaces)
+    rounded = max(_rounding(value) for value in surfaces)
     text = (
         "How far it is off the law, between all nodes: one muscle's\n"
         f"force is off by {force[0]:.1g} N (median), {force[1]:.1g} N (99 %), {force[2]:.2g} N at"
@@ -256,9 +257,9 @@ def _errors(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precisio
 
 
 def _rounding(surface: UnitSurface) -> float:
-    """What single precision may add to a force [N]: the co-energy's last digit over a cell."""
-    found = nodes(surface)
+    """Error of single precision in a force [N]: the co-energy's last digit over a cell."""
+    table = nodes(surface)
     low, high = (float(x) for x in surface.strains)
-    step = (high - low) / (found.shape[1] - 1)
-    largest = np.max(np.abs(found[..., 0])) + np.max(np.abs(found[..., 1]))
+    step = (high - low) / (table.shape[1] - 1)
+    largest = np.max(np.abs(table[..., 0])) + np.max(np.abs(table[..., 1]))
     return float(_ROUNDINGS * 2.0**-24 * largest / (step * float(surface.rest_length)))

@@ -1,4 +1,4 @@
-"""What of the C code doesn't come from the laws: names, checks, sums, a bundle's free strain."""
+"""Parts of the C code besides the laws: names, checks, sums, a bundle's free strain."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -230,7 +230,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     options = {key: x for key in ("law", "volume") if (x := getattr(run, key)) is not None}
     with whole.error_context():
         plant = Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
-    if not np.subtract(*plant.way) < 0:
+    if not np.subtract(*plant.stroke) < 0:
         rule = "leaves no way on which all muscles' strains are known: check its sizes."
         raise whole.error(("load",), rule)
     dt, duration = _times(run, units, run_location)

@@ -50,10 +50,14 @@ def attach(
 
     **Raises:** `ValueError`, one line, for a tendon that doesn't exist.
     """
-    known = [one.name for one in spec.tendons]
-    if tendon not in known:
-        near = difflib.get_close_matches(str(tendon), known, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(known) or 'none'}"
+    names = [name_known.name for name_known in spec.tendons]
+    if tendon not in names:
+        suggestions = difflib.get_close_matches(str(tendon), names, n=1, cutoff=0.4)
+        hint = (
+            f"did you mean {suggestions[0]!r}?"
+            if suggestions
+            else f"it has {', '.join(names) or 'none'}"
+        )
         raise InvalidInputError(
             "tendon", f"{tendon!r} isn't one of the model's", tendon, hint, shown=""
         )
@@ -65,17 +69,17 @@ def attach(
         )
     at = float(check_finite(rest_length, "rest_length", "m"))
     called = f"{tendon}_bundle" if name is None else name
-    made = spec.add_actuator(
+    attached = spec.add_actuator(
         name=called, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON
     )  # fmt: skip
-    gain = np.zeros_like(made.gainprm)
+    gain = np.zeros_like(attached.gainprm)
     gain[0] = -1.0  # a positive force of MuJoCo's would lengthen the tendon
-    made.gainprm = gain
+    attached.gainprm = gain
     return Attached(called, tendon, bundle, at)
 
 
 class Tendons(AbstractLoad):
-    """What bundles on tendons pull against: MuJoCo, which says where the tendons are.
+    """Load of bundles on tendons: MuJoCo, which knows where the tendons are.
 
     `bundles`: how many there are [-].
     """
@@ -115,6 +119,6 @@ class Tendons(AbstractLoad):
         return np.float64(0.0)
 
     def placed(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Where MuJoCo says, at `position` [m] with `velocity` [m/s], at any `time` [s]."""
+        """Position [m] and velocity [m/s] of MuJoCo, at any `time` [s]."""
         del time
         return position, velocity

@@ -51,9 +51,9 @@ _NEWTON = 3  # from the pressures of the step before: a moved tendon is a step f
 
 
 class Fluid(NamedTuple):
-    """What bundles' chambers hold: `chambers`, one row for each unit [SI], `pressures` [Pa], as
-    they were at the last step, `spool` of the valves [-], the `supply`'s state [SI], and whether
-    all strains and pressures were in the muscles' tables, `known` [-].
+    """Fluid in the chambers of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa]
+    at the last step, `spool` of the valves [-], the `supply`'s state [SI], and `known`,
+    true if all strains and pressures were in the muscles' tables.
     """
 
     chambers: Numbers
@@ -108,9 +108,9 @@ class Drive(Module):
         **Raises:** `ValueError`, one line, for what doesn't go together, for a chamber that warms,
         and for a tendon that begins outside of its muscles' tables.
         """
-        given = [one is not None for one in (supply, chamber, valve)]
-        if any(given) and not all(given):
-            name = ("supply", "chamber", "valve")[given.index(False)]
+        arguments = [value is not None for value in (supply, chamber, valve)]
+        if any(arguments) and not all(arguments):
+            name = ("supply", "chamber", "valve")[arguments.index(False)]
             raise InvalidInputError(
                 name, "is missing", None, "give supply, chamber and valve, or none of them"
             )
@@ -120,29 +120,29 @@ class Drive(Module):
             raise InvalidInputError("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
         if not attached:
             raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
-        if not all(given):
+        if not all(arguments):
             supply = ConstantSupply(_highest(attached, highest_pressure))
             chamber, valve = Isothermal(), SonicValve(1e-9, 0.3)
         assert supply is not None
         assert chamber is not None
         assert valve is not None
-        bundles = [one.bundle for one in attached]
+        bundles = [value.bundle for value in attached]
         load = Tendons(bundles=len(bundles))
         plant = Plant(
             bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape
         )  # fmt: skip
-        made = cls(
+        drive = cls(
             plant,
-            np.array([one.rest_length for one in attached]),
+            np.array([value.rest_length for value in attached]),
             np.array([np.array(plant.sides) == side for side in range(len(bundles))], float),
-            tuple(_actuator(model, one) for one in attached),
-            tuple(one.tendon for one in attached),
-            all(given),
+            tuple(_actuator(model, value) for value in attached),
+            tuple(value.tendon for value in attached),
+            all(arguments),
         )
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
-        made._check(data.actuator_length[list(made.actuators)])
-        return made
+        drive._check(data.actuator_length[list(drive.actuators)])
+        return drive
 
     @property
     def units(self) -> int:
@@ -228,21 +228,21 @@ class Drive(Module):
         are at the beginning of the step, with MuJoCo's RK4 at its end.
         """
         command = self._command(command)
-        places = list(self.actuators)
+        indices = list(self.actuators)
         if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             return self._in_stages(model, data, fluid, command)
         mujoco.mj_step1(model, data)
-        lengths = data.actuator_length[places]
+        lengths = data.actuator_length[indices]
         after, pull = (act or self.act)(fluid, lengths, command, model.opt.timestep)
         self._check(lengths, after)
-        data.ctrl[places] = pull
+        data.ctrl[indices] = pull
         mujoco.mj_step2(model, data)
         return after
 
     def act(
         self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch
     ) -> tuple[Fluid, Numbers]:
-        """What the bundles do in one step.
+        """One step of the bundles.
 
         **Arguments:**
 
@@ -254,26 +254,26 @@ class Drive(Module):
         **Returns:** what they hold then [SI], and each bundle's pull in the step [N].
         """
         plant, eps = self.plant, self.strains(lengths)
-        at_work = array_namespace(eps, fluid.chambers)
+        xp = array_namespace(eps, fluid.chambers)
         low, high = plant.muscles.strains
         if not self.valved:
             P = command + 0.0 * eps
-            known = at_work.all((eps >= low) & (eps <= high)) & fluid.known
-            return fluid._replace(pressures=P, known=known), self._pull(P, lengths)
+            names = xp.all((eps >= low) & (eps <= high)) & fluid.known
+            return fluid._replace(pressures=P, known=names), self._pull(P, lengths)
         P = solve_pressures(plant, fluid.chambers, eps, fluid.pressures, _NEWTON)
         state = State(0.0, 0.0, fluid.spool, fluid.chambers, P, fluid.supply)
         flows = evaluate_flows(plant, state, P, command)
         rate = plant.chamber.rates(fluid.chambers, P, flows.mass, flows.enthalpy, 0.0)
-        drawn, warm = (
-            at_work.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy)
+        drawn, temperature = (
+            xp.sum(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy)
         )  # fmt: skip
         inside = (eps >= low) & (eps <= high) & (plant.muscles.highest_pressure >= P)
         after = Fluid(
             fluid.chambers + dt * rate,
             P,
             fluid.spool + dt * plant.spool.rate(command, fluid.spool),
-            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -warm),
-            at_work.all(inside) & fluid.known,
+            fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -temperature),
+            xp.all(inside) & fluid.known,
         )
         return after, self._pull(P, lengths)
 
@@ -291,26 +291,28 @@ class Drive(Module):
         """
         import jax
 
-        engine, places = mjx(), np.array(self.actuators)
-        now = engine.fwd_position(model, data)
-        lengths = now.actuator_length[places]
+        engine, indices = mjx(), np.array(self.actuators)
+        state_now = engine.fwd_position(model, data)
+        lengths = state_now.actuator_length[indices]
         fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
-        after = engine.step(model, data.replace(ctrl=data.ctrl.at[places].set(pull)))
+        after = engine.step(model, data.replace(ctrl=data.ctrl.at[indices].set(pull)))
         # with 64 bits some whole numbers come back wider than they went in, and no loop takes that
         return jax.tree.map(lambda new, old: jnp.asarray(new, old.dtype), after, data), fluid
 
     def _command(self, command: Values) -> Numbers:
-        many = self.plant.commands if self.valved else self.units
+        count = self.plant.commands if self.valved else self.units
         if self.valved:
-            given = np.asarray(checked_commands(command), float)
+            arguments = np.asarray(checked_commands(command), float)
         else:
             top = float(np.min(self.plant.muscles.highest_pressure))
-            given = np.asarray(
+            arguments = np.asarray(
                 check_interval(command, 0.0, top, "command", "Pa", "of the table", (True, True))
             )
-        if given.shape not in {(), (many,)}:
-            raise InvalidInputError("command", f"must be one for each of the {many}", given.size)
-        return np.broadcast_to(given, (many,))
+        if arguments.shape not in {(), (count,)}:
+            raise InvalidInputError(
+                "command", f"must be one for each of the {count}", arguments.size
+            )
+        return np.broadcast_to(arguments, (count,))
 
     def _check_domain(self, pressures: Numbers, lengths: Numbers) -> None:
         """Refuse numbers outside of the muscles' tables, which hold their values at the edges."""
@@ -347,21 +349,21 @@ class Drive(Module):
 
     def _in_stages(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> Fluid:
         """A step of Runge and Kutta's, which asks for each pull at each of its stages."""
-        places = {actuator: side for side, actuator in enumerate(self.actuators)}
-        first = min(places)  # MuJoCo asks in this order
+        indices = {actuator: side for side, actuator in enumerate(self.actuators)}
+        first = min(indices)  # MuJoCo asks in this order
         kind = model.actuator_gaintype.copy()
         before = mujoco.get_mjcb_act_gain()
-        begun: list[Any] = []
+        initial: list[Any] = []
         pulls: list[Any] = []
 
         def gain(of: Any, at: Any, actuator: int) -> float:
-            side = places.get(actuator)
+            side = indices.get(actuator)
             if side is None:
                 return 0.0 if before is None else before(of, at, actuator)
             if actuator == first:
                 lengths = at.actuator_length[list(self.actuators)].copy()
                 after, pulls[:] = self.act(fluid, lengths, command, model.opt.timestep)
-                begun.append((lengths, after))
+                initial.append((lengths, after))
             return -float(pulls[side])
 
         model.actuator_gaintype[list(self.actuators)] = mujoco.mjtGain.mjGAIN_USER
@@ -372,21 +374,21 @@ class Drive(Module):
         finally:
             mujoco.set_mjcb_act_gain(before)
             model.actuator_gaintype[:] = kind
-        self._check(*begun[0])  # the first stage is where the step begins
-        return begun[0][1]
+        self._check(*initial[0])  # the first stage is where the step begins
+        return initial[0][1]
 
 
 def _actuator(model: Any, attached: Attached) -> int:
     """Place of a bundle's actuator in the compiled model."""
-    known = [model.actuator(i).name for i in range(model.nu)]
-    if attached.actuator in known:
-        return known.index(attached.actuator)
+    names = [model.actuator(i).name for i in range(model.nu)]
+    if attached.actuator in names:
+        return names.index(attached.actuator)
     # a sub-model may have been put under a prefix, or a suffix
-    likely = [name for name in known if attached.actuator in name]
-    near = likely or difflib.get_close_matches(attached.actuator, known, n=1, cutoff=0.4)
-    remedy = f"it has {', '.join(known) or 'none'}"
-    if near:
-        remedy = f"name it as there, `attached._replace(actuator={near[0]!r})`"
+    likely = [name for name in names if attached.actuator in name]
+    suggestions = likely or difflib.get_close_matches(attached.actuator, names, n=1, cutoff=0.4)
+    remedy = f"it has {', '.join(names) or 'none'}"
+    if suggestions:
+        remedy = f"name it as there, `attached._replace(actuator={suggestions[0]!r})`"
     rule = f"names the actuator {attached.actuator!r}, which the model hasn't"
     raise InvalidInputError("attached", rule, attached.actuator, remedy, shown="")
 
@@ -394,5 +396,5 @@ def _actuator(model: Any, attached: Attached) -> int:
 def _highest(attached: Sequence[Attached], highest: Values) -> float:
     if highest is not None:
         return float(check_interval(highest, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa"))
-    known = [one.bundle.supply_pressure for one in attached]
-    return max((float(x) for x in known if x is not None), default=HIGHEST_PRESSURE / 1.2)
+    names = [value.bundle.supply_pressure for value in attached]
+    return max((float(x) for x in names if x is not None), default=HIGHEST_PRESSURE / 1.2)

@@ -43,7 +43,7 @@ _MASS = """<mujoco><option timestep="0.001"><flag contact="disable"/></option>
 
 
 class Task(NamedTuple):
-    """What an environment is made of: a `model` [-], how much `contraction` its tendons begin with
+    """Task of an environment: a `model`, how much `contraction` its tendons begin with
     [m], `counts` of muscles in each motor unit of every bundle [-], the coordinate's `middle` and
     `reach`, and its largest `speed` that is seen [SI], and targets between `low` and `high` [SI].
     """
@@ -129,11 +129,11 @@ class Environment(gymnasium.Env):
 
     def _seen(self) -> np.ndarray:
         task = self.task
-        place, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
-        seen = [(place - task.middle) / task.reach, speed / task.speed,
+        index, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
+        observation = [(index - task.middle) / task.reach, speed / task.speed,
                 (self.target - task.middle) / task.reach,
                 *(2 * np.asarray(self.fluid.pressures) / SUPPLY - 1)]  # fmt: skip
-        return np.clip(seen, -1.0, 1.0).astype(np.float32)
+        return np.clip(observation, -1.0, 1.0).astype(np.float32)
 
     def _info(self) -> dict[str, Any]:
         return {"position": float(self.data.qpos[0]), "target": self.target}
@@ -178,17 +178,17 @@ class Proportional:
         """Forget the integral."""
         self.total = 0.0
 
-    def __call__(self, seen: np.ndarray) -> np.ndarray:
-        """The action [-] for what is `seen` [-]; the integral stands still while pressures that are
-        asked for lie beyond their ends.
+    def __call__(self, observation: np.ndarray) -> np.ndarray:
+        """Action [-] for an `observation` [-]; the integral stands still while its pressures lie
+        beyond their ends.
         """
         k_p, k_i, k_d = self.gains
-        error = float(seen[2] - seen[0])
-        wanted = k_p * error + self.total - k_d * float(seen[1])
-        if abs(wanted) < 1.0:
+        error = float(observation[2] - observation[0])
+        target = k_p * error + self.total - k_d * float(observation[1])
+        if abs(target) < 1.0:
             self.total += k_i * _STEP * error
-        pressures = np.clip(self.bias + self.signs * wanted, -1.0, 1.0)
-        return np.clip(self.valve * (pressures - seen[3:]), -1.0, 1.0).astype(np.float32)
+        pressures = np.clip(self.bias + self.signs * target, -1.0, 1.0)
+        return np.clip(self.valve * (pressures - observation[3:]), -1.0, 1.0).astype(np.float32)
 
 
 BASELINES = {
@@ -203,11 +203,11 @@ def score(environment: Any, policy: Any, seeds: range) -> float:
     """
     rewards = []
     for seed in seeds:
-        seen, _ = environment.reset(seed=seed)
+        observation, _ = environment.reset(seed=seed)
         getattr(policy, "begin", lambda: None)()
         over = False
         while not over:
-            seen, reward, ended, late, _ = environment.step(policy(seen))
+            observation, reward, is_done, late, _ = environment.step(policy(observation))
             rewards.append(reward)
-            over = ended or late
+            over = is_done or late
     return float(np.mean(rewards))

@@ -23,5 +23,5 @@ def register() -> None:
 
 
 def forked() -> bool:
-    """Whether this process was forked from another one that had imported fascicle's robots [-]."""
+    """True if this process was forked from one that had imported `fascicle.robots`."""
     return os.getpid() != _PROCESS

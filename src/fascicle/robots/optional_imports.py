@@ -31,11 +31,11 @@ def mjx() -> Any:
             versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             raise ModuleNotFoundError(f"{name} is missing: `{_INSTALL}`.", name=name) from None
-    here, there = versions["mujoco"], versions["mujoco-mjx"]
-    if here != there:
+    installed, required = versions["mujoco"], versions["mujoco-mjx"]
+    if installed != required:
         raise ImportError(
-            f"mujoco {here} and mujoco-mjx {there} don't go together:"
-            f" `pip install mujoco=={there} mujoco-mjx=={there}`."
+            f"mujoco {installed} and mujoco-mjx {required} don't go together:"
+            f" `pip install mujoco=={required} mujoco-mjx=={required}`."
         )
     return _found("mujoco.mjx", "MJX")
 

@@ -112,7 +112,7 @@ def test_what_can_t_be_is_refused(lift, arguments, words):
 
 
 def test_a_place_that_no_table_has_is_refused(lift):
-    low, high = lift.way
+    low, high = lift.stroke
     for q in (low - 1e-6, high + 1e-6):
         with pytest.raises(
             InvalidInputError, match=r"`position` must lie in .* where the muscles' tables end"

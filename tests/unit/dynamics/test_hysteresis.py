@@ -26,7 +26,7 @@ def walked(law, places, pressures=0.0):
     for k in range(1, len(places)):
         way = np.float64(places[k] - places[k - 1])
         slid = law.slid(kept, way, np.float64(0.0), (P[k - 1], P[k]), np.float64(0.0))
-        kept = slid.kept
+        kept = slid.spring_forces
         force.append(slid.force)
         stored.append(law.stored(kept))
         lost.append(slid.lost)

@@ -126,7 +126,7 @@ def test_a_load_that_pulls_past_the_table_is_told(stopped):
     found = happened(plant, run)
     assert not found["off_table"].trusted
     inside = run.time < found["off_table"].first
-    assert np.all(run.seen.position[inside] >= plant.way[0])
+    assert np.all(run.seen.position[inside] >= plant.stroke[0])
 
 
 def test_an_accumulator_gives_what_it_has_and_no_more(single):
