@@ -21,7 +21,7 @@ from cases import LARGEST_PRESSURE, muscle
 
 from fascicle.design import Space, Task
 from fascicle.design.cluster import local
-from fascicle.design.sweep import Done, Study, sweep
+from fascicle.design.sweep import BlockResult, Study, sweep
 
 
 def study(block: int, lengths: int, units: int = 3) -> Study:
@@ -37,7 +37,7 @@ def study(block: int, lengths: int, units: int = 3) -> Study:
 
 def swept(given: Study, folder: Path, client: Any) -> dict[str, float]:
     """Means over the blocks of one sweep, in seconds."""
-    blocks: list[Done] = []
+    blocks: list[BlockResult] = []
 
     def watch(now: Any) -> None:
         if now.last is not None:

@@ -44,10 +44,12 @@ def faults(function: Callable, owner: type | None = None) -> list[str]:
     sections = {head: text.strip() for head, text in SECTION.findall(doc)}
     if not sections.keys() & {"Arguments", "Returns"}:
         # the short form
-        needed = 1 + bool(parameters) if gives_a_result(function) else bool(parameters)
+        annotations = inspect.get_annotations(inspect.unwrap(function))
+        quantities = any(is_quantity(annotations.get(name)) for name in parameters)
+        needed = gives_a_result(function) + quantities
         found = len(UNIT.findall(doc))
         return [f"{found} units, needs {needed}"] if found < needed else []
-    wrong = []
+    wrong, annotations = [], inspect.get_annotations(inspect.unwrap(function))
     arguments = sections.get("Arguments", "")
     if (same := SAME_AS.search(arguments)) and owner is not None:
         arguments = dict(SECTION.findall(inspect.getdoc(getattr(owner, same.group(1))) or ""))[
@@ -62,24 +64,25 @@ def faults(function: Callable, owner: type | None = None) -> list[str]:
         )
         if entry is None:
             wrong.append(f"`{name}` is not among its arguments")
-        elif not UNIT.search(entry.group(1)):
+        elif is_quantity(annotations.get(name)) and not UNIT.search(entry.group(1)):
             wrong.append(f"`{name}` has no unit")
     if gives_a_result(function) and not UNIT.search(sections.get("Returns", "")):
         wrong.append("its result has no unit")
     return wrong
 
 
+QUANTITY = re.compile(r"float|Float|Values|Numbers|Batch|Points|Array|PerDesign|_empty")
+
+
+def is_quantity(annotation: object) -> bool:
+    """Whether an annotation is that of a number with a unit; objects and strings have none."""
+    return annotation is None or bool(QUANTITY.search(str(annotation)))
+
+
 def gives_a_result(function: Callable) -> bool:
-    """Whether the function gives back something that has a unit, if only [-]."""
+    """Whether the function returns a quantity, which has a unit, if only [-]."""
     result = inspect.signature(function).return_annotation
-    return function.__name__ != "__init__" and result not in (
-        None,
-        "None",
-        bool,
-        "bool",
-        str,
-        "str",
-    )
+    return function.__name__ != "__init__" and result is not None and is_quantity(result)
 
 
 API = re.compile(r"\.\. auto(?:function|class|method|exception):: fascicle\.(\S+)")

@@ -1,11 +1,11 @@
-"""Which bundle for a task: designs, what they are judged by, and searches among them.
+"""Which bundle for a task: designs, their objectives, and searches among them.
 
-Names are looked up when they are asked for, so that the command line's help loads no JAX.
+Names are loaded on first use, so that the command line's help loads no JAX.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..core.lazy import attach_lazy
+from ..core.lazy import attach_lazy, deprecated_names
 
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .catalog import Product as Product
     from .designs import Designs as Designs
     from .evaluation import evaluate as evaluate
-    from .exhaustive_search import Found as Found
+    from .exhaustive_search import SearchResult as SearchResult
     from .exhaustive_search import hypervolume as hypervolume
     from .exhaustive_search import non_dominated as non_dominated
     from .exhaustive_search import search as search
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .objectives import Limit as Limit
     from .objectives import objective as objective
     from .outcome import Outcome as Outcome
-    from .refine import refined as refined
+    from .refine import refine_sizes as refine_sizes
     from .remedies import Remedy as Remedy
     from .robust import Spread as Spread
     from .robust import sensitivities as sensitivities
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .space import partitions as partitions
     from .summary import Cases as Cases
     from .summary import Summary as Summary
-    from .summary import summary_of as summary_of
+    from .summary import summarize as summarize
     from .sweep import Store as Store
     from .sweep import Study as Study
     from .task import Task as Task
@@ -42,12 +42,12 @@ _HOMES = {
     "Cases": "summary",
     "Catalog": "catalog",
     "Designs": "designs",
-    "Found": "exhaustive_search",
     "Limit": "objectives",
     "OBJECTIVES": "objectives",
     "Outcome": "outcome",
     "Product": "catalog",
     "Remedy": "remedies",
+    "SearchResult": "exhaustive_search",
     "Space": "space",
     "Spread": "robust",
     "Store": "sweep",
@@ -62,11 +62,11 @@ _HOMES = {
     "non_dominated": "exhaustive_search",
     "objective": "objectives",
     "partitions": "space",
-    "refined": "refine",
+    "refine_sizes": "refine",
     "search": "exhaustive_search",
     "sensitivities": "robust",
     "spread": "robust",
-    "summary_of": "summary",
+    "summarize": "summary",
 }
 _WENT = {  # modules of the last release
     "checkpoint": "design.genetic",
@@ -80,5 +80,12 @@ _WENT = {  # modules of the last release
     "study": "design.sweep",
 }
 
-__all__ = list(_HOMES)
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
+_FORMER = {"Found": "SearchResult", "refined": "refine_sizes", "summary_of": "summarize"}
+
+__all__ = [*_HOMES]  # noqa: PLE0604 names alone
+_lazy, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
+_former = deprecated_names(__name__, _FORMER)
+
+
+def __getattr__(name: str) -> Any:
+    return _former(name) if name in _FORMER else _lazy(name)

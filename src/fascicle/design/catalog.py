@@ -43,7 +43,7 @@ class Product(NamedTuple):
     largest_strain: float | None = None
     source: str = ""
 
-    def barred(self, task: Task, length: float) -> str:
+    def exclusion_reason(self, task: Task, length: float) -> str:
         """Why it must not be used for a `task` [-] at its `length` [m]; empty if it may."""
         most, strain = self.largest_pressure, float(task.strain_of(length).max())
         if most is not None and task.supply_pressure > most * (1 + _ROUNDING):
@@ -79,7 +79,7 @@ class Catalog:
         valve = np.nan if self.valve is None else self.valve
         return self.muscle_price(designs) + valve * designs.units
 
-    def barred(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
+    def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
         """Products that must not be used.
 
         **Arguments:**
@@ -90,12 +90,12 @@ class Catalog:
         **Returns:** why not, by the drawing's name [-].
         """
         why = {
-            name: product.barred(task, float(drawings[name].length))
+            name: product.exclusion_reason(task, float(drawings[name].length))
             for name, product in self.products.items()
         }
         return {name: text for name, text in why.items() if text}
 
-    def knows(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
+    def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
         """Whether the price of every one of the `drawings` [-] is known, and of a valve [-]."""
         muscles = not np.any(np.isnan([self._each(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
@@ -129,7 +129,7 @@ def cheapest(
     """
     if not places.size:
         return None
-    muscles_known, all_known = catalog.knows(drawings)
+    muscles_known, all_known = catalog.known_prices(drawings)
     if not all_known:
         # no other count matters before this one
         valves = values["valves"][places]
@@ -151,7 +151,7 @@ def cheapest(
     return found
 
 
-def meaning(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
+def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
     """What "cheapest" means where these prices are known, in words.
 
     **Arguments:**
@@ -161,7 +161,7 @@ def meaning(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
 
     **Returns:** the words [-].
     """
-    muscles_known, all_known = catalog.knows(drawings)
+    muscles_known, all_known = catalog.known_prices(drawings)
     if all_known:
         return "lowest price of muscles and valves, then largest margin"
     if muscles_known:

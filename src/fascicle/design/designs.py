@@ -150,7 +150,7 @@ class Designs:
 
         **Returns:** the designs [-].
         """
-        n = padded([[int(x) for x in row if x] for row in counts])
+        n = pad_rows([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
         return cls(
             {name: muscle},
@@ -232,7 +232,7 @@ class Designs:
         return Bundle(units, task.supply_pressure, task.scheme)
 
 
-def of_sizes(
+def scaled_designs(
     drawings: dict[str, Muscle],
     kind: Int[np.ndarray, " design"],
     counts: Int[np.ndarray, "design unit"],
@@ -261,7 +261,7 @@ def of_sizes(
     return Designs(drawings, kind, counts, length, radii, wall, tilt)
 
 
-def joined(parts: Sequence[Designs]) -> Designs:
+def concatenate(parts: Sequence[Designs]) -> Designs:
     """Several sets of designs of the same drawings as one; `parts` [-] aren't empty."""
     units = max(part.counts.shape[1] for part in parts)
 
@@ -285,7 +285,7 @@ def joined(parts: Sequence[Designs]) -> Designs:
     )
 
 
-def padded(
+def pad_rows(
     rows: Sequence[Sequence[int]], units: int | None = None
 ) -> Int[np.ndarray, "design unit"]:
     """Rows of unlike length as one array.

@@ -27,11 +27,11 @@ from .objectives import (
     SHARES,
     Limit,
     Limits,
-    checked,
-    demanding,
-    others,
-    reaching,
-    recorded,
+    check_search,
+    other_limits,
+    reaches_task,
+    recorded_objectives,
+    with_reach_limits,
     within_limits,
 )
 from .space import Space
@@ -41,7 +41,7 @@ from .task import Task
 Matrix = Float[np.ndarray, "design objective"]
 
 
-def directed(
+def as_minimization(
     values: Mapping[str, Float[np.ndarray, " design"]], senses: Mapping[str, str]
 ) -> Matrix:
     """Objectives as columns in which smaller is better.
@@ -97,7 +97,7 @@ LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of per
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """What a search found. `values`: an array for each objective [SI], over all designs that
     were kept; `index` of these in the space [-], -1 where sizes lie between those it lists;
     `allowed`: those within the limits, which say what must be reached; `front`: places of those
@@ -125,7 +125,7 @@ class Found:
     least_margin: float = LEAST_MARGIN
 
     @property
-    def listed(self) -> Int[np.ndarray, " listed"]:
+    def reported(self) -> Int[np.ndarray, " listed"]:
         """Places [-] of the designs that are told: the front's, then the cheapest if it isn't
         there.
         """
@@ -136,19 +136,19 @@ class Found:
     @cached_property
     def designs(self) -> Designs:
         """The designs that are told [-]."""
-        return self.all_designs(self.listed)
+        return self.all_designs(self.reported)
 
     @property
     def points(self) -> Float[np.ndarray, "front objective"]:
         """The front's objectives, turned so that smaller is better [SI]."""
-        return directed(self.values, self.senses)[self.front]
+        return as_minimization(self.values, self.senses)[self.front]
 
     @property
     def recommended(self) -> int | None:
         """Which of the designs that are told is recommended [-]; `None` if there is none."""
         if self.cheapest is None:
             return None
-        return int(np.flatnonzero(self.listed == self.cheapest)[0])
+        return int(np.flatnonzero(self.reported == self.cheapest)[0])
 
     @property
     def compromise(self) -> int | None:
@@ -161,19 +161,19 @@ class Found:
         return int(np.lexsort((share.sum(axis=1), np.round(share.max(axis=1), 9)))[0])
 
     @property
-    def reaching(self) -> Bool[np.ndarray, " design"]:
+    def reaches_task(self) -> Bool[np.ndarray, " design"]:
         """Which designs reach as much of the task as must be [-], whatever other limits they
         break.
         """
-        return reaching(self.values, self.limits)
+        return reaches_task(self.values, self.limits)
 
     @property
-    def barred(self) -> dict[str, str]:
+    def excluded_products(self) -> dict[str, str]:
         """Why products must not be used for the task, by the drawing's name [-]."""
-        return self.catalog.barred(self.space.drawings, self.task)
+        return self.catalog.excluded(self.space.drawings, self.task)
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def reported_objectives(self) -> tuple[str, ...]:
         """Objectives that were asked for [-], by a sense, a limit or by name; and the margins."""
         asked = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra]
         return tuple(dict.fromkeys([*asked, "margin", "relative_margin"]))
@@ -198,7 +198,7 @@ def search(
     progress: Callable[[int, int], None] | None = None,
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
-) -> Found:
+) -> SearchResult:
     """Judge every design of a space.
 
     **Arguments:**
@@ -218,9 +218,9 @@ def search(
     **Raises:** `ValueError` for unknown objectives and a space too large for one search.
     """
     senses = dict(USUAL if senses is None else senses)
-    limits = demanding(limits)
-    names = recorded(senses, limits, extra)
-    checked(senses, limits)
+    limits = with_reach_limits(limits)
+    names = recorded_objectives(senses, limits, extra)
+    check_search(senses, limits)
     size = len(space)
     if size > MOST:
         raise ValueError(
@@ -233,13 +233,13 @@ def search(
         if progress is not None:
             progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
-    return concluded(
+    return conclude(
         space, task, senses, limits, np.arange(size), values, extra, catalog,
         least_margin=least_margin,
     )  # fmt: skip
 
 
-def concluded(
+def conclude(
     space: Space,
     task: Task,
     senses: Mapping[str, str],
@@ -251,7 +251,7 @@ def concluded(
     designs: Designs | None = None,
     judged: int | None = None,
     least_margin: float = LEAST_MARGIN,
-) -> Found:
+) -> SearchResult:
     """What follows of designs that have been judged: the front, and which to take.
 
     **Arguments:**
@@ -270,7 +270,7 @@ def concluded(
 
     **Returns:** what was found [-].
     """
-    limits, catalog = demanding(limits), catalog or Catalog()
+    limits, catalog = with_reach_limits(limits), catalog or Catalog()
 
     def all_designs(places: Int[np.ndarray, " place"]) -> Designs:
         return space.at(index[places]) if designs is None else designs.take(places)
@@ -280,9 +280,9 @@ def concluded(
     (places,) = np.nonzero(allowed)
     chosen = cheapest(places, values, all_designs, catalog, space.drawings)
     near = nearest(values, limits, permitted) if chosen is None and len(index) else None
-    return Found(
+    return SearchResult(
         space, task, dict(senses), limits, index, dict(values), allowed,
-        best_first(values, senses, places), chosen, near, all_designs,
+        pareto_front(values, senses, places), chosen, near, all_designs,
         len(index) if judged is None else judged, tuple(extra), catalog, least_margin,
     )  # fmt: skip
 
@@ -291,7 +291,7 @@ def _permitted(
     space: Space, task: Task, catalog: Catalog, index: Int[np.ndarray, " design"]
 ) -> Bool[np.ndarray, " design"]:
     """Designs of products that may be used so."""
-    barred = catalog.barred(space.drawings, task)
+    barred = catalog.excluded(space.drawings, task)
     kinds = [i for i, name in enumerate(space.drawings) if name in barred]
     return ~np.isin(space.kind(index), kinds) if kinds else np.ones(len(index), bool)
 
@@ -309,13 +309,13 @@ def nearest(
 
     **Returns:** its place [-].
     """
-    kept = within_limits(values, others(limits)) & permitted
+    kept = within_limits(values, other_limits(limits)) & permitted
     # of those that miss as much, up to rounding, the one with fewer valves
     keys = (values["valves"], np.round(values["relative_shortfall"], 9), ~kept)
     return int(np.lexsort(keys)[0])
 
 
-def best_first(
+def pareto_front(
     values: Values, senses: Mapping[str, str], places: Int[np.ndarray, " place"]
 ) -> Int[np.ndarray, " front"]:
     """Those that none betters, best first in the first objective.
@@ -328,7 +328,7 @@ def best_first(
 
     **Returns:** their places [-].
     """
-    points = directed(values, senses)
+    points = as_minimization(values, senses)
     front = places[non_dominated(points[places])]
     return front[np.lexsort((front, *points[front].T[::-1]))]
 

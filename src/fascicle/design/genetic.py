@@ -28,10 +28,25 @@ from ..core.types import Float
 from ..io.atomic import replace_whole
 from ..io.input_file import read_bytes
 from .catalog import Catalog, cheapest
-from .designs import Designs, of_sizes
+from .designs import Designs, scaled_designs
 from .evaluation import Values, evaluate
-from .exhaustive_search import LEAST_MARGIN, Found, concluded, directed, nearest, non_dominated
-from .objectives import Limits, checked, demanding, others, reaching, recorded, within_limits
+from .exhaustive_search import (
+    LEAST_MARGIN,
+    SearchResult,
+    as_minimization,
+    conclude,
+    nearest,
+    non_dominated,
+)
+from .objectives import (
+    Limits,
+    check_search,
+    other_limits,
+    reaches_task,
+    recorded_objectives,
+    with_reach_limits,
+    within_limits,
+)
 from .space import Space
 from .sweep import Study
 from .tables import MIXED
@@ -43,7 +58,7 @@ _LARGEST = 1_000_000_000  # bytes; a population of 10 000 takes some millions
 _UNRANKED = -1  # what keeps no limit has no rank, and no crowding
 
 
-class Kept(NamedTuple):
+class SearchState(NamedTuple):
     """What a search has so far: pymoo's `algorithm`, how many `generation`s and designs `judged`
     [-], and of the front of all of them the `genomes` [-] and `values` [SI].
     """
@@ -55,7 +70,7 @@ class Kept(NamedTuple):
     values: Values
 
 
-def save(path: Path, search: dict[str, Any], kept: Kept) -> None:
+def save(path: Path, search: dict[str, Any], kept: SearchState) -> None:
     """Write a checkpoint, whole or not at all.
 
     **Arguments:**
@@ -86,7 +101,7 @@ def save(path: Path, search: dict[str, Any], kept: Kept) -> None:
         os.fsync(file.fileno())
 
 
-def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str]) -> Kept:
+def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str]) -> SearchState:
     """Go on from a checkpoint.
 
     **Arguments:**
@@ -125,7 +140,7 @@ def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str
         raise ValueError(f"{path}: holds numbers that no search has: name a new file.")
     _restore(algorithm, arrays, about)
     values = dict(zip(about["names"], arrays["values"], strict=True))
-    return Kept(algorithm, about["generation"], about["judged"], arrays["genomes"], values)
+    return SearchState(algorithm, about["generation"], about["judged"], arrays["genomes"], values)
 
 
 def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -227,7 +242,7 @@ class Coding:
         )
         sizes = (length, radius * self.space.scale(counts, factor), ratio, angle)
         kind = np.zeros(len(genomes), int)
-        return of_sizes(self.space.drawings, kind, counts, factor, *sizes)
+        return scaled_designs(self.space.drawings, kind, counts, factor, *sizes)
 
     def _counts(self, total: np.ndarray, cuts: np.ndarray) -> np.ndarray:
         gap = np.arange(1, self.most)
@@ -260,7 +275,7 @@ def evolve(
     extra: tuple[str, ...] = (),
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
-) -> Found:
+) -> SearchResult:
     """Search a space by NSGA-II.
 
     **Arguments:**
@@ -285,10 +300,10 @@ def evolve(
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;
     `ModuleNotFoundError` without pymoo.
     """
-    limits, catalog = demanding(limits), catalog or Catalog()
+    limits, catalog = with_reach_limits(limits), catalog or Catalog()
     senses = dict(senses)
-    names, told = recorded(senses, limits), recorded(senses, limits, extra)
-    checked(senses, limits)
+    names, told = recorded_objectives(senses, limits), recorded_objectives(senses, limits, extra)
+    check_search(senses, limits)
     coding = Coding(space, continuous)
     # the digest is that of the numbers, `search` of how they are looked for
     digest = Study(space, task, names, senses, limits, block=1).digest
@@ -303,7 +318,7 @@ def evolve(
         asked = state.algorithm.ask()
         genomes = np.asarray(asked.get("X"), float)
         values = evaluate(coding.designs(genomes), task, names, MIXED)
-        asked.set("F", directed(values, senses))
+        asked.set("F", as_minimization(values, senses))
         asked.set("G", _broken(values, limits))
         state.algorithm.tell(infills=asked)
         state = _kept(state, genomes, values, senses, limits, coding, catalog)
@@ -314,7 +329,7 @@ def evolve(
     designs = coding.designs(state.genomes)
     # what is told in the end is told by the same means as an exhaustive search tells it
     values = evaluate(designs, task, told)
-    return concluded(
+    return conclude(
         space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
         state.judged, least_margin,
     )  # fmt: skip
@@ -323,41 +338,43 @@ def evolve(
 def _begun(
     coding: Coding, names: tuple[str, ...], limits: Limits, objectives: int, population: int,
     seed: int,
-) -> Kept:  # fmt: skip
+) -> SearchState:  # fmt: skip
     """A search before its first generation."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.termination import get_termination
 
     problem = Problem(
-        n_var=coding.genes, n_obj=objectives, n_ieq_constr=1 + len(others(limits)),
+        n_var=coding.genes, n_obj=objectives, n_ieq_constr=1 + len(other_limits(limits)),
         xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
     )  # fmt: skip
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
-    return Kept(algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names})
+    return SearchState(
+        algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names}
+    )
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
     """How far limits are broken [SI], positive where they are; first how far from the task."""
     # a share of points says nothing of how near they are
     far = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
-    columns = [np.where(reaching(values, limits), -1.0, far)]
-    for name, limit in others(limits).items():
+    columns = [np.where(reaches_task(values, limits), -1.0, far)]
+    for name, limit in other_limits(limits).items():
         excess = limit.excess(values[name])
         columns.append(np.where(np.isfinite(excess), excess, -1.0))
     return np.stack(columns, axis=1)
 
 
 def _kept(
-    state: Kept,
+    state: SearchState,
     genomes: Genomes,
     values: Values,
     senses: Mapping[str, str],
     limits: Limits,
     coding: Coding,
     catalog: Catalog,
-) -> Kept:
+) -> SearchState:
     """A generation more, added to what is kept: the front and the cheapest, or the nearest."""
     more = state._replace(generation=state.generation + 1, judged=state.judged + len(genomes))
     rows = np.concatenate([state.genomes, genomes])
@@ -367,7 +384,7 @@ def _kept(
     if not good.size:
         kept[nearest(both, limits)] = True
     else:
-        points = directed(both, senses)[good]
+        points = as_minimization(both, senses)[good]
         # of equal points the first is enough
         first = np.zeros(len(good), bool)
         first[np.unique(points, axis=0, return_index=True)[1]] = True

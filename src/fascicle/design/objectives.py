@@ -303,7 +303,7 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
     return kept
 
 
-def checked(senses: Mapping[str, str], limits: Limits) -> None:
+def check_search(senses: Mapping[str, str], limits: Limits) -> None:
     """Refuse senses and limits that can't be; both by objective [-]."""
     if not senses:
         raise InvalidInputError("objectives", "must name at least one", None, shown="none")
@@ -332,7 +332,7 @@ ALWAYS = (
 )  # fmt: skip
 
 
-def demanding(limits: Limits | None) -> dict[str, Limit]:
+def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
     """Limits with what must be reached.
 
     **Arguments:** `limits`: on objectives, by name [SI].
@@ -349,12 +349,12 @@ def demanding(limits: Limits | None) -> dict[str, Limit]:
     }
 
 
-def may_miss(limits: Limits) -> float:
+def allowed_miss_fraction(limits: Limits) -> float:
     """The share of the task that may be missed [-], by `limits` [SI] as of `demanding`."""
     return float(np.clip(limits[BY_WEIGHT].most, 0.0, 1.0))
 
 
-def recorded(
+def recorded_objectives(
     senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
 ) -> tuple[str, ...]:
     """Objectives that a search computes [-]: those of its `senses` [-], of its `limits` [SI], the
@@ -363,17 +363,17 @@ def recorded(
     return known([*senses, *limits, *extra, *ALWAYS])
 
 
-def reaching(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
+def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
     """Which designs reach what must be, whatever else they break; `values` and `limits` [SI]."""
     return within_limits(values, {name: limits[name] for name in SHARES})
 
 
-def others(limits: Limits) -> dict[str, Limit]:
+def other_limits(limits: Limits) -> dict[str, Limit]:
     """The `limits` [SI] that aren't about what is reached."""
     return {name: limit for name, limit in limits.items() if name not in SHARES}
 
 
-def enough(
+def is_enough(
     spare: Float[np.ndarray, "*any point"], weight: Float[np.ndarray, " point"], may_miss: float
 ) -> Any:
     """Whether what is reached is enough.

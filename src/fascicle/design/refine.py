@@ -23,7 +23,7 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float, Int
 from ..core.validation import check_choice
 from ..muscle import Muscle
-from .designs import Designs, Sizes, joined
+from .designs import Designs, Sizes, concatenate
 from .evaluation import design_outcome, evaluate
 from .objectives import OBJECTIVES, SHARES, known, needs, objective_values
 from .outcome import Demand
@@ -36,7 +36,7 @@ _STERNER, _STERNEST = 1.1, 1e4  # the penalty grows while the task isn't reached
 _INSIDE = 6.0  # a coordinate's largest size: a part in 400 from a bound
 
 
-def refined(
+def refine_sizes(
     designs: Designs,
     place: int,
     task: Task,
@@ -106,7 +106,7 @@ def refined(
     made = [
         _designed(one, _placed(sizes, jnp.asarray(row), low, high, tuple(bounds))) for row in kept
     ]
-    return joined(made), best.value
+    return concatenate(made), best.value
 
 
 class _Best(NamedTuple):

@@ -18,7 +18,7 @@ from ..core.validation import HIGHEST_PRESSURE
 from .catalog import Product
 from .designs import Designs
 from .evaluation import evaluate, outcomes
-from .objectives import Limits, enough, others
+from .objectives import Limits, is_enough, other_limits
 from .task import Task
 
 
@@ -141,7 +141,7 @@ def _solve(
         return np.reshape(found.spare, -1)
 
     def reaches(value: float, points: Int[np.ndarray, " point"]) -> bool:
-        return bool(enough(spare(value, points), task.weight[points], may_miss))
+        return bool(is_enough(spare(value, points), task.weight[points], may_miss))
 
     every = points = np.arange(len(task))
     if may_miss == 0 and len(task) > _AT_ONCE:
@@ -175,7 +175,7 @@ def _broken_limits(
 ) -> tuple[tuple[str, float], ...]:
     """Limits that the changed design breaks, and its values [SI]."""
     # a change leaves the number of valves as it is
-    names = tuple(name for name in others(limits) if name != "valves")
+    names = tuple(name for name in other_limits(limits) if name != "valves")
     if remedy.value is None or not names:
         return ()
     values = evaluate(*_change(design, task, remedy.what, remedy.value), names)

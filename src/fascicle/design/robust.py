@@ -23,14 +23,14 @@ from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs, Sizes
 from .evaluation import design_outcome, room_for_units
-from .exhaustive_search import directed, non_dominated
+from .exhaustive_search import as_minimization, non_dominated
 from .objectives import (
     Limits,
     check_turns,
-    demanding,
     known,
     needs,
     objective_values,
+    with_reach_limits,
     within_limits,
 )
 from .outcome import Demand
@@ -82,7 +82,7 @@ class Spread:
         """
         low, high = self.quantile(1 - confidence), self.quantile(confidence)
         sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
-        return non_dominated(directed(sure, senses))
+        return non_dominated(as_minimization(sure, senses))
 
 
 def spread(
@@ -113,7 +113,7 @@ def spread(
 
     **Raises:** `ValueError` for designs of several drawings and unknown objectives.
     """
-    limits = demanding(limits)
+    limits = with_reach_limits(limits)
     names = known([*objectives, *limits])
     check_turns(names, task.scheme)
     drawing = _only(designs)

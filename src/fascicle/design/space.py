@@ -30,7 +30,7 @@ from ..core.types import Float, Int
 from ..core.validation import RANGES, check_choice, check_interval, check_plausible
 from ..muscle import Muscle
 from ..units import pretty
-from .designs import Designs, of_sizes, packed_radius, padded
+from .designs import Designs, packed_radius, pad_rows, scaled_designs
 
 
 MOST_MUSCLES, MOST_SPLITS = 100, 2_000_000  # of a bundle whose splits are enumerated, and of these
@@ -87,7 +87,7 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
                 yield first, *others
 
     width = _width(muscles, most_units)
-    return padded(list(rows(muscles, width, 1)), width)
+    return pad_rows(list(rows(muscles, width, 1)), width)
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
@@ -266,7 +266,7 @@ class Space:
             )
         )
         sizes = (length, radius * scale[shape], ratio, angle)
-        return of_sizes(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
+        return scaled_designs(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
         """Which of the drawings designs are of [-], by their `index` [-]; -1 is of the first."""
@@ -320,7 +320,7 @@ class Space:
 
     def _splits(self) -> Int[np.ndarray, "shape unit"]:
         if not isinstance(self.splits, str):
-            counts = padded(self.splits)
+            counts = pad_rows(self.splits)
         else:
             make = compositions if self.splits == "all" else partitions
             parts = [make(n, self.most_units) for n in dict.fromkeys(self.muscles)]

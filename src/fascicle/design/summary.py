@@ -32,7 +32,7 @@ from ..muscle import Muscle
 from .catalog import Catalog, Product
 from .designs import Designs, Sizes, packed_radius
 from .evaluation import evaluate
-from .exhaustive_search import Found
+from .exhaustive_search import SearchResult
 from .outcome import MET, MOST_SETS, Demand, state_edges, sum_fed, visit
 from .tables import MIXED, UNIFORM, Resolution, every_level_table
 from .task import Task
@@ -247,7 +247,7 @@ class Summary:
         )
 
 
-def summarized(found: Found, place: int) -> Summary:
+def summarize_result(found: SearchResult, place: int) -> Summary:
     """A design of a search, summarized.
 
     **Arguments:**
@@ -260,10 +260,10 @@ def summarized(found: Found, place: int) -> Summary:
     one = found.all_designs(np.array([place]))
     envelope = found.values.get("envelope")
     diameter = None if envelope is None else float(envelope[place])
-    return summary_of(one, 0, found.task, found.catalog, diameter)
+    return summarize(one, 0, found.task, found.catalog, diameter)
 
 
-def summary_of(
+def summarize(
     designs: Designs, place: int, task: Task, catalog: Catalog, diameter: float | None = None
 ) -> Summary:
     """A design, summarized.

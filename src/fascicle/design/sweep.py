@@ -35,7 +35,7 @@ from ..core.errors import InvalidInputError
 from ..io.atomic import holds_drafts_only, remove_abandoned, write
 from .cluster import revive
 from .evaluation import Values, evaluate
-from .objectives import OBJECTIVES, Limit, checked, demanding, recorded
+from .objectives import OBJECTIVES, Limit, check_search, recorded_objectives, with_reach_limits
 from .space import Space
 from .task import Task
 
@@ -81,9 +81,9 @@ class Study:
 
         **Raises:** `ValueError` for unknown objectives, and blocks and spaces out of range.
         """
-        limits = demanding(limits)
-        names = recorded(senses, limits, extra)
-        checked(senses, limits)
+        limits = with_reach_limits(limits)
+        names = recorded_objectives(senses, limits, extra)
+        check_search(senses, limits)
         if not 1 <= block <= 2**20:
             raise InvalidInputError("block", "must lie in [1, 1048576]", block)
         if len(space) > LARGEST:
@@ -387,7 +387,7 @@ _TRIES = 20  # of one block; a worker that is killed at it isn't the block's fau
 _KNOWN: dict[str, Study] = {}  # the last study of a worker, by its digest
 
 
-class Done(NamedTuple):
+class BlockResult(NamedTuple):
     """A block that is written: its digest [-], the time to compute and to write it [s], the
     worker's largest memory so far [B] and its process [-].
     """
@@ -407,7 +407,7 @@ class Progress(NamedTuple):
     all: int
     designs: int
     seconds: float
-    last: Done | None
+    last: BlockResult | None
 
     @property
     def rate(self) -> float:
@@ -462,7 +462,7 @@ def sweep(
     return store
 
 
-def run_block(study: Study, folder: str, block: int) -> Done:
+def run_block(study: Study, folder: str, block: int) -> BlockResult:
     """Compute and write a block: what a worker does.
 
     **Arguments:**
@@ -481,7 +481,7 @@ def run_block(study: Study, folder: str, block: int) -> Done:
     computed = time.perf_counter()
     digest = Store(Path(folder), study).write(block, values)
     written = time.perf_counter()
-    return Done(block, digest, computed - begun, written - computed, _memory(), os.getpid())
+    return BlockResult(block, digest, computed - begun, written - computed, _memory(), os.getpid())
 
 
 def _memory() -> int:
@@ -494,7 +494,7 @@ def _memory() -> int:
 
 def _there(
     client: Any, study: Study, folder: Path, blocks: list[int], alone: float
-) -> Iterator[Done]:
+) -> Iterator[BlockResult]:
     """Blocks as workers finish them; one that failed with its worker is handed out again."""
     from concurrent.futures import CancelledError
 

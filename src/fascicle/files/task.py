@@ -18,7 +18,7 @@ from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
 from ..design.catalog import Catalog, Product
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
-from ..design.objectives import OBJECTIVES, SHARES, Limit, checked, demanding, known
+from ..design.objectives import OBJECTIVES, SHARES, Limit, check_search, known, with_reach_limits
 from ..design.space import SPLITS, Space
 from ..design.space import read as read_split
 from ..design.task import FLUIDS, Task, example_task
@@ -137,7 +137,7 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
     senses = _senses(file.objectives, whole.inner("objectives", kind="objectives"))
     location = whole.inner("design", kind="design")
     with limits_location.error_context():
-        checked(senses, demanding(limits))
+        check_search(senses, with_reach_limits(limits))
     offer = _offer(file.design, location, folder)
     space = _space(file.design, location, limits, folder, offer)
     prices = file.prices or PricesSection()

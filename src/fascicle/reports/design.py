@@ -6,8 +6,8 @@ from html import escape
 import numpy as np
 
 from ..bundle.space import overlap, space
-from ..design.exhaustive_search import Found
-from ..design.objectives import OBJECTIVES, SHARES, may_miss
+from ..design.exhaustive_search import SearchResult
+from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
 from ..design.robust import Spread
 from ..design.summary import Summary
 from ..files import dumps
@@ -40,7 +40,7 @@ _CURVES = 7  # of the plane
 
 
 def report(
-    found: Found,
+    found: SearchResult,
     date: str,
     files: list[str],
     seconds: float | None = None,
@@ -83,7 +83,7 @@ def report(
     page.points(notes)
     page.files(files if len(files) <= _LINKED else files[:_LINKED])
     if found.cheapest is not None:
-        texts = [told(found, place) for place in range(len(found.listed))]
+        texts = [told(found, place) for place in range(len(found.reported))]
         _compromise(page, found)
         _front(page, found, texts)
         if sure is not None:
@@ -97,23 +97,23 @@ def report(
     return page.text(f"Made on {date} by fascicle {__version__}.")
 
 
-def told(found: Found, place: int) -> str:
+def told(found: SearchResult, place: int) -> str:
     """A design in a few lines; `found` [-], its `place` among those that are told [-]."""
     designs = found.designs
     lines = [
-        f"{designs.labels[place]}{_number(int(found.index[found.listed[place]]))}",
+        f"{designs.labels[place]}{_number(int(found.index[found.reported[place]]))}",
         sizes(found, designs, place),
         *["recommended"] * (place == found.recommended),
         *["best compromise"] * (place == found.compromise),
     ]
     lines += [
-        f"{words(name)}: {shown(name, float(found.values[name][found.listed[place]]))}"
-        for name in found.told
+        f"{words(name)}: {shown(name, float(found.values[name][found.reported[place]]))}"
+        for name in found.reported_objectives
     ]
     return "\n".join(lines)
 
 
-def compromise(found: Found) -> list[str]:
+def compromise(found: SearchResult) -> list[str]:
     """The front's best compromise, in sentences; `found` [-] isn't empty."""
     place = found.compromise
     assert place is not None
@@ -143,17 +143,15 @@ def _number(index: int) -> str:
     return f"  (design {index})" if index >= 0 else ""
 
 
-def _kept(found: Found) -> str:
+def _kept(found: SearchResult) -> str:
     """How many keep the limits, where all were kept that were judged."""
     if found.judged > len(found.index):
         return f"of those that {demand(found)} and keep all limits "
-    return (
-        f"{int(found.reaching.sum())} {demand(found)}, {int(found.allowed.sum())} keep all limits"
-        " too, of which "
-    )
+    reach, keep = int(found.reaches_task.sum()), int(found.allowed.sum())
+    return f"{reach} {demand(found)}, {keep} keep all limits too, of which "
 
 
-def _recommended(page: Page, found: Found, summary: Summary) -> None:
+def _recommended(page: Page, found: SearchResult, summary: Summary) -> None:
     take, margin, *why = headline(found, summary)
     page.paragraph(take, "lead")
     page.paragraph(f"{margin[0].upper()}{margin[1:]}")
@@ -197,16 +195,16 @@ def _mark(verdict: str) -> str:
     return f'<span class="{kind}">{sign}\u00a0{verdict}</span>'
 
 
-def _compromise(page: Page, found: Found) -> None:
+def _compromise(page: Page, found: SearchResult) -> None:
     page.heading("By the objectives", "compromise")
     first, *others = compromise(found)
     page.paragraph(first)
     page.points(others)
 
 
-def _front(page: Page, found: Found, texts: list[str]) -> None:
+def _front(page: Page, found: SearchResult, texts: list[str]) -> None:
     page.heading("What each choice costs", "front")
-    listed = {name: found.values[name][found.listed] for name in found.told}
+    listed = {name: found.values[name][found.reported] for name in found.reported_objectives}
     axes = {name: scaled(listed, name, OBJECTIVES[name].unit) for name in listed}
     names, chosen, second = list(found.senses), found.recommended, found.compromise
     first = axes[names[0]]
@@ -232,7 +230,7 @@ def _front(page: Page, found: Found, texts: list[str]) -> None:
         page.html(f"<figure>{parallel(every, texts, chosen, second)}</figure>")
 
 
-def _plane(page: Page, found: Found, place: int, summary: Summary) -> None:
+def _plane(page: Page, found: SearchResult, place: int, summary: Summary) -> None:
     """The force-strain space of a kept design, with the task in it."""
     page.heading("The bundle's forces and the task", "space")
     task, cases = found.task, summary.cases
@@ -247,7 +245,7 @@ def _plane(page: Page, found: Found, place: int, summary: Summary) -> None:
     page.picture(to_bytes(figure, "svg"), "svg", title, figure.get_figwidth() * _INCH)
 
 
-def _sure(page: Page, found: Found, sure: Spread) -> None:
+def _sure(page: Page, found: SearchResult, sure: Spread) -> None:
     page.heading("How sure", "sure")
     draws = sure.met.shape[1]
     page.paragraph(
@@ -277,10 +275,10 @@ def _sure(page: Page, found: Found, sure: Spread) -> None:
     )
 
 
-def _table(page: Page, found: Found) -> None:
+def _table(page: Page, found: SearchResult) -> None:
     page.heading("The front", "table")
     designs = found.designs
-    heads = ["", "units", "muscles", *map(words, found.told)]
+    heads = ["", "units", "muscles", *map(words, found.reported_objectives)]
     some = [*range(min(len(found.front), _SHOWN)), found.recommended]
     rows = [
         [
@@ -289,7 +287,10 @@ def _table(page: Page, found: Found) -> None:
             if place == found.recommended
             else designs.labels[place],
             escape(sizes(found, designs, place)),
-            *(escape(shown(n, float(found.values[n][found.listed[place]]))) for n in found.told),
+            *(
+                escape(shown(n, float(found.values[n][found.reported[place]])))
+                for n in found.reported_objectives
+            ),
         ]
         for place in sorted({place for place in some if place is not None})
     ]
@@ -300,7 +301,7 @@ def _table(page: Page, found: Found) -> None:
         page.paragraph(f"The first {_SHOWN} of {len(found.front)}; all are in the files.", "note")
 
 
-def _files(page: Page, found: Found) -> None:
+def _files(page: Page, found: SearchResult) -> None:
     page.heading("Bundles as files", "toml")
     designs = found.designs
     for place in sorted({*range(min(len(designs), _SHOWN)), found.recommended or 0}):
@@ -312,14 +313,14 @@ def _files(page: Page, found: Found) -> None:
         )
 
 
-def _terms(page: Page, found: Found) -> None:
+def _terms(page: Page, found: SearchResult) -> None:
     page.heading("What is judged", "terms")
-    share = may_miss(found.limits)
+    share = allowed_miss_fraction(found.limits)
     points = [
         f"Every design must {demand(found)}."
         + ("" if share else " A share that may be missed would be said in [limits] not_reached.")
     ]
-    for name in dict.fromkeys([*found.told, *(n for n in SHARES if share)]):
+    for name in dict.fromkeys([*found.reported_objectives, *(n for n in SHARES if share)]):
         one = OBJECTIVES[name]
         sense = {"min": ", less is better", "max": ", more is better"}
         wanted = sense[found.senses[name]] if name in found.senses else ", only recorded"

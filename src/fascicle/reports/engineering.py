@@ -4,10 +4,10 @@ how large is it, how heavy, what does it take and cost. The console and the page
 
 import numpy as np
 
-from ..design.catalog import meaning
+from ..design.catalog import describe_cheapest
 from ..design.designs import Designs
-from ..design.exhaustive_search import Found
-from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, may_miss
+from ..design.exhaustive_search import SearchResult
+from ..design.objectives import BY_WEIGHT, OBJECTIVES, Limit, allowed_miss_fraction
 from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import figures, pretty
 
@@ -31,7 +31,7 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def sizes(found: Found, designs: Designs, place: int) -> str:
+def sizes(found: SearchResult, designs: Designs, place: int) -> str:
     """A design's muscles in a line.
 
     **Arguments:**
@@ -57,15 +57,15 @@ def sizes(found: Found, designs: Designs, place: int) -> str:
     return text if len(names) == 1 else f"{text}, {name}"
 
 
-def demand(found: Found) -> str:
+def demand(found: SearchResult) -> str:
     """What a design must do, in words; `found` [-] by a search."""
-    share = may_miss(found.limits)
+    share = allowed_miss_fraction(found.limits)
     if share <= 0:
         return "reach every load case"
     return f"miss no more than {100 * share:.4g} % of the load cases, by number and by weight"
 
 
-def headline(found: Found, summary: Summary) -> list[str]:
+def headline(found: SearchResult, summary: Summary) -> list[str]:
     """What is recommended, with which margin, and why.
 
     **Arguments:**
@@ -92,11 +92,11 @@ def headline(found: Found, summary: Summary) -> list[str]:
         first,
         margin,
         f"It is the cheapest of {which} that {demand(found)}, and keep all limits;"
-        f" cheapest: {meaning(found.catalog, found.space.drawings)}.",
+        f" cheapest: {describe_cheapest(found.catalog, found.space.drawings)}.",
     ]
 
 
-def margin_warning(found: Found, summary: Summary) -> str:
+def margin_warning(found: SearchResult, summary: Summary) -> str:
     """What to say of a recommended design whose margin is small.
 
     **Arguments:**
@@ -169,7 +169,7 @@ def case_rows(summary: Summary, most: int) -> tuple[list[list[str]], str]:
     return rows, f"{left}{len(task) - missed} of {len(task)} reached"
 
 
-def facts(found: Found, summary: Summary) -> dict[str, str]:
+def facts(found: SearchResult, summary: Summary) -> dict[str, str]:
     """What there is to know of a design besides its load cases.
 
     **Arguments:**
@@ -197,7 +197,7 @@ def facts(found: Found, summary: Summary) -> dict[str, str]:
         told["product"] = (
             f"{summary.muscles} × {product.name}, {pretty(cases.length, 'length')}{source}"
         )
-    share = may_miss(found.limits)
+    share = allowed_miss_fraction(found.limits)
     missed = int(np.sum(~cases.reached))
     if share > 0 and missed:
         weight = float(np.average(~cases.reached, weights=cases.task.weight))
@@ -269,7 +269,7 @@ def _fluid(summary: Summary) -> str:
     return f"{figures(one, 3)} normal liters {cycle}; at 20 °C and 100 kPa (ISO 8778)"
 
 
-def _cost(found: Found, summary: Summary) -> str:
+def _cost(found: SearchResult, summary: Summary) -> str:
     catalog, fluid = found.catalog, summary.cases.task.fluid
     if summary.cost_of_a_cycle is None:
         unit = '"… EUR/m^3" or energy = ' if fluid == "air" else ""
@@ -281,7 +281,7 @@ def _cost(found: Found, summary: Summary) -> str:
     return text
 
 
-def _price(found: Found, summary: Summary) -> str:
+def _price(found: SearchResult, summary: Summary) -> str:
     catalog = found.catalog
     if summary.price is not None:
         return f"{figures(summary.price, 6)} {catalog.currency}, of muscles and valves"

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ..design.exhaustive_search import Found
-from ..design.objectives import may_miss, others
+from ..design.exhaustive_search import SearchResult
+from ..design.objectives import allowed_miss_fraction, other_limits
 from ..design.remedies import Remedy, remedies
-from ..design.summary import Summary, summarized
+from ..design.summary import Summary, summarize_result
 from ..units import DIMENSIONS, pretty
 from .engineering import called, demand, shown, sizes, words
 
@@ -20,16 +20,16 @@ class Unreached:
     make it reach the task, `ways`, none where it does.
     """
 
-    def __init__(self, found: Found):
+    def __init__(self, found: SearchResult):
         """**Arguments:** `found`: by a search that judged at least one design [-]."""
         assert found.nearest is not None
         self.found, self.place = found, found.nearest
-        self.summary: Summary = summarized(found, found.nearest)
+        self.summary: Summary = summarize_result(found, found.nearest)
         self.design = found.all_designs(np.array([found.nearest]))
-        self.reaches = bool(found.reaching[found.nearest])
+        self.reaches = bool(found.reaches_task[found.nearest])
         self.ways: list[Remedy] = []
         if not self.reaches:
-            share = may_miss(found.limits)
+            share = allowed_miss_fraction(found.limits)
             self.ways = remedies(
                 self.design, 0, found.task, share, found.limits, self.summary.product
             )
@@ -49,13 +49,13 @@ class Unreached:
     def verdict(self) -> str:
         """That there is none, in a sentence."""
         found, all_kept = self.found, self.found.judged == len(self.found.index)
-        reach = int(found.reaching.sum())
+        reach = int(found.reaches_task.sum())
         if reach and all_kept:
             return (
                 f"{reach} of {found.judged} designs {demand(found)}, but none of them keeps all"
                 " other limits: none is recommended."
             )
-        rest = "" if all_kept or not others(found.limits) else " within the other limits"
+        rest = "" if all_kept or not other_limits(found.limits) else " within the other limits"
         return (
             f"No design is recommended: none of the {found.judged} that were judged can"
             f" {demand(found)}{rest}."
@@ -97,12 +97,14 @@ class Unreached:
         values, place = self.found.values, self.place
         return [
             f"{words(name)} {shown(name, float(values[name][place]))}"
-            for name, limit in others(self.found.limits).items()
+            for name, limit in other_limits(self.found.limits).items()
             if not limit.holds(values[name][place])
         ]
 
     def _barred(self) -> list[tuple[str, str]]:
-        return [(f"{name} may not be used", why) for name, why in self.found.barred.items()]
+        return [
+            (f"{name} may not be used", why) for name, why in self.found.excluded_products.items()
+        ]
 
     def _too_far(self, one: Remedy) -> bool:
         strain = self._strain(one)
@@ -152,15 +154,15 @@ class Unreached:
         return f"; it breaks a limit then: {', '.join(told)}" if told else ""
 
 
-def answer(found: Found) -> Summary | Unreached:
+def answer(found: SearchResult) -> Summary | Unreached:
     """The recommended design, summarized, or what is told where there is none; `found` [-]."""
-    return Unreached(found) if found.cheapest is None else summarized(found, found.cheapest)
+    return Unreached(found) if found.cheapest is None else summarize_result(found, found.cheapest)
 
 
-def nothing_left(found: Found) -> list[str]:
+def nothing_left(found: SearchResult) -> list[str]:
     """Which other limit leaves how many designs, where none keeps all; `found` [-]."""
     lines = []
-    for name, limit in others(found.limits).items():
+    for name, limit in other_limits(found.limits).items():
         values = found.values[name]
         kept = int(np.sum(limit.holds(values)))
         if kept == len(values) or found.judged > len(found.index):

@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 
 from ..design.designs import Designs
-from ..design.exhaustive_search import Found
+from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES
 from ..design.robust import Spread
 from ..design.summary import Summary
 from .labelled import Variable
 
 
-def front_variables(found: Found, sure: Spread | None = None) -> dict[str, Variable]:
+def front_variables(found: SearchResult, sure: Spread | None = None) -> dict[str, Variable]:
     """The front, a design a row.
 
     **Arguments:**
@@ -23,7 +23,7 @@ def front_variables(found: Found, sure: Spread | None = None) -> dict[str, Varia
     **Returns:** values by name [-], of the front and then, if it isn't there, of the recommended
     design: objectives first, then composition and sizes.
     """
-    places = found.listed
+    places = found.reported
     recommended = np.zeros(len(places), bool)
     if found.recommended is not None:
         recommended[found.recommended] = True
@@ -73,7 +73,7 @@ def case_variables(summary: Summary) -> dict[str, Variable]:
     }
 
 
-def every_variables(found: Found) -> dict[str, Variable]:
+def every_variables(found: SearchResult) -> dict[str, Variable]:
     """All designs that were looked at, a row each, by index, and whether each is on the front.
 
     **Arguments:** `found`: by a search [-].
@@ -117,7 +117,7 @@ def design_variables(designs: Designs) -> dict[str, Variable]:
     }  # fmt: skip
 
 
-def _prices(found: Found) -> dict[str, Variable]:
+def _prices(found: SearchResult) -> dict[str, Variable]:
     prices = found.catalog.price(found.designs)
     if np.all(np.isnan(prices)):
         return {}

@@ -27,7 +27,7 @@ MOVED = {
     "describe.calibrated.provenance_of": "files.calibration_files",
     "describe.provenance": "files",
     "describe.results.Variable": "results.labelled",
-    "design.searching.Found": "design.exhaustive_search",
+    "design.searching.SearchResult": "design.exhaustive_search",
     "design.store.Store": "design.sweep",
     "design.study.Study": "design.sweep",
     "reports.fitted.figures": "calibrate.after.pictures",

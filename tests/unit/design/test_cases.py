@@ -97,7 +97,6 @@ def test_more_points_than_one_call_takes(designs):
 
 def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
     import fascicle as fs
-    from fascicle.design.objectives import demanding
     from fascicle.design.remedies import remedies
 
     tuned = fs.Muscle(
@@ -109,7 +108,7 @@ def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
         cases(Designs.of(tuned, [(1,)]), 0, task)
     assert len(told) == 1
     # warnings are errors here
-    first, *_ = remedies(Designs.of(tuned, [(1,)]), 0, task, 0.0, demanding(None))
+    first, *_ = remedies(Designs.of(tuned, [(1,)]), 0, task, 0.0, with_reach_limits(None))
     assert first.value is not None and first.measured == 200e3
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit, Space, Task, search
-from fascicle.design.exhaustive_search import directed
+from fascicle.design.exhaustive_search import as_minimization
 
 
 SENSES = {"mean_efficiency": "max", "valves": "min", "reversal_depth": "min"}
@@ -16,7 +16,7 @@ def found(muscle, task):
 
 
 def test_nothing_on_the_front_is_bettered(found):
-    points = directed(found.values, SENSES)
+    points = as_minimization(found.values, SENSES)
     assert 1 < len(found.front) < np.sum(found.allowed)
     for place in np.flatnonzero(found.allowed):
         better = [

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design.exhaustive_search import directed, hypervolume, non_dominated
+from fascicle.design.exhaustive_search import as_minimization, hypervolume, non_dominated
 
 
 def plain_front(points):
@@ -52,6 +52,6 @@ def test_the_volume_against_counting(objectives):
 
 def test_objectives_are_turned_around():
     values = {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 4.0]), "c": np.zeros(2)}
-    assert directed(values, {"b": "max", "a": "min"}).tolist() == [[-3.0, 1.0], [-4.0, 2.0]]
+    assert as_minimization(values, {"b": "max", "a": "min"}).tolist() == [[-3.0, 1.0], [-4.0, 2.0]]
     with pytest.raises(ValueError, match="`a` must be 'min' or 'max'"):
-        directed(values, {"a": "less"})
+        as_minimization(values, {"a": "less"})

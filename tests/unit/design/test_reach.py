@@ -4,26 +4,34 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit
-from fascicle.design.objectives import demanding, enough, may_miss, others, within_limits
+from fascicle.design.objectives import (
+    allowed_miss_fraction,
+    is_enough,
+    other_limits,
+    with_reach_limits,
+    within_limits,
+)
 
 
 def test_all_is_demanded_if_nothing_is_said():
-    limits = demanding({"valves": Limit(most=3)})
+    limits = with_reach_limits({"valves": Limit(most=3)})
     assert limits["not_reached"].most == 0 and limits["points_not_reached"].most == 0
-    assert may_miss(limits) == 0 and list(others(limits)) == ["valves"]
+    assert allowed_miss_fraction(limits) == 0 and list(other_limits(limits)) == ["valves"]
 
 
 def test_a_share_that_may_be_missed_is_one_of_points_too():
-    limits = demanding({"not_reached": Limit(most=0.1)})
-    assert limits["points_not_reached"].most == 0.1 and may_miss(limits) == 0.1
+    limits = with_reach_limits({"not_reached": Limit(most=0.1)})
+    assert limits["points_not_reached"].most == 0.1 and allowed_miss_fraction(limits) == 0.1
     # once more changes nothing, and a tighter limit on points is kept
-    assert demanding(limits) == limits
-    tight = demanding({"not_reached": Limit(most=0.5), "points_not_reached": Limit(most=0.1)})
+    assert with_reach_limits(limits) == limits
+    tight = with_reach_limits(
+        {"not_reached": Limit(most=0.5), "points_not_reached": Limit(most=0.1)}
+    )
     assert tight["points_not_reached"].most == 0.1
 
 
 @pytest.mark.parametrize(
-    ("missed", "weight", "share", "is_enough"),
+    ("missed", "weight", "share", "expected"),
     [
         ([0, 0, 0], [1, 1, 1], 0.0, True),
         ([0, 0, 1], [1, 1, 1e-12], 0.0, False),
@@ -34,9 +42,9 @@ def test_a_share_that_may_be_missed_is_one_of_points_too():
         ([1, 0, 0, 0, 0, 0, 0, 0, 0, 0], [0.1] * 10, 0.1, True),
     ],
 )
-def test_both_shares_must_be_small(missed, weight, share, is_enough):
+def test_both_shares_must_be_small(missed, weight, share, expected):
     spare = np.where(missed, -1.0, 1.0)
-    assert bool(enough(spare, np.array(weight, float), share)) is is_enough
+    assert bool(is_enough(spare, np.array(weight, float), share)) is expected
 
 
 def test_rounding_breaks_no_limit():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Designs, Task, evaluate
-from fascicle.design.refine import refined
+from fascicle.design.refine import refine_sizes
 
 
 pytest.importorskip("optax", reason="needs the extra `design`")
@@ -14,7 +14,7 @@ def test_sizes_get_better_within_their_bounds(muscle):
     task = Task.of([60.0, 180.0, 300.0], [0.16, 0.1, 0.05], 413.7e3)
     designs = Designs.of(muscle, [(1, 2)])
     bounds = {"radius": (4e-3, 8e-3), "angle": (0.45, 0.65)}
-    found, cost = refined(designs, 0, task, "mean_energy", bounds, steps=25, starts=2, seed=1)
+    found, cost = refine_sizes(designs, 0, task, "mean_energy", bounds, steps=25, starts=2, seed=1)
     before = evaluate(designs, task, ["mean_energy", "shortfall"])
     after = evaluate(found, task, ["mean_energy", "shortfall"])
     best = int(np.argmin(cost))
@@ -34,7 +34,7 @@ def test_a_peak_of_no_weight_is_reached_all_the_same(muscle):
     task = Task.of([60.0, 180.0, 330.0], [0.16, 0.1, 0.05], 413.7e3, [1.0, 1.0, 1e-6])
     designs = Designs.of(muscle, [(1, 2)])
     assert evaluate(designs, task, ["margin"])["margin"][0] > 0
-    found, cost = refined(
+    found, cost = refine_sizes(
         designs, 0, task, "mean_energy", {"radius": (4e-3, 8e-3)}, steps=25, starts=2, seed=1
     )
     after = evaluate(found, task, ["margin", "mean_energy"])
@@ -46,7 +46,7 @@ def test_what_can_not_be_reached_is_no_result(muscle):
     designs = Designs.of(muscle, [(1, 2)])
     task = Task.of([60.0, 5000.0], [0.16, 0.05], 413.7e3, [1.0, 1e-6])
     bounds = {"radius": (4e-3, 8e-3)}
-    found, cost = refined(designs, 0, task, "mean_energy", bounds, steps=8, starts=2)
+    found, cost = refine_sizes(designs, 0, task, "mean_energy", bounds, steps=8, starts=2)
     assert np.all(np.isinf(cost)) and len(found) == 2
     # nearer than what it began with
     before, after = (
@@ -55,7 +55,7 @@ def test_what_can_not_be_reached_is_no_result(muscle):
     )
     assert after[0] < before[0]
     # half of the points may be missed, and half of the weight
-    _, cost = refined(designs, 0, task, "mean_energy", bounds, steps=2, starts=2, may_miss=0.5)
+    _, cost = refine_sizes(designs, 0, task, "mean_energy", bounds, steps=2, starts=2, may_miss=0.5)
     assert np.isfinite(cost[0])
 
 
@@ -63,6 +63,6 @@ def test_bounds_hold_the_design(muscle):
     task = Task.of([60.0], [0.1], 413.7e3)
     designs = Designs.of(muscle, [(1, 2)])
     with pytest.raises(ValueError, match="`bounds` of radius must hold the design"):
-        refined(designs, 0, task, "mean_energy", {"radius": (7e-3, 8e-3)})
+        refine_sizes(designs, 0, task, "mean_energy", {"radius": (7e-3, 8e-3)})
     with pytest.raises(ValueError, match="`bounds` 'radii' is unknown"):
-        refined(designs, 0, task, "mean_energy", {"radii": (7e-3, 8e-3)})
+        refine_sizes(designs, 0, task, "mean_energy", {"radii": (7e-3, 8e-3)})

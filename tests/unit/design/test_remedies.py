@@ -7,12 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Designs, Limit, Product, Task, evaluate
-from fascicle.design.objectives import demanding
+from fascicle.design.objectives import with_reach_limits
 from fascicle.design.remedies import remedies
 
 
 SUPPLY = 300e3
-NONE = demanding(None)
+NONE = with_reach_limits(None)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_a_stroke_is_reached_by_longer_muscles(designs):
 def test_what_may_be_missed_need_not_be_reached(designs):
     task = Task.of([100.0, 600.0, 5000.0], [0.12, 0.04, 0.05], SUPPLY)
     all_of_it = by_name(designs, 0, task, 0.0, NONE)["muscles"].value
-    some = by_name(designs, 0, task, 0.34, demanding({"not_reached": Limit(most=0.34)}))
+    some = by_name(designs, 0, task, 0.34, with_reach_limits({"not_reached": Limit(most=0.34)}))
     without = Task.of([100.0, 600.0], [0.12, 0.04], SUPPLY)
     assert some["muscles"].value == by_name(designs, 0, without, 0.0, NONE)["muscles"].value
     assert all_of_it > some["muscles"].value
@@ -96,7 +96,7 @@ def test_what_may_be_missed_need_not_be_reached(designs):
 def test_limits_that_a_change_breaks_are_told(designs):
     task = Task.of([600.0], [0.04], SUPPLY)
     now = evaluate(designs, task, ["envelope"])["envelope"][0]
-    limits = demanding({"envelope": Limit(most=now + 1e-6), "valves": Limit(most=2)})
+    limits = with_reach_limits({"envelope": Limit(most=now + 1e-6), "valves": Limit(most=2)})
     found = by_name(designs, 0, task, 0.0, limits)
     assert found["supply_pressure"].breaks == ()
     for what in ("radius", "muscles"):

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.design import Catalog, Designs, Product, Task, evaluate
-from fascicle.design.summary import ATMOSPHERE, summary_of
+from fascicle.design.summary import ATMOSPHERE, summarize
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def task():
 
 
 def test_size_mass_and_margin(muscle, designs, task):
-    found = summary_of(designs, 0, task, Catalog(density=1100.0))
+    found = summarize(designs, 0, task, Catalog(density=1100.0))
     r, t, length = 6.35e-3, 1.6e-3, 0.127
     bladders = 3 * np.pi * (r**2 - (r - t) ** 2) * length
     assert_allclose([found.bladders, found.mass], [bladders, 1100 * bladders], rtol=1e-12)
@@ -30,19 +30,19 @@ def test_size_mass_and_margin(muscle, designs, task):
     assert_allclose([found.diameter, found.margin], [judged[n][0] for n in names], rtol=1e-9)
     # all loads times that, and the tightest of those that are loaded is just reached
     more = Task.of(task.force * found.load_factor, task.strain, task.supply_pressure)
-    spare = summary_of(designs, 0, more, Catalog()).cases.spare[:2]
+    spare = summarize(designs, 0, more, Catalog()).cases.spare[:2]
     assert abs(spare.min()) < 1e-9
     assert (found.price, found.cost_of_a_cycle, found.product) == (None, None, None)
 
 
 def test_what_isnt_known_is_none(designs, task):
-    found = summary_of(designs, 0, task, Catalog(valve=10.0, currency="EUR"))
+    found = summarize(designs, 0, task, Catalog(valve=10.0, currency="EUR"))
     assert found.mass is None and found.price is None and found.price_of_muscles is None
 
 
 def test_prices_and_a_products_mass(designs, task):
     catalog = Catalog({"muscle": Product("p", price=20.0, mass=0.05)}, "EUR", 90.0, density=1100.0)
-    found = summary_of(designs, 0, task, catalog)
+    found = summarize(designs, 0, task, catalog)
     assert (found.price, found.price_of_muscles) == (3 * 20.0 + 2 * 90.0, 60.0)
     # the maker's is that of whole muscles
     assert_allclose(found.mass, 0.15)
@@ -50,13 +50,13 @@ def test_prices_and_a_products_mass(designs, task):
 
 
 def test_what_a_cycle_costs(designs, task):
-    air = summary_of(designs, 0, task, Catalog(currency="EUR", air=0.02, energy=1e-7))
+    air = summarize(designs, 0, task, Catalog(currency="EUR", air=0.02, energy=1e-7))
     volume = air.cases.fluid_of_a_cycle
     assert_allclose(air.cost_of_a_cycle, 0.02 * volume, rtol=1e-12)
-    energy = summary_of(designs, 0, task, Catalog(currency="EUR", energy=1e-7)).cost_of_a_cycle
+    energy = summarize(designs, 0, task, Catalog(currency="EUR", energy=1e-7)).cost_of_a_cycle
     ratio = (413.7e3 + ATMOSPHERE) / ATMOSPHERE
     assert_allclose(energy, 1e-7 * ATMOSPHERE * volume * np.log(ratio), rtol=1e-12)
     wet = Task.of(task.force, task.strain, task.supply_pressure, fluid="liquid")
-    liquid = summary_of(designs, 0, wet, Catalog(currency="EUR", air=0.02, energy=1e-7))
+    liquid = summarize(designs, 0, wet, Catalog(currency="EUR", air=0.02, energy=1e-7))
     assert_allclose(liquid.cost_of_a_cycle, 1e-7 * 413.7e3 * liquid.cases.fluid_of_a_cycle)
-    assert summary_of(designs, 0, wet, Catalog(currency="EUR", air=0.02)).cost_of_a_cycle is None
+    assert summarize(designs, 0, wet, Catalog(currency="EUR", air=0.02)).cost_of_a_cycle is None

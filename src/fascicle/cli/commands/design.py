@@ -17,7 +17,7 @@ from ..outputs import SOURCE, print_line, print_table, result_folder, status, wr
 
 
 if TYPE_CHECKING:
-    from ...design.exhaustive_search import Found
+    from ...design.exhaustive_search import SearchResult
     from ...reports.unreached import Unreached
 
 
@@ -107,7 +107,7 @@ def _search(
     seed: int,
     checkpoint: str | None,
     update: Callable[[str], None],
-) -> "Found":
+) -> "SearchResult":
     """Evaluate every design, or search by generations."""
     if generations is None:
         from ...design.exhaustive_search import search
@@ -127,9 +127,9 @@ def _search(
     )  # fmt: skip
 
 
-def _scatter(result: "Found", chance: Any) -> Any:
+def _scatter(result: "SearchResult", chance: Any) -> Any:
     """Scatter of the front's designs, where the task file asks for it."""
-    if chance is None or not result.listed.size:
+    if chance is None or not result.reported.size:
         return None
     from ...design.robust import spread
 
@@ -139,7 +139,7 @@ def _scatter(result: "Found", chance: Any) -> Any:
     )  # fmt: skip
 
 
-def print_answer(result: "Found", answered: Any, notes: tuple[str, ...] = ()) -> int:
+def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] = ()) -> int:
     """Print the recommended design and the front; or the nearest design.
 
     **Arguments:**
@@ -183,13 +183,13 @@ def _parts(answered: Any) -> "tuple[Unreached | None, Any]":
     return (answered, answered.summary) if isinstance(answered, Unreached) else (None, answered)
 
 
-def _print_front(result: "Found") -> None:
+def _print_front(result: "SearchResult") -> None:
     """Print the designs of the Pareto front."""
     from ...reports.engineering import demand, shown, sizes, words
 
     kept = ""
     if result.judged == len(result.index):
-        reaching, allowed = int(result.reaching.sum()), int(result.allowed.sum())
+        reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
         kept = f" {reaching} {demand(result)}, {allowed} keep all limits too,"
     print(f"{result.judged} designs,{kept} {len(result.front)} on the front")
     marks = {result.compromise: "c", result.recommended: "*"}
@@ -200,23 +200,23 @@ def _print_front(result: "Found") -> None:
         [
             f"{index + 1} {marks.get(index, '')}".strip(),
             result.designs.labels[index],
-            *(shown(name, float(result.values[name][result.listed[index]]))
-              for name in result.told),
+            *(shown(name, float(result.values[name][result.reported[index]]))
+              for name in result.reported_objectives),
             sizes(result, result.designs, index),
         ]
         for index in sorted({*first, *(int(index) for index in marks if index is not None)})
     ]  # fmt: skip
-    heads = ["", "units", *map(words, result.told), "muscles"]
+    heads = ["", "units", *map(words, result.reported_objectives), "muscles"]
     caption = "*: recommended, c: best compromise"
     if result.cheapest not in result.front:
         caption += "; the recommended one isn't on the front"
-    if more := len(result.listed) - len(rows):
+    if more := len(result.reported) - len(rows):
         caption += f"; {more} more are in the files"
     print_table("Designs on the Pareto front", heads, rows, caption)
 
 
 def _write(
-    result: "Found",
+    result: "SearchResult",
     answered: Any,
     scatter: Any,
     notes: tuple[str, ...],
@@ -232,7 +232,7 @@ def _write(
 
     bundles = {
         f"bundle_{index + 1}.toml": dumps(result.designs.bundle(index, result.task))
-        for index in range(min(len(result.listed), _SAVED))
+        for index in range(min(len(result.reported), _SAVED))
     }
     data: dict[str, Any] = {"designs.nc": every_variables(result)}
     unreached, summary = _parts(answered)
@@ -256,7 +256,7 @@ def _write(
     return [str(folder / name) for name in ("report.html", *files)]
 
 
-def _json(result: "Found", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
+def _json(result: "SearchResult", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     from ...reports.engineering import margin_warning
     from ...results.designed import case_variables, design_variables, front_variables

@@ -87,13 +87,13 @@ def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
     """Print and write the recommended design and the front; returns the exit code."""
     import numpy as np
 
-    from ...design.exhaustive_search import concluded
+    from ...design.exhaustive_search import conclude
     from ...reports.unreached import Unreached, answer
     from ...results.designed import case_variables, front_variables
     from ...results.labelled import write
 
     with status("looking for the front"):
-        result = concluded(
+        result = conclude(
             task.space, task.task, task.senses, task.limits, np.arange(len(task.space)),
             store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
