@@ -14,7 +14,6 @@ from fascicle import records, units
 from fascicle.cli import main
 from fascicle.cli.commands.calibrate import read_start
 from fascicle.files import provenance
-from fascicle.muscle import LAWS
 
 
 TEN = "kim2021_slenderness_10"
@@ -84,16 +83,6 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
         for kind in ("png", "svg")
     }
     assert set(names) == {"muscle.toml", "report.html", ".fascicle.json"} | pictures
-
-
-def test_a_muscle_that_was_edited_is_kept(ran, refused, folder):
-    path = folder / "calibrated-d/muscle.toml"
-    written = path.read_text(encoding="utf-8")
-    path.write_text("# better by hand\n" + written, encoding="utf-8")
-    err = refused(folder / "d.csv", "--muscle", TEN, "--out", folder / "calibrated-d")
-    assert "muscle.toml, which was changed since" in err and "--force" in err
-    assert path.read_text(encoding="utf-8").startswith("# better by hand")
-    path.write_text(written, encoding="utf-8")
 
 
 def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
@@ -170,12 +159,6 @@ def test_help_lists_every_name_that_a_fit_takes(fascicle):
         assert listed.count(name) == 1, name
 
 
-def test_each_kind_of_law_has_an_option(fascicle):
-    _, told, _ = fascicle("calibrate", "--help")
-    for kind in LAWS:
-        assert f"--{kind.replace('_', '-')} LAW" in told
-
-
 @pytest.mark.slow
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -232,83 +215,3 @@ def test_the_readmes_calibration_finds_the_angle_that_was_built(fascicle, tmp_pa
     found = [units.parse(one[key], "angle") for key in ("low", "value", "high")]
     assert found[0] < np.radians(float(built)) < found[2]
     assert f"{np.degrees(found[1]):.1f}" == f"{float(built):.1f}"
-
-
-@pytest.fixture
-def refused(fascicle, folder, tmp_path):
-    """Run a command that must be refused; its one line."""
-
-    def run(*arguments):
-        before = sorted(tmp_path.rglob("*"))
-        code, out, err = fascicle("calibrate", *arguments)
-        assert (code, out) == (2, "")
-        assert err.startswith("error: ") and err.count("\n") == 1 and "Traceback" not in err
-        assert sorted(tmp_path.rglob("*")) == before
-        return err
-
-    return run
-
-
-def test_without_a_muscle_one_line_names_the_missing_sizes(refused, folder):
-    said = refused(folder / "d.csv", "--length", "127mm", "--braid-angle", "33deg")
-    assert "--muscle FILE" in said and "--outer-radius, --wall-thickness" in said
-    assert "--length" not in said
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--muscle", "no.toml"], "no.toml: no such file"),
-        (["--muscle", "kim2021_bundle_1_1"], "a bundle, not a muscle"),
-        (["--muscle", TEN, "--length", "127"], "`--length` must be a length"),
-        (["--muscle", TEN, "--collapse", "nobody"], "--collapse 'nobody' is unknown"),
-        (["--muscle", TEN, "--ends", "loose"], "--ends 'loose' is unknown"),
-        (["--muscle", TEN, "--fit", "c10,c11"], "--fit 'c11' is unknown: did you mean 'c10'?"),
-        (["--muscle", TEN, "--fit", ""], "--fit '' is unknown"),
-        (["--muscle", TEN, "--prior", "c10"], "--prior 'c10': write NAME=VALUE"),
-        (["--muscle", TEN, "--prior", "c10=1kPa"], "a value and its standard deviation"),
-        (["--muscle", TEN, "--fit", "c10", "--prior", "c10=1mm,2kPa"], "'mm' is no unit of"),
-        (["--muscle", TEN, "--fit", "c10", "--prior", "c10=-1kPa,2kPa"], "must be positive"),
-        (
-            ["--muscle", TEN, "--fit", "c01", "--prior", "c10=1kPa,2kPa"],
-            "c10 isn't fitted: add it to --fit",
-        ),
-        (["--muscle", TEN, "--loss", "huber"], "--loss 'huber' is unknown"),
-        (["--muscle", TEN, "--weights", "heavy"], "--weights 'heavy' is unknown"),
-        (["--muscle", TEN, "--loss", "cauchy", "--posterior"], "--posterior: needs --loss linear"),
-        (["--muscle", TEN, "--rest-length", "0mm"], "--rest-length must be positive"),
-        (["--muscle", TEN, "--column", "force=nothing"], "nothing"),
-        (["--muscle", TEN, "--unit", "force"], "--unit 'force': write NAME=VALUE"),
-        (["--muscle", TEN, "--out", "no/where"], "--out no/where: can't be written"),
-        ([*SIZES, "--material", "steel"], "--material 'steel' is unknown"),
-    ],
-)
-def test_a_mistake_is_one_line(refused, folder, arguments, message):
-    assert message in refused(folder / "d.csv", *arguments)
-
-
-def test_a_folder_with_something_else_in_it_is_kept(refused, folder, tmp_path):
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine/thesis.txt").write_text("years")
-    assert "thesis.txt" in refused(folder / "d.csv", "--muscle", TEN, "--out", "mine")
-
-
-@pytest.mark.parametrize(
-    ("header", "said"),
-    [
-        ("pressure,strain,force [N]", "or give --unit pressure='kPa'."),
-        ("pressure [kPa],strain,load (g)", "or give --unit force='gf'."),
-        ("pressure [kN],strain,force [N]", "'kN' is no unit of pressure: convert its numbers"),
-        ("pressure [kPa],strain,F=x [N]", "name it with --column force='F=x [N]' if it is one of"),
-        ("force 1 [N],force 2 [N],strain", "--column"),
-    ],
-)
-def test_what_a_record_doesnt_say_is_asked_for_as_an_option(refused, tmp_path, header, said):
-    (tmp_path / "x.csv").write_text(f"{header}\n100,0.1,1\n")
-    assert said in refused("x.csv", "--muscle", TEN)
-
-
-def test_a_record_that_cant_be_is_one_line(refused, tmp_path):
-    (tmp_path / "x.csv").write_text("pressure [kPa],length [mm],force [N]\n100,nan,1\n")
-    said = refused("x.csv", "--muscle", TEN)
-    assert "x.csv, line 2" in said

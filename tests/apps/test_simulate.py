@@ -25,16 +25,12 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
     )
     assert (code, err) == (0, "")
     for part in ("0.04 s in 40 steps of 1 ms", "position mm", "P2 kPa", "supply kPa",
-                 "of the muscles", "left over", "closes", "wrote a.nc", "a.html"):  # fmt: skip
+                 "of the muscles", "residual", "closes", "wrote a.nc", "a.html"):  # fmt: skip
         assert part in out
     data = read(tmp_path / "a.nc")
     assert data.attrs["title"] == "Simulation of a" and data.sizes["time"] == 41
     assert "Where every joule went" in (tmp_path / "a.html").read_text()
     assert (tmp_path / "a.png").stat().st_size > 10_000
-    # what it wrote itself it replaces; what was edited it doesn't
-    (tmp_path / "a.html").write_text("mine")
-    code, _, err = fascicle("simulate", "a.toml", "--report", "a.html")
-    assert code == 2 and "a.html" in err and (tmp_path / "a.html").read_text() == "mine"
 
 
 # across the transition in half a second, then on to more than any policy can
@@ -95,21 +91,6 @@ def test_policies_are_compared_and_what_none_can_reach_is_told(fascicle, tmp_pat
     assert (code, err) == (0, "") and "Control of force by threshold" in out
 
 
-def test_what_isnt_controlled_has_no_policy(fascicle):
-    for options, told in (
-        (["--compare"], "lift_gas is commanded by a schedule; it needs [control]"),
-        (["--policy", "orderly"], "--policy needs a scenario with [control]"),
-    ):
-        code, out, err = fascicle("simulate", "lift_gas", *options)
-        assert (code, out) == (2, "") and told in err and err.count("\n") == 1
-    code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "handover")
-    assert code == 2 and "--policy 'handover' is unknown: did you mean 'hand_over'?" in err
-    code, _, err = fascicle("simulate", "lift_gas", "--no-compensate")
-    assert code == 2 and "--compensate needs a scenario with [control]" in err
-    code, _, err = fascicle("simulate", "ramp_hand_over", "--policy", "batch", "--compare")
-    assert code == 2 and "leave out --policy" in err
-
-
 def test_a_supply_that_runs_dry_says_so(fascicle):
     code, out, err = fascicle("simulate", "supply_runs_dry")
     assert (code, err) == (0, "")
@@ -150,22 +131,6 @@ def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
     assert "This run can't be trusted." in (tmp_path / "a.html").read_text()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["lift_gass"], "did you mean lift_gas?"),
-        (["nowhere/a.toml"], "no such file"),
-        (["kim2021_figure_6"], "no such file or named scenario, choose one of joint_gait"),
-        (["lift_gas", "--report", "a.pdf"], "--report 'a.pdf': its name must end in .html"),
-        (["lift_gas", "-o", "a.txt"], "a result's name must end in"),
-        (["lift_gas", "--json", "--csv"], "both can't be printed"),
-    ],
-)
-def test_bad_input_is_one_line(fascicle, arguments, told):
-    code, out, err = fascicle("simulate", *arguments)
-    assert (code, out) == (2, "") and told in err and err.count("\n") == 1
-
-
 def test_a_file_that_cant_be_is_one_line_with_its_key(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(SHORT.replace("b = 0.3", "b = 1.2"))
     code, out, err = fascicle("simulate", "a.toml")
@@ -179,7 +144,3 @@ def test_init_writes_one_that_runs(fascicle, tmp_path):
     assert (tmp_path / "scenario.toml").read_text() == example_text("lift_gas")
     assert fascicle("init", "--scenario", "--from", "joint_step", "j.toml")[0] == 0
     assert (tmp_path / "j.toml").read_text() == example_text("joint_step")
-    code, _, err = fascicle("init", "--scenario", "--from", "kim2021_figure_6", "k.toml")
-    assert code == 2 and "no scenario, take " in err and "joint_step, " in err
-    code, _, err = fascicle("force", "scenario.toml")
-    assert code == 2 and "`fascicle simulate` runs it" in err

@@ -6,7 +6,6 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,51 +66,44 @@ def cache_folder() -> Path | None:
 
 
 def read_target(target: str) -> Any:
-    """Read a muscle or bundle.
-
-    **Arguments:** `target`: a path, or an example's name; a file of that name comes first.
-
-    **Returns:** a `Muscle` or a `Bundle`.
-    """
+    """Read a `Muscle` or `Bundle` by path or example's name; a file of that name comes first."""
+    if not _is_file(target) and is_scenario(target):
+        raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
     from ..files import examples
 
-    exists = _exists(target)
-    if not exists and is_scenario(target):
-        raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    if not exists and target not in examples():
-        raise _unknown(target, examples(), "example", "see `fascicle muscles`.")
-    load_laws()
-    from ..files import example
-    from ..files.muscle_files import load_muscle
-
-    with user_errors():
-        return load_muscle(target) if exists else example(target)
+    return _read(target, list(examples()))
 
 
 def read_scenario(target: str) -> Any:
-    """Read a scenario.
-
-    **Arguments:** `target`: a path, or a named scenario; a file of that name comes first.
-
-    **Returns:** a `Scenario`.
-    """
+    """Read a `Scenario` by path or name; a file of that name comes first."""
     from ..files import scenarios
 
-    exists = _exists(target)
-    if not exists and target not in scenarios():
-        raise _unknown(target, scenarios(), "scenario", f"choose one of {', '.join(scenarios())}.")
+    return _read(target, list(scenarios()), scenario=True)
+
+
+def _read(target: str, names: list[str], scenario: bool = False) -> Any:
+    if not _is_file(target) and target not in names:
+        near = difflib.get_close_matches(target, names, n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(names)}."
+        shown = target if target.isprintable() and len(target) < 200 else repr(target)[:100]
+        raise UserError(f"{shown}: no such file, nor an example: {hint}")
     load_laws()
-    from ..files import example, load_scenario
+    from .. import files
+    from ..files.muscle_files import load_muscle
 
     with user_errors():
-        return load_scenario(target) if exists else example(target)
+        if not _is_file(target):
+            return files.example(target)
+        if scenario:
+            return files.load_scenario(target)
+        return load_muscle(target)  # `files.load` reads scenarios, too, and needs JAX
 
 
 def is_scenario(target: str) -> bool:
     """Check whether a path or a name leads to a scenario."""
     from ..files import scenarios
 
-    if not _exists(target):
+    if not _is_file(target):
         return target in scenarios()
     from ..files.muscle_files import parse_file, read_text
 
@@ -128,13 +120,7 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
 
 
 def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
-    """Read a bundle, or a muscle as a bundle of one.
-
-    **Arguments:**
-
-    - `target`: a path, or an example's name.
-    - `supply`: supply pressure that was given [Pa]; `None` where the bundle needs its own.
-    """
+    """Read a bundle, or a muscle as a bundle of one; `supply`: [Pa], `None` for the bundle's."""
     target_object = read_target(target)
     if is_bundle(target_object):
         return target_object
@@ -156,15 +142,10 @@ def is_bundle(target_object: Any) -> bool:
 
 
 def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
-    """Read pressures of a bundle's motor units, state by state.
+    """Read pressures [Pa] of a bundle's motor units, a row for each state.
 
-    **Arguments:**
-
-    - `texts`: each a pressure or a range for every unit, between commas; ranges are combined.
-      `None`: the fully activated end of each recruitment state.
-    - `bundle`: the bundle.
-
-    **Returns:** pressures [Pa], one for each motor unit in each state.
+    Each text has a pressure or a range for every unit, between commas; ranges are combined. Without
+    texts the states are the fully activated ends of the recruitment states.
     """
     units = len(bundle.motor_units)
     if not texts:
@@ -215,18 +196,11 @@ def check_rising(strains: list[float] | None) -> None:
         raise UserError("--strain must rise from each value to the next: sort its values.")
 
 
-def _exists(target: str) -> bool:
+def _is_file(target: str) -> bool:
+    """Check whether a target is a file, or looks like the path of one that is missing."""
+    if "/" in target or "\\" in target or target.endswith(".toml"):
+        return True
     try:
         return Path(target).exists()
     except (OSError, ValueError):  # too long for a name, or a NUL in it
         return False
-
-
-def _unknown(target: str, known: Iterable[str], kind: str, remedy: str) -> UserError:
-    near = difflib.get_close_matches(target, list(known), n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}?" if near else remedy
-    is_path = "/" in target or "\\" in target or target.endswith(".toml")
-    what = "no such file" if is_path else f"no such file or named {kind}"
-    shown = target if target.isprintable() else repr(target)
-    shown = shown if len(shown) < 200 else f"{shown[:100]}…"
-    return UserError(f"{shown}: {what}" + (f", {hint}" if near or not is_path else "."))

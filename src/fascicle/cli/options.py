@@ -37,6 +37,11 @@ def option(text: str, names: str = "", *, default: Any = None, **settings: Any) 
     return typer.Option(default, *names.split(), help=text, show_default=shown, **settings)
 
 
+def flag(text: str, names: str) -> Any:
+    """Flag of a command, off by default; `text`: its help, `names`: its spellings."""
+    return typer.Option(False, *names.split(), help=text, show_default=False)
+
+
 def argument(metavar: str, text: str, default: Any = ..., **settings: Any) -> Any:
     """Argument of a command; `text`: its help."""
     show = default not in (None, ...)
@@ -80,9 +85,7 @@ STRAIN = option(
 SPACE_STRAIN = option(
     "Contractions, rising; default: up to the largest free strain.", "--strain -s", metavar="LIST"
 )
-NO_RESISTANCE = option(
-    "No resisting force of muscles past their free strain.", "--no-resistance", default=False
-)
+NO_RESISTANCE = flag("No resisting force of muscles past their free strain.", "--no-resistance")
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
     f"Recruitment scheme: {listed()}; default: the bundle's.",
@@ -90,13 +93,13 @@ SCHEME = option(
     autocompletion=lambda: list(SCHEMES),
 )
 SEED = option("Random seed.", "--seed", default=0, min=0)
-JSON = option("JSON output in SI units; --json FILE.json: into a file.", "--json", default=False)
-CSV = option("CSV output in SI units; --csv FILE.csv: into a file.", "--csv", default=False)
+JSON = flag("JSON output in SI units; --json FILE.json: into a file.", "--json")
+CSV = flag("CSV output in SI units; --csv FILE.csv: into a file.", "--csv")
 OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PATH")
 PLOT = option("Picture file: .png or .svg.", "--plot", metavar="PATH")
 _OVERWRITE = "Overwrite existing files, including files not created by fascicle."
-OVERWRITE = option(_OVERWRITE, "--overwrite --force", default=False)
-OVERWRITE_ONLY = option(_OVERWRITE, "--overwrite", default=False)  # beside --force, the demand
+OVERWRITE = flag(_OVERWRITE, "--overwrite --force")
+OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # beside --force, the demand
 
 
 class Command(TyperCommand):

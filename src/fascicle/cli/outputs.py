@@ -34,15 +34,9 @@ def print_table(
     caption: str = "",
     keys: int = 1,
 ) -> None:
-    """Print a table; columns that do not fit follow below, beside the first ones again.
+    """Print a table of texts, of one line or several each.
 
-    **Arguments:**
-
-    - `title`: of the table, with the unit.
-    - `heads`: names of its columns.
-    - `rows`: entries, of one line or several.
-    - `caption`: explains its marks.
-    - `keys`: how many first columns name a row.
+    Columns that do not fit follow below, beside the first `keys` ones again, which name a row.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -108,12 +102,7 @@ _updates: list[Callable[[str], None]] = []  # of the line that is shown now, if 
 
 @contextlib.contextmanager
 def status(text: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal what is being done, and for how long.
-
-    **Arguments:** `text`: what is done first.
-
-    **Returns:** a function that shows another text.
-    """
+    """Show on a terminal what is being done, and for how long; gives a function that updates it."""
     if not sys.stderr.isatty():
         yield lambda _: None
         return
@@ -137,15 +126,7 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
 def check_file(
     option: str, path: str | Path, overwrite: bool, suffixes: Sequence[str] = ()
 ) -> None:
-    """Refuse a file that can't be written, before the work begins.
-
-    **Arguments:**
-
-    - `option`: that names it; empty for an argument.
-    - `path`: where it will go.
-    - `overwrite`: whether a file there is replaced.
-    - `suffixes`: ends of a name that it may have; empty for any.
-    """
+    """Refuse a file that can't be written, before the work begins; `option`: that names it."""
     from ..files import ours
     from ..io.atomic import check_writable
 
@@ -160,13 +141,7 @@ def check_file(
 def write_file(
     option: str, path: str | Path, overwrite: bool, folder: bool = False
 ) -> Iterator[Path]:
-    """Give a draft to write to, and put it at `path` once it is complete.
-
-    **Arguments:**
-
-    - `option`, `path`, `overwrite`: as those of `check_file`.
-    - `folder`: whether it is a folder.
-    """
+    """Give a draft to write to, and put it at `path` once it is complete."""
     from ..files.ours import replacing
 
     with user_errors(f"{option} ".lstrip()), replacing(path, overwrite, _FLAG, folder) as draft:
@@ -174,7 +149,7 @@ def write_file(
 
 
 def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> None:
-    """Write a text file, whole or not at all; arguments as those of `check_file`."""
+    """Write a text file, whole or not at all."""
     with write_file(option, path, overwrite) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
 
@@ -190,15 +165,7 @@ def check_folder(command: str, folder: str | Path, overwrite: bool) -> None:
 def write_folder(
     command: str, folder: Path, overwrite: bool, fill: Callable[[Path], object]
 ) -> None:
-    """Write a folder of results, once all of its files are complete.
-
-    **Arguments:**
-
-    - `command`: that writes them.
-    - `folder`: where they go.
-    - `overwrite`: whether files there are replaced.
-    - `fill`: writes them into the folder that it is given.
-    """
+    """Write a folder of results, once all of the files that `fill` writes are complete."""
     from ..files import ours
 
     with user_errors("--out "):
@@ -208,16 +175,7 @@ def write_folder(
 def result_folder(
     command: str, out: str | None, source: str, as_json: bool, overwrite: bool
 ) -> Path | None:
-    """Folder of a command's results; `None` where nothing is written.
-
-    **Arguments:**
-
-    - `command`: "design" or "calibrate".
-    - `out`: the folder that was asked for, or `None`.
-    - `source`: path of what the command reads first.
-    - `as_json`: whether JSON is printed.
-    - `overwrite`: whether files there are replaced.
-    """
+    """Folder of a command's results, named after its `source`; `None` where none is written."""
     if out is None and as_json:
         return None
     folder = Path(f"{_FOLDERS[command]}-{Path(source).stem}" if out is None else out)
@@ -231,14 +189,7 @@ class Outputs:
     def __init__(
         self, as_json: bool, as_csv: bool, out: str | None, plot: str | None, overwrite: bool
     ):
-        """**Arguments:**
-
-        - `as_json`: print JSON.
-        - `as_csv`: print CSV.
-        - `out`: path of the result, or `None`.
-        - `plot`: path of its picture, or `None`.
-        - `overwrite`: whether files there are replaced.
-        """
+        """**Arguments:** values of the options --json, --csv, --out, --plot and --overwrite."""
         if as_json and as_csv:
             raise UserError("--json and --csv: only one can be printed, drop one.")
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
@@ -262,16 +213,7 @@ class Outputs:
         title: str,
         notes: str = "",
     ) -> None:
-        """Write the files, then print.
-
-        **Arguments:**
-
-        - `variables`: the result.
-        - `table`: prints it for a reader.
-        - `draw`: makes its figure.
-        - `title`: of the result.
-        - `notes`: about it.
-        """
+        """Write the files, then print; `table` does so for a reader, `draw` makes the figure."""
         from ..results import labelled
 
         with status("writing the result") as update:

@@ -16,7 +16,7 @@ from ...units import parse, pretty
 from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import load_laws, read_muscle, read_one
-from ..options import Command, argument, complete_target, option
+from ..options import Command, argument, complete_target, flag, option
 from ..outputs import print_line, print_table, result_folder, status, write_folder
 
 
@@ -83,11 +83,9 @@ def run(
         metavar="LINE",
         min=1,
     ),
-    clipped_at_zero: bool = option(
-        "Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero", default=False
-    ),
-    push_positive: bool = option(
-        "Sign of the file's forces: positive for a push.", "--push-positive", default=False
+    clipped_at_zero: bool = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero"),
+    push_positive: bool = flag(
+        "Sign of the file's forces: positive for a push.", "--push-positive"
     ),
     fit: str | None = option(
         "Free parameters: names below that the muscle has, such as"
@@ -114,12 +112,8 @@ def run(
         "Method of intervals: quick (linear), or bootstrap (199 simulated records, refitted).",
         default="quick",
     ),
-    posterior: bool = option(
-        "Posterior samples as well (needs numpyro).", "--posterior", default=False
-    ),
-    compare: bool = option(
-        "Comparison with other laws; takes minutes.", "--compare", default=False
-    ),
+    posterior: bool = flag("Posterior samples as well (needs numpyro).", "--posterior"),
+    compare: bool = flag("Comparison with other laws; takes minutes.", "--compare"),
     profile: bool = option("Profile of each parameter.", "--profile/--no-profile", default=True),
     out: str | None = option(
         "Folder of muscle, report and figures; default: calibrated-DATA, none with --json.",

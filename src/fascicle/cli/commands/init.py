@@ -7,7 +7,7 @@ from string import Template
 from ...bundle.schemes import listed
 from .. import options
 from ..errors import UserError, user_errors
-from ..options import argument, complete_target, option
+from ..options import argument, complete_target, flag, option
 from ..outputs import check_file, print_line, status, write_text
 
 
@@ -18,8 +18,8 @@ def run(
     example: str | None = option(
         "Named example to copy.", "--from", metavar="NAME", autocompletion=complete_target
     ),
-    task: bool = option("Task file for `fascicle design`.", "--task", default=False),
-    scenario: bool = option("Scenario file for `fascicle simulate`.", "--scenario", default=False),
+    task: bool = flag("Task file for `fascicle design`.", "--task"),
+    scenario: bool = flag("Scenario file for `fascicle simulate`.", "--scenario"),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
     """Write a commented muscle, task or scenario file to edit."""

@@ -7,7 +7,7 @@ from typing import Any
 from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import check_grid, read_list, read_muscle, read_one
-from ..options import option
+from ..options import flag, option
 from ..outputs import check_file, print_line, write_file
 
 
@@ -21,7 +21,7 @@ def run(
         metavar="LIST",
     ),
     samples: int = option("Readings in one sweep.", default=200, min=2),
-    one_way: bool = option("Contraction only, without the way back.", "--one-way", default=False),
+    one_way: bool = flag("Contraction only, without the way back.", "--one-way"),
     noise: str = option(
         "Standard deviation of the load cell, as a share of the largest force.",
         metavar="SHARE",
@@ -49,7 +49,7 @@ def run(
     angle_scatter: str = option(
         "Standard deviation of the built braid angle.", metavar="ANGLE", default="0deg"
     ),
-    clip: bool = option("Tension-only load cell: a push reads zero.", "--clip", default=False),
+    clip: bool = flag("Tension-only load cell: a push reads zero.", "--clip"),
     overwrite: bool = options.OVERWRITE,
     as_json: bool = options.JSON,
 ) -> None:

@@ -84,32 +84,22 @@ def _compare_measurements(folder: Path, overwrite: bool) -> None:
 
 
 def _check_claims(folder: Path, overwrite: bool) -> None:
-    """Make the paper's figures, and check its claims; a bar on the terminal meanwhile."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
+    """Make the paper's figures, and check its claims."""
     _make_folder(folder, overwrite)
     load_laws()
     with status("loading the paper's figures"):
         kim2021 = import_module("reproduction.kim2021.reproduction")
         terminal = import_module("reproduction.terminal")
-    columns = (TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn(),
-               TimeElapsedColumn())  # fmt: skip
-    console = Console(stderr=True)
-    hidden = not console.is_terminal
     claims: list[Any] = []
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task("", total=None)
+    with status("computing") as update:
 
-        def progress(done: int, total: int, what: str) -> None:
-            bar.update(task, completed=done, total=total, description=what)
+        def run(draft: Path) -> None:
+            claims.extend(kim2021.run(draft, progress))
 
-        write_folder(
-            "reproduce",
-            folder,
-            overwrite,
-            lambda draft: claims.extend(kim2021.run(draft, progress)),
-        )
+        def progress(done: int, total: int, figure: str) -> None:
+            update(f"{figure}, {done} of {total}")
+
+        write_folder("reproduce", folder, overwrite, run)
     terminal.print_claims(claims)
     print_line(f"claims: {folder / 'claims.json'}")
     print_line(f"report: {folder / 'report.html'}")

@@ -8,7 +8,7 @@ from typing import Any
 from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import read_scenario
-from ..options import argument, option
+from ..options import argument, flag, option
 from ..outputs import (
     Outputs,
     check_file,
@@ -49,9 +49,7 @@ def run(
         " or auto; default: the scenario's.",
         metavar="NAME",
     ),
-    compare: bool = option(
-        "Comparison of all policies, drawdown against energy.", "--compare", default=False
-    ),
+    compare: bool = flag("Comparison of all policies, drawdown against energy.", "--compare"),
     compensate: bool | None = option(
         "Friction feedforward; default: the scenario's.", "--compensate/--no-compensate"
     ),

@@ -32,7 +32,7 @@ def run(
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     bundle = read_bundle(file, supply_pressure)
     units = len(bundle.motor_units)
-    check_grid(units, len(pressures or range(7)), len(strains or range(201)))
+    check_grid(max(units, len(pressures or ())), units, len(strains or range(201)))
     from ...bundle import recruitment
     from ...results import tables
 

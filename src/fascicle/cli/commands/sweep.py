@@ -11,7 +11,7 @@ from ...core.errors import require
 from .. import options
 from ..errors import StoppedError, UserError, user_errors
 from ..inputs import load_laws
-from ..options import argument, option
+from ..options import argument, flag, option
 from ..outputs import SOURCE, check_file, print_line, status, write_file
 from .design import print_answer
 
@@ -28,7 +28,7 @@ def run(
     out: str | None = option(
         "Folder of results; default: swept-STUDY.", "--out -o", metavar="FOLDER"
     ),
-    resume: bool = option("Resumption of the study in the folder.", "--resume", default=False),
+    resume: bool = flag("Resumption of the study in the folder.", "--resume"),
     scheduler: str | None = option(
         "Address of a Dask scheduler, tcp://…, whose workers see FOLDER under the same path;"
         " default: workers on this machine.",
@@ -132,39 +132,23 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def _progress(block: int) -> Iterator[Any]:
-    """Show progress on standard error: a bar on a terminal, a line for each tenth elsewhere."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+def _progress(block: int) -> Iterator[Callable[[Any], None]]:
+    """Show progress on standard error: on a terminal in one line, else a line for each tenth."""
+    printed: set[int] = set()
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield partial(_print_progress, block, set())
-        return
-    columns = (
-        BarColumn(), TextColumn("{task.completed} of {task.total} blocks, {task.fields[rate]}"),
-        TimeRemainingColumn(),
-    )  # fmt: skip
-    with Progress(*columns, console=console) as bar:
-        task = bar.add_task("sweep", total=None, rate="")
+    with status("compiling") as update:
 
         def watch(now: Any) -> None:
-            rate = f"{now.rate:,.0f} designs/s" if now.designs else "compiling"
-            bar.update(task, completed=now.done, total=now.all, rate=rate)
+            text = f"{now.done} of {now.all} blocks"
+            if now.designs:
+                seconds = (now.all - now.done) * block / now.rate
+                text += f", {now.rate:,.0f} designs/s, {seconds:.0f} s left"
+            if now.last is not None:
+                text += f", {now.last.memory / 2**20:.0f} MiB a worker"
+            update(text)
+            tenth = 10 * now.done // max(1, now.all)
+            if not sys.stderr.isatty() and (tenth not in printed or now.done == now.all):
+                printed.add(tenth)
+                sys.stderr.write(f"{text}\n")
 
         yield watch
-
-
-def _print_progress(block: int, printed: set[int], now: Any) -> None:
-    """Print a line at the start, after every tenth of the blocks, and at the end."""
-    tenth = 10 * now.done // max(1, now.all)
-    if tenth in printed and now.done < now.all:
-        return
-    printed.add(tenth)
-    rate, left = "", ""
-    if now.designs:
-        rate = f", {now.rate:,.0f} designs/s"
-        if now.done < now.all:
-            left = f", {(now.all - now.done) * block / now.rate:.0f} s left"
-    memory = f", {now.last.memory / 2**20:.0f} MiB a worker" if now.last is not None else ""
-    sys.stderr.write(f"{now.done} of {now.all} blocks{rate}{left}{memory}\n")
