@@ -9,15 +9,13 @@ A design that doesn't reach the task is worse than any that does, the more so th
 of its worst point it misses, so that a search leads there; the nearest is kept where none does.
 
 The same seed gives the same front. A search that was stopped after any generation resumes from its
-checkpoint to the same end. That file is NumPy's `.npz`: the population with its ranks, the front of
-all designs evaluated, and a JSON text with the search's identity and the state of its random
-numbers. It may come from anybody, so all of it is validated before any is used.
+checkpoint to the same end. The file may come from anybody, so all of it is validated.
 """
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from io import BytesIO
+from collections.abc import Callable, Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +23,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float
-from ..io.atomic import replace_whole
+from ..io.atomic import write_text
 from ..io.input_file import read_bytes
 from .catalog import Catalog, cheapest
 from .designs import Designs, scaled_designs
@@ -53,147 +51,91 @@ from .tables import MIXED
 from .task import Task
 
 
-_GENES = ("population", "genomes")
-_LARGEST = 1_000_000_000  # bytes; a population of 10 000 takes some millions
-_UNRANKED = -1  # what keeps no limit has no rank, and no crowding
+_AXES = ("length", "radius", "wall_ratio", "braid_angle")
+_LARGEST = 1_000_000_000  # bytes of a checkpoint; a hundred generations take some two million
+
+Genomes = Float[np.ndarray, "design gene"]
+
+
+class Checkpoint:
+    """Objectives of every generation of a search, in a file of JSON lines.
+
+    A search resumes by running again with these objectives instead of the designs: the same seed
+    makes the same generations, which a digest in each line confirms.
+    """
+
+    def __init__(self, path: Path, search: dict[str, Any]):
+        """**Arguments:**
+
+        - `path`: of the file, which may exist.
+        - `search`: what distinguishes this search from any other, as JSON can hold it.
+
+        **Raises:** `ValueError`, one line, for a file that isn't this search's checkpoint.
+        """
+        self.path, self.header = path, json.dumps({"format": 2, "search": search})
+        self.lines: list[dict[str, Any]] = []
+        if not path.exists():
+            return
+        first, lines, cut = "", [], ""
+        try:
+            # a last line without its end was cut off, and its generation is computed again
+            first, *lines, cut = read_bytes(path, _LARGEST, "checkpoint").decode().split("\n")
+            header, self.lines = json.loads(first), [json.loads(line) for line in lines]
+            keys = {"genomes", "values"}
+            valid = header["format"] == 2 and all(set(line) == keys for line in self.lines)
+        except OSError as error:
+            raise ValueError(f"{str(error).rstrip('.')}: name a new file.") from None
+        except Exception:  # noqa: BLE001 there is no end to what a made-up file can provoke
+            valid = False
+        if not valid:
+            raise ValueError(f"{path}: is no checkpoint of a search: name a new file.")
+        if first != self.header:
+            raise ValueError(f"{path}: is another search's: name a new file.")
+        if cut:
+            write_text(path, "\n".join([first, *lines, ""]))
+
+    def values(self, generation: int, genomes: Genomes, names: tuple[str, ...]) -> Values | None:
+        """Objectives [SI] of a `generation` by name, if the file has them.
+
+        **Raises:** `ValueError` where they aren't those of the `genomes`.
+        """
+        if generation >= len(self.lines):
+            return None
+        line = self.lines[generation]
+        try:
+            values: np.ndarray = np.array(line["values"], float)
+        except (TypeError, ValueError):
+            values = np.zeros(0)
+        shape = (len(names), len(genomes))
+        if line["genomes"] != _digest(genomes) or values.shape != shape or np.isnan(values).any():
+            raise ValueError(f"{self.path}: holds numbers that no search has: name a new file.")
+        return {name: values[row] for row, name in enumerate(names)}
+
+    def append(self, genomes: Genomes, values: Values) -> None:
+        """Add a generation's `genomes` and `values` [SI]; on the disk on return."""
+        rows = [row.tolist() for row in values.values()]
+        line = json.dumps({"genomes": _digest(genomes), "values": rows}) + "\n"
+        if not self.path.exists():
+            write_text(self.path, f"{self.header}\n")
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(line)
+            file.flush()
+            os.fsync(file.fileno())
+
+
+def _digest(genomes: Genomes) -> str:
+    return sha256(np.ascontiguousarray(genomes, "<f8").tobytes()).hexdigest()
 
 
 class SearchState(NamedTuple):
-    """What a search has so far: pymoo's `algorithm`, how many `generation`s and designs `judged`
-    [-], and of the front of all of them the `genomes` [-] and `values` [SI].
+    """What a search keeps: how many `generation`s and designs `judged`, and of the front of all of
+    them, with the cheapest, the `genomes` [-] and `values` [SI].
     """
 
-    algorithm: Any
     generation: int
     judged: int
-    genomes: Float[np.ndarray, "front gene"]
+    genomes: Genomes
     values: Values
-
-
-def save(path: Path, search: dict[str, Any], kept: SearchState) -> None:
-    """Write a checkpoint, whole or not at all.
-
-    **Arguments:**
-
-    - `path`: where it goes [-].
-    - `search`: what tells this search from any other, as JSON can hold it [-].
-    - `kept`: what it has so far [-].
-    """
-    pop, stream = kept.algorithm.pop, kept.algorithm.random_state.bit_generator.state
-    rank, crowding = ([one.get(name) for one in pop] for name in ("rank", "crowding"))
-    about = {
-        "format": 1, "search": search, "generation": kept.generation, "judged": kept.judged,
-        "names": list(kept.values), "random": stream,
-    }  # fmt: skip
-    with replace_whole(path) as draft, draft.open("wb") as file:
-        np.savez(
-            file,
-            about=np.array(json.dumps(about)),
-            population=pop.get("X"),
-            objectives=pop.get("F"),
-            limits=pop.get("G"),
-            rank=np.array([_UNRANKED if one is None else one for one in rank], float),
-            crowding=np.array([np.nan if one is None else one for one in crowding], float),
-            genomes=kept.genomes,
-            values=np.stack(list(kept.values.values())),
-        )
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def load(path: Path, search: dict[str, Any], algorithm: Any, names: Sequence[str]) -> SearchState:
-    """Go on from a checkpoint.
-
-    **Arguments:**
-
-    - `path`: where it is [-].
-    - `search`: as of `save` [-].
-    - `algorithm`: pymoo's, set up and not yet begun [-].
-    - `names`: of the objectives that are kept [-].
-
-    **Returns:** what the search had [-], the `algorithm` as it was.
-
-    **Raises:** `ValueError`, one line, for a file that isn't this search's checkpoint.
-    """
-    try:
-        arrays, about = _read(path)
-    except OSError as error:
-        raise ValueError(f"{str(error).rstrip('.')}: name a new file.") from None
-    except Exception:  # noqa: BLE001 there is no end to what a made-up file can provoke
-        raise ValueError(f"{path}: is no checkpoint of a search: name a new file.") from None
-    if about["search"] != json.loads(json.dumps(search)):
-        raise ValueError(f"{path}: is another search's: name a new file.")
-    problem, size = algorithm.problem, len(arrays["population"])
-    shapes = {
-        "population": (size, problem.n_var), "objectives": (size, problem.n_obj),
-        "limits": (size, problem.n_ieq_constr), "rank": (size,), "crowding": (size,),
-        "genomes": (len(arrays["genomes"]), problem.n_var),
-        "values": (len(names), len(arrays["genomes"])),
-    }  # fmt: skip
-    if (
-        not size
-        or sorted(about["names"]) != sorted(names)
-        or any(arrays[name].shape != shape for name, shape in shapes.items())
-        or not all(np.all((arrays[name] >= 0) & (arrays[name] <= 1)) for name in _GENES)
-        or any(np.any(np.isnan(arrays[name])) for name in ("objectives", "limits", "rank"))
-    ):
-        raise ValueError(f"{path}: holds numbers that no search has: name a new file.")
-    _restore(algorithm, arrays, about)
-    values = dict(zip(about["names"], arrays["values"], strict=True))
-    return SearchState(algorithm, about["generation"], about["judged"], arrays["genomes"], values)
-
-
-def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Arrays and text, each of its kind; an exception of some kind where they aren't."""
-    raw = BytesIO(read_bytes(path, _LARGEST, "checkpoint"))
-    with np.load(raw, allow_pickle=False) as file:
-        about = json.loads(str(file["about"]))
-        names = ("population", "objectives", "limits", "rank", "crowding", "genomes", "values")
-        arrays = {name: file[name] for name in names}
-    if any(array.dtype != np.float64 or not array.ndim for array in arrays.values()):
-        raise ValueError
-    if any(arrays[name].ndim != 2 for name in _GENES):
-        raise ValueError
-    if not isinstance(about["search"], dict) or any(type(one) is not str for one in about["names"]):
-        raise ValueError
-    if about["format"] != 1 or min(about["generation"], about["judged"]) < 1:
-        raise ValueError
-    random = about["random"]
-    whole = [about["generation"], about["judged"], *random["state"].values(),
-             random["has_uint32"], random["uinteger"]]  # fmt: skip
-    if any(type(one) is not int for one in whole):
-        raise ValueError
-    _stream(random)
-    return arrays, about
-
-
-def _stream(state: dict[str, Any]) -> np.random.Generator:
-    """Random numbers from where they stood."""
-    bits: Any = np.random.PCG64()
-    bits.state = state
-    return np.random.Generator(bits)
-
-
-def _restore(algorithm: Any, arrays: dict[str, np.ndarray], about: dict[str, Any]) -> None:
-    """Put pymoo's `algorithm` where it was after its last generation."""
-    from pymoo.core.population import Population
-
-    pop = Population.new("X", arrays["population"])
-    pop.set("F", arrays["objectives"])
-    pop.set("G", arrays["limits"])
-    for one, rank, crowding in zip(pop, arrays["rank"], arrays["crowding"], strict=True):
-        if rank != _UNRANKED:
-            one.set("rank", int(rank))
-            one.set("crowding", float(crowding))
-    algorithm.pop = algorithm.off = pop
-    algorithm.is_initialized = True
-    algorithm.n_iter = about["generation"] + 1
-    algorithm.random_state = _stream(about["random"])
-    algorithm._set_optimum()
-
-
-Genomes = Float[np.ndarray, "design gene"]
-_AXES = ("length", "radius", "wall_ratio", "braid_angle")
 
 
 class Coding:
@@ -311,20 +253,24 @@ def evolve(
         "study": digest, "senses": senses, "limits": str(limits), "catalog": str(catalog),
         "population": population, "seed": seed, "continuous": continuous,
     }  # fmt: skip
-    state = _begun(coding, names, limits, len(senses), population, seed)
-    if checkpoint is not None and checkpoint.exists():
-        state = load(checkpoint, search, state.algorithm, tuple(state.values))
-    while state.generation < generations:
-        asked = state.algorithm.ask()
-        genomes = np.asarray(asked.get("X"), float)
-        values = evaluate(coding.designs(genomes), task, names, MIXED)
-        asked.set("F", as_minimization(values, senses))
-        asked.set("G", _broken(values, limits))
-        state.algorithm.tell(infills=asked)
+    store = None if checkpoint is None else Checkpoint(checkpoint, search)
+    algorithm = _nsga2(coding.genes, len(senses), 1 + len(other_limits(limits)), population, seed)
+    empty = {name: np.zeros(0) for name in names}
+    state = SearchState(0, 0, np.zeros((0, coding.genes)), empty)
+    while state.generation < generations or (store and state.generation < len(store.lines)):
+        infills = algorithm.ask()
+        genomes = np.asarray(infills.get("X"), float)
+        values = store.values(state.generation, genomes, names) if store else None
+        resumed = values is not None
+        if values is None:
+            values = evaluate(coding.designs(genomes), task, names, MIXED)
+        infills.set("F", as_minimization(values, senses))
+        infills.set("G", _broken(values, limits))
+        algorithm.tell(infills=infills)
         state = _kept(state, genomes, values, senses, limits, coding, catalog)
-        if checkpoint is not None:
-            save(checkpoint, search, state)
-        if watch is not None:
+        if store and not resumed:
+            store.append(genomes, values)
+        if watch is not None and not resumed:
             watch(state.generation)
     designs = coding.designs(state.genomes)
     # what is told in the end is told by the same means as an exhaustive search tells it
@@ -335,24 +281,19 @@ def evolve(
     )  # fmt: skip
 
 
-def _begun(
-    coding: Coding, names: tuple[str, ...], limits: Limits, objectives: int, population: int,
-    seed: int,
-) -> SearchState:  # fmt: skip
-    """A search before its first generation."""
+def _nsga2(genes: int, objectives: int, constraints: int, population: int, seed: int) -> Any:
+    """Pymoo's algorithm before its first generation."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.termination import get_termination
 
     problem = Problem(
-        n_var=coding.genes, n_obj=objectives, n_ieq_constr=1 + len(other_limits(limits)),
-        xl=np.zeros(coding.genes), xu=np.ones(coding.genes),
+        n_var=genes, n_obj=objectives, n_ieq_constr=constraints, xl=np.zeros(genes),
+        xu=np.ones(genes),
     )  # fmt: skip
     algorithm = NSGA2(pop_size=population)
     algorithm.setup(problem, termination=get_termination("n_gen", 10**9), seed=seed, verbose=False)
-    return SearchState(
-        algorithm, 0, 0, np.zeros((0, coding.genes)), {n: np.zeros(0) for n in names}
-    )
+    return algorithm
 
 
 def _broken(values: Values, limits: Limits) -> Float[np.ndarray, "design limit"]:
