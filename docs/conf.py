@@ -23,7 +23,7 @@ logging.getLogger("traitlets").setLevel(logging.ERROR)
 
 
 def _furo(colors: Colors) -> dict[str, str]:
-    """The theme's variables [-], from the tokens that explorer, reports and figures have, too."""
+    """The theme's variables [-], from the colors that explorer, reports and figures have, too."""
     return {
         "font-stack": SANS,
         "font-stack--monospace": MONO,

@@ -23,7 +23,7 @@ SCHEMES = ("orderly", "batch")
 
 def compute() -> PaperFigure:
     """Pressures of two motor units through both recruitment states."""
-    found = {scheme: activation(scheme) for scheme in SCHEMES}
+    pressures = {scheme: activation(scheme) for scheme in SCHEMES}
     axis = np.r_[LEVEL, 1 + LEVEL]
     return PaperFigure(
         key="figure_08",
@@ -39,11 +39,11 @@ def compute() -> PaperFigure:
             "activation": Variable(("step",), axis, "-", "states, each from 0 to 1"),
             **{
                 f"{scheme}_pressure": Variable(("step", "unit"), P, "Pa", f"{scheme} recruitment")
-                for scheme, P in found.items()
+                for scheme, P in pressures.items()
             },
         },
-        draw=lambda: draw(axis, found),
-        claims=claims(found["orderly"]),
+        draw=lambda: draw(axis, pressures),
+        claims=claims(pressures["orderly"]),
     )
 
 
@@ -57,10 +57,10 @@ def activation(scheme: str) -> np.ndarray:
 
 
 @styled
-def draw(axis: np.ndarray, found: dict[str, np.ndarray]) -> Figure:
+def draw(axis: np.ndarray, pressures: dict[str, np.ndarray]) -> Figure:
     """Two panels, one for each scheme."""
     figure, axes = new_figure(1, 2, DOUBLE, 0.36 * DOUBLE, sharey=True)
-    for ax, mark, (scheme, P) in zip(axes.flat, "ab", found.items(), strict=True):
+    for ax, mark, (scheme, P) in zip(axes.flat, "ab", pressures.items(), strict=True):
         _panel(ax, axis, P)
         letter(ax, mark, f"{scheme} recruitment")
     axes[0, 0].set_ylabel("Pressure P [kPa]")

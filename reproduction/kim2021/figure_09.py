@@ -18,7 +18,7 @@ NEAR = (0.18, 0.26), (0.0, 110.0)  # strain and force of (c) and (d)
 
 
 @setting.cached
-def found(resistance: bool) -> tuple[Space, Overlap]:
+def workspace_of(resistance: bool) -> tuple[Space, Overlap]:
     """The space and its overlap, computed once."""
     pair = setting.bundle(setting.muscle("figure_9"), (1, 1), setting.HIGHEST)
     it = space(pair, levels=LEVELS, resistance=resistance)
@@ -27,7 +27,7 @@ def found(resistance: bool) -> tuple[Space, Overlap]:
 
 def compute() -> PaperFigure:
     """The space of 1 + 1 of Fig. 9's muscles."""
-    without, with_it = found(False), found(True)
+    without, with_it = workspace_of(False), workspace_of(True)
     muscle = setting.muscle("figure_9")
     return PaperFigure(
         key="figure_09",

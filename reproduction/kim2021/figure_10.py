@@ -26,22 +26,22 @@ _ROWS = 320  # of forces in a picture
 
 def semu() -> Muscle:
     """One muscle with the section of two of Fig. 9's: $\\sqrt2$ times as thick."""
-    one = setting.muscle("figure_9")
-    sizes = (one.outer_radius * np.sqrt(2), one.wall_thickness * np.sqrt(2))
-    return eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), one, sizes)
+    muscle = setting.muscle("figure_9")
+    sizes = (muscle.outer_radius * np.sqrt(2), muscle.wall_thickness * np.sqrt(2))
+    return eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
 
 
 @setting.cached
-def found(units: int, path: str, resistance: bool, rows: int = 80) -> EfficiencyMap:
+def efficiency_of(units: int, path: str, resistance: bool, rows: int = 80) -> EfficiencyMap:
     """One map of the family on the grid of section 4.2's averages [R18], computed once.
 
     The grid is the library's own with 80 `rows` of force; a picture takes more.
     """
     bundle = family(units)
-    one = bundle.motor_units[0].muscle
+    muscle = bundle.motor_units[0].muscle
     # equal units: one muscle says where the grid ends
-    largest = units * float(one.blocked_force(setting.HIGHEST))
-    columns = int(float(one.free_strain(setting.HIGHEST)) * 375)
+    largest = units * float(muscle.blocked_force(setting.HIGHEST))
+    columns = int(float(muscle.free_strain(setting.HIGHEST)) * 375)
     return efficiency_map(
         bundle,
         path=path,
@@ -58,12 +58,12 @@ def family(units: int) -> Bundle:
 
 def averages(path: str, resistance: bool) -> np.ndarray:
     """Average efficiency [-] against the number of motor units."""
-    return np.array([found(int(n), path, resistance).average for n in UNITS])
+    return np.array([efficiency_of(int(n), path, resistance).average for n in UNITS])
 
 
 def compute() -> PaperFigure:
     """Maps of two motor units, averages of one to six."""
-    maps = {path: found(2, path, True, _ROWS) for path in PATHS}
+    maps = {path: efficiency_of(2, path, True, _ROWS) for path in PATHS}
     mean = {(path, way): averages(path, way) for path in PATHS for way in (True, False)}
     return PaperFigure(
         key="figure_10",
@@ -90,7 +90,7 @@ def compute() -> PaperFigure:
 def draw(maps: dict[str, EfficiencyMap], mean: dict[tuple[str, bool], np.ndarray]) -> Figure:
     """Two maps above, two averages below."""
     figure, axes = new_figure(2, 2, DOUBLE, 0.78 * DOUBLE)
-    highest = max(float(np.nanmax(one.efficiency)) for one in maps.values())
+    highest = max(float(np.nanmax(result.efficiency)) for result in maps.values())
     images = [
         draw_efficiency(ax, maps[path], highest) for ax, path in zip(axes[0], PATHS, strict=True)
     ]
@@ -127,9 +127,9 @@ def _data(
         "strain": Variable(("strain",), first.strain, "-", "contraction"),
         "units": Variable(("units",), UNITS, "-", "motor units in one cross-section"),
     }
-    for path, one in maps.items():
-        data[f"{path}_efficiency"] = Variable(grid, one.efficiency, "-", "two units", "(30)")
-        data[f"{path}_state"] = Variable(grid, one.state, "-", "recruitment state; 0: none")
+    for path, result in maps.items():
+        data[f"{path}_efficiency"] = Variable(grid, result.efficiency, "-", "two units", "(30)")
+        data[f"{path}_state"] = Variable(grid, result.state, "-", "recruitment state; 0: none")
     for (path, resistance), values in mean.items():
         name = f"{path}_average" + ("" if resistance else "_without_resistance")
         data[name] = Variable(("units",), values, "-", "average efficiency", "section 4.2")

@@ -20,10 +20,8 @@ from .setting import claim
 
 POINTS = 129
 PRESSURES = np.linspace(0.0, setting.UNIT_1, POINTS)
-SHORTER, WEAKER = (
-    0.95,
-    0.9,
-)  # illustrative: a muscle's free strain and blocked force, over the model's
+# illustrative: a muscle's free strain and blocked force, over the model's
+SHORTER, WEAKER = 0.95, 0.9
 IDEAL, KLUTE = "ideal", "Klute–Hannaford"
 CORRECTED, RESISTING = "corrected, no resistance", "corrected, with resistance"
 LOOSE, TIGHT = "illustrative tuning, no resistance", "illustrative tuning, with resistance"
@@ -77,7 +75,7 @@ def _curve(of: Muscle, resistance: bool) -> np.ndarray:
 
 def compute() -> PaperFigure:
     """The four models, and one illustrative tuning."""
-    found, turn = curves(), turning()
+    strains, turn = curves(), turning()
     muscle = setting.muscle("slenderness_10")
     return PaperFigure(
         key="figure_13",
@@ -93,11 +91,11 @@ def compute() -> PaperFigure:
             "pressure": Variable(("pressure",), PRESSURES, "Pa", "motor unit 2's"),
             **{
                 _key(name): Variable(("pressure",), values, "-", f"free strain, {name}")
-                for name, values in found.items()
+                for name, values in strains.items()
             },
         },
-        draw=lambda: draw(found, turn),
-        claims=(*claims(found, turn), lone_claim(*lone()), tuning_claim(*factors())),
+        draw=lambda: draw(strains, turn),
+        claims=(*claims(strains, turn), lone_claim(*lone()), tuning_claim(*factors())),
         missing="The measured points exist only in the paper's picture; none are drawn here, and "
         "their distance from the model (within 10 %, one within 15 %) can't be checked.",
     )
@@ -108,19 +106,19 @@ def _key(name: str) -> str:
 
 
 @styled
-def draw(found: dict[str, np.ndarray], turn: Reversal) -> Figure:
+def draw(strains: dict[str, np.ndarray], turn: Reversal) -> Figure:
     """One panel, the reversal point marked."""
     figure, axes = new_figure(width=SINGLE, height=0.9 * SINGLE)
     ax = axes[0, 0]
     styles = ("-", "-", (0, (5, 4)), "-", (0, (5, 4)), "-")
-    draw_free_strain(ax, PRESSURES, found, "$P_2$")
+    draw_free_strain(ax, PRESSURES, strains, "$P_2$")
     for line, style in zip(ax.lines, styles, strict=True):
         line.set_linestyle(style)
     for line, color in zip(ax.lines, (GRAY, None, None, BLACK, None, None), strict=True):
         if color is not None:
             line.set_color(color)
-    line = ax.lines[list(found).index(RESISTING)]
-    curve, jump = split_at_reversal(PRESSURES, found[RESISTING], turn)
+    line = ax.lines[list(strains).index(RESISTING)]
+    curve, jump = split_at_reversal(PRESSURES, strains[RESISTING], turn)
     line.set_data(curve[0] / 1e3, curve[1])
     ax.plot(jump[0] / 1e3, jump[1], color=BLACK, linestyle=":")
     ax.plot(turn.pressure / 1e3, turn.free_strain, "o", color=BLACK, markersize=4)
@@ -137,9 +135,14 @@ def draw(found: dict[str, np.ndarray], turn: Reversal) -> Figure:
     return figure
 
 
-def claims(found: dict[str, np.ndarray], turn: Reversal) -> tuple[Claim, ...]:
+def claims(strains: dict[str, np.ndarray], turn: Reversal) -> tuple[Claim, ...]:
     """What the paper says of Fig. 13, of free strains [-] by model and the reversal point."""
-    return (_reversal_claim(turn), _flat_claim(found), _stronger_claim(turn), _apart_claim(found))
+    return (
+        _reversal_claim(turn),
+        _flat_claim(strains),
+        _stronger_claim(turn),
+        _apart_claim(strains),
+    )
 
 
 def _reversal_claim(turn: Reversal) -> Claim:
@@ -152,8 +155,10 @@ def _reversal_claim(turn: Reversal) -> Claim:
     )
 
 
-def _flat_claim(found: dict[str, np.ndarray]) -> Claim:
-    falls = {name: float(found[name][0] - found[name].min()) for name in (IDEAL, KLUTE, CORRECTED)}
+def _flat_claim(strains: dict[str, np.ndarray]) -> Claim:
+    falls = {
+        name: float(strains[name][0] - strains[name].min()) for name in (IDEAL, KLUTE, CORRECTED)
+    }
     return claim(
         "no_reversal_without_resistance",
         (max(falls.values()),),
@@ -175,8 +180,8 @@ def _stronger_claim(turn: Reversal) -> Claim:
     )
 
 
-def _apart_claim(found: dict[str, np.ndarray]) -> Claim:
-    apart = float(np.abs(found[KLUTE] - found[CORRECTED]).max())
+def _apart_claim(strains: dict[str, np.ndarray]) -> Claim:
+    apart = float(np.abs(strains[KLUTE] - strains[CORRECTED]).max())
     return claim("corrected_curve_differs", (apart,), f"They differ by {apart:.1g} of strain.")
 
 

@@ -142,16 +142,16 @@ def figures(
     **Returns:** figures by name: "fit", "residuals", then "readings" and "profiles" if there
     are any [-].
     """
-    found = {"fit": fit(fitted), "residuals": residuals(fitted)}
+    panels = {"fit": fit(fitted), "residuals": residuals(fitted)}
     if read is not None:
-        found["readings"] = readings(read)
+        panels["readings"] = readings(read)
     if profiled:
-        found["profiles"] = profiles(profiled)
-    for figure in found.values():
+        panels["profiles"] = profiles(profiled)
+    for figure in panels.values():
         # a layout moves a little each time it is made: the files of one figure would differ
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
-    return found
+    return panels
 
 
 @styled
@@ -242,17 +242,17 @@ def _followed(fitted: Fitted, name: str) -> str:
 
 def _strain_means(ax: Axes, fitted: Fitted) -> None:
     """Means of residuals near each strain that was measured, or in stretches of it."""
-    seen = np.isfinite(fitted.residual)
-    strain, left = fitted.strain[seen], fitted.residual[seen]
+    finite = np.isfinite(fitted.residual)
+    strain, left = fitted.strain[finite], fitted.residual[finite]
     if strain.size < 2 or not np.ptp(strain) > 0:
         return
     edges = np.linspace(strain.min(), strain.max(), _STRETCHES + 1)
     place = np.clip(np.searchsorted(edges, strain, "right") - 1, 0, _STRETCHES - 1)
     half = 0.4 * (edges[1] - edges[0])
     for stretch in np.unique(place):
-        there = place == stretch
-        ends = np.mean(strain[there]) + np.array([-half, half])
-        ax.plot(ends, 2 * [left[there].mean()], color=BLACK, linewidth=1.2)
+        inside = place == stretch
+        ends = np.mean(strain[inside]) + np.array([-half, half])
+        ax.plot(ends, 2 * [left[inside].mean()], color=BLACK, linewidth=1.2)
 
 
 @styled
@@ -314,15 +314,17 @@ def _pressure_bar(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> Non
 def _draw_fit(ax: Axes, fitted: Fitted) -> None:
     force_strain_axes(ax)
     norm, levels = _norm(fitted.pressure), fitted.pressure.size
-    drawn = set(np.unique(np.linspace(0, levels - 1, min(levels, _CURVES)).round().astype(int)))
+    with_curve = set(
+        np.unique(np.linspace(0, levels - 1, min(levels, _CURVES)).round().astype(int))
+    )
     for i, pressure in enumerate(fitted.pressure):
         color = _COLORS(norm(pressure))
         used = np.flatnonzero(np.isfinite(fitted.force[i]))
-        for clipped, look in ((False, _MEASURED), (True, _CLIPPED)):
+        for clipped, style in ((False, _MEASURED), (True, _CLIPPED)):
             shown = _thinned(used[fitted.censored[i][used] == clipped], fitted.strain[i])
             paint = {"markeredgecolor": color} if clipped else {"color": color}
-            ax.plot(fitted.strain[i][shown], fitted.force[i][shown], **look, **paint)
-        if i in drawn:
+            ax.plot(fitted.strain[i][shown], fitted.force[i][shown], **style, **paint)
+        if i in with_curve:
             curve = fitted.curve_strain[i]
             if fitted.low is not None and fitted.high is not None:
                 # bands of many levels lie on one another
@@ -390,9 +392,9 @@ def profiles(profiled: Sequence[Profiled]) -> Figure:
     figure, axes = new_figure(rows, columns, width, rows * 0.27 * DOUBLE + 0.25, sharey=True)
     for ax in axes.flat[len(profiled) :]:
         ax.set_visible(False)
-    for i, (ax, one) in enumerate(zip(axes.flat, profiled, strict=False)):
-        _draw_profile(ax, one)
-        letter(ax, chr(ord("a") + i), one.name.replace("_", " "))
+    for i, (ax, profile) in enumerate(zip(axes.flat, profiled, strict=False)):
+        _draw_profile(ax, profile)
+        letter(ax, chr(ord("a") + i), profile.name.replace("_", " "))
         if i % columns == 0:
             ax.set_ylabel("Rise of squares Δ [–]")
     figure.legend(
@@ -401,24 +403,24 @@ def profiles(profiled: Sequence[Profiled]) -> Figure:
     return figure
 
 
-def _draw_profile(ax: Axes, one: Profiled) -> None:
-    color = BLUE if one.identifiable else VERMILION
-    style = "-" if one.identifiable else (0, (4, 2))
-    order = np.argsort(one.value, kind="stable")
-    value, rise = one.value[order], np.maximum(one.rise[order], 0.0)
+def _draw_profile(ax: Axes, profile: Profiled) -> None:
+    color = BLUE if profile.identifiable else VERMILION
+    style = "-" if profile.identifiable else (0, (4, 2))
+    order = np.argsort(profile.value, kind="stable")
+    value, rise = profile.value[order], np.maximum(profile.rise[order], 0.0)
     ax.axhline(CRITICAL, color=GRAY, linewidth=0.8, linestyle=(0, (1, 1.5)))
-    ends = [np.clip(x, value[0], value[-1]) for x in one.crosses]
+    ends = [np.clip(x, value[0], value[-1]) for x in profile.crosses]
     ax.axvspan(ends[0], ends[1], color=color, alpha=0.12, linewidth=0)
     ax.plot(value, rise, color=color, linestyle=style, marker="o", markersize=2.2)
     # a value may lie outside of what was held, at the end of a step
-    left, right = max(one.low, value[0]), min(one.high, value[-1])
+    left, right = max(profile.low, value[0]), min(profile.high, value[-1])
     ax.plot([left, right], 2 * [_BAR], color=BLACK, linewidth=1.2, marker="|", markersize=5)
-    ax.plot([one.estimate], [_BAR], color=BLACK, marker="o", markersize=3.2)
+    ax.plot([profile.estimate], [_BAR], color=BLACK, marker="o", markersize=3.2)
     if value[0] > 0 and value[-1] > _DECADES * value[0]:
         ax.set_xscale("log")
     ax.set_ylim(2 * _BAR, _TOP)
-    ax.set_xlabel(f"[{one.unit or '–'}]", labelpad=1)
-    if not one.identifiable:
+    ax.set_xlabel(f"[{profile.unit or '–'}]", labelpad=1)
+    if not profile.identifiable:
         ax.text(
             0.5, 0.96, "unidentifiable", color=VERMILION, ha="center", va="top",
             transform=ax.transAxes, weight="bold",
@@ -428,9 +430,9 @@ def _draw_profile(ax: Axes, one: Profiled) -> None:
 
 def _profile_legend(profiled: Sequence[Profiled]) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = []
-    if any(one.identifiable for one in profiled):
+    if any(profile.identifiable for profile in profiled):
         handles.append(Line2D([], [], color=BLUE, marker="o", markersize=2.2, label="profile"))
-    if not all(one.identifiable for one in profiled):
+    if not all(profile.identifiable for profile in profiled):
         handles.append(Line2D([], [], color=VERMILION, linestyle=(0, (4, 2)), marker="o",
                               markersize=2.2, label="profile, unidentifiable"))  # fmt: skip
     return [

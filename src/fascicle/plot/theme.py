@@ -1,4 +1,4 @@
-"""Design tokens: the one typeface, spacing and palette of figures, reports, explorer and docs.
+"""Theme: typeface, spacing and palette of figures, reports, explorer and docs.
 
 Colors stand here and nowhere else. Those of curves are told apart by the color-blind, too; text
 keeps a contrast of 4.5 : 1 to what it stands on, on light pages and dark ones, which a test
@@ -90,7 +90,7 @@ def contrast(color: str, other: str) -> float:
 
 
 def variables(colors: Colors) -> dict[str, str]:
-    """A page's tokens as CSS variables [-]: `--ink`, `--paper`, `--room`, …"""
+    """Theme of a page as CSS variables [-]: `--ink`, `--paper`, `--sans`, …"""
     named = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
              "bad", "alarm")  # fmt: skip
     return {
@@ -113,6 +113,6 @@ def css(colors: Colors) -> str:
 
 
 def _luminance(color: str) -> float:
-    parts = [one / 255 for one in red_green_blue(color)]
+    parts = [channel / 255 for channel in red_green_blue(color)]
     linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

@@ -204,11 +204,11 @@ def _draw_valves(ax: Axes, run: "Trajectory") -> None:
     to_room = np.asarray(run.seen.exhaust) > _OPEN
     units = to_supply.shape[1]
     for unit in range(units):
-        what = np.where(to_supply[:, unit], 1, np.where(to_room[:, unit], 2, 0))
-        changes = np.concatenate([[0], np.flatnonzero(np.diff(what)) + 1, [len(what) - 1]])
+        state = np.where(to_supply[:, unit], 1, np.where(to_room[:, unit], 2, 0))
+        changes = np.concatenate([[0], np.flatnonzero(np.diff(state)) + 1, [len(state) - 1]])
         for begin, end in itertools.pairwise(changes):
             span = (float(time[begin]), float(time[end] - time[begin]))
-            color = (GRID, SKY, ORANGE)[what[begin]]
+            color = (GRID, SKY, ORANGE)[state[begin]]
             ax.broken_barh([span], (unit + 0.6, 0.8), facecolors=color, linewidth=0)
     ax.set_yticks(range(1, units + 1), [f"unit {unit + 1}" for unit in range(units)])
     ax.set_ylim(units + 0.6, 0.4)
@@ -220,11 +220,11 @@ def draw_demand(ax: Axes, error: Axes, plant: "Plant", run: "Trajectory", demand
     what it missed onto `error` [-].
     """
     factor, unit = display_unit(plant, demand.quantity)
-    wanted, output = factor * demand.demand, factor * demand.output
+    target, output = factor * demand.demand, factor * demand.output
     _draw_line(ax, run, output, BLUE, "done")
-    _draw_line(ax, run, np.append(wanted, wanted[-1]), BLACK, "demanded", linestyle=_DASHED)
+    _draw_line(ax, run, np.append(target, target[-1]), BLACK, "demanded", linestyle=_DASHED)
     # beyond what muscles can there is nothing to be followed
-    missed = np.append(0.0, np.where(demand.reachable, output[1:] - wanted, np.nan))
+    missed = np.append(0.0, np.where(demand.reachable, output[1:] - target, np.nan))
     _draw_line(error, run, missed, VERMILION, "error")
     error.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
     edges = np.flatnonzero(np.diff(np.r_[True, demand.reachable, True]))
@@ -336,8 +336,8 @@ def _draw_sines(ax: Axes, panel: SineMap) -> None:
     ax.imshow(values, origin="lower", aspect="auto", alpha=0.6, **style)
     ax.grid(visible=False)
     for (i, j), value in np.ndenumerate(values):
-        shown = f"{value:+.0f} %" if panel.diverge else f"{value:.2f}"
-        ax.text(j, i, shown, ha="center", va="center", fontsize=6.5)
+        text = f"{value:+.0f} %" if panel.diverge else f"{value:.2f}"
+        ax.text(j, i, text, ha="center", va="center", fontsize=6.5)
         if panel.doubtful[i, j]:
             ax.add_patch(
                 Rectangle((j - 0.5, i - 0.5), 1, 1, **_HATCHED)
@@ -370,9 +370,9 @@ def sides(balance: "Balance") -> tuple[dict[str, float], dict[str, float], list[
     left = {name: x for name, x in went.items() if x > 0}
     left |= {f"{name}, taken back": -x for name, x in into.items() if x < 0}
     largest = max([*came.values(), *left.values()], default=0.0)
-    small = [name for one in (came, left) for name, x in one.items() if x < _LEAST * largest]
-    rows = ({k: x for k, x in one.items() if k not in small} for one in (came, left))
-    first, second = (dict(sorted(one.items(), key=lambda entry: -entry[1])) for one in rows)
+    small = [name for terms in (came, left) for name, x in terms.items() if x < _LEAST * largest]
+    rows = ({k: x for k, x in terms.items() if k not in small} for terms in (came, left))
+    first, second = (dict(sorted(row.items(), key=lambda entry: -entry[1])) for row in rows)
     return first, second, small
 
 
@@ -395,8 +395,8 @@ def _draw_balance(ax: Axes, balance: "Balance") -> float:
         for i, (name, value) in enumerate(terms.items()):
             _band(ax, (x, outer[i]), (node, inner[i]), widths[i], colors[i % len(colors)])
             text = f"{name} {value:.3g} {balance.unit}, {figures(100 * value / total, 2)} %"
-            where = x - 0.02 if side == "right" else x + 0.02
-            ax.text(where, outer[i], text, ha=side, va="center")
+            place = x - 0.02 if side == "right" else x + 0.02
+            ax.text(place, outer[i], text, ha=side, va="center")
     ax.add_patch(Rectangle((_NODE[0], 0), _NODE[1] - _NODE[0], 1, color=BLACK, linewidth=0))
     low, high = min(*ends, 0.0), max(*ends, 1.0)
     if small:

@@ -7,6 +7,7 @@ each, where a page has 0.5 MB in all, and shows nothing where scripts are off or
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,41 +19,12 @@ _WIDTH, _HEIGHT = 760.0, 420.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 78.0, 20.0, 18.0, 54.0
 _TICKS = 6
 
-STYLE = """<style>
-svg.plot { width: 100%; max-width: 760px; height: auto; display: block; }
-svg.plot text { font: 12px var(--sans); fill: var(--ink); }
-svg.plot .axis { stroke: var(--edge); } svg.plot .grid { stroke: var(--line); }
-svg.plot .other { fill: var(--edge); fill-opacity: .5; }
-svg.plot circle.mark { fill: var(--first); stroke: var(--paper); }
-svg.plot path.mark { fill: none; stroke: var(--first); stroke-opacity: .45; stroke-width: 1.5; }
-svg.plot circle.chosen { fill: var(--mark); } svg.plot path.chosen { stroke: var(--mark);
-  stroke-opacity: 1; stroke-width: 2.5; }
-svg.plot circle.second { stroke: var(--ink); stroke-width: 2.5; }
-svg.plot path.second { stroke: var(--ink); stroke-opacity: 1; stroke-width: 2; }
-svg.plot .mark { cursor: pointer; } svg.plot circle.lit { stroke: var(--ink); stroke-width: 2; }
-svg.plot path.lit { stroke: var(--ink); stroke-opacity: 1; stroke-width: 3; }
-#hover { position: fixed; display: none; pointer-events: none; background: var(--ink);
-  color: var(--paper); padding: .4rem .6rem; border-radius: var(--round); font-size: .85rem;
-  white-space: pre; z-index: 9; }
-</style>
-"""
-SCRIPT = """<div id="hover"></div>
-<script>
-const box = document.getElementById("hover");
-for (const mark of document.querySelectorAll(".mark")) {
-  const same = document.querySelectorAll(`[data-place="${mark.dataset.place}"]`);
-  mark.addEventListener("mousemove", (event) => {
-    box.textContent = mark.dataset.text; box.style.display = "block";
-    box.style.left = `${Math.min(event.clientX + 14, innerWidth - box.offsetWidth - 8)}px`;
-    box.style.top = `${Math.min(event.clientY + 14, innerHeight - box.offsetHeight - 8)}px`;
-    same.forEach((one) => one.classList.add("lit"));
-  });
-  mark.addEventListener("mouseleave", () => {
-    box.style.display = "none"; same.forEach((one) => one.classList.remove("lit"));
-  });
-}
-</script>
-"""
+_TEMPLATES = Path(__file__).with_name("templates")
+STYLE = f"<style>\n{(_TEMPLATES / 'hover.css').read_text(encoding='utf-8')}</style>\n"
+SCRIPT = (
+    '<div id="hover"></div>\n<script>\n'
+    f"{(_TEMPLATES / 'hover.js').read_text(encoding='utf-8')}</script>\n"
+)
 
 
 class Axis(NamedTuple):

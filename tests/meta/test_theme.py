@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fascicle
-from fascicle.plot import theme as tokens
+from fascicle.plot import theme
 
 
 SOURCE = Path(fascicle.__file__).parent
@@ -64,33 +64,33 @@ def test_what_would_be_found_is(text):
     assert written(text)
 
 
-@pytest.mark.parametrize("colors", [tokens.LIGHT, tokens.DARK], ids=["light", "dark"])
+@pytest.mark.parametrize("colors", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
 def test_text_can_be_read_on_what_it_stands_on(colors):
     # WCAG 2.2, 1.4.3: 4.5 for text; 1.4.11: 3 for what can be used
     for name in ("ink", "soft", "accent", "good", "odd", "bad"):
         for ground in (colors.paper, colors.raised):
-            assert tokens.contrast(getattr(colors, name), ground) >= 4.5, (name, ground)
-    assert tokens.contrast(colors.bad, colors.alarm) >= 4.5
-    assert tokens.contrast(tokens.WHITE, colors.deep) >= 4.5
-    assert tokens.contrast(colors.edge, colors.paper) >= 3
-    assert tokens.contrast(colors.fiber, colors.tube) >= 3
+            assert theme.contrast(getattr(colors, name), ground) >= 4.5, (name, ground)
+    assert theme.contrast(colors.bad, colors.alarm) >= 4.5
+    assert theme.contrast(theme.WHITE, colors.deep) >= 4.5
+    assert theme.contrast(colors.edge, colors.paper) >= 3
+    assert theme.contrast(colors.fiber, colors.tube) >= 3
 
 
 def test_contrast_is_what_the_standard_says():
     # black on white has 21, and #767676 is the lightest gray that has 4.5
-    assert tokens.contrast(tokens.BLACK, tokens.WHITE) == pytest.approx(21)
-    assert 4.5 <= tokens.contrast("#767676", tokens.WHITE) < 4.6
-    assert tokens.contrast("#777777", tokens.WHITE) < 4.5
+    assert theme.contrast(theme.BLACK, theme.WHITE) == pytest.approx(21)
+    assert 4.5 <= theme.contrast("#767676", theme.WHITE) < 4.6
+    assert theme.contrast("#777777", theme.WHITE) < 4.5
 
 
-def test_every_face_has_the_tokens():
+def test_every_face_has_the_theme():
     from fascicle.explorer.theme import DARK, LIGHT, page_css
     from fascicle.plot.style import CYCLE
     from fascicle.reports.page import Page
 
-    assert set(CYCLE) <= set(tokens.LIGHT.curves)
-    assert (LIGHT, DARK) == (tokens.LIGHT, tokens.DARK)
+    assert set(CYCLE) <= set(theme.LIGHT.curves)
+    assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)
     report = Page("A page").text("made by a test")
-    for name, value in tokens.variables(tokens.LIGHT).items():
+    for name, value in theme.variables(theme.LIGHT).items():
         assert f"{name}: {value};" in report
         assert f"{name}: {value};" in page_css(LIGHT)
