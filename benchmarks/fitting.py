@@ -20,10 +20,9 @@ from scipy.optimize import brentq, least_squares
 from timing import Measured, Row, run
 
 import fascicle as fs
-from fascicle.calibrate.data.grid import grid
-from fascicle.calibrate.problem.parameters import FACTORS, coordinates, put, values
-from fascicle.calibrate.problem.residuals import Problem
-from fascicle.calibrate.problem.solving import solve
+from fascicle.calibrate.data import grid
+from fascicle.calibrate.least_squares import Problem, solve
+from fascicle.calibrate.parameters import FACTORS, coordinates, put, values
 from fascicle.records import VirtualDynamometer
 
 

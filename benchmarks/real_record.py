@@ -18,9 +18,10 @@ from pathlib import Path
 import numpy as np
 
 import fascicle as fs
-from fascicle.calibrate.after.pictures import fitted_of
-from fascicle.calibrate.fits.comparing import compare_tension, left_out_errors
-from fascicle.calibrate.fits.fitting import fit
+from fascicle.calibrate.comparison import compare_tension
+from fascicle.calibrate.fitting import fit
+from fascicle.calibrate.model_selection import left_out_errors
+from fascicle.calibrate.plot_data import fit_plot
 from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
 
@@ -70,7 +71,7 @@ def main() -> None:
         )
     if out is not None:
         (out / "dmsp_20_300.json").write_text(json.dumps(found, indent=1) + "\n")
-        (out / "dmsp_20_300.png").write_bytes(to_bytes(plot.fit(fitted_of(made)), "png"))
+        (out / "dmsp_20_300.png").write_bytes(to_bytes(plot.fit(fit_plot(made)), "png"))
 
 
 if __name__ == "__main__":

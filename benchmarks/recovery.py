@@ -36,12 +36,11 @@ from matplotlib.figure import Figure
 
 import fascicle as fs
 from fascicle.calibrate import bootstrap
-from fascicle.calibrate.after.bootstrap import fitted, simulated
-from fascicle.calibrate.after.calibration import slope_of, value_of
-from fascicle.calibrate.data.readings import tables
-from fascicle.calibrate.fits.fitting import fit
-from fascicle.calibrate.problem.linear import linear
-from fascicle.calibrate.problem.uncertainty import NORMAL
+from fascicle.calibrate.calibration import slope_of, value_of
+from fascicle.calibrate.fitting import fit
+from fascicle.calibrate.intervals import fitted, simulated
+from fascicle.calibrate.least_squares import NORMAL, linear
+from fascicle.calibrate.readings import tables
 from fascicle.muscle.tuning import Tuning
 from fascicle.plot.style import (
     BLACK,
@@ -116,7 +115,9 @@ def recover(title: str, seeds: int, samples: int, draws: int, kept: Path | None)
         rng = np.random.default_rng(_DRAWN + seed)
         for _ in range(draws):
             data = simulated(made, rng)
-            scatter = made.seen.noise if made.seen.found else float(made.problem.noise)
+            scatter = (
+                made.diagnosis.noise if made.diagnosis.significant else float(made.problem.noise)
+            )
             away = np.asarray(data.force) - made.conclusion.linear.force
             z = fitted(made, data)
             again.append([value_of(made.problem, z).tolist(), of_grid(influence, away, scatter)])
@@ -166,7 +167,7 @@ def of_grid(influence: tuple[np.ndarray, np.ndarray], noise: np.ndarray, sigma: 
 
 def in_places(made: Any, noise: np.ndarray) -> np.ndarray:
     """The readings' noise as the tables average it."""
-    of, shape = made.taken.gathered, np.shape(made.problem.data.count)
+    of, shape = made.fit_data.gathered, np.shape(made.problem.data.count)
     flat = of.level * shape[1] + of.place
     size = shape[0] * shape[1]
     return np.bincount(flat, noise, size) / np.maximum(np.bincount(flat, minlength=size), 1)

@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from fascicle.calibrate.after.calibration import Calibration
-from fascicle.calibrate.after.pictures import fitted_of
-from fascicle.calibrate.data.taking import taken
-from fascicle.calibrate.fits.comparing import Row, compare_published, row, tension_fits
-from fascicle.calibrate.fits.finding import Choice, find
-from fascicle.calibrate.problem.beginning import Search
+from fascicle.calibrate.calibration import Calibration, Selection
+from fascicle.calibrate.comparison import Row, compare_published, row, tension_fits
+from fascicle.calibrate.data import select_fit_data
+from fascicle.calibrate.fitting import FitOptions
+from fascicle.calibrate.messages import interval_texts
+from fascicle.calibrate.model_selection import select_model
+from fascicle.calibrate.plot_data import fit_plot
 from fascicle.files import load as load_muscle
 from fascicle.muscle import Muscle
 from fascicle.plot import calibration as plot
@@ -93,7 +94,7 @@ class RecordComparison:
     """
 
     measured: MeasuredRecord
-    choice: Choice
+    choice: Selection
     laws: tuple[LawError, ...]
 
 
@@ -116,7 +117,7 @@ def run(
     for text in UNTESTED:
         page.paragraph(text)
     for number, comparison in enumerate(comparisons, start=1):
-        picture = to_bytes(plot.fit(fitted_of(comparison.choice.made)), "png")
+        picture = to_bytes(plot.fit(fit_plot(comparison.choice.calibration)), "png")
         (folder / f"record_{number}.png").write_bytes(picture)
         _add_section(page, comparison, picture)
     left_out = [f"{record.name}: {record.left_out}" for record in records if record.left_out]
@@ -191,9 +192,9 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
     record, muscle = measured.record, measured.muscle
     assert record is not None
     assert muscle is not None
-    choice = find(record, muscle)
-    names = list(choice.made.names) if choice.made.method == "constants" else None
-    fits = tension_fits(taken(record), muscle, names, None, Search(whole=False))
+    choice = select_model(record, muscle)
+    names = list(choice.calibration.names) if choice.calibration.method == "constants" else None
+    fits = tension_fits(select_fit_data(record), muscle, names, None, FitOptions(whole=False))
     errors = [
         _law_error(row(label, fit), fit, fit.force, _misfit(fit)) for label, fit in fits.items()
     ]
@@ -209,9 +210,9 @@ def compare_laws(measured: MeasuredRecord) -> RecordComparison:
 def _law_error(
     errors: Row, fit: Calibration, force: np.ndarray, misses: str, fitted: bool = True
 ) -> LawError:
-    data = fit.data
-    residual = np.where(data.uncensored, np.asarray(data.force) - force, np.nan)
-    used, strain = np.isfinite(residual), np.asarray(data.strain)
+    grid = fit.grid
+    residual = np.where(grid.measured, grid.force - force, np.nan)
+    used, strain = np.isfinite(residual), grid.strain
     by_pressure = [
         float(np.mean(row[there])) for row, there in zip(residual, used, strict=True) if there.any()
     ]
@@ -234,11 +235,13 @@ def _law_error(
 
 def _misfit(fit: Calibration) -> str:
     """What a fit misses, in words."""
-    if fit.seen.noisy:
+    if fit.diagnosis.is_white_noise:
         return "nothing that shows: what is left could be noise"
-    trends = [f"{trend.along} ({_share(trend.share)} of squares)" for trend in fit.seen.found]
-    trends = trends or [f"{run.along}, by runs of one sign" for run in fit.seen.wandering]
-    causes = [cause.name for cause in fit.causes[:_MOST_CAUSES]]
+    trends = [
+        f"{trend.along} ({_share(trend.share)} of squares)" for trend in fit.diagnosis.significant
+    ]
+    trends = trends or [f"{run.along}, by runs of one sign" for run in fit.diagnosis.autocorrelated]
+    causes = [cause.name for cause in fit.diagnosis.causes[:_MOST_CAUSES]]
     most = f"; most like {' or '.join(causes)}" if causes else "; like no cause known here"
     return f"what is left follows {', '.join(trends)}{most}"
 
@@ -248,7 +251,7 @@ def _share(share: float) -> str:
 
 
 def _add_section(page: Page, comparison: RecordComparison, picture: bytes) -> None:
-    fit, measured = comparison.choice.made, comparison.measured
+    fit, measured = comparison.choice.calibration, comparison.measured
     page.heading(measured.name)
     page.paragraph(
         f"{measured.source}. {fit.points} readings, {fit.censored} of them clipped at zero."
@@ -271,7 +274,7 @@ def _add_section(page: Page, comparison: RecordComparison, picture: bytes) -> No
     page.table(
         ["Constant", "Value", "90 % interval, quick", "Known by the data"],
         [
-            [constant.name, pretty(constant.value, constant.dimension), constant.texts()[1],
+            [constant.name, pretty(constant.value, constant.dimension), interval_texts(constant)[1],
              "yes" if constant.identifiable else "no"]
             for constant in fit.parameters
         ],
@@ -279,7 +282,7 @@ def _add_section(page: Page, comparison: RecordComparison, picture: bytes) -> No
 
 
 def _record_data(comparison: RecordComparison) -> dict[str, Any]:
-    fit = comparison.choice.made
+    fit = comparison.choice.calibration
     return {
         "name": comparison.measured.name, "source": comparison.measured.source,
         "reasons": list(comparison.choice.reasons), "warnings": list(fit.warnings),

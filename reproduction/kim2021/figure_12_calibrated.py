@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from fascicle.calibrate.after.calibration import Calibration
-from fascicle.calibrate.fits.fitting import fit
+from fascicle.calibrate.calibration import Calibration
+from fascicle.calibrate.fitting import fit
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import Components
 from fascicle.plot.style import (

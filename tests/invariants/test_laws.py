@@ -14,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.calibrate.problem.parameters import PARAMETERS
+from fascicle.calibrate.parameters import PARAMETERS
 from fascicle.muscle import LAWS
 from fascicle.muscle.buckling import BUCKLING_LAWS, Elastica, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS

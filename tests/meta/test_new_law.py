@@ -143,8 +143,8 @@ for line in ('tension = { law = "toy2027", loss = "0.005 kPa", friction = "0.01 
     assert line in text.splitlines(), text
 assert fs.load("toy.toml") == other
 assert other.collapse_moment(1e5) == 1.5 * 0.07
-from fascicle.calibrate.problem.parameters import named
-assert [one.dimension for one in named(["gap", "given"], other)] == ["length", "moment"]
+from fascicle.calibrate.parameters import select_parameters
+assert [one.dimension for one in select_parameters(["gap", "given"], other)] == ["length", "moment"]
 from fascicle.files import loads
 for wrong, said in (("law = 'toy_bow', gap = 3", "buckling.gap = 3: `gap` must be a length"),
                     ("law = 'kim2021', gap = '1 mm'", "not a parameter of kim2021"),

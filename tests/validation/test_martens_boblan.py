@@ -8,7 +8,7 @@ import pytest
 from measured import measured
 from numpy.testing import assert_array_equal
 
-from fascicle.calibrate.after.friction import friction_of
+from fascicle.calibrate.friction import fit_friction
 from fascicle.records import load, runs
 
 
@@ -51,7 +51,7 @@ def test_its_levels_are_the_pressures(record):
     # a table in order is no history
     assert {run.branch for run in found} == {0}
     # nor are its loops in it: one force for each length and pressure
-    assert friction_of(record, 0.3) is None
+    assert fit_friction(record, 0.3) is None
 
 
 def test_it_needs_the_rest_length():

@@ -7,7 +7,7 @@ import pytest
 from measured import measured
 
 import fascicle as fs
-from fascicle.calibrate import find
+from fascicle.calibrate import select_model
 from fascicle.records import load
 
 
@@ -15,11 +15,11 @@ from fascicle.records import load
 def choice():
     record = load(measured("martens-boblan-2017/dmsp-20-300.csv"), rest_length=0.3)
     # Festo's nominal sizes, as in benchmarks/real_record.py
-    return find(record, fs.Muscle.from_dimensions(0.3, 10e-3, 2e-3, math.radians(28.6)))
+    return select_model(record, fs.Muscle.from_dimensions(0.3, 10e-3, 2e-3, math.radians(28.6)))
 
 
 def test_the_fit_is_found(choice):
-    assert choice.made.relative_rmse <= 0.008
+    assert choice.calibration.relative_rmse <= 0.008
     taken = next(one for one in choice.candidates if one.chosen)
     assert taken.relative_left_out_rmse <= 0.008
     tuning = next(one for one in choice.candidates if one.method == "tuning")
@@ -27,12 +27,12 @@ def test_the_fit_is_found(choice):
 
 
 def test_what_isnt_noise_is_told(choice):
-    made = choice.made
-    trend = made.seen.found[0]
+    made = choice.calibration
+    trend = made.diagnosis.significant[0]
     assert trend.along == "strain" and trend.share > 0.7
     assert np.max(made.wider) > 1.5
-    near = next(one for one in made.seen.signs if abs(one.strain - 0.06) < 1e-3)
+    near = next(one for one in made.diagnosis.signs if abs(one.strain - 0.06) < 1e-3)
     assert (near.count, near.below) == (16, 16)
-    assert made.causes
-    counts = made.taken.counts()
+    assert made.diagnosis.causes
+    counts = made.fit_data.counts()
     assert (counts["read"], counts["clipped"], counts["averaged"]) == (126, 66, 0)

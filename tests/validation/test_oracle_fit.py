@@ -2,7 +2,6 @@
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
 import oracle_fit as oracle
 import pytest
@@ -14,11 +13,10 @@ from oracle_muscle import LATEX, SILICONE, Muscle, Tuning, free_strain
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.data.grid import grid
-from fascicle.calibrate.fits.comparing import left_out_errors
-from fascicle.calibrate.problem.parameters import named
-from fascicle.calibrate.problem.residuals import Problem
-from fascicle.calibrate.problem.solving import solve
+from fascicle.calibrate.data import tabulate
+from fascicle.calibrate.least_squares import Problem, solve
+from fascicle.calibrate.model_selection import left_out_errors
+from fascicle.calibrate.parameters import select_parameters
 from fascicle.records import load
 from fascicle.records.record import Record
 
@@ -50,7 +48,7 @@ def test_clipped_readings_are_fitted_as_scipy_fits_them():
 def _same_as_scipy(made, record):
     sigma = float(made.problem.noise)
     z, _ = oracle.fit_constants(NOMINAL, data_of(record), sigma)
-    deviation = np.sqrt(np.diag(made.covariance) / made.inflation)
+    deviation = np.sqrt(np.diag(made.covariance) / made.diagnosis.inflation)
     # the search ends at 1e-8, SciPy's at its differences' 1e-7, stretched by how nearly the four
     # are one; 4e-6 of a deviation was seen
     assert_allclose((made.coordinates - z) / deviation, 0, atol=1e-3)
@@ -86,13 +84,13 @@ def test_factors_are_fitted_as_scipy_fits_them():
     F = np.array([[force(truth, p, e) for e in row] for p, row in zip(P, strain, strict=True)])
     F = F + sigma * np.random.default_rng(0).normal(size=F.shape)
     record = Record.of(P[:, None], strain, F)
-    muscle, data = library_muscle(start), grid(record)
-    free = named(oracle.FACTORS, muscle)
+    muscle, data = library_muscle(start), tabulate(record).grid
+    free = select_parameters(oracle.FACTORS, muscle)
     assert [one.name for one in free] == list(oracle.FACTORS)
-    center = jnp.asarray(oracle.factors_of(start))
+    center = np.asarray(oracle.factors_of(start))
     problem = Problem(
-        muscle, data, jnp.asarray((data.count > 0).astype(float)), jnp.asarray(sigma), center,
-        jnp.asarray([one.deviation for one in free]), None, None, free,
+        muscle, data, data.used.astype(float), sigma, center,
+        np.array([one.deviation for one in free]), free,
     )  # fmt: skip
     begin = oracle.factors_of(truth)
     found = solve(problem, np.asarray(begin)[None])
@@ -107,7 +105,7 @@ def test_factors_are_fitted_as_scipy_fits_them():
         (residuals(z + h) - residuals(z - h)) / 2e-5 for h in 1e-5 * np.eye(5)
     ])  # fmt: skip
     deviation = np.sqrt(np.diag(np.linalg.inv(J @ J.T)))
-    assert_allclose((np.asarray(found.coordinates[0]) - z) / deviation, 0, atol=5e-3)
+    assert_allclose((np.asarray(found.points[0]) - z) / deviation, 0, atol=5e-3)
 
 
 @pytest.fixture(scope="module")

@@ -1,103 +1,87 @@
-"""Fitting a muscle to a record, and how sure that is.
+"""Fit a muscle to a record, with the uncertainty of what was fitted.
 
-Names are looked up when they are asked for, so that the command line's help loads no JAX.
+Names are looked up when they are asked for, so that the command line's help loads little.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .after.bootstrap import bootstrap as bootstrap
-    from .after.calibration import Bootstrap as Bootstrap
-    from .after.calibration import Calibration as Calibration
-    from .after.calibration import Estimate as Estimate
-    from .after.pictures import figures as figures
-    from .after.posterior import Posterior as Posterior
-    from .after.posterior import sample as sample
-    from .after.profiling import Profile as Profile
-    from .after.profiling import profiles as profiles
-    from .fits.choosing import Candidate as Candidate
-    from .fits.comparing import Row as Row
-    from .fits.comparing import compare as compare
-    from .fits.comparing import compare_tension as compare_tension
-    from .fits.finding import Choice as Choice
-    from .fits.finding import find as find
-    from .fits.fitting import fit as fit
-    from .problem.beginning import Prior as Prior
+    from .calibration import Bootstrap as Bootstrap
+    from .calibration import Calibration as Calibration
+    from .calibration import Candidate as Candidate
+    from .calibration import Estimate as Estimate
+    from .calibration import Profile as Profile
+    from .calibration import Selection as Selection
+    from .comparison import Row as Row
+    from .comparison import compare as compare
+    from .comparison import compare_tension as compare_tension
+    from .fitting import Prior as Prior
+    from .fitting import fit as fit
+    from .intervals import bootstrap as bootstrap
+    from .intervals import profiles as profiles
+    from .model_selection import select_model as select_model
+    from .plot_data import figures as figures
+    from .posterior import Posterior as Posterior
+    from .posterior import sample as sample
 
 __all__ = [
     "Bootstrap",
     "Calibration",
     "Candidate",
-    "Choice",
     "Estimate",
     "Posterior",
     "Prior",
     "Profile",
     "Row",
+    "Selection",
     "bootstrap",
     "compare",
     "compare_tension",
     "figures",
-    "find",
     "fit",
     "profiles",
     "sample",
+    "select_model",
 ]
 
 _HOMES = {
-    "Bootstrap": "after.calibration",
-    "Calibration": "after.calibration",
-    "Candidate": "fits.choosing",
-    "Choice": "fits.finding",
-    "Estimate": "after.calibration",
-    "Posterior": "after.posterior",
-    "Prior": "problem.beginning",
-    "Profile": "after.profiling",
-    "Row": "fits.comparing",
-    "bootstrap": "after.bootstrap",
-    "compare": "fits.comparing",
-    "compare_tension": "fits.comparing",
-    "figures": "after.pictures",
-    "find": "fits.finding",
-    "fit": "fits.fitting",
-    "profiles": "after.profiling",
-    "sample": "after.posterior",
+    "Bootstrap": "calibration",
+    "Calibration": "calibration",
+    "Candidate": "calibration",
+    "Estimate": "calibration",
+    "Posterior": "posterior",
+    "Prior": "fitting",
+    "Profile": "calibration",
+    "Row": "comparison",
+    "Selection": "calibration",
+    "bootstrap": "intervals",
+    "compare": "comparison",
+    "compare_tension": "comparison",
+    "figures": "plot_data",
+    "fit": "fitting",
+    "profiles": "intervals",
+    "sample": "posterior",
+    "select_model": "model_selection",
 }
+_RENAMED = {"Choice": "Selection", "find": "select_model"}
+
 _WENT = {
-    "alternatives": "calibrate.problem.alternatives",
-    "beginning": "calibrate.problem.beginning",
-    "calibration": "calibrate.after.calibration",
-    "candidates": "calibrate.fits.candidates",
-    "causes": "calibrate.after.causes",
-    "choosing": "calibrate.fits.choosing",
-    "comparing": "calibrate.fits.comparing",
-    "discrepancy": "calibrate.after.discrepancy",
-    "finding": "calibrate.fits.finding",
-    "fitting": "calibrate.fits.fitting",
-    "grid": "calibrate.data.grid",
-    "judging": "calibrate.after.warned",
-    "leaving_out": "calibrate.after.leaving_out",
-    "linear": "calibrate.problem.linear",
-    "misfit": "calibrate.problem.misfit",
-    "parameters": "calibrate.problem.parameters",
-    "posterior": "calibrate.after.posterior",
-    "problem": "calibrate.problem.residuals",
-    "profiling": "calibrate.after.profiling",
-    "pulling": "calibrate.data.pulling",
-    "readings": "calibrate.data.readings",
-    "reference": "calibrate.data.reference",
-    "regression": "calibrate.data.regression",
-    "remainder": "calibrate.after.remainder",
-    "resisting": "calibrate.fits.resisting",
-    "searching": "calibrate.problem.searching",
-    "solving": "calibrate.problem.solving",
-    "taking": "calibrate.data.taking",
-    "trends": "calibrate.after.trends",
-    "tuned": "calibrate.problem.tuned",
-    "uncertainty": "calibrate.problem.uncertainty",
+    "comparing": "calibrate.comparison",
+    "finding": "calibrate.model_selection",
+    "profiling": "calibrate.intervals",
 }
 
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
+_get, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        import warnings
+
+        new = _RENAMED[name]
+        warnings.warn(f"`{name}` is now `{new}`.", DeprecationWarning, stacklevel=2)
+        name = new
+    return _get(name)

@@ -320,19 +320,19 @@ class DataView(Tab):
         self.message.say(text)
 
     def _show_fit(self, found: tuple[Any, str]) -> None:
-        from ..calibrate.after.warned import hysteresis
+        from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
 
         if self._fitting is None:  # another record came meanwhile
             return
         self._done()
         self._free = self._fits
         self._choice, self._report = found
-        self.made = self._choice.made
+        self.made = self._choice.calibration
         rows = [
             (
                 one.name.replace("_", " "),
-                one.texts()[0],
-                one.texts()[1] if one.identifiable else "not known from these data",
+                interval_texts(one)[0],
+                interval_texts(one)[1] if one.identifiable else "not known from these data",
             )
             for one in self.made.parameters
         ]
@@ -340,15 +340,15 @@ class DataView(Tab):
         made = self.made
         told = [
             f"rmse {made.rmse:.4g} N, {100 * made.relative_rmse:.3g} % of the largest force",
-            *made.taken.words(),
-            hysteresis(made),
+            *fit_data_lines(made.fit_data),
+            hysteresis_message(made),
             *self._choice.reasons,
         ]
         self._told.object = "".join(
             [status(html.escape(line)) for line in told if line]
             + [
                 f"<b>{about.capitalize()}</b>{status('<br>'.join(map(html.escape, lines)))}"
-                for about, lines in made.warned.items()
+                for about, lines in made.warnings_by_topic.items()
             ]
         )
         for widget in (self._take, *self._saves):

@@ -18,7 +18,7 @@ import panel as pn
 
 from .. import plot
 from ..bundle.space import overlap, space
-from ..calibrate.after.pictures import beside
+from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..energetics import efficiency_map
 from ..files import dumps
@@ -223,8 +223,8 @@ def data(
     imports = (
         "import numpy as np\n\n"
         "from fascicle import records\n"
-        f"from fascicle.calibrate import {'find' if found else 'fit'}\n"
-        "from fascicle.calibrate.after.pictures import beside\n"
+        f"from fascicle.calibrate import {'select_model' if found else 'fit'}\n"
+        "from fascicle.calibrate.plot_data import measured_with_curves\n"
         "from fascicle.files import loads\n"
         "from fascicle.plot import calibration\n"
         "from fascicle.results.labelled import Variable, write\n"
@@ -234,7 +234,7 @@ def data(
     free = "" if tuple(names) == (TUNING,) else f"{list(names)!r}, "
     tune = f"muscle = fit(record, muscle, {free}starts={STARTS}, whole=False).muscle\n"
     if found:
-        tune = f"muscle = find(record, muscle, starts={STARTS}).made.muscle\n"
+        tune = f"muscle = select_model(record, muscle, starts={STARTS}).calibration.muscle\n"
     if tuned is None:
         tune = ""
     python = (
@@ -249,10 +249,12 @@ variables = {{
     "muscle": Variable(("reading",), np.asarray(muscle.force(pressure, record.strain)), "N"),
 }}
 write(variables, "{stem}.csv")
-calibration.fit(beside(record, muscle, {label!r})).savefig("{stem}.svg")
+calibration.fit(measured_with_curves(record, muscle, {label!r})).savefig("{stem}.svg")
 """
     )
-    return Export(stem, variables, lambda: plot_fit(beside(record, shown, label)), python)
+    return Export(
+        stem, variables, lambda: plot_fit(measured_with_curves(record, shown, label)), python
+    )
 
 
 EXPORTS: Mapping[str, Callable[[View], Export]] = {

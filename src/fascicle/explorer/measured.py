@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibrate.data.grid import level_of
+from ..calibrate.data import assign_levels
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain, strain_domain
@@ -18,7 +18,7 @@ from ..units import pretty
 
 
 if TYPE_CHECKING:
-    from ..calibrate import Choice
+    from ..calibrate import Selection
 
 
 LARGEST_FILE = 5_000_000  # bytes
@@ -172,7 +172,7 @@ def suited(muscle: Muscle, record: Record) -> str:
 
 def beside(muscle: Muscle, record: Record) -> Beside:
     """A muscle's curves [N] at the pressures of a `record` [-]."""
-    level = level_of(record.pressure)
+    level = assign_levels(record.pressure)
     held = [number for number in np.unique(level) if number >= 0]
     if len(held) > MOST_LEVELS:  # evenly among them
         held = [held[i] for i in np.linspace(0, len(held) - 1, MOST_LEVELS).astype(int)]
@@ -207,9 +207,9 @@ def drawn(record: Record) -> np.ndarray:
 
 def fittable(muscle: Muscle) -> tuple[str, ...]:
     """Names [-] of what can be fitted of a `muscle` [-]."""
-    from ..calibrate.problem.parameters import of_muscle
+    from ..calibrate.parameters import parameters_of
 
-    return tuple(of_muscle(muscle))
+    return tuple(parameters_of(muscle))
 
 
 def fitted(
@@ -217,7 +217,7 @@ def fitted(
     muscle: Muscle,
     tell: Callable[[str], object],
     names: Sequence[str] = (FOUND,),
-) -> "Choice":
+) -> "Selection":
     """A muscle fitted to a record.
 
     **Arguments:**
@@ -230,31 +230,31 @@ def fitted(
 
     **Returns:** what was fitted, and what it was chosen from [-].
     """
-    from ..calibrate.fits.finding import Choice, find
-    from ..calibrate.fits.fitting import fit
+    from ..calibrate.fitting import fit
+    from ..calibrate.model_selection import Selection, select_model
 
     if tuple(names) == (FOUND,):
-        return find(record, muscle, starts=STARTS, tell=tell)
+        return select_model(record, muscle, starts=STARTS, tell=tell)
     tell("fitting")
     free = None if tuple(names) == (TUNING,) else list(names)
-    return Choice(fit(record, muscle, free, starts=STARTS, whole=False))
+    return Selection(fit(record, muscle, free, starts=STARTS, whole=False))
 
 
-def tuned_file(choice: "Choice", date: str) -> str:
+def tuned_file(choice: "Selection", date: str) -> str:
     """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
     from ..files.calibration_files import calibrated_text
 
-    return calibrated_text(choice.made, date, _several(choice))
+    return calibrated_text(choice.calibration, date, _several(choice))
 
 
-def report_page(choice: "Choice", date: str) -> str:
+def report_page(choice: "Selection", date: str) -> str:
     """The report [-] of what was found, made on a `date` [-]."""
-    from ..calibrate.after.pictures import figures
+    from ..calibrate.plot_data import figures
     from ..reports.calibration import report
 
-    return report(choice.made, date, figures(choice.made), choice=_several(choice))
+    return report(choice.calibration, date, figures(choice.calibration), choice=_several(choice))
 
 
-def _several(choice: "Choice") -> "Choice | None":
+def _several(choice: "Selection") -> "Selection | None":
     """The `choice` [-], or `None` where there was none."""
     return choice if choice.candidates else None

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibrate.after.calibration import Calibration, Estimate
-from ..calibrate.after.friction import Friction
-from ..calibrate.problem.parameters import named, of_muscle, put
+from ..calibrate.calibration import Calibration, Estimate
+from ..calibrate.friction import Friction
+from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..core.module import tree_leaves, tree_replace
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
@@ -27,7 +27,7 @@ from .muscle_files import calibration_text, dumps, load_muscle, provenance
 
 
 if TYPE_CHECKING:
-    from ..calibrate.fits.finding import Choice
+    from ..calibrate.calibration import Selection
 
 
 SHARE = 0.01  # of an interval, and of the residual: far below what anyone can tell
@@ -39,7 +39,7 @@ _SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse
 
 
 def calibrated_files(
-    calibration: Calibration, date: str, choice: "Choice | None" = None
+    calibration: Calibration, date: str, choice: "Selection | None" = None
 ) -> dict[str, str]:
     """Texts of the muscle's file and of its log, by name.
 
@@ -61,13 +61,13 @@ def calibrated_files(
     return {"muscle.toml": dumps(muscle, summary), log: text}
 
 
-def calibrated_text(calibration: Calibration, date: str, choice: "Choice | None" = None) -> str:
+def calibrated_text(calibration: Calibration, date: str, choice: "Selection | None" = None) -> str:
     """Text of a muscle file that holds the log itself; arguments as for `provenance_of`."""
     return dumps(*_rounded_with_provenance(calibration, date, choice))
 
 
 def provenance_of(
-    calibration: Calibration, date: str, choice: "Choice | None" = None
+    calibration: Calibration, date: str, choice: "Selection | None" = None
 ) -> dict[str, Any]:
     """Provenance of a fitted muscle.
 
@@ -94,10 +94,10 @@ def provenance_of(
         "rmse": pretty(calibration.rmse, "force", _ERROR_DIGITS),
         "relative_rmse": _short(calibration.relative_rmse),
         "noise": pretty(float(calibration.problem.noise), "force", _ERROR_DIGITS),
-        "inflation": _short(calibration.inflation),
+        "inflation": _short(calibration.diagnosis.inflation),
         "wider": [_short(x) for x in calibration.wider.tolist()],
         "intervals": "quick" if calibration.bootstrapped is None else "bootstrap",
-        "not_told": list(calibration.untold),
+        "not_told": list(calibration.diagnosis.confounded),
         "rest_length": "the muscle's own length"
         if record.rest_length is None
         else exact(record.rest_length, "length"),
@@ -110,16 +110,16 @@ def provenance_of(
         "laws": laws_of(calibration),
         "record": [{"file": source.name, "sha256": source.sha256} for source in record.sources],
         "parameter": [_parameter(estimate) for estimate in calibration.parameters],
-        "readings": calibration.taken.counts(),
+        "readings": calibration.fit_data.counts(),
         "residuals": [
             {"against": trend.along, "share": _short(trend.share), "chance": _short(trend.chance),
              "noise": not trend.found}
-            for trend in calibration.seen.trends
+            for trend in calibration.diagnosis.trends
         ]
         + [
             {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
              "chance": _short(run.chance), "noise": not run.found}
-            for run in calibration.seen.runs
+            for run in calibration.diagnosis.runs
         ],
     }  # fmt: skip
     if loop is not None:
@@ -192,7 +192,7 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
             rule = f"its log with the covariance, {table['log']}, isn't beside it."
         raise ValueError(f"{os.fspath(path)}: {rule}")
     names = list(table["coordinate_names"])
-    parameters = named(names, muscle)
+    parameters = select_parameters(names, muscle)
     center, covariance = np.array(table["coordinates"]), np.array(table["covariance"])
     # the parameters' own order needn't be that of the names in the file
     order = [names.index(parameter.name) for parameter in parameters]
@@ -203,7 +203,7 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
 
 
 def _rounded_with_provenance(
-    calibration: Calibration, date: str, choice: "Choice | None"
+    calibration: Calibration, date: str, choice: "Selection | None"
 ) -> tuple[Muscle, dict[str, Any]]:
     muscle, rounding = rounded_muscle(calibration)
     table = provenance_of(calibration, date, choice)
@@ -231,7 +231,7 @@ def _springs(friction: Friction | None) -> dict[str, Any]:
         "kind": "maxwell_slip",
         **springs,
         "width_rmse": pretty(friction.rmse, "force", _ERROR_DIGITS),
-        "told": list(friction.told),
+        "told": list(friction.resolved),
     }
 
 
@@ -253,7 +253,7 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
     """Largest change of a reading's force by rounding [N]; `None` if that, or the change of a
     constant, is too large.
     """
-    known = of_muscle(calibration.muscle)
+    known = parameters_of(calibration.muscle)
     for estimate in calibration.parameters:
         value = known[estimate.name].value
         change = abs(float(value(muscle)) - float(value(calibration.muscle)))

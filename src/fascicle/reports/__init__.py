@@ -8,4 +8,4 @@ from .page import quotation as quotation
 from .page import verdict as verdict
 
 
-__getattr__, __dir__ = attach_lazy(__name__, {}, {"fitted": "calibrate.after.pictures"})
+__getattr__, __dir__ = attach_lazy(__name__, {}, {"fitted": "calibrate.plot_data"})

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..calibrate.after.calibration import Calibration, Estimate
-from ..calibrate.after.profiling import Profile
-from ..calibrate.after.trends import ALPHA
-from ..calibrate.after.warned import hysteresis
+from ..calibrate.calibration import Calibration, Estimate, Profile
+from ..calibrate.diagnostics import ALPHA
+from ..calibrate.messages import fit_data_lines, hysteresis_message
 from ..files.calibration_files import laws_of
 from ..muscle.fitted_length import fitted_length_note
 from ..plot.style import to_bytes
@@ -23,9 +22,9 @@ from .page import Page, prose, sentence
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibrate.after.posterior import Posterior
-    from ..calibrate.fits.comparing import Row
-    from ..calibrate.fits.finding import Choice
+    from ..calibrate.calibration import Selection
+    from ..calibrate.comparison import Row
+    from ..calibrate.posterior import Posterior
 
 _INCH = 0.0254  # m
 _TITLES = {
@@ -62,7 +61,7 @@ def report(
     muscle_file: str = "muscle.toml",
     remarks: Sequence[str] = (),
     drawn: "Mapping[str, bytes] | None" = None,
-    choice: "Choice | None" = None,
+    choice: "Selection | None" = None,
 ) -> str:
     """The page.
 
@@ -85,10 +84,10 @@ def report(
     page = Page(f"Calibration: {names}")
     _opening(page, made)
     page.heading("Read this first", "warnings")
-    for about, texts in made.warned.items():
+    for about, texts in made.warnings_by_topic.items():
         page.paragraph(f"{sentence(about)}:")
         page.points(texts)
-    if not made.warned:
+    if not made.warnings_by_topic:
         page.paragraph("Nothing to warn of.")
     _untold(page, made)
     if choice is not None:
@@ -107,7 +106,7 @@ def report(
         _comparison(page, comparison)
     page.heading("How the search ended", "search")
     page.paragraph(
-        f"Levenberg-Marquardt with exact Jacobians, loss {made.problem.loss}, from"
+        f"Levenberg-Marquardt with Jacobians by finite differences, loss {made.problem.loss}, from"
         f" {len(made.starts)} starts; the second half of them lies about the first half's best."
     )
     page.points(made.starts)
@@ -127,14 +126,14 @@ def _opening(page: Page, made: Calibration) -> None:
         f" {100 * made.relative_rmse:.3g} % of the largest force.",
         "lead",
     )
-    page.paragraph(f"{'; '.join(made.taken.words())}.")
+    page.paragraph(f"{'; '.join(fit_data_lines(made.fit_data))}.")
     if made.loop is not None:
-        page.paragraph(hysteresis(made))
+        page.paragraph(hysteresis_message(made))
     page.paragraph(f"Method: {_METHODS[made.method]}. The search {made.status}.")
 
 
 def _levels(made: Calibration) -> str:
-    P = np.asarray(made.data.pressure)[:, 0]
+    P = np.asarray(made.grid.pressure)[:, 0]
     if P.size == 1:
         return f"{P[0] / 1e3:.4g} kPa"
     return f"{P.size} pressures from {P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa"
@@ -142,7 +141,7 @@ def _levels(made: Calibration) -> str:
 
 def _untold(page: Page, made: Calibration) -> None:
     """What the data can't tell, in plain sentences."""
-    data = made.data
+    data = made.grid
     P, used = np.asarray(data.pressure)[:, 0], np.asarray(data.count) > 0
     strain = np.asarray(data.strain)[used]
     page.heading("What the data can't tell", "untold")
@@ -153,8 +152,8 @@ def _untold(page: Page, made: Calibration) -> None:
         for one in made.parameters
         if not one.identifiable
     ]
-    if made.untold:
-        names = ", ".join(f"`{name}`" for name in made.untold)
+    if made.diagnosis.confounded:
+        names = ", ".join(f"`{name}`" for name in made.diagnosis.confounded)
         lines.append(f"{names}: not fitted, and not to be told beside what was; as given.")
     lines.append(
         f"Pressures outside {P[0] / 1e3:.4g} to {P[-1] / 1e3:.4g} kPa and contractions outside"
@@ -168,7 +167,7 @@ def _untold(page: Page, made: Calibration) -> None:
     page.points(lines)
 
 
-def _tried(page: Page, choice: "Choice") -> None:
+def _tried(page: Page, choice: "Selection") -> None:
     """Candidates, and why one of them was taken."""
     page.heading("What was tried", "tried")
     for readings, title in _COMPARED.items():
@@ -203,7 +202,7 @@ def _percent(share: float) -> str:
 
 def _looked(page: Page, made: Calibration) -> None:
     """What residuals follow."""
-    seen = made.seen
+    seen = made.diagnosis
     page.heading("Are residuals noise?", "noise")
     if not seen.trends and not seen.runs:
         page.paragraph("Too few readings are left beside the constants to tell.")
@@ -232,7 +231,7 @@ def _looked(page: Page, made: Calibration) -> None:
         " Trends are those left beside what the constants took up and the ones above them.",
         "note",
     )
-    if made.seen.found:
+    if made.diagnosis.significant:
         rows = [
             [f"<code>{escape(name)}</code>", f"{wide:.3g}"]
             for name, wide in zip(made.names, made.wider, strict=True)

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import bootstrap, fit
-from fascicle.calibrate.after.bootstrap import simulated
+from fascicle.calibrate.intervals import simulate
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
 
@@ -39,12 +39,12 @@ def constants():
 
 
 def test_records_are_simulated_as_they_were_measured(constants):
-    data, rng = constants.problem.data, np.random.default_rng(1)
-    made = [simulated(constants, rng) for _ in range(400)]
+    data, rng = constants.grid, np.random.default_rng(1)
+    made = [simulate(constants, rng) for _ in range(400)]
     there = np.asarray(data.count) > 0
     forces = np.array([one.force for one in made])
     clipped = np.array([one.censored for one in made])
-    mu, noise = constants.conclusion.linear.force, float(constants.problem.noise)
+    mu, noise = constants.force, float(constants.problem.noise)
     # clipped where the gauge would have clipped, and zero there
     assert np.all(forces[clipped] == 0) and np.all(forces[:, there] >= 0)
     sure = there & (mu > 5 * noise)
@@ -56,15 +56,16 @@ def test_records_are_simulated_as_they_were_measured(constants):
 
 
 def test_the_models_own_error_is_drawn_with_the_noise(constants):
-    shape = constants.discrepancy.shape[:2]
-    wrong = replace(constants, discrepancy=np.full((*shape, 1), 15.0))
-    there = np.asarray(constants.problem.data.count) > 0
-    sure = there & (constants.conclusion.linear.force > 60)  # never clipped
+    shape = constants.grid.count.shape[:2]
+    wrong = replace(
+        constants,
+        diagnosis=replace(constants.diagnosis, discrepancy=np.full((*shape, 1), 15.0)),
+    )
+    there = np.asarray(constants.grid.count) > 0
+    sure = there & (constants.force > 60)  # never clipped
     assert sure.sum() >= 3
     rng = np.random.default_rng(2)
-    off = [
-        (simulated(wrong, rng).force - constants.conclusion.linear.force)[sure] for _ in range(50)
-    ]
+    off = [(simulate(wrong, rng).force - constants.force)[sure] for _ in range(50)]
     # one number for all readings of a record, another for the next
     assert np.max(np.ptp(off, axis=1)) < 10 and np.std(np.mean(off, axis=1)) > 8
 
@@ -77,7 +78,7 @@ def test_intervals_of_a_nearly_linear_problem_are_the_quick_ones(constants):
         assert one.value == quick.value and one.low < one.value < one.high
         # ends by the 5th of 99 are known to 15 % of a half width; three of these
         assert_allclose((one.high - one.low) / (quick.high - quick.low), 1, atol=0.35)
-    assert "99 draws" in made.intervals and "quick" in constants.intervals
+    assert "99 draws" in made.intervals and "linear" in constants.intervals
     assert made.muscle is constants.muscle
 
 
@@ -102,7 +103,7 @@ def test_a_constant_that_may_be_zero_lies_where_its_draws_do():
     made = bootstrap(fit(record, DRAWN, ["outer_radius", "dead_band"], whole=False), 49, seed=1)
     radius, band = made.parameters
     values = np.sort(made.bootstrapped.values[:, 1])
-    assert np.std(made.bootstrapped.coordinates[:, 1]) > 1 and made.inflation == 1
+    assert np.std(made.bootstrapped.coordinates[:, 1]) > 1 and made.diagnosis.inflation == 1
     # of 49 the 2nd or 3rd from either end
     assert values[1] <= band.low <= values[3] and values[-4] <= band.high <= values[-2]
     assert radius.identifiable and not band.identifiable
@@ -112,7 +113,7 @@ def test_a_constant_that_may_be_zero_lies_where_its_draws_do():
 
 @pytest.mark.slow
 def test_a_tuning_is_read_and_fitted_anew(tuned):
-    assert tuned.readings.alone is not None  # curves and factors were one vector
+    assert tuned.readings.pulling is not None  # curves and factors were one vector
     made = bootstrap(tuned, 19, seed=6)
     assert np.all(np.std(made.bootstrapped.coordinates, axis=0) > 0)
     spread = np.std(made.bootstrapped.coordinates, axis=0) / np.sqrt(np.diag(tuned.covariance))

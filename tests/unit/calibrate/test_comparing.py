@@ -1,20 +1,25 @@
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import norm
 
 import fascicle as fs
-from fascicle.calibrate import Prior, compare, compare_tension, fit
-from fascicle.calibrate.data.grid import grid, trimmed
-from fascicle.calibrate.data.reference import SAROSI_DMSP_20_200N, refitted, sarosi
-from fascicle.calibrate.fits import comparing
-from fascicle.calibrate.fits.comparing import Row, left_out_errors, ranked, row
-from fascicle.calibrate.fits.fitting import fitted
-from fascicle.calibrate.problem.alternatives import collapse_named
-from fascicle.calibrate.problem.likelihood import deviance
+from fascicle.calibrate import Prior, compare, compare_tension, comparison, fit
+from fascicle.calibrate.comparison import (
+    SAROSI_DMSP_20_200N,
+    Row,
+    compare_published,
+    deviance,
+    fit_sarosi,
+    ranked,
+    row,
+    sarosi,
+)
+from fascicle.calibrate.data import Grid, tabulate
+from fascicle.calibrate.fitting import fit_data
+from fascicle.calibrate.model_selection import left_out_errors
 from fascicle.muscle.collapse import Kim2021Collapse
 from fascicle.records.record import Record
 
@@ -33,7 +38,7 @@ def errors(made):
 
 def test_left_out_errors_are_those_of_refits_by_hand(straight):
     made = straight(prior=1.0)
-    X, F = np.asarray(made.problem.design), np.asarray(made.problem.data.force)
+    X, F = np.asarray(made.problem.design), np.asarray(made.grid.force)
     errors = left_out_errors(made)
     for level in range(4):
         seen = np.arange(4) != level
@@ -46,7 +51,7 @@ def test_left_out_errors_are_those_of_refits_by_hand(straight):
 
 
 def test_clipped_readings_have_no_error(made, errors):
-    assert_array_equal(np.isnan(errors), np.asarray(made.problem.data.censored))
+    assert_array_equal(np.isnan(errors), np.asarray(made.grid.censored))
 
 
 def likelihood_by_hand(measured, law, at_clipped):
@@ -67,7 +72,7 @@ def likelihood_by_hand(measured, law, at_clipped):
 def test_clipped_readings_count_in_the_likelihood():
     P, eps = np.array([[1e5], [2e5]]), np.array([[0.0, 0.1, 0.2]])
     force, clipped = np.array([[5.0, 2.0, 0.0], [9.0, 6.0, 0.0]]), np.array([[0, 0, 1], [0, 0, 1]])
-    data = trimmed(grid(Record.of(P, eps, force, clipped.astype(bool))))
+    data = tabulate(Record.of(P, eps, force, clipped.astype(bool))).grid
     good, pulls = np.array([[5.1, 1.8, -1.0], [9.2, 6.1, -1.0]]), np.zeros((2, 3))
     pulls[:, 2] = 4.0
     for law in (good, good + pulls):
@@ -76,14 +81,14 @@ def test_clipped_readings_count_in_the_likelihood():
         assert_allclose(deviance(data, law), wanted, rtol=1e-9)
     assert deviance(data, good + pulls) > deviance(data, good) + 5
     # without clipped ones it is the sum of squares' logarithm
-    plain = trimmed(grid(Record.of(P, eps, force)))
+    plain = tabulate(Record.of(P, eps, force)).grid
     assert_allclose(deviance(plain, good), 6 * np.log(np.mean((force - good) ** 2)), rtol=1e-12)
 
 
 def test_criteria_by_hand(made, errors):
     found = row("a law", made)
-    F, mu = np.asarray(made.problem.data.force), np.asarray(made.force)
-    measured = ~np.asarray(made.problem.data.censored)
+    F, mu = np.asarray(made.grid.force), np.asarray(made.force)
+    measured = ~np.asarray(made.grid.censored)
     n, k = 37, 2
     assert n == measured.sum()
     cost = likelihood_by_hand(F[measured], mu[measured], mu[~measured]) - n
@@ -102,10 +107,10 @@ def test_criteria_by_hand(made, errors):
 
 
 def test_an_average_counts_as_what_it_averages(made):
-    data = made.problem.data
+    data = made.grid
     count = np.asarray(data.count).copy()
     count[0, 0] = 9.0
-    heavy = replace(made.problem, data=replace(data, count=jnp.asarray(count)))
+    heavy = replace(made.problem, grid=replace(data, count=count))
     found = row("", replace(made, problem=heavy))
     r = (np.asarray(data.force) - made.force)[~np.asarray(data.censored)]
     assert_allclose(found.rmse, np.sqrt((np.sum(r**2) + 8 * r[0] ** 2) / 45), rtol=1e-12)
@@ -119,54 +124,52 @@ def test_ranks_begin_at_the_least_of_each():
     assert [(one.aic, one.bic) for one in ranked(rows)] == [(0.0, 9.0), (3.0, 0.0), (8.0, 8.0)]
 
 
+def places(P, eps, force=0.0, clipped=False):
+    P, eps, force, clipped = np.broadcast_arrays(P, eps, force, clipped)
+    return Grid(P, eps, force, np.ones(P.shape), clipped)
+
+
 def test_sarosis_law_at_numbers_worked_by_hand():
-    constants = jnp.asarray([2.0, 3.0, -0.5, 4.0, 5.0, 6.0])
+    constants = np.array([2.0, 3.0, -0.5, 4.0, 5.0, 6.0])
     # 2 bar and 10 %: (2*2 + 3) e^-5 + 4*2*10 + 5*2 + 6
-    assert_allclose(sarosi(constants, jnp.asarray(2e5), jnp.asarray(0.1)),
-                    7 * np.exp(-5.0) + 96, rtol=1e-14)  # fmt: skip
+    assert_allclose(sarosi(constants, places(2e5, 0.1)), 7 * np.exp(-5.0) + 96, rtol=1e-14)
     # the published muscle at 5 bar without contraction, term by term:
     # -20.00903525 + 292.4620246 + 1470.269128 - 280.498151
-    published = jnp.asarray(SAROSI_DMSP_20_200N)
-    assert_allclose(
-        sarosi(published, jnp.asarray(5e5), jnp.asarray(0.0)), 1462.22396635, rtol=1e-11
-    )
+    assert_allclose(sarosi(SAROSI_DMSP_20_200N, places(5e5, 0.0)), 1462.22396635, rtol=1e-11)
 
 
 def test_a_refit_finds_the_constants_that_made_the_data():
     P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.25, 12), indexing="ij")
-    truth = np.array(SAROSI_DMSP_20_200N) * [1.5, 0.8, 1.2, 0.9, 1.1, 0.7]
-    F = np.asarray(sarosi(jnp.asarray(truth), jnp.asarray(P), jnp.asarray(eps)))
+    truth = SAROSI_DMSP_20_200N * [1.5, 0.8, 1.2, 0.9, 1.1, 0.7]
+    F = sarosi(truth, places(P, eps))
     clipped = F < 0
-    data = grid(Record.of(P, eps, np.where(clipped, 0.0, F), clipped))
-    weight = np.ones(data.count.shape)
+    data = places(P, eps, np.where(clipped, 0.0, F), clipped)
     # no noise: down to the solver's 1e-9, times how badly the six are conditioned
-    assert_allclose(refitted(data, weight), truth, rtol=1e-5)
-    # a level of no weight is not seen
-    third = np.arange(len(weight))[:, None] == 2
+    assert_allclose(fit_sarosi(data), truth, rtol=1e-5)
+    # a level that is left out is not seen
+    third = (np.arange(6)[:, None] == 2) & np.ones(F.shape, bool)
     spoiled = replace(data, force=data.force + 500.0 * third)
-    assert_allclose(refitted(spoiled, weight * ~third), truth, rtol=1e-5)
-    assert not np.allclose(refitted(spoiled, weight), truth, rtol=1e-2)
+    assert_allclose(fit_sarosi(spoiled.without(third)), truth, rtol=1e-5)
+    assert not np.allclose(fit_sarosi(spoiled), truth, rtol=1e-2)
 
 
 def test_a_refit_does_not_pull_where_readings_are_clipped():
     P, eps = np.meshgrid(1e5 * np.arange(1, 7), np.linspace(0, 0.3, 9), indexing="ij")
-    F = np.asarray(sarosi(np.array(SAROSI_DMSP_20_200N), P, eps)) - 60 * (eps > 0.15)
+    F = sarosi(SAROSI_DMSP_20_200N, places(P, eps)) - 60 * (eps > 0.15)
     F = F + np.random.default_rng(0).normal(size=F.shape)
     clipped = F < 0
-    data = trimmed(grid(Record.of(P, eps, np.where(clipped, 0.0, F), clipped)))
-    every = np.broadcast_to(data.pressure, data.strain.shape)
-    again = sarosi(refitted(data, np.ones(data.count.shape)), every, data.strain)
-    without = sarosi(refitted(data, data.uncensored.astype(float)), every, data.strain)
-    there = data.censored & (data.count > 0)
+    data = places(P, eps, np.where(clipped, 0.0, F), clipped)
+    again, without = (sarosi(fit_sarosi(part), data) for part in (data, data.without(clipped)))
     # the law can't follow the step, so that it is a compromise; ignored, what is clipped has no say
-    assert np.max(again[there]) < 0.8 * np.max(without[there])
+    assert np.max(again[clipped]) < 0.8 * np.max(without[clipped])
     assert deviance(data, again) < deviance(data, without)
 
 
-def test_constants_of_another_diameter_are_said_to_be_that():
-    assert comparing._other(nominal()) == ""
-    narrow = nominal().replace(outer_radius=5e-3, wall_thickness=1e-3)
-    assert comparing._other(narrow) == ": 20 mm wide, this muscle 10 mm"
+@pytest.mark.parametrize(("radius", "wide"), [(10e-3, True), (5e-3, False)])
+def test_constants_of_another_diameter_are_said_to_be_that(straight, radius, wide):
+    muscle = nominal().replace(outer_radius=radius, wall_thickness=1e-3)
+    (published, _), _ = compare_published(replace(straight(), start=muscle))
+    assert ("this muscle 10 mm" in published.label) == (not wide)
 
 
 HOW = {"loss": "soft_l1", "weights": "level", "starts": 2, "seed": 3}
@@ -197,11 +200,11 @@ def searches(monkeypatch):
     """How each fit of a comparison was made."""
     seen = []
 
-    def spy(of, muscle, parameters, priors, search):
-        seen.append(search)
-        return fitted(of, muscle, parameters, priors, search)
+    def spy(data, muscle, parameters, priors, options):
+        seen.append(options)
+        return fit_data(data, muscle, parameters, priors, options)
 
-    monkeypatch.setattr(comparing, "fitted", spy)
+    monkeypatch.setattr(comparison, "fit_data", spy)
     return seen
 
 
@@ -243,15 +246,6 @@ def test_a_law_of_collapse_is_compared_with_its_factor(searches):
     assert_allclose(rows["kim2021, wood1958, derived"], other, rtol=1e-6)
     asked = {(one.loss, one.weights, one.starts, one.seed) for one in searches}
     assert asked == {("soft_l1", "level", 2, 3)}
-
-
-def test_a_laws_numbers_go_with_it_alone():
-    own = fs.collapse.Wood1958(0.7)
-    muscle = fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(33), collapse=own)
-    for name, law in fs.collapse.COLLAPSE_LAWS.items():
-        moment = muscle.replace(collapse=collapse_named(name, own)).collapse_moment(1e5)
-        wanted = own if name == own.name else law()
-        assert moment == muscle.replace(collapse=wanted).collapse_moment(1e5)
 
 
 def missed(made):

@@ -7,10 +7,14 @@ from scipy.stats import binom
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.after.discrepancy import sizes, widening
-from fascicle.calibrate.after.remainder import Remainder
-from fascicle.calibrate.after.trends import looked
-from fascicle.calibrate.problem.uncertainty import NORMAL
+from fascicle.calibrate.diagnostics import (
+    Residuals,
+    autocorrelation_inflation,
+    discrepancy_sizes,
+    find_trends,
+    residuals_of,
+)
+from fascicle.calibrate.least_squares import NORMAL
 from fascicle.records.record import Record
 
 
@@ -36,12 +40,12 @@ def fitted(error, rng, **more):
 
 def held(fits):
     """Shares of intervals that hold the truth: as they are, and by noise alone."""
-    truth = np.array([float(one.value(TRUE)) for one in fits[0].problem.fitted])
-    z = np.array([float(one.coordinate(TRUE)) for one in fits[0].problem.fitted])
+    truth = np.array([float(one.value(TRUE)) for one in fits[0].problem.parameters])
+    z = np.array([float(one.coordinate(TRUE)) for one in fits[0].problem.parameters])
     inside, alone = [], []
     for made in fits:
         inside += [one.low < x < one.high for one, x in zip(made.parameters, truth, strict=True)]
-        away = np.abs(made.coordinates - z) / np.sqrt(np.diag(made.from_noise))
+        away = np.abs(made.coordinates - z) / np.sqrt(np.diag(made.minimum.covariance))
         alone += (away < NORMAL).tolist()
     return np.mean(inside), np.mean(alone)
 
@@ -71,27 +75,30 @@ def bowed(request):
 
 
 def test_noise_alone_widens_nothing(noisy):
-    wide = [made for made in noisy if not made.seen.noisy]
+    wide = [made for made in noisy if not made.diagnosis.is_white_noise]
     # one record in a hundred: no more than this in 996 of 1000 tries, 3 of 60
     assert len(wide) <= binom.isf(4e-3, len(noisy), 0.01)
     for made in noisy:
-        if made.seen.noisy:
+        if made.diagnosis.is_white_noise:
             assert_allclose(made.wider, 1.0)
-            assert not np.any(made.from_trends)
+            assert made.diagnosis.covariance is None
             assert not any("Residuals follow" in line for line in made.warnings)
     inside, _ = held(noisy)
     assert least(noisy) < inside <= 1
 
 
 def test_a_discrepancy_lets_intervals_hold_the_truth(bowed):
-    assert all(made.seen.found and made.seen.found[0].along == "strain" for made in bowed)
+    assert all(
+        made.diagnosis.significant and made.diagnosis.significant[0].along == "strain"
+        for made in bowed
+    )
     inside, alone = held(bowed)
     assert alone < 0.5
     assert least(bowed) < inside <= 1
     for made in bowed:
         assert np.all(made.wider > 1.5)
         told = " ".join(made.warnings)
-        assert "Residuals follow strain" in told and "Intervals count a discrepancy" in told
+        assert "Residuals follow strain" in told and "Intervals include a discrepancy" in told
 
 
 @pytest.mark.slow
@@ -113,21 +120,12 @@ def test_intervals_hold_over_many_records(along, deviation):
 def test_the_size_is_what_was_put_in(bowed):
     squares = []
     for made in bowed:
-        (variance, orders), *_ = sizes(*_left(made))
+        (variance, orders), *_ = discrepancy_sizes(residuals_of(made), made.diagnosis)
         squares.append(variance)
         assert 3 <= orders <= 6
     # a variance of four or so orders scatters by 70 %; three deviations of the mean
     known = 3 * 0.7 / np.sqrt(len(squares))
     assert_allclose(np.mean(squares), (3 * SIGMA) ** 2, rtol=known)
-
-
-def _left(made):
-    from fascicle.calibrate.after.remainder import remainder
-
-    of = made.taken.gathered
-    every = made.problem.whole(made.coordinates)
-    left = remainder(made.problem, made.conclusion, every, of.branch, of.time)
-    return left, looked(left)
 
 
 def test_residuals_that_follow_one_another_widen_by_their_correlation():
@@ -137,9 +135,9 @@ def test_residuals_that_follow_one_another_widen_by_their_correlation():
     for i in range(1, n):
         r[i] = rho * r[i - 1] + steps[i]
     one, zero = np.ones(n), np.zeros(n)
-    left = Remainder(r, np.zeros((n, 1)), one, np.linspace(0, 0.2, n), 1e5 * one, zero,
+    left = Residuals(r, np.zeros((n, 1)), one, np.linspace(0, 0.2, n), 1e5 * one, zero,
                      np.full(n, np.nan), one, zero)  # fmt: skip
-    seen = looked(left)
-    assert_allclose(widening(left, seen), (1 + rho) / (1 - rho), rtol=0.1)
-    white = Remainder(steps, *(getattr(left, name) for name in list(left.__dataclass_fields__)[1:]))
-    assert widening(white, looked(white)) == 1.0
+    seen = find_trends(left)
+    assert_allclose(autocorrelation_inflation(left, seen), (1 + rho) / (1 - rho), rtol=0.1)
+    white = Residuals(steps, *(getattr(left, name) for name in list(left.__dataclass_fields__)[1:]))
+    assert autocorrelation_inflation(white, find_trends(white)) == 1.0

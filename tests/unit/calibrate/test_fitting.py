@@ -3,16 +3,16 @@
 import warnings
 from dataclasses import replace
 
-import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import Prior, fit
-from fascicle.calibrate.after.calibration import largest_force
-from fascicle.calibrate.fits.fitting import _with_tables
-from fascicle.calibrate.problem.uncertainty import NORMAL
+from fascicle.calibrate.calibration import largest_force
+from fascicle.calibrate.fitting import _with_tables
+from fascicle.calibrate.least_squares import NORMAL
+from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import provenance_of
 from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
@@ -93,7 +93,7 @@ def test_the_noise_is_the_records(many):
 
 
 def test_residuals_are_of_the_fitted_muscle(tuned):
-    data = tuned.data
+    data = tuned.grid
     # the tables run straight between 33 even pressures and those measured, which are rows
     force = np.asarray(tuned.muscle.force(data.pressure, data.strain))
     top = force.max()
@@ -132,8 +132,8 @@ def test_estimates_are_the_covariances(tuned):
     assert_allclose(np.diag(tuned.correlation), 1, rtol=1e-12)
     assert np.all(np.linalg.eigvalsh(tuned.covariance) > 0)
     # readings cause part of it, never more than all
-    assert np.all(np.linalg.eigvalsh(tuned.covariance - tuned.from_curves) > 0)
-    assert np.trace(tuned.from_curves) > 0
+    assert np.all(np.linalg.eigvalsh(tuned.covariance - tuned.minimum.from_curves) > 0)
+    assert np.trace(tuned.minimum.from_curves) > 0
 
 
 def test_draws_are_the_normal_approximation(many):
@@ -158,7 +158,7 @@ def test_without_a_collapse_in_the_data_factors_stay_at_their_prior(unbuckled):
     assert "hinge_stiffness_factor, hinge_stiffness_slope and transition_rate can't be" in said or (
         "Nothing past the free strain was measured" in said
     )
-    assert "The data alone do not determine" in said
+    assert "not determined by the data" in said
     # nothing known, nothing drawn
     assert_array_equal(unbuckled.draws(3), np.broadcast_to(unbuckled.coordinates, (3, 5)))
 
@@ -246,7 +246,7 @@ def test_clipped_readings_are_spoken_of(constants):
     first = constants.warnings[0]
     assert first.startswith(f"{constants.censored} readings are clipped at zero")
     assert any("Nothing past the free strain" in line for line in constants.warnings)
-    assert any("known together, not apart" in line for line in constants.warnings)
+    assert any("strongly correlated" in line for line in constants.warnings)
     assert_array_equal(np.isnan(constants.residual).reshape(-1), constants.record.censored)
 
 
@@ -282,9 +282,9 @@ def test_levels_can_count_the_same():
     there[1:12:2] = False  # half of the lowest level's, which weigh for the others'
     record = clipped().only(there)
     plain, level = (fit(record, NOMINAL, NAMES, weights=how) for how in ("uniform", "level"))
-    counted = np.asarray(level.problem.data.count)
+    counted = np.asarray(level.grid.count)
     weight = np.asarray(level.problem.weight)
-    held = np.sum(counted * weight**2, axis=1)[:5]  # the rest is filled up
+    held = np.sum(counted * weight**2, axis=1)
     assert_allclose(held, held[0], rtol=1e-12)
     assert_allclose(held.sum(), counted.sum(), rtol=1e-12)  # 1 on average
     assert_allclose(plain.problem.weight, counted > 0, rtol=0)
@@ -373,16 +373,19 @@ def test_a_wide_prior_is_still_a_prior():
 
 
 def test_a_slope_may_fall_beforehand():
-    from fascicle.calibrate.problem.beginning import _centered
-    from fascicle.calibrate.problem.parameters import named
+    from fascicle.calibrate.fitting import _with_priors
+    from fascicle.calibrate.parameters import select_parameters
 
     falling = {"hinge_stiffness_slope": Prior(-1e-7, 1e-6)}
-    free = named(["hinge_stiffness_slope"], DRAWN)
-    assert _centered(DRAWN, free, falling).tuning.hinge_stiffness_slope < 0
+    free = select_parameters(["hinge_stiffness_slope"], DRAWN)
+    assert _with_priors(DRAWN, free, falling).tuning.hinge_stiffness_slope < 0
 
 
 def test_a_factor_that_was_fitted_far_out_is_told_with_its_interval_alone(tuned):
-    far = eqx.tree_at(lambda m: m.tuning.hinge_stiffness_factor, tuned.muscle, np.float64(151.0))
+    far = with_fields(
+        tuned.muscle,
+        tuning=with_fields(tuned.muscle.tuning, hinge_stiffness_factor=np.float64(151.0)),
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         made = _with_tables(far, tuned.readings)

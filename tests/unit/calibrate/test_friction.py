@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.calibrate.after.friction import friction_of
+from fascicle.calibrate.friction import fit_friction
+from fascicle.calibrate.messages import friction_message
 from fascicle.dynamics import MaxwellSlip
 from fascicle.records import Record, VirtualDynamometer, averaged
 
@@ -39,8 +40,8 @@ def looped(noise, steps=80, pressures=6):
 
 @pytest.mark.parametrize(("noise", "within"), [(0.0, 0.01), (0.1, 0.05)])
 def test_springs_are_found_again(noise, within):
-    found = friction_of(looped(noise), L)
-    assert found.told == (True, True) and found.pressures == 6
+    found = fit_friction(looped(noise), L)
+    assert found.resolved == (True, True) and found.pressures == 6
     # one rise with pressure stands for both springs' own, 1.0e-5 and 1.3e-5 of their slips
     assert_allclose(found.law.stiffness, STIFFNESS, rtol=within)
     for P in (1e5, 4e5):
@@ -51,7 +52,7 @@ def test_springs_are_found_again(noise, within):
 
 def test_the_width_is_the_one_that_averaged_measures():
     record = looped(0.0)
-    found, half = friction_of(record, L), averaged(record, 200)
+    found, half = fit_friction(record, L), averaged(record, 200)
     inside = (half.record.strain > 1e-9) & (half.record.strain < 0.2 - 1e-9)
     assert_allclose(np.sort(found.width), np.sort(half.width[inside]), rtol=1e-12)
 
@@ -59,39 +60,38 @@ def test_the_width_is_the_one_that_averaged_measures():
 @pytest.mark.parametrize("clip", [False, True])
 def test_the_dynamometer_s_loops_have_their_width_and_no_build_up(clip):
     record = VirtualDynamometer(hysteresis=0.08, samples=100, clip=clip).record(SIX, seed=3)
-    found = friction_of(record, L)
+    found = fit_friction(record, L)
     # half a percent of the largest force is noise: 0.7 N a reading, over a thousand of them
     for P in (1e5, 4e5):
         assert_allclose(found.half_width(P), 0.04 * SIX.blocked_force(P), rtol=0.03, atol=0.1)
-    assert found.told == (False,)
-    assert "isn't told" in found.words()
+    assert found.resolved == (False,)
+    assert "not resolved" in friction_message(found)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_alone_is_no_friction(seed):
-    found = friction_of(VirtualDynamometer(samples=60).record(SIX, seed=seed), L)
+    found = fit_friction(VirtualDynamometer(samples=60).record(SIX, seed=seed), L)
     assert found.law is None and found.half_width(4e5) == 0
-    assert found.words() == "No friction to tell from noise: both branches are one."
 
 
 def test_branches_that_are_one_have_none():
     record = looped(0.0)
     force = SIX.law.tension.force(record.pressure, record.strain)
-    assert friction_of(replace(record, force=np.asarray(force)), L).law is None
+    assert fit_friction(replace(record, force=np.asarray(force)), L).law is None
 
 
 def test_one_way_says_nothing():
     record = VirtualDynamometer(samples=60, both_ways=False).record(SIX)
-    assert friction_of(record, L) is None
+    assert fit_friction(record, L) is None
 
 
 def test_lengths_are_those_of_the_strain():
     # half the length: half the way, twice the stiffness, the same slip
-    one, half = friction_of(looped(0.0), L), friction_of(looped(0.0), L / 2)
+    one, half = fit_friction(looped(0.0), L), fit_friction(looped(0.0), L / 2)
     assert_allclose(half.law.stiffness, 2 * one.law.stiffness, rtol=1e-3)
     assert_allclose(half.half_width(2e5), one.half_width(2e5), rtol=1e-4)
 
 
 def test_it_is_the_element_of_the_simulations():
-    found = friction_of(looped(0.0), L)
+    found = fit_friction(looped(0.0), L)
     assert isinstance(found.law, MaxwellSlip) and found.law.count == 2

@@ -7,8 +7,8 @@ from scipy.optimize import least_squares
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.data.readings import tables
-from fascicle.calibrate.problem.parameters import FACTORS, put
+from fascicle.calibrate.parameters import FACTORS, put
+from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
@@ -32,7 +32,7 @@ def force_of(vector, data):
     """The muscle's force with factors and curves of a vector, by the public muscle alone."""
     z, curves = vector[:5], vector[5:]
     P = np.asarray(data.pressure)[:, 0]
-    c1, c2 = (np.asarray(x) for x in tables(DRAWN, curves, P))
+    c1, c2 = SmoothCurves(DRAWN, P, P.max()).tables(curves)
     muscle = put(FACTORS, DRAWN, z)
     old = muscle.tuning
     some = P > 0
@@ -47,7 +47,7 @@ def force_of(vector, data):
 
 @pytest.mark.slow
 def test_the_minimum_is_scipys(tuned):
-    data, noise = tuned.data, float(tuned.problem.noise)
+    data, noise = tuned.grid, float(tuned.problem.noise)
     at = np.concatenate([tuned.coordinates, tuned.readings.coefficients])
     blocked = 10 * np.max(np.abs(tuned.readings.blocked_force[tuned.readings.valid]))
     center = np.concatenate([np.asarray(tuned.problem.center), [1.0, 0, 0, 0, 0, 0]])
@@ -73,7 +73,7 @@ def test_every_reading_has_a_say(tuned):
     # the noise is that of all readings: 300 of 0.5 % of the largest force know it to 4 %
     scale = 0.005 * np.abs(tuned.record.force).max()
     assert_allclose(float(tuned.problem.noise) / scale, 1, atol=0.13)
-    mean, covariance = tuned.readings.alone
+    mean, covariance = tuned.readings.pulling
     # what resists adds to what is known of the curves, and moves them by no more than they are
     # unsure
     more = np.diag(covariance) - np.diag(tuned.readings.covariance)
@@ -87,7 +87,7 @@ def test_no_order_is_chosen(quotient, tuned):
     # a synthetic truth whose free strain is the law's times a polynomial of this order
     rows = np.linspace(2e4, 344.7e3, 300)
     line = [0.0, float(TRUE.blocked_force(344.7e3))]
-    c1, c2 = (np.asarray(x) for x in tables(DRAWN, np.array([*quotient, *line]), rows, 344.7e3))
+    c1, c2 = SmoothCurves(DRAWN, rows, 344.7e3).tables(np.array([*quotient, *line]))
     truth = DRAWN.replace(tuning=Tuning(rows, c1, c2, collapse_moment_factor=0.75))
     made = fit(MACHINE.record(truth, seed=2), DRAWN)
     share = np.array([0.25, 0.5, 0.75, 1.0])
@@ -103,4 +103,4 @@ def test_where_the_law_misses_the_pull_readings_stay_as_read():
     force = np.asarray(DRAWN.force(P, eps)) + 20 * np.sin(14 * eps)  # no law's
     noise = 0.2 * np.random.default_rng(0).normal(size=force.shape)
     made = fit(Record.of(P, eps, force + noise, rest_length=0.127), DRAWN)
-    assert made.readings.alone is None
+    assert made.readings.pulling is None

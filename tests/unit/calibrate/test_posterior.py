@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.calibrate.after.posterior import _Target, sample
-from fascicle.calibrate.problem.linear import linear
+from fascicle.calibrate.least_squares import linearize
+from fascicle.calibrate.posterior import _Target, sample
 
 
 pytest.importorskip("numpyro")
@@ -87,8 +87,8 @@ def test_the_density_is_what_least_squares_minimize(straight):
     target = _Target(made)
 
     def squares(u):
-        z, problem, _ = target.unpacked(u)
-        return -0.5 * float(np.sum(linear(problem, np.asarray(z)).residuals ** 2))
+        z, _, _ = target.unpack(u)
+        return -0.5 * float(np.sum(linearize(target.problem, np.asarray(z)).residuals ** 2))
 
     density = jax.jit(target.log_density)
     here, there = np.zeros(3), np.array([0.8, -1.3, 0.0])

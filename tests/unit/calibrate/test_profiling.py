@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.calibrate.after.profiling import CRITICAL, profiles
-from fascicle.calibrate.problem.uncertainty import NORMAL
+from fascicle.calibrate.intervals import _CRITICAL, profiles
+from fascicle.calibrate.least_squares import NORMAL
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def found(made):
 
 
 def test_critical_is_ninety_percent():
-    assert_allclose(CRITICAL, NORMAL**2, rtol=1e-12)
+    assert_allclose(_CRITICAL, NORMAL**2, rtol=1e-12)
 
 
 def test_a_quadratic_problems_interval_is_walds(made, found):
@@ -47,7 +47,11 @@ def test_its_rise_is_the_square_of_the_step(made, found):
 def test_only_the_variance_that_the_problem_knows_counts(made, found):
     # half of the variance comes from readings, and residuals follow one another
     wider = replace(
-        made, covariance=4 * made.covariance, from_curves=2 * made.covariance, inflation=2.0
+        made,
+        minimum=replace(
+            made.minimum, covariance=3 * made.covariance, from_curves=2 * made.covariance
+        ),
+        diagnosis=replace(made.diagnosis, inflation=2.0),
     )
     for before, after in zip(found, profiles(wider), strict=True):
         # steps are twice as long, and again rise by their square in deviations, but for the

@@ -1,20 +1,13 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.calibrate.data.grid import Grid
-from fascicle.calibrate.data.readings import (
-    free_strain_of,
-    read,
-    smooth_free_strain,
-    tables,
-    tables_of,
-)
+from fascicle.calibrate.data import Grid
+from fascicle.calibrate.readings import SmoothCurves, read
 
 
 SIZES = (0.127, 6.35e-3, 1.6e-3, np.radians(33))
@@ -29,7 +22,7 @@ UNTUNED_FREE = np.asarray(muscle.free_strain(P))
 
 def untuned(pressure, strain):
     """The untuned law's force [N]; goes on past the free strain."""
-    mesh, held = law.components(bladder, jnp.asarray(pressure), jnp.asarray(strain))
+    mesh, held = law.components(bladder, np.asarray(pressure), np.asarray(strain))
     return np.asarray(mesh + held)
 
 
@@ -48,21 +41,23 @@ def measured(quotient, stronger, strain=STRAIN):
 def gridded(force, censored=None, strain=STRAIN, count=None):
     strain = np.broadcast_to(strain, force.shape)
     return Grid(
-        jnp.asarray(P[:, None]), jnp.asarray(strain), jnp.asarray(force),
-        jnp.ones(force.shape) if count is None else jnp.asarray(count),
-        jnp.asarray(np.zeros(force.shape, bool) if censored is None else censored),
+        np.asarray(P[:, None]), np.asarray(strain), np.asarray(force),
+        np.ones(force.shape) if count is None else np.asarray(count),
+        np.asarray(np.zeros(force.shape, bool) if censored is None else censored),
     )  # fmt: skip
 
 
 def read_many(data, forces):
     """Readings of many forces, each of their fields stacked; and the smooth free strains."""
-    found = [read(muscle, replace(data, force=jnp.asarray(force))) for force in forces]
+    found = [read(muscle, replace(data, force=np.asarray(force))) for force in forces]
     names = ("free_strain", "free_strain_deviation", "blocked_force", "blocked_force_deviation",
              "valid", "noise", "coefficients", "covariance", "order")  # fmt: skip
     stacked = SimpleNamespace(**{
         name: np.stack([getattr(one, name) for one in found]) for name in names
     })  # fmt: skip
-    return stacked, np.stack([smooth_free_strain(muscle, one)[0] for one in found])
+    return stacked, np.stack(
+        [SmoothCurves(muscle, P, P.max()).free_strain(one.coefficients) for one in found]
+    )
 
 
 @pytest.fixture(scope="module", params=SEEDS)
@@ -97,19 +92,16 @@ def test_tables_give_back_blocked_force_and_free_strain():
     quotient = 0.9 + 0.1 * P / P.max()
     force, free, blocked = measured(quotient, 0.95)
     found = read(muscle, gridded(force))
-    c1, c2 = tables_of(muscle, found, found.pressure)
+    c1, c2 = SmoothCurves(muscle, P, P.max()).tables(found.coefficients)
     assert (c1[0], c2[0]) == (0.0, 1.0)
     tuned = fs.Muscle.from_dimensions(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
     assert_allclose(tuned.free_strain(P)[1:], free[1:], rtol=1e-6)
     assert_allclose(tuned.blocked_force(P)[1:], blocked[1:], rtol=1e-6)
     # between the measured pressures, over the same highest one
-    coefficients, between = jnp.asarray(found.coefficients), np.array([75e3])
-    half, stronger = tables_of(muscle, found, between)
-    middle = free_strain_of(muscle, coefficients, jnp.asarray(between), P.max())
-    assert_allclose(half, untuned(between, np.asarray(middle)), rtol=1e-9)
-    # the same as what a fit differentiates
-    traced = tables(muscle, coefficients, jnp.asarray(between), P.max())
-    assert_allclose(np.array(traced), [half, stronger], rtol=1e-9)
+    curves = SmoothCurves(muscle, np.array([75e3]), P.max())
+    half, _ = curves.tables(found.coefficients)
+    middle = curves.free_strain(found.coefficients)
+    assert_allclose(half, untuned(curves.pressure, middle), rtol=1e-9)
 
 
 def test_a_dead_band_is_no_correction():
@@ -119,7 +111,7 @@ def test_a_dead_band_is_no_correction():
                                     * np.linspace(0, 1, 9)))  # fmt: skip
     strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)
     found = read(banded, gridded(force, strain=strain))
-    c1, c2 = tables_of(banded, found, P)
+    c1, c2 = SmoothCurves(banded, P, P.max()).tables(found.coefficients)
     assert_allclose(c1, 0, atol=1e-6 * force.max())
     assert_allclose(c2, 1, rtol=1e-6)
 
@@ -207,7 +199,7 @@ def test_one_reading_that_pulls_is_not_enough():
     found = read(muscle, gridded(force, strain=strain, count=count))
     assert_array_equal(found.valid, (P > 0) & (np.arange(P.size) != 3))
     # the others' curves go through its place
-    smooth, _ = smooth_free_strain(muscle, found)
+    smooth = SmoothCurves(muscle, P, P.max()).free_strain(found.coefficients)
     assert_allclose(smooth[3], UNTUNED_FREE[3], rtol=1e-4)
 
 

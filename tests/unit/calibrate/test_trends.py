@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import binom, f
 
-from fascicle.calibrate.after.remainder import Remainder
-from fascicle.calibrate.after.trends import ALPHA, looked
+from fascicle.calibrate.diagnostics import ALPHA, Residuals, find_trends
 
 
 K = 4
@@ -47,7 +46,7 @@ def remainder(name, errors, priors=1e-5, weight=1.0):
         return np.concatenate([values, none])
 
     level = np.unique(P, return_inverse=True)[1]
-    return Remainder(
+    return Residuals(
         y - A @ z, -A, rows(np.broadcast_to(weight, P.shape)), rows(strain), rows(P), rows(branch),
         rows(time), rows(100 * P / 7e5), rows(level),
     )  # fmt: skip
@@ -61,8 +60,8 @@ def size(name):
 @pytest.mark.parametrize("name", ["table", "sweeps", "loops"])
 def test_noise_is_called_a_trend_as_rarely_as_is_said(name, count):
     rng = np.random.default_rng(1)
-    seen = [looked(remainder(name, rng.normal(size=size(name)))) for _ in range(count)]
-    alarms = sum(not one.noisy for one in seen)
+    seen = [find_trends(remainder(name, rng.normal(size=size(name)))) for _ in range(count)]
+    alarms = sum(not one.is_white_noise for one in seen)
     # no more than the binomial's 99.9 % quantile; and the test is no formality
     assert alarms <= binom.ppf(0.999, count, ALPHA)
     # the noise about fit and trends is the noise: 600 times some 40 degrees of freedom or more
@@ -83,7 +82,7 @@ def test_noise_of_other_kinds_is_let_pass_too(name, kind):
             e = e * (0.5 + P / 7e5)
         if kind == "rounded":  # by a step as large as the noise
             e = np.round(e)
-        alarms += not looked(remainder(name, e)).noisy
+        alarms += not find_trends(remainder(name, e)).is_white_noise
     # normal noise is what the tests assume; others may double the rate, no more
     least = 0.25 * ALPHA * count if kind == "normal" else 0
     most = binom.ppf(0.999, count, ALPHA * (1 if kind == "normal" else 2))
@@ -106,11 +105,11 @@ def test_what_isnt_noise_shows(along):
     rng, name = np.random.default_rng(3), "sweeps"
     shape = shapes(*layout(name))[along]
     for _ in range(20):
-        seen = looked(remainder(name, shape + rng.normal(size=shape.size)))
-        assert seen.found[0].along == along
+        seen = find_trends(remainder(name, shape + rng.normal(size=shape.size)))
+        assert seen.significant[0].along == along
         # half of the squares are the trend's, save what the constants took up
-        assert 0.05 < seen.found[0].share < 0.6
-        assert seen.found[0].chance < 1e-6
+        assert 0.05 < seen.significant[0].share < 0.6
+        assert seen.significant[0].chance < 1e-6
         assert_allclose(seen.noise, 1.0, rtol=0.15)
 
 
@@ -118,14 +117,14 @@ def test_a_trend_of_both_shows_where_neither_alone_has_one():
     P, strain, _, _ = layout("sweeps")
     twist = 2 * np.sign(strain - 0.1) * np.sign(P - np.median(P))
     noise = np.random.default_rng(4).normal(size=P.size)
-    seen = looked(remainder("sweeps", twist + noise))
-    assert "strain and pressure" in [one.along for one in seen.found]
+    seen = find_trends(remainder("sweeps", twist + noise))
+    assert "strain and pressure" in [one.along for one in seen.significant]
 
 
 def test_the_chance_is_fishers():
     name = "table"
     left = remainder(name, np.random.default_rng(5).normal(size=size(name)))
-    seen = looked(left)
+    seen = find_trends(left)
     n = size(name)
     names = [one.along for one in seen.trends]
     assert sorted(names) == ["pressure", "strain", "strain and pressure"]
@@ -150,10 +149,10 @@ def test_what_a_prior_holds_has_taken_nothing_up():
     P, strain, _, _ = layout("table")
     trend = slopes_of(P, strain)[:, 3]
     noise = 0.1 * np.random.default_rng(6).normal(size=P.size)
-    held = looked(remainder("table", trend + noise, priors=1e4))
-    free = looked(remainder("table", trend + noise))
-    assert held.found and held.found[0].along == "strain"
-    assert free.noisy
+    held = find_trends(remainder("table", trend + noise, priors=1e4))
+    free = find_trends(remainder("table", trend + noise))
+    assert held.significant and held.significant[0].along == "strain"
+    assert free.is_white_noise
 
 
 def test_runs_are_counted_along_strain_and_along_pressure():
@@ -161,7 +160,7 @@ def test_runs_are_counted_along_strain_and_along_pressure():
     # all negative at the second strain, positive at the others: as such a record was seen
     errors = np.where(np.isclose(strain, 0.06), -1.0, 0.5)
     left = remainder("table", errors, priors=1e6)
-    seen = looked(left)
+    seen = find_trends(left)
     runs = {one.along: one for one in seen.runs}
     assert runs["pressure"].changes == 0 and runs["pressure"].found
     count = sum(max(np.sum(np.isclose(strain, x)) - 1, 0) for x in TABLE)
@@ -182,14 +181,14 @@ def test_runs_are_counted_along_strain_and_along_pressure():
 def test_too_few_readings_tell_nothing():
     left = remainder("table", np.random.default_rng(7).normal(size=size("table")))
     few = np.concatenate([np.arange(9), np.arange(size("table"), size("table") + K)])
-    names = Remainder.__dataclass_fields__
-    seen = looked(Remainder(*(getattr(left, name)[few] for name in names)))
+    names = Residuals.__dataclass_fields__
+    seen = find_trends(Residuals(*(getattr(left, name)[few] for name in names)))
     assert np.isnan(seen.noise) and not seen.trends
 
 
 def test_an_average_weighs_what_it_averages():
     noise = np.random.default_rng(8).normal(size=size("sweeps"))
-    one, nine = (looked(remainder("sweeps", noise, weight=w)) for w in (1.0, 3.0))
+    one, nine = (find_trends(remainder("sweeps", noise, weight=w)) for w in (1.0, 3.0))
     # nine readings each: their mean scatters by as much, so a reading by three times that
     assert_allclose(nine.noise, 3 * one.noise, rtol=1e-6)
     for a, b in zip(one.trends, nine.trends, strict=True):

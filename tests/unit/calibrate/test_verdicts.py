@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.calibrate.after.calibration import Estimate
-from fascicle.calibrate.after.warned import hysteresis
-from fascicle.calibrate.data.regression import polynomial
-from fascicle.calibrate.data.taking import taken
-from fascicle.calibrate.fits.choosing import chosen, trial
-from fascicle.calibrate.fits.fitting import fit
+from fascicle.calibrate.calibration import Estimate
+from fascicle.calibrate.data import select_fit_data
+from fascicle.calibrate.fitting import fit
+from fascicle.calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
+from fascicle.calibrate.model_selection import make_trial, select, select_model
+from fascicle.calibrate.readings import _polynomial
 from fascicle.records.record import DOWN, UP, Record
 from fascicle.records.segmentation import runs
 
@@ -45,7 +45,7 @@ def sweeps(levels, stroke, points=45, noise=0.0, loop=0.0, muscle=MUSCLE, seed=0
 def test_a_short_sweep_at_zero_pressure_is_fitted():
     made = sweeps([0.0, 1e5, 2e5, 3e5, 4e5], [0.01, 0.1, 0.15, 0.2, 0.2])
     unsigned = record(made.pressure, made.strain, made.force)
-    assert taken(unsigned).left_out == {}
+    assert select_fit_data(unsigned).left_out == {}
     assert {run.kind for run in runs(unsigned)} == {"pressure"}
 
 
@@ -57,42 +57,41 @@ def test_readings_between_levels_are_still_ramps():
         np.concatenate([made.strain[:90], 0 * ramp, made.strain[90:]]),
         np.concatenate([made.force[:90], 0 * ramp, made.force[90:]]),
     )
-    assert taken(joined).left_out == {"on ramps between sweeps": 10}
+    assert select_fit_data(joined).left_out == {"on ramps between sweeps": 10}
 
 
 def test_values_without_scatter_have_a_polynomial():
     share, value = np.array([0.2, 0.5, 1.0]), np.array([1.0, 2.0, 4.0])
-    fitted = polynomial(share, value, np.array([0.0, 0.1, 0.0]), 1, 2)
+    fitted = _polynomial(share, value, np.array([0.0, 0.1, 0.0]), 1, 2)
     assert np.all(np.isfinite(fitted.coefficients))
     assert np.all(np.isfinite(fitted.covariance))
 
 
 def candidate(names, unseen):
     error = np.full(40, unseen)
-    return trial(",".join(names), names, "constants", len(names), error, error, "linear", 100.0)
+    label = ",".join(names), names, "constants", len(names)
+    return make_trial(label, error, error, "linear", 100.0)
 
 
 def test_the_muscle_as_given_is_taken_where_no_fit_is_better():
     given, fitted = candidate((), 2.02), candidate(("c10", "c01"), 2.03)
-    assert chosen([given, fitted], 0.1, "linear") is given
+    assert select([given, fitted], 0.1, "linear") is given
     better = candidate(("c10", "c01"), 1.0)
-    assert chosen([given, better], 0.1, "linear") is better
+    assert select([given, better], 0.1, "linear") is better
 
 
 def test_a_muscle_as_given_has_a_calibration_without_constants():
-    from fascicle.calibrate.fits.finding import find
-
     record = sweeps([1e5, 2e5, 3e5, 4e5], [0.1, 0.1, 0.15, 0.2], noise=0.3)
-    choice = find(record, MUSCLE)
+    choice = select_model(record, MUSCLE)
     assert [one.constants for one in choice.candidates if one.chosen] == [0]
-    assert choice.made.parameters == ()
-    assert choice.made.muscle == MUSCLE
+    assert choice.calibration.parameters == ()
+    assert choice.calibration.muscle == MUSCLE
 
 
 @pytest.mark.parametrize(("value", "half"), [(36.08, 0.004), (36.08, 4e-7), (0.25, 0.3)])
 def test_a_printed_interval_holds_its_value(value, half):
     estimate = Estimate("x", "number", "", value, value - half, value + half, value, 1.0, True)
-    text, interval = estimate.texts()
+    text, interval = interval_texts(estimate)
     low, high = map(float, interval.split(" to "))
     assert low <= float(text) <= high
     assert low < high
@@ -102,7 +101,7 @@ def test_a_printed_interval_holds_its_value(value, half):
 def rubber():
     """A fit of the rubber to a muscle of thin rubber, which tells its limit alone."""
     soft = MUSCLE.replace(material=fs.MooneyRivlin(2e3, 2e3))
-    from fascicle.calibrate.after.profiling import with_profiles
+    from fascicle.calibrate.intervals import with_profiles
 
     record = sweeps([0.0, 1e5, 2e5, 4e5], [0.01, 0.1, 0.15, 0.2], noise=3.0, muscle=soft, seed=2)
     made = fit(record, MUSCLE, ("c10", "c01", "braid_angle"), whole=False)
@@ -133,8 +132,8 @@ def test_branches_that_are_one_have_no_loop():
     record = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=2.0)
     made = fit(record, MUSCLE, ("c10", "c01"), whole=False)
     assert made.friction.law is None
-    assert "No hysteresis loop" in hysteresis(made)
-    assert "%" not in hysteresis(made)
+    assert "No hysteresis loop" in hysteresis_message(made)
+    assert "%" not in hysteresis_message(made)
 
 
 def test_many_readings_of_one_least_number_are_clipped_there():
@@ -142,9 +141,9 @@ def test_many_readings_of_one_least_number_are_clipped_there():
     floor = float(np.quantile(made.force, 0.2))
     assert floor < 0
     data = record(made.pressure, made.strain, np.maximum(made.force, floor), made.branch)
-    of = taken(data)
+    of = select_fit_data(data)
     assert of.clipped == np.sum(made.force <= floor) > 20
-    assert f"{floor:.4g} N" in " ".join(of.words())
+    assert f"{floor:.4g} N" in " ".join(fit_data_lines(of))
     fitted = fit(data, MUSCLE, ("c10", "c01", "youngs_modulus_factor"))
     # a clipped reading asks the law to be no higher: it is no force of exactly -8.74 N
     assert fitted.rmse == pytest.approx(0.3, rel=0.15)
@@ -152,7 +151,12 @@ def test_many_readings_of_one_least_number_are_clipped_there():
 
 def test_a_coarse_load_cell_has_no_floor():
     made = sweeps([0.0, 5e4, 1e5, 2e5], [0.05, 0.3, 0.35, 0.4], noise=0.3)
-    assert taken(record(made.pressure, made.strain, np.round(made.force), made.branch)).clipped == 0
+    assert (
+        select_fit_data(
+            record(made.pressure, made.strain, np.round(made.force), made.branch)
+        ).clipped
+        == 0
+    )
 
 
 @pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
@@ -162,10 +166,10 @@ def test_another_buckling_law_is_named_for_residuals_past_the_free_strain(truth,
     data = gauge.record(slender.replace(buckling=truth), seed=1)
     free = ("youngs_modulus_factor", "collapse_moment_factor")
     made = fit(data, slender.replace(buckling=model), free)
-    assert f"`{truth}`" in made.causes[0].name
-    assert truth in made.causes[0].remedy
+    assert f"`{truth}`" in made.diagnosis.causes[0].name
+    assert truth in made.diagnosis.causes[0].remedy
     right = fit(data, slender.replace(buckling=truth), free)
-    assert not any("free strain" in cause.name for cause in right.causes)
+    assert not any("free strain" in cause.name for cause in right.diagnosis.causes)
 
 
 def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
@@ -179,6 +183,8 @@ def test_forces_that_never_pull_are_refused_with_the_option_that_turns_them():
     ("value", "low", "high"), [(36.08, 36.08, 36.08), (1.004, 0.6, 1.0045), (9.996, 9.9958, 15.0)]
 )
 def test_a_printed_end_beside_the_value_is_not_past_it(value, low, high):
-    shown, interval = Estimate("x", "number", "", value, low, high, value, 1.0, True).texts()
+    shown, interval = interval_texts(
+        Estimate("x", "number", "", value, low, high, value, 1.0, True)
+    )
     ends = [float(end) for end in interval.split(" to ")]
     assert ends[0] <= float(shown) <= ends[1]

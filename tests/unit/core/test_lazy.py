@@ -11,26 +11,15 @@ import fascicle
 
 # documented in version 0.1.0, and where they are now
 MOVED = {
-    "calibrate.comparing.Row": "calibrate.fits.comparing",
-    "calibrate.discrepancy.from_trends": "calibrate.after.discrepancy",
-    "calibrate.discrepancy.sizes": "calibrate.after.discrepancy",
-    "calibrate.discrepancy.table": "calibrate.after.discrepancy",
-    "calibrate.misfit.Misfit": "calibrate.problem.misfit",
-    "calibrate.posterior.Posterior": "calibrate.after.posterior",
-    "calibrate.profiling.Profile": "calibrate.after.profiling",
-    "calibrate.readings.free_strain_of": "calibrate.data.readings",
-    "calibrate.readings.read": "calibrate.data.readings",
-    "calibrate.readings.tables": "calibrate.data.readings",
-    "calibrate.reference.sarosi": "calibrate.data.reference",
-    "calibrate.trends.looked": "calibrate.after.trends",
-    "calibrate.uncertainty.conclude": "calibrate.problem.uncertainty",
+    "calibrate.comparing.Row": "calibrate.comparison",
+    "calibrate.profiling.Profile": "calibrate.calibration",
     "describe.calibrated.provenance_of": "files.calibration_files",
     "describe.provenance": "files",
     "describe.results.Variable": "results.labelled",
     "design.searching.SearchResult": "design.exhaustive_search",
     "design.store.Store": "design.sweep",
     "design.study.Study": "design.sweep",
-    "reports.fitted.figures": "calibrate.after.pictures",
+    "reports.fitted.figures": "calibrate.plot_data",
 }
 
 

@@ -76,13 +76,15 @@ def test_the_python_of_the_data_runs_beside_its_file(tuned, names, tmp_path, mon
     record = read(CSV, "mine.csv", 0.127)
     export = data(VIEW.muscle, record, tuned, "mine.csv", Reading(), names)
     text = export.content("py").decode()
-    call = "find(record" if names == (FOUND,) else "fit(record"
+    call = "select_model(record" if names == (FOUND,) else "fit(record"
     assert (call in text) == (tuned is not None)
     if tuned is not None:  # a fit takes a minute: here its result
         made = SimpleNamespace(muscle=tuned)
-        found = SimpleNamespace(made=made)
-        monkeypatch.setattr("fascicle.calibrate.fits.fitting.fit", lambda *_, **__: made)
-        monkeypatch.setattr("fascicle.calibrate.fits.finding.find", lambda *_, **__: found)
+        found = SimpleNamespace(calibration=made)
+        monkeypatch.setattr("fascicle.calibrate.fitting.fit", lambda *_, **__: made)
+        monkeypatch.setattr(
+            "fascicle.calibrate.model_selection.select_model", lambda *_, **__: found
+        )
     monkeypatch.chdir(tmp_path)
     exec(compile(text, "mine_comparison.py", "exec"), {})  # noqa: S102 what is tested
     made = tmp_path / "mine_comparison.csv"

@@ -1,23 +1,21 @@
 """The page of a calibration, and the provenance that is saved with its muscle."""
 
 import re
+from types import MappingProxyType
 
 import numpy as np
 import pytest
 
 import fascicle as fs
 from fascicle import units
-from fascicle.calibrate.after.calibration import Calibration
-from fascicle.calibrate.after.pictures import figures, fitted_of, profiled_of, read_of
-from fascicle.calibrate.after.posterior import Posterior
-from fascicle.calibrate.after.profiling import Profile
-from fascicle.calibrate.data.taking import taken
-from fascicle.calibrate.fits.comparing import Row
-from fascicle.calibrate.problem.linear import Linear
-from fascicle.calibrate.problem.parameters import coordinates, named
-from fascicle.calibrate.problem.residuals import Problem
-from fascicle.calibrate.problem.solving import Solutions
-from fascicle.calibrate.problem.uncertainty import Conclusion
+from fascicle.calibrate.calibration import Calibration, Profile
+from fascicle.calibrate.comparison import Row
+from fascicle.calibrate.data import select_fit_data
+from fascicle.calibrate.diagnostics import Diagnosis
+from fascicle.calibrate.least_squares import Linearization, Minimum, Problem, Solutions
+from fascicle.calibrate.parameters import coordinates, select_parameters
+from fascicle.calibrate.plot_data import figures, fit_plot, profiles_plot, readings_plot
+from fascicle.calibrate.posterior import Posterior
 from fascicle.files import provenance
 from fascicle.files.calibration_files import provenance_of
 from fascicle.records import Record, Source
@@ -28,7 +26,7 @@ DATE = "2026-05-04"
 SHA = "0123456789abcdef" * 4
 
 
-def calibration(**changes):
+def calibration(warnings=MappingProxyType({"the search": ("Mind < the step.",)}), **changes):
     """A calibration by hand: no fit is needed to describe one."""
     muscle = fs.example("kim2021_slenderness_10")
     P, eps = np.array([100e3, 200e3, 300e3]), np.linspace(0, 0.2, 6)
@@ -37,32 +35,32 @@ def calibration(**changes):
         P[:, None], eps, np.maximum(force, 0), censored=force < 0, rest_length=0.127,
         synthetic=True, sources=(Source("a <b>.csv", SHA),), notes=("column `F` read as force",),
     )  # fmt: skip
-    free = named(["c10", "outer_radius"], muscle)
-    of = taken(record)
-    data, center = of.data, np.asarray(coordinates(free, muscle))
+    free = select_parameters(["c10", "outer_radius"], muscle)
+    of = select_fit_data(record)
+    data, center = of.grid, np.asarray(coordinates(free, muscle))
     problem = Problem(
-        muscle, data, np.ones(data.force.shape), np.asarray(0.5), center, np.full(2, 3.0),
-        np.asarray(0.127), None, free,
+        muscle, data, np.ones(data.force.shape), 0.5, center, np.full(2, 3.0), free, 0.127,
     )  # fmt: skip
     # the first is known to 5 %, the second no better than its prior
     covariance = np.array([[0.05**2, 0.0], [0.0, 2.99**2]])
     none = np.zeros(data.force.shape)
-    place = Linear(
-        np.zeros(none.size + 2), np.zeros((none.size + 2, 2)), none, np.zeros((*none.shape, 2)),
-        np.asarray(data.strain), none,
+    place = Linearization(
+        np.zeros(none.size + 2), np.zeros((none.size + 2, 2)), force, np.zeros((*none.shape, 2)),
+        none,
     )  # fmt: skip
-    conclusion = Conclusion(covariance, np.zeros((2, 2)), 0.5, place, none)
+    minimum = Minimum(covariance, np.zeros((2, 2)), 0.5, 0.5, place)
     solutions = Solutions(
         np.stack([center, center]), np.array([1.0, 2.0]), np.array([0, 1]), np.array([7, 100])
     )
     made = {
-        "muscle": muscle, "start": muscle, "taken": of, "method": "constants",
-        "problem": problem, "coordinates": center, "covariance": covariance,
-        "from_curves": np.zeros((2, 2)), "from_trends": np.zeros((2, 2)), "readings": None,
-        "conclusion": conclusion, "force": force, "free_strain": np.array([0.1, 0.2, 0.3]),
-        "solutions": solutions, "inflation": 1.0, "warned": {"the search": ("Mind < the step.",)},
+        "muscle": muscle, "start": muscle, "fit_data": of,
+        "problem": problem, "coordinates": center, "readings": None, "minimum": minimum,
+        "free_strain": np.array([0.1, 0.2, 0.3]), "solutions": solutions, "weights": "uniform",
+        "diagnosis": Diagnosis(),
     }  # fmt: skip
-    return Calibration(**{**made, **changes})
+    calibration = Calibration(**{**made, **changes})
+    vars(calibration)["warnings_by_topic"] = warnings
+    return calibration
 
 
 @pytest.fixture(scope="module")
@@ -140,11 +138,11 @@ def test_only_the_date_changes_the_page(made, profiles, drawn):
 
 
 def test_without_warnings_the_page_says_so(drawn):
-    assert "Nothing to warn of" in report(calibration(warned={}), DATE, drawn)
+    assert "Nothing to warn of" in report(calibration(warnings={}), DATE, drawn)
 
 
 def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):
-    fitted = fitted_of(made)
+    fitted = fit_plot(made)
     half = 0.5 * (fitted.high - fitted.low)
     # 90 % of a normal deviate; rounding alone could make it less
     assert np.all(half > 1.6448 * fitted.noise)
@@ -157,7 +155,7 @@ def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):
 
 
 def test_profiles_are_shown_in_handy_units(made, profiles):
-    first, second = profiled_of(made, profiles)
+    first, second = profiles_plot(made, profiles)
     assert (first.unit, second.unit) == ("kPa", "mm")
     assert first.estimate == pytest.approx(made.parameters[0].value / 1e3)
     assert first.crosses == (80.0, np.inf)
@@ -166,7 +164,7 @@ def test_profiles_are_shown_in_handy_units(made, profiles):
 def test_a_fit_of_constants_has_no_readings_to_show(made, drawn):
     assert set(drawn) == {"fit", "residuals", "profiles"}
     with pytest.raises(ValueError, match="holds no readings"):
-        read_of(made)
+        readings_plot(made)
 
 
 def test_provenance_is_read_back_as_it_was_saved(made, tmp_path):

@@ -21,9 +21,8 @@ from ..outputs import print_line, print_table, result_folder, status, write_fold
 
 
 if TYPE_CHECKING:
-    from ...calibrate.after.calibration import Calibration
-    from ...calibrate.fits.finding import Choice
-    from ...calibrate.problem.beginning import Prior
+    from ...calibrate.calibration import Calibration, Selection
+    from ...calibrate.fitting import Prior
     from ...muscle import Muscle
     from ...records.record import Record
 
@@ -36,10 +35,10 @@ class CalibrateCommand(Command):
     def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
         """Write the names after the options."""
         load_laws()
-        from ...calibrate.problem.parameters import every
+        from ...calibrate.parameters import parameter_descriptions
 
         with formatter.section("Names for --fit and --prior (of laws in brackets)"):
-            formatter.write_dl(list(every().items()))
+            formatter.write_dl(list(parameter_descriptions().items()))
 
 
 COMMAND = CalibrateCommand
@@ -147,17 +146,17 @@ def run(
         known = _read_priors(priors, start, names)
         result = Result(*_fit(record, start, names, known, settings, update), remarks)
         if intervals == "bootstrap":
-            from ...calibrate.after.bootstrap import bootstrap
+            from ...calibrate.intervals import bootstrap
 
             result = replace(result, fit=bootstrap(result.fit, seed=seed, tell=update))
-        from ...calibrate.after.profiling import profiles, with_profiles
+        from ...calibrate.intervals import profiles, with_profiles
 
         result = replace(result, fit=with_profiles(result.fit))
         if profile and not (as_json and out is None):
             update("profiling")
             result = replace(result, profiles=profiles(result.fit))
         if posterior:
-            from ...calibrate.after.posterior import sample
+            from ...calibrate.posterior import sample
 
             update("sampling")
             result = replace(result, posterior=sample(result.fit, seed=seed))
@@ -182,7 +181,7 @@ class Result:
     """A calibration, and what was computed of it on request."""
 
     fit: "Calibration"
-    choice: "Choice | None"
+    choice: "Selection | None"
     remarks: tuple[str, ...]
     profiles: tuple[Any, ...] = ()
     posterior: Any = None
@@ -297,18 +296,18 @@ def _check(names: list[str] | None, loss: str, intervals: str, posterior: bool) 
 def _read_priors(
     texts: Mapping[str, str], muscle: "Muscle", names: list[str] | None
 ) -> dict[str, "Prior"]:
-    from ...calibrate.problem.beginning import Prior
-    from ...calibrate.problem.parameters import named
+    from ...calibrate.fitting import Prior
+    from ...calibrate.parameters import select_parameters
 
     priors = {}
     for name, text in texts.items():
         flag = f"--prior {name}={text}"
         try:
-            dimension = named([name], muscle)[0].dimension
+            dimension = select_parameters([name], muscle)[0].dimension
         except InvalidInputError as error:
             raise InvalidInputError("prior", error.rule, name, error.remedy, shown="") from None
         if names not in (None, [_TUNING]) and name not in names:
-            named(names, muscle)  # a slip there is the cause
+            select_parameters(names, muscle)  # a slip there is the cause
             raise UserError(f"{flag}: {name} isn't fitted: add it to --fit, or drop the prior.")
         parts = text.split(",")
         if len(parts) != 2:
@@ -324,14 +323,14 @@ def _read_priors(
 def _fit(
     record: "Record", start: "Muscle", names: list[str] | None, priors: Any, settings: Any,
     update: Any,
-) -> tuple["Calibration", "Choice | None"]:  # fmt: skip
+) -> tuple["Calibration", "Selection | None"]:  # fmt: skip
     """Fit names, or select them by cross-validation."""
     if names is None:
-        from ...calibrate.fits.finding import find
+        from ...calibrate.model_selection import select_model
 
-        choice = find(record, start, priors, **settings, tell=update)
-        return choice.made, choice
-    from ...calibrate.fits.fitting import fit
+        choice = select_model(record, start, priors, **settings, tell=update)
+        return choice.calibration, choice
+    from ...calibrate.fitting import fit
 
     update("fitting")
     names = None if names == [_TUNING] else names
@@ -342,19 +341,19 @@ def _compare(
     record: "Record", start: "Muscle", fit: "Calibration", priors: Any, settings: Any
 ) -> tuple[Any, ...]:
     """Fit other laws: of resisting force where that was fitted, else of tension."""
-    from ...calibrate.fits import comparing
+    from ...calibrate import comparison
 
-    if fit.method == "constants" or fit.taken.pulls:
+    if fit.method == "constants" or fit.fit_data.pulls:
         names = list(fit.names) if fit.method == "constants" else None
-        rows = comparing.compare_tension(record, start, names, priors, **settings, whole=False)
+        rows = comparison.compare_tension(record, start, names, priors, **settings, whole=False)
     else:
-        rows = comparing.compare(record, start, list(fit.names), priors, **settings)
+        rows = comparison.compare(record, start, list(fit.names), priors, **settings)
     return tuple(rows)
 
 
 def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
     """Write muscle, report and figures; returns the files' paths."""
-    from ...calibrate.after.pictures import figures as draw
+    from ...calibrate.plot_data import figures as draw
     from ...files.calibration_files import calibrated_text
     from ...plot import to_bytes
     from ...reports.calibration import report
@@ -391,7 +390,12 @@ _READINGS = {"pulling": "readings that pull", "all": "all readings"}
 
 def _print(result: Result) -> None:
     """Print the fit for a reader."""
-    from ...calibrate.after.warned import hysteresis
+    from ...calibrate.messages import (
+        fit_data_lines,
+        hysteresis_message,
+        identifiability_text,
+        interval_texts,
+    )
 
     fit = result.fit
     if fit.record.synthetic:
@@ -399,12 +403,12 @@ def _print(result: Result) -> None:
     # assumptions are always shown; what a file remarks about itself is in the report
     for note in (*result.remarks, *(n for n in fit.record.notes if ": note: " not in n)):
         print_line(note)
-    print_line("; ".join(fit.taken.words()))
+    print_line("; ".join(fit_data_lines(fit.fit_data)))
     if result.choice is not None:
         _print_choice(result.choice)
-    rows = [[p.name, *p.texts(), p.verdict] for p in fit.parameters]
+    rows = [[p.name, *interval_texts(p), identifiability_text(p)] for p in fit.parameters]
     caption = f"intervals: {fit.intervals}"
-    if any(p.verdict == "not known" for p in fit.parameters):
+    if any(identifiability_text(p) == "not known" for p in fit.parameters):
         caption += "; not known: the data alone do not determine it"
     if rows:
         print_table("Parameters", ["", "value", "90 % interval", ""], rows, caption)
@@ -427,16 +431,16 @@ def _print(result: Result) -> None:
         f" {100 * fit.relative_rmse:.3g} % of the largest force; {fit.status}"
     )
     if fit.loop is not None:
-        print_line(hysteresis(fit))
+        print_line(hysteresis_message(fit))
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10**6
-    for about, lines in fit.warned.items():
+    for about, lines in fit.warnings_by_topic.items():
         print_line(f"warning: {about}:")
         for line in lines:
             print(textwrap.fill(sanitize_line(line, 2000), width, break_long_words=False,
                                 initial_indent="- ", subsequent_indent="  "))  # fmt: skip
 
 
-def _print_choice(choice: "Choice") -> None:
+def _print_choice(choice: "Selection") -> None:
     """Print the candidates, and the reasons for the one that was selected."""
 
     def percent(share: float) -> str:
@@ -477,15 +481,15 @@ def _summary(result: Result) -> dict[str, Any]:
         "warnings": list(fit.warnings),
         "notes": [*result.remarks, *fit.record.notes],
         "starts": fit.starts,
-        "readings": fit.taken.counts(),
+        "readings": fit.fit_data.counts(),
         "trends": [
             {name: getattr(trend, name) for name in ("along", "share", "chance", "found")}
-            for trend in fit.seen.trends
+            for trend in fit.diagnosis.trends
         ],
-        "runs": [vars(one) for one in fit.seen.runs],
+        "runs": [vars(one) for one in fit.diagnosis.runs],
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
-        "causes": [vars(cause) for cause in fit.causes],
-        "untold": list(fit.untold),
+        "causes": [vars(cause) for cause in fit.diagnosis.causes],
+        "untold": list(fit.diagnosis.confounded),
         "loop": _loop(fit.loop),
         "friction": _friction(fit.friction),
         "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
@@ -516,7 +520,7 @@ def _friction(friction: Any) -> dict[str, Any] | None:
         return None
     law, names = friction.law, ("stiffness", "slip_force", "slip_force_slope")
     springs = {name: [] if law is None else getattr(law, name).tolist() for name in names}
-    return {**springs, "breakaway": friction.breakaway.tolist(), "told": list(friction.told),
+    return {**springs, "breakaway": friction.breakaway.tolist(), "told": list(friction.resolved),
             "rmse": friction.rmse, "pressures": friction.pressures}  # fmt: skip
 
 

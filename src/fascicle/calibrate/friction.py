@@ -20,37 +20,36 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...dynamics.hysteresis import MaxwellSlip
-from ...records.hysteresis import averaged
-from ...records.record import DOWN, UP, Record
-from ...records.segmentation import Run, runs
+from ..dynamics.hysteresis import MaxwellSlip
+from ..records.hysteresis import averaged
+from ..records.record import DOWN, UP, Record
+from ..records.segmentation import Run, runs
 
 
-_MOST = 3  # springs: the ends of loops hardly tell more
+_MAX_SPRINGS = 3  # springs: the ends of loops hardly tell more
 _CLEAR = 3.0  # standard errors by which a mean width must exceed none
-_APART = 5e-3  # of the largest pressure: closer runs are at one, as `averaged` has it
-_FINELY = 200  # readings of a level at most: ends of loops are short
-_NONE = 5e-3  # of the mean width: what is less than that of it isn't told
-_FINE = 1e-4  # of the width: an error that small is none, and no reason for another spring
+_SAME_PRESSURE = 5e-3  # of the largest pressure: closer runs are at one, as `averaged` has it
+_MAX_READINGS = 200  # readings of a level at most: ends of loops are short
+_FINEST = 1e-4  # of the width: an error that small is none, and no reason for another spring
 
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """What rubs in a muscle.
+    """Friction of a muscle.
 
-    - `law`: the springs [-]; `None` where both branches are one.
+    - `law`: the springs; `None` where both branches are one.
     - `width`: measured, the pull on the way back less that on the way there [N].
     - `fitted`: the springs', at the same readings [N].
     - `breakaway`: way from a turn to where each spring slips, at the highest pressure [m].
-    - `told`: of each spring, whether that way is longer than a step of the readings [-].
-    - `pressures`: how many have both branches [-].
+    - `resolved`: of each spring, whether that way is longer than a step of the readings.
+    - `pressures`: number of those with both branches.
     """
 
     law: MaxwellSlip | None
     width: np.ndarray
     fitted: np.ndarray
     breakaway: np.ndarray
-    told: tuple[bool, ...]
+    resolved: tuple[bool, ...]
     pressures: int
 
     @property
@@ -64,33 +63,16 @@ class Friction:
             return 0.0
         return float(np.sum(self.law.slip_force + self.law.slip_force_slope * pressure))
 
-    def words(self) -> str:
-        """The same in a sentence or two [-]."""
-        if self.law is None:
-            return "No friction to tell from noise: both branches are one."
-        many, still = len(self.told), self.half_width(0.0)
-        rise, clear = self.half_width(1e5) - still, _NONE * float(np.mean(self.width))
-        # at 10 bar, more than any record holds, a rise may matter that doesn't at one
-        parts = [f"{still:.3g} N"] * (still > clear) + [f"{rise:.3g} N/bar"] * (10 * rise > clear)
-        line = (
-            f"Friction: {many} sliding spring{'s' if many > 1 else ''}, together"
-            f" {' + '.join(parts)} either way, of which loops'"
-            f" widths err by {self.rmse:.3g} N."
-        )
-        if not all(self.told):
-            line += " How it builds up after a turn isn't told: it is there at the next reading."
-        return line
 
-
-def friction_of(record: Record, length: float) -> Friction | None:
-    """Springs fitted to a record's loops.
+def fit_friction(record: Record, length: float) -> Friction | None:
+    """Fit springs to a record's loops.
 
     **Arguments:**
 
-    - `record`: with both ways of its sweeps [-].
+    - `record`: with both ways of its sweeps.
     - `length`: that its strains refer to [m].
 
-    **Returns:** what rubs [-]; `None` where no pressure was held on both ways.
+    **Returns:** the friction; `None` where no pressure was held on both ways.
     """
     loops = _loops(record, length)
     if loops is None:
@@ -98,8 +80,8 @@ def friction_of(record: Record, length: float) -> Friction | None:
     width = loops.width
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(width.size):
         return Friction(None, width, 0.0 * width, np.zeros(0), (), loops.levels)
-    fits = [_fitted(loops, many) for many in range(1, _MOST + 1)]
-    least, n = _FINE * float(np.mean(width)), width.size
+    fits = [_fitted(loops, many) for many in range(1, _MAX_SPRINGS + 1)]
+    least, n = _FINEST * float(np.mean(width)), width.size
     # each spring has a share and a way
     costs = [2 * n * np.log(max(fit.rmse, least)) + 2 * k * np.log(n) for k, fit in enumerate(fits)]
     return fits[int(np.argmin(costs))]
@@ -122,7 +104,7 @@ class _Loops:
 def _loops(record: Record, length: float) -> _Loops | None:
     """Both branches at held pressures; `None` where there are none."""
     held = sorted((run for run in runs(record) if run.kind == "pressure"), key=lambda r: r.level)
-    apart, levels = _APART * max(float(np.max(record.pressure)), 1.0), list[list[Run]]()
+    apart, levels = _SAME_PRESSURE * max(float(np.max(record.pressure)), 1.0), list[list[Run]]()
     for run in held:
         if levels and run.level - levels[-1][-1].level <= apart:
             levels[-1].append(run)
@@ -147,7 +129,7 @@ def _loop(record: Record, level: list[Run]) -> tuple[np.ndarray, ...] | None:
     points = np.concatenate([run.points for run in level])
     ways = np.concatenate([np.full(run.points.size, run.branch, np.int8) for run in level])
     order = np.argsort(points)
-    part = averaged(replace(record.only(points[order]), branch=ways[order]), _FINELY)
+    part = averaged(replace(record.only(points[order]), branch=ways[order]), _MAX_READINGS)
     strain, turns = part.record.strain, record.strain[points]
     good = np.isfinite(part.width) & ~part.record.censored
     # a turn lies at or beyond each reading, but for noise
@@ -196,6 +178,6 @@ def _fitted(loops: _Loops, many: int) -> Friction:
         width=loops.width,
         fitted=loops.width + missed(z),
         breakaway=way,
-        told=tuple((way > 1.5 * loops.step).tolist()),
+        resolved=tuple((way > 1.5 * loops.step).tolist()),
         pressures=loops.levels,
     )

@@ -1,1 +1,0 @@
-"""What a fit found: how sure it is, and what it leaves."""

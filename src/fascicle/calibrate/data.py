@@ -1,0 +1,322 @@
+"""Readings as a fit takes them: tables by level of pressure, and what became of every reading.
+
+Free strain and collapse depend on pressure alone, so readings at one pressure share a level.
+Pressures that a transducer scattered are gathered into levels; a long sweep is averaged in even
+steps of strain, each branch of a loop by itself.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..core.types import AnyArray, Bool, Float
+from ..records.record import UNKNOWN, Record
+from ..records.segmentation import runs
+from ..units import pretty
+
+
+WEIGHTS = ("uniform", "level")
+MAX_READINGS = 384  # of a level; a longer sweep is averaged
+MIN_PUSHES = 5  # as many as the factors on what resists; fewer pushes can't determine them
+_GAP = 0.005  # of the largest pressure: readings closer than this share a level
+_WIDEST = 0.02  # of the largest pressure: a level wider than this is a sweep, cut finer
+_SMALL = 0.1  # of a level's largest force: a gauge's noise where it reads none
+_NOISE = 0.02  # of the largest force, the same
+_IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
+# a load cell's floor: at least so many readings, such a share of all, and so many times as many as
+# at each of the values next above it
+_FLOOR_COUNT, _FLOOR_SHARE, _FLOOR_RATIO, _FLOOR_NEIGHBORS = 5, 0.02, 4, 10
+
+Table = Float[AnyArray, "level reading"]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Readings by level of pressure, in rows of one length.
+
+    - `pressure`: of each level [Pa], as a column.
+    - `strain`, `force`: of each place [-], [N].
+    - `count`: how many readings are averaged there [-]; 0 where a row is filled up.
+    - `censored`: where the reading only says "not above".
+    """
+
+    pressure: Float[AnyArray, "level 1"]
+    strain: Table
+    force: Table
+    count: Table
+    censored: Bool[AnyArray, "level reading"]
+
+    @property
+    def used(self) -> Bool[np.ndarray, "level reading"]:
+        """Places that hold a reading."""
+        return self.count > 0
+
+    @property
+    def measured(self) -> Bool[np.ndarray, "level reading"]:
+        """Places that hold a force that isn't clipped."""
+        return self.used & ~self.censored
+
+    def without(self, fold: np.ndarray) -> "Grid":
+        """The grid without the places in a `fold`."""
+        return replace(self, count=np.where(fold, 0.0, self.count))
+
+    def weights(self, kind: str) -> np.ndarray:
+        """Weights of residuals [-], 1 on average; `kind`: one of `WEIGHTS`."""
+        if kind == "uniform":
+            return self.used.astype(float)
+        total = np.sum(self.count, axis=1, keepdims=True)
+        share = np.sum(total) / (np.sum(total > 0) * np.maximum(total, 1))
+        return self.used * np.sqrt(share)
+
+
+@dataclass(frozen=True, eq=False)
+class FitData:
+    """A record as it is fitted.
+
+    - `record`: the readings that are fitted, with their branches where these can be told.
+    - `grid`: their table by level of pressure.
+    - `level`, `column`: of each reading in the table.
+    - `branch`: of each place of the table; `time`: mean of its readings' [s], or NaN.
+    - `read`: how many readings were read.
+    - `left_out`: how many of these are not fitted, by reason.
+    - `noise_clipped`: how many small forces among clipped ones count as clipped.
+    - `pushes_clipped`: how many readings that don't pull count as clipped.
+    """
+
+    record: Record
+    grid: Grid
+    level: np.ndarray
+    column: np.ndarray
+    branch: np.ndarray
+    time: np.ndarray
+    read: int
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    noise_clipped: int = 0
+    pushes_clipped: int = 0
+
+    @property
+    def clipped(self) -> int:
+        """Number of readings that only say "not above"."""
+        return int(np.sum(self.record.censored))
+
+    @property
+    def pushes(self) -> int:
+        """Number of readings without pull that aren't clipped."""
+        return int(np.sum((self.record.force <= 0) & ~self.record.censored))
+
+    @property
+    def pulls(self) -> bool:
+        """Whether all that was measured pulls, so that the tension law is all that is needed."""
+        return not self.pushes and not np.all(self.record.censored)
+
+    @property
+    def averaged(self) -> int:
+        """Number of readings that share their place with others."""
+        return int(np.sum(self.grid.count[self.grid.count > 1]))
+
+    @property
+    def means(self) -> int:
+        """Number of places that hold several readings."""
+        return int(np.sum(self.grid.count > 1))
+
+    def counts(self) -> dict[str, int]:
+        """Numbers of readings by what became of them."""
+        return {
+            "read": self.read,
+            **{f"left out: {reason}": count for reason, count in self.left_out.items()},
+            "clipped": self.clipped,
+            "clipped as noise": self.noise_clipped,
+            "averaged": self.averaged,
+            "means": self.means,
+            "pressures": len(self.grid.pressure),
+        }
+
+    def errors(self, force: np.ndarray) -> np.ndarray:
+        """Measured less fitted force of each reading [N], NaN where it is clipped.
+
+        **Arguments:** `force`: of the model at the places of the grid [N].
+        """
+        record, place = self.record, (self.level, self.column)
+        fitted = force[place]
+        if self.averaged:
+            slopes = _slopes(force, self.grid)[place]
+            fitted = fitted + (record.strain - self.grid.strain[place]) * slopes
+        return np.where(record.censored, np.nan, record.force - fitted)
+
+
+def select_fit_data(record: Record) -> FitData:
+    """Select what is fitted of a record: the readings of its sweeps, not the ramps between them."""
+    # a reading that the file calls clipped is clipped at zero, whatever number stands there
+    force = np.where(record.censored, 0.0, record.force)
+    record = replace(record, force=force, censored=record.censored | _at_floor(record))
+    branches, ramps = _branches(record)
+    read, left_out = len(record), {}
+    if record.time is not None and 0 < np.sum(ramps) < len(record) / 2:
+        left_out = {"on ramps between sweeps": int(np.sum(ramps))}
+        note = f"{np.sum(ramps)} readings of ramps between sweeps left out of the fit"
+        record, branches = record.only(~ramps, note), branches[~ramps]
+    return tabulate(replace(record, branch=branches), read=read, left_out=left_out)
+
+
+def pulling_only(data: FitData, max_readings: int = MAX_READINGS) -> FitData:
+    """The data of a gauge that only pulls, for the tension law alone.
+
+    Pushes count as clipped at zero, and so does the noise that such a gauge reads past a free
+    strain. A level holds at most `max_readings`.
+    """
+    record = data.record
+    below = (record.force <= 0) & ~record.censored
+    noise = _zero_plateau(data, record.censored | below)
+    if not np.any(below | noise) and max_readings == MAX_READINGS:
+        return data
+    clipped = record.censored | below | noise
+    record = replace(record, force=np.where(clipped, 0.0, record.force), censored=clipped)
+    return tabulate(
+        record, max_readings, read=data.read, left_out=data.left_out,
+        noise_clipped=int(np.sum(noise)), pushes_clipped=int(np.sum(below)),
+    )  # fmt: skip
+
+
+def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) -> FitData:
+    """Table of a record by level of pressure.
+
+    **Arguments:**
+
+    - `record`: the readings.
+    - `max_readings`: of a level; more are averaged in steps of strain.
+    - `counts`: fields of `FitData` that say what was left out.
+    """
+    level = assign_levels(record.pressure)
+    order = np.argsort(level, kind="stable")
+    rows = np.split(order, np.flatnonzero(np.diff(level[order])) + 1)
+    column = np.zeros(len(record), dtype=int)
+    for points in rows:
+        column[points] = _columns(record, points, max_readings)
+    shape = len(rows), int(column.max()) + 1
+    flat = level * shape[1] + column
+    count = np.bincount(flat, minlength=shape[0] * shape[1]).astype(float).reshape(shape)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        total = np.bincount(flat, values, minlength=count.size).reshape(shape)
+        return total / np.maximum(count, 1)
+
+    grid = Grid(
+        pressure=np.array([[np.mean(record.pressure[points])] for points in rows]),
+        strain=mean(record.strain),
+        force=mean(record.force),
+        count=count,
+        censored=mean(record.censored) > 0.5,
+    )
+    time = np.full(shape, np.nan) if record.time is None else mean(record.time)
+    return FitData(
+        record, grid, level, column,
+        branch=np.round(mean(record.branch)).astype(int),
+        time=np.where(count > 0, time, np.nan),
+        **{"read": len(record), **counts},
+    )  # fmt: skip
+
+
+def assign_levels(pressure: np.ndarray) -> np.ndarray:
+    """Level of each `pressure` [Pa], numbered from the lowest."""
+    order = np.argsort(pressure, kind="stable")
+    P, top = pressure[order], max(float(np.max(pressure)), 1.0)
+    cluster = np.concatenate([[0], np.cumsum(np.diff(P) > _GAP * top)])
+    first = P[np.searchsorted(cluster, cluster)]
+    last = P[np.searchsorted(cluster, cluster, "right") - 1]
+    # a pressure that was swept has no gaps: cut it in steps as fine as a gap
+    step = np.where(last - first > _WIDEST * top, np.floor((P - first) / (_GAP * top)), 0.0)
+    new = (np.diff(cluster) > 0) | (np.diff(step) != 0)
+    levels = np.empty(P.size, dtype=int)
+    levels[order] = np.concatenate([[0], np.cumsum(new)])
+    return levels
+
+
+def clip_floor(record: Record) -> str:
+    """Force at which a `record` is clipped, in words: zero, or the gauge's floor."""
+    forces = np.unique(record.force[record.censored])
+    below = forces[forces != 0]
+    return pretty(float(below[0]), "force") if below.size else "zero"
+
+
+def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarray:
+    """Columns of a level's readings: one each, or one for each step of strain."""
+    if points.size <= max_readings:
+        return np.arange(points.size)
+    strain = record.strain[points]
+    # clipped readings are never averaged with others, nor is one branch with the other
+    _, kind = np.unique(
+        2 * record.branch[points].astype(int) + record.censored[points], return_inverse=True
+    )
+    kinds = int(kind.max()) + 1
+    steps = max(max_readings // kinds, 1)
+    low, high = strain.min(), strain.max()
+    step = np.minimum((steps * (strain - low) / max(high - low, 1e-12)).astype(int), steps - 1)
+    return np.unique(kinds * step + kind, return_inverse=True)[1]
+
+
+def _at_floor(record: Record) -> np.ndarray:
+    """Readings at the floor of the load cell.
+
+    Many of exactly the least number, far more than of those above it, which a coarse gauge would
+    repeat as well.
+    """
+    values, counts = np.unique(record.force[~record.censored], return_counts=True)
+    if values.size < 2 or values[0] >= 0:  # zeros are the file's to explain
+        return np.zeros(len(record), dtype=bool)
+    most = np.max(counts[1 : 1 + _FLOOR_NEIGHBORS])
+    enough = max(_FLOOR_COUNT, _FLOOR_SHARE * np.sum(counts), _FLOOR_RATIO * most)
+    return (record.force == values[0]) & ~record.censored & bool(counts[0] >= enough)
+
+
+def _zero_plateau(data: FitData, clipped: np.ndarray) -> np.ndarray:
+    """Small forces among `clipped` readings: a force that falls with strain doesn't come back."""
+    force, strain = data.record.force, data.record.strain
+    out, top = np.zeros(force.size, dtype=bool), float(np.max(force))
+    idle = data.record.pressure < _IDLE * float(np.max(data.record.pressure))
+    order = np.lexsort((strain, data.level))
+    for points in np.split(order, np.flatnonzero(np.diff(data.level[order])) + 1):
+        gone = clipped[points]
+        if np.all(gone) or not (np.any(gone) or idle[points[0]]):
+            continue
+        # where the level ends to pull: most before it do, and most beyond it don't
+        right = np.concatenate([[0], np.cumsum(~gone)]) + np.concatenate(
+            [np.cumsum(gone[::-1])[::-1], [0]]
+        )
+        end = 0 if idle[points[0]] else int(np.argmax(right))
+        small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
+        noise = (np.arange(points.size) >= end) & ~gone & small
+        # before it, too, what is no more than the noise that is seen beyond
+        largest = np.max(force[points], where=noise, initial=0.0)
+        while end > 0 and (gone[end - 1] or force[points][end - 1] <= largest):
+            end -= 1
+            noise[end] = not gone[end]
+        out[points] = noise
+    return out
+
+
+def _branches(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Branches as the record tells them, or as its sweeps turn; and which readings are on ramps."""
+    branches, ramps = record.branch.copy(), np.zeros(len(record), dtype=bool)
+    known = bool(np.any(branches != UNKNOWN))
+    for run in runs(record):
+        ramps[run.points] = run.kind == "mixed"
+        if not known and run.kind != "mixed":
+            branches[run.points] = run.branch
+    return branches, ramps
+
+
+def _slopes(force: np.ndarray, grid: Grid) -> np.ndarray:
+    """Slopes of the model's force with strain [N] from one place of a level to the next."""
+    out = np.zeros(force.shape)
+    for row in range(len(force)):
+        columns = np.flatnonzero(grid.used[row])
+        columns = columns[np.argsort(grid.strain[row, columns], kind="stable")]
+        x = grid.strain[row, columns]
+        # the means of both branches may lie a rounding apart
+        distinct = np.concatenate([[True], np.diff(x) > 1e-6 * np.ptp(x)])
+        if np.sum(distinct) > 1:
+            slope = np.gradient(force[row, columns[distinct]], x[distinct])
+            out[row, columns] = np.interp(x, x[distinct], slope)
+    return out

@@ -1,1 +1,0 @@
-"""A record as a fit takes it."""

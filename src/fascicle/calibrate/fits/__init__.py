@@ -1,1 +1,0 @@
-"""The fit itself, and the choice among several."""

@@ -1,0 +1,222 @@
+r"""Better intervals than the linear ones: profile likelihoods, and a parametric bootstrap.
+
+**Profiles.** With coordinate $i$ held at $z_i$ all the others are fitted again, and
+
+$$\Delta(z_i) = \min_{z_{j \ne i}} \lVert r \rVert^2 - \min \lVert r \rVert^2 \tag{C4}$$
+
+is a squared number of standard deviations where the problem is nearly linear: 2.71 at the
+ends of a 90 % interval. A flat profile is a parameter that the data don't determine; an
+uneven one, an interval that isn't symmetric. Readings are held at their values here, so
+$\Delta$ is taken in proportion to the part of the variance that remains.
+
+**Bootstrap.** Each draw is a record of the fitted muscle at the readings' own places, with the
+noise that was found, clipped where the gauge clips, and with a smooth error of the model where
+residuals show one, (C10) drawn anew. Of it everything is done that was done of the record: blocked
+force and free strain are read, factors and curves searched for together, or constants with the
+noise that is left. The errors $\delta = \hat z^* - \hat z$ of the draws are taken for those of the
+fit,
+
+$$\hat z - \delta_{95\,\%} < z < \hat z - \delta_{5\,\%}, \tag{C15}$$
+
+which needs no problem that is nearly linear, as (C3) does: a collapse is a kink, which passes from
+one reading to the next. Residuals that follow one another widen $\delta$ as they widen (C3).
+
+A constant whose draws scatter by more than a factor of e is hardly known, as one that may be zero:
+its errors aren't turned round, which would give it values that no fit found, but taken as they lie.
+
+**Assumes** that the law is right but for that error. Which constants are free is not chosen anew.
+**Source:** Raue et al. (2009); Efron and Tibshirani (1993), chapters 6 and 13.
+"""
+
+import itertools
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ..core.errors import InvalidInputError
+from .calibration import Bootstrap, Calibration, Profile, value_of
+from .data import Grid
+from .least_squares import KNOWN, NORMAL, solve, solve_with_noise
+from .parameters import WEAK
+from .tuning import refit_tuning
+
+
+DRAWS = 199  # of which the 10th from either end are the ends of a 90 % interval
+_TAIL = 0.05
+_MIN_DRAWS = 19
+_CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
+_POINTS, _REACH = 11, 3.0  # of a profile, where nobody says otherwise
+
+
+def with_profiles(calibration: Calibration) -> Calibration:
+    """The `calibration` with profiles of those parameters whose quick interval says nothing."""
+    names = [one.name for one in calibration.parameters if not one.identifiable]
+    if not names or calibration.bootstrapped is not None:
+        return calibration
+    return replace(calibration, profiles=profiles(calibration, names=names))
+
+
+def profiles(
+    calibration: Calibration,
+    points: int = _POINTS,
+    reach: float = _REACH,
+    names: Collection[str] | None = None,
+) -> tuple[Profile, ...]:
+    """Profile the parameters of a calibration.
+
+    **Arguments:**
+
+    - `calibration`: the calibration; profiles that it has already are not computed again.
+    - `points`: at how many values each is held, odd.
+    - `reach`: how far on either side, in standard deviations [-].
+    - `names`: of these parameters; left out, all.
+
+    **Returns:** the profiles in the order of the parameters.
+    """
+    steps = np.linspace(-reach, reach, points)
+    # readings are held, and residuals taken for noise: as much more unsure as the fit is of it
+    minimum = calibration.minimum
+    noise = np.diag(minimum.covariance - minimum.from_curves)
+    share = noise / np.diag(calibration.covariance)
+    usual = (points, reach) == (_POINTS, _REACH)
+    present = {one.name: one for one in calibration.profiles} if usual else {}
+    out = []
+    for i, name in enumerate(calibration.names):
+        if names is not None and name not in names:
+            continue
+        if name in present:
+            out.append(present[name])
+            continue
+        value, coordinate, rise = _profile(calibration, i, steps)
+        rise = rise * share[i]
+        width = np.ptp(_crossings(coordinate, rise))
+        factor = calibration.problem.parameters[i].deviation / WEAK  # coordinates of a factor of e
+        known = bool(width < 2 * NORMAL * KNOWN * factor)
+        out.append(Profile(name, value, rise, *_crossings(value, rise), known))
+    return tuple(out)
+
+
+def _profile(
+    calibration: Calibration, index: int, steps: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values where a parameter was held [SI unit], its coordinates [-], and the rises of the sum
+    of squares [-].
+    """
+    problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
+    others = np.delete(np.arange(z.size), index)
+    # along the fit's own correlations: the others begin where a linear problem has them
+    away = steps[:, None] * C[index] / np.sqrt(C[index, index])
+    ends = solve(problem, z + away, others)
+    least = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
+    # the likelihood's rise: what the parameter's own prior adds is none of the data's
+    own = np.append(ends.points[:, index], z[index]) - problem.center[index]
+    own = (own / problem.deviation[index]) ** 2
+    rise = 2 * (ends.cost - least) - own[:-1] + own[-1]
+    values = np.array([value_of(problem, point)[index] for point in ends.points])
+    return values, ends.points[:, index], rise
+
+
+def _crossings(value: np.ndarray, rise: np.ndarray) -> tuple[float, float]:
+    """Values where a profile first crosses the critical rise on either side of its lowest point."""
+    middle = int(np.argmin(rise))
+    cross = partial(_crossing, value, rise)
+    return cross(range(middle, -1, -1), -np.inf), cross(range(middle, rise.size), np.inf)
+
+
+def _crossing(value: np.ndarray, rise: np.ndarray, indices: range, otherwise: float) -> float:
+    for inner, outer in itertools.pairwise(indices):
+        if rise[outer] > _CRITICAL:
+            # deviations are nearly linear in the value, their squares are not
+            a, b, c = np.sqrt([max(rise[inner], 0.0), rise[outer], _CRITICAL])
+            share = (c - a) / (b - a)
+            return float(value[inner] + share * (value[outer] - value[inner]))
+    return otherwise
+
+
+def bootstrap(
+    calibration: Calibration,
+    draws: int = DRAWS,
+    seed: int = 0,
+    tell: Callable[[str], object] = lambda _: None,
+) -> Calibration:
+    """Intervals from a parametric bootstrap of the whole fit.
+
+    **Arguments:**
+
+    - `calibration`: the calibration; its noise must be normal, so its loss linear.
+    - `draws`: how many records are simulated and fitted, at least 19.
+    - `seed`: random seed.
+    - `tell`: is called with the present step, in words.
+
+    **Returns:** the calibration with `bootstrapped`, whose intervals its `parameters` have.
+
+    **Raises:** `InvalidInputError` for a robust loss and too few draws.
+    """
+    if calibration.problem.loss != "linear":
+        raise InvalidInputError(
+            "loss", "must be linear for a bootstrap", None, "a robust one is no model"
+        )
+    if draws < _MIN_DRAWS:
+        raise InvalidInputError(
+            "draws", f"must be at least {_MIN_DRAWS} for a 90 % interval", draws
+        )
+    rng, rows = np.random.default_rng(seed), []
+    for draw in range(draws):
+        tell(f"bootstrapping, {draw + 1} of {draws}")
+        z = refit(calibration, simulate(calibration, rng))
+        if np.all(np.isfinite(z)):
+            rows.append(z)
+    if len(rows) < draws / 2:
+        raise InvalidInputError(
+            "record", "can't be bootstrapped: most simulated records like it can't be fitted", None
+        )
+    z = np.array(rows)
+    values = np.array([value_of(calibration.problem, row) for row in z])
+    ends = _bootstrap_ends(calibration, z, values)
+    boots = Bootstrap(calibration.names, z, values, *ends, draws - len(rows))
+    return replace(calibration, bootstrapped=boots)
+
+
+def simulate(calibration: Calibration, rng: np.random.Generator) -> Grid:
+    """Simulate a record of the fitted muscle, as a grid."""
+    grid, diagnosis = calibration.grid, calibration.diagnosis
+    noise = diagnosis.noise if diagnosis.significant else calibration.problem.noise
+    b = rng.standard_normal(diagnosis.discrepancy.shape[-1])
+    error = diagnosis.discrepancy @ b if b.size else 0.0
+    scatter = noise / np.sqrt(np.maximum(grid.count, 1)) * rng.standard_normal(grid.count.shape)
+    force = np.where(grid.used, calibration.force + error + scatter, 0.0)
+    if not np.any(grid.censored):
+        return replace(grid, force=force)
+    floor = np.min(grid.force[grid.censored])  # the gauge's, zero mostly
+    clipped = (force <= floor) & grid.used
+    return replace(grid, force=np.where(clipped, floor, force), censored=clipped)
+
+
+def refit(calibration: Calibration, grid: Grid) -> np.ndarray:
+    """Coordinates [-] of the fit to another `grid`, begun where the record's own ended."""
+    problem, point, readings = calibration.problem, calibration.coordinates, calibration.readings
+    if readings is not None:
+        joint = readings.pulling is not None
+        return refit_tuning(problem, point, grid, calibration.weights, joint)[0]
+    again = replace(problem, grid=grid, weight=grid.weights(calibration.weights))
+    return solve_with_noise(again, point[None])[2]
+
+
+def _bootstrap_ends(
+    calibration: Calibration, z: np.ndarray, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the intervals [SI units], (C15); even in value where a parameter is so given."""
+    problem, wide = calibration.problem, np.sqrt(calibration.diagnosis.inflation)
+    best, count = calibration.coordinates, len(z)
+    fitted, unknown = value_of(problem, best), np.std(z, axis=0) > KNOWN
+    errors, value_errors = np.sort(z - best, axis=0), np.sort(values - fitted, axis=0)
+    ends = []
+    for share in (1 - _TAIL, _TAIL):
+        rank = int(np.clip(round((count + 1) * share), 1, count)) - 1
+        away = np.where(unknown, -errors[-1 - rank], errors[rank]) * wide
+        moved = [value_of(problem, best - away * row)[i] for i, row in enumerate(np.eye(best.size))]
+        linear = [parameter.linear for parameter in problem.parameters]
+        ends.append(np.where(linear, fitted - value_errors[rank] * wide, moved))
+    return ends[0], ends[1]

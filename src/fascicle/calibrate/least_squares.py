@@ -1,0 +1,571 @@
+r"""The least-squares problem of a fit, its solution, and the uncertainty at the minimum.
+
+A measured force $F$, the mean of $n$ readings that scatter by $\sigma$, leaves the residual
+
+$$r = \sqrt{n}\, \frac{F - \mu}{\sigma}, \tag{C1}$$
+
+a censored one, which only says that the force was not above $F$ (zero, or the gauge's floor),
+
+$$r = \sqrt{-2 \ln \Phi((F - \mu)/\sigma)}, \tag{C2}$$
+
+so that half the sum of squares is the negative logarithm of the likelihood: nothing where
+the model pushes, and as much as any other deviation where it pulls. Each coordinate's
+prior adds $(z - z_0)/\tau$. MINPACK's Levenberg-Marquardt walks from several starts; forces are
+NumPy's, their slopes finite differences. At the minimum, with the Jacobian $J$ of the residuals by
+the coordinates, and $S$ by the readings' curves, whose own covariance is $\Sigma_s$,
+
+$$C = (J^T J)^{-1} + K \Sigma_s K^T, \qquad K = (J^T J)^{-1} J^T S. \tag{C3}$$
+
+The readings come from where the muscle pulls and the factors from where it resists, so the
+two parts are independent. This is what noise alone makes unsure; what the residuals show
+beside noise comes on top of it (`diagnostics`).
+
+A coordinate is a logarithm or like one. It is called *identifiable* if the data alone, the
+prior taken off, know it to a deviation below 1, a factor of e either way.
+
+**Source:** Tobin (1958) for censored regression.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from scipy.optimize import leastsq
+from scipy.special import erfcx, log_ndtr
+
+from ..core.module import with_fields
+from ..core.types import AnyArray, Float
+from ..muscle import Muscle
+from ..records.record import Record
+from .data import FitData, Grid, Table
+from .parameters import FACTORS, Parameter, put
+from .readings import Readings, SmoothCurves, top_pressure
+
+
+LOSSES = ("linear", "soft_l1", "cauchy")
+KNOWN = 1.0  # deviation of an identifiable coordinate
+NORMAL = 1.6448536269514722  # 95 % quantile: intervals hold 90 %
+ROUGH = 1e-6  # of the cost, where it is for an error's first digits
+_CERTAIN = 30.0  # deviations below the limit, where a censored reading says nothing in float64
+# steps of finite differences: roots in the law are exact to 1e-12, so a first-order difference is
+# good to 1e-6, which is enough for a search, and a second-order one to 1e-8
+_FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
+_MAX_STEPS = 200
+_TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
+FINE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
+_SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
+_NO_NUMBER = 1e9  # deviations, for a residual where the law has no number
+_MAX_FEV = 5  # MINPACK's status for all steps taken
+_FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
+_NOISE_ROUNDS = 6
+_FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
+
+# factors that move neither the free strain nor that of collapse
+_AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
+
+CONVERGED, STOPPED, BROKE = 0, 1, 2
+Vector = Float[AnyArray, "parameter"]
+
+
+@dataclass(frozen=True, eq=False)
+class Linearization:
+    """A problem at a point. Columns are coordinates, then the curves' coefficients.
+
+    - `residuals`: the readings' row by row, then the priors' [-]; `slopes`: their Jacobian.
+    - `force`: of the model at the readings' places [N]; `force_slopes`: its Jacobian [N],
+      columns on the last axis.
+    - `misfits`: the readings' residuals before any loss [-].
+    """
+
+    residuals: np.ndarray
+    slopes: np.ndarray
+    force: np.ndarray
+    force_slopes: np.ndarray
+    misfits: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Data, a muscle to begin with, and the parameters that are free.
+
+    A point is the coordinates of the parameters, in a joint fit followed by the coefficients of
+    the readings' curves.
+
+    - `weight`: of each reading's residual [-]; 0 leaves it out.
+    - `noise`: $\\sigma$ [N] of one reading.
+    - `center`, `deviation`: of the prior on each number of a point.
+    - `rest_length`: that the data's strains refer to [m]; `None`: the muscle's own.
+    - `curves`: coefficients of the readings' curves that give $C_1$, $C_2$; `None` where the
+      muscle's own tuning holds.
+    - `pulls`: whether the tension law is all that is needed, since nothing pushed.
+    - `held`: parameters that aren't free, of which the data may tell something.
+    """
+
+    muscle: Muscle
+    grid: Grid
+    weight: Table
+    noise: float
+    center: Vector
+    deviation: Vector
+    parameters: tuple[Parameter, ...]
+    rest_length: float | None = None
+    curves: np.ndarray | None = None
+    loss: str = "linear"
+    pulls: bool = False
+    held: tuple[Parameter, ...] = ()
+
+    @cached_property
+    def smooth_curves(self) -> SmoothCurves:
+        """The readings' curves of the muscle to begin with; factors don't change them."""
+        return SmoothCurves(self.muscle, self.grid.pressure[:, 0], top_pressure(self.grid))
+
+    def muscle_at(self, point: Vector) -> Muscle:
+        """The muscle at a `point`, with the tables of its curves."""
+        k = len(self.parameters)
+        muscle = put(self.parameters, self.muscle, point[:k])
+        coefficients = self.curves if len(point) == k else point[k:]
+        if coefficients is None:
+            return muscle
+        curves = self.smooth_curves
+        if not all(parameter in FACTORS for parameter in self.parameters):
+            curves = SmoothCurves(muscle, curves.pressure, top_pressure(self.grid))
+        c1, c2 = curves.tables(coefficients)
+        pressures = muscle.tuning.effective_pressure(curves.pressure)
+        tuning = with_fields(muscle.tuning, pressures=pressures, c1=c1, c2=c2)
+        return with_fields(muscle, tuning=tuning)
+
+    def strain(self, muscle: Muscle) -> Table:
+        """The data's strains [-] as contractions of a `muscle`, which may be shorter than the
+        length they were measured on.
+        """
+        if self.rest_length is None:
+            return self.grid.strain
+        return self.grid.strain * (self.rest_length / muscle.length)
+
+    def force(self, point: Vector, roots: Mapping[str, Any] = MappingProxyType({})) -> Table:
+        """The model's forces [N] at the readings' places; `roots`: strains of `Piecewise.at` [-]
+        that are known.
+        """
+        muscle = self.muscle_at(point)
+        law, P, strain = muscle.law, self.grid.pressure, self.strain(muscle)
+        with np.errstate(all="ignore"):  # of branches that aren't taken
+            if self.pulls:
+                return law.tension.force(P, strain)
+            return law.at(P, **roots).force(strain)[0]
+
+    def _fixed_roots(self, point: Vector, column: int) -> Mapping[str, Any]:
+        """Strains [-] at a `point` that its number in a `column` doesn't change."""
+        if self.pulls or column >= len(self.parameters) or self.parameters[column] not in FACTORS:
+            return {}
+        if point.tobytes() not in self._roots:
+            self._roots.clear()
+            with np.errstate(all="ignore"):
+                muscle = self.muscle_at(point).law.at(self.grid.pressure)
+            known = {"free": muscle.column.free_strain, "collapse": muscle.collapse}
+            self._roots[point.tobytes()] = known
+        roots = self._roots[point.tobytes()]
+        if self.parameters[column].name in _AFTER_COLLAPSE:
+            return roots
+        return {"free": roots["free"]}
+
+    @cached_property
+    def _roots(self) -> dict[bytes, dict[str, Any]]:
+        return {}
+
+    def force_slopes(
+        self, point: Vector, force: Table, columns: np.ndarray | None = None, fine: bool = False
+    ) -> np.ndarray:
+        """Jacobian of the forces [N] by the numbers of a `point`, by finite differences.
+
+        Differences are one-sided: constants that can't fall below zero have a kink there.
+
+        **Arguments:**
+
+        - `point`: where it is taken.
+        - `force`: the forces there [N].
+        - `columns`: indices of the numbers; left out, all.
+        - `fine`: whether differences are of second order.
+        """
+        columns = np.arange(len(point)) if columns is None else columns
+        out = np.zeros((*force.shape, len(columns)))
+        size = _SECOND_ORDER if fine else _FIRST_ORDER
+        for i, column in enumerate(columns):
+            roots = self._fixed_roots(point, column)
+            h = size * (1.0 if column < len(self.parameters) else max(1.0, abs(point[column])))
+            step = h * (np.arange(len(point)) == column)
+            once = self.force(point + step, roots)
+            if fine:
+                twice = self.force(point + 2 * step, roots)
+                out[..., i] = (4 * once - 3 * force - twice) / (2 * h)
+            else:
+                out[..., i] = (once - force) / h
+        return out
+
+    def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;
+        and their slopes with it [1/N].
+        """
+        grid, scaled = self.grid, np.sqrt(self.grid.count) / self.noise
+        missed = (grid.force - force) * scaled
+        if not np.any(grid.censored):
+            return self.weight * missed, -self.weight * scaled
+        limited = np.minimum(missed, _CERTAIN)
+        not_above = np.sqrt(-2 * log_ndtr(limited))
+        # what chance of a clipped reading is lost with each newton, over the residual
+        mills = np.sqrt(2 / np.pi) / erfcx(-limited / np.sqrt(2))
+        rises = np.where(limited < _CERTAIN, scaled * mills / not_above, 0.0)
+        return (
+            self.weight * np.where(grid.censored, not_above, missed),
+            self.weight * np.where(grid.censored, rises, -scaled),
+        )
+
+    def residuals(self, point: Vector, force: Table) -> np.ndarray:
+        """All residuals [-] at a `point` with its `force` [N]: the readings' under the loss, then
+        the priors'.
+        """
+        softened, _ = _LOSS[self.loss](self.misfits(force)[0])
+        return np.concatenate([softened.reshape(-1), (point - self.center) / self.deviation])
+
+    def slopes(self, force: Table, force_slopes: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Jacobian of the residuals [-] by `columns` of a point, from that of the forces [N]."""
+        misfits, by_force = self.misfits(force)
+        softer = (by_force * _LOSS[self.loss](misfits)[1]).reshape(-1, 1)
+        priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
+        return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
+
+
+def _linear_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return r, np.ones_like(r)
+
+
+def _soft_l1_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    # of two forms of 2 (sqrt(1 + r²) - 1), the one without cancellation
+    root = np.sqrt(1 + r**2)
+    factor = np.sqrt(2 / (root + 1))
+    return r * factor, 1 / (root * factor)
+
+
+def _cauchy_loss(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    square = np.maximum(r**2, 1e-300)
+    factor = np.where(r**2 > 1e-12, np.sqrt(np.log1p(square) / square), 1.0)
+    return r * factor, 1 / ((1 + r**2) * factor)
+
+
+_LOSS: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
+    "linear": _linear_loss, "soft_l1": _soft_l1_loss, "cauchy": _cauchy_loss,
+}  # fmt: skip
+
+
+def linearize(problem: Problem, point: Vector, by_curves: bool = False) -> Linearization:
+    """Linearize a problem at a `point`; `by_curves`: also by the curves, where they are fixed."""
+    force, both = problem.force(point), point
+    if by_curves and problem.curves is not None and len(point) == len(problem.parameters):
+        both = np.concatenate([point, problem.curves])
+    force_slopes = problem.force_slopes(both, force, fine=True)
+    return Linearization(
+        problem.residuals(point, force),
+        problem.slopes(force, force_slopes, np.arange(len(both))),
+        force,
+        force_slopes,
+        problem.misfits(force)[0],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """Ends of a search, one for each start: point, half the sum of squares [-], status, and number
+    of steps.
+    """
+
+    points: np.ndarray
+    cost: np.ndarray
+    status: np.ndarray
+    steps: np.ndarray
+
+    @property
+    def best(self) -> int:
+        """Index of the lowest end."""
+        return int(np.argmin(np.where(np.isfinite(self.cost), self.cost, np.inf)))
+
+    @property
+    def best_point(self) -> np.ndarray:
+        """The lowest end."""
+        return self.points[self.best]
+
+
+def solve(
+    problem: Problem,
+    starts: np.ndarray,
+    moving: np.ndarray | None = None,
+    tolerance: float = FINE,
+) -> Solutions:
+    """Minimize a problem by Levenberg-Marquardt.
+
+    **Arguments:**
+
+    - `problem`: the problem.
+    - `starts`: points to begin from, one a row.
+    - `moving`: indices of the numbers that move; left out, all.
+    - `tolerance`: a walk ends where a step wins no more of the cost [-].
+    """
+    columns = np.arange(starts.shape[1]) if moving is None else moving
+    ends = [_walk(problem, start, columns, tolerance) for start in np.asarray(starts, float)]
+    points, cost, status, steps = zip(*ends, strict=True)
+    return Solutions(np.array(points), np.array(cost), np.array(status), np.array(steps))
+
+
+def _walk(
+    problem: Problem, start: np.ndarray, moving: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, float, int, int]:
+    """One walk from `start`: its end, half the sum of squares, status, steps."""
+    # MINPACK asks for residuals and Jacobian one after another
+    last: dict[bytes, np.ndarray] = {}
+    first: dict[bytes, np.ndarray] = {}
+
+    def whole(z: np.ndarray) -> np.ndarray:
+        point = start.copy()
+        point[moving] = z
+        return point
+
+    def force(z: np.ndarray) -> np.ndarray:
+        key = z.tobytes()
+        if key not in last:
+            last.clear()
+            last[key] = problem.force(whole(z))
+        return last[key]
+
+    def residuals(z: np.ndarray) -> np.ndarray:
+        r = problem.residuals(whole(z), force(z))
+        # where the law has no number a step is too far
+        return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
+
+    def jacobian(z: np.ndarray) -> np.ndarray:
+        if (known := first.pop(z.tobytes(), None)) is not None:
+            return known
+        F = force(z)
+        return problem.slopes(F, problem.force_slopes(whole(z), F, moving), moving)
+
+    z, r = start[moving], problem.residuals(start, force(start[moving]))
+    J = jacobian(z)
+    if not (np.all(np.isfinite(r)) and np.all(np.isfinite(J))):
+        return start, np.nan, BROKE, 0
+    if not moving.size:
+        return start, 0.5 * float(r @ r), CONVERGED, 0
+    first[z.tobytes()] = J
+    minpack: Any = leastsq  # its stubs know only the short answer
+    end, _, counts, _, flag = minpack(
+        residuals, z, Dfun=jacobian, full_output=True, ftol=tolerance,
+        xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS,
+    )  # fmt: skip
+    r, status = problem.residuals(whole(end), force(end)), CONVERGED
+    if not np.all(np.isfinite(r)):
+        return start, np.nan, BROKE, 0
+    # 1 to 4: nothing moves any more, or no step within rounding is left
+    if flag == _MAX_FEV and _remaining(r, jacobian(end)) >= _SETTLED:
+        status = STOPPED
+    return whole(end), 0.5 * float(r @ r), status, int(counts["njev"])
+
+
+def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
+    """Cost [-] that a whole Gauss-Newton step would take off.
+
+    Along a direction that the data hardly determine, coordinates creep long after the fit has
+    settled.
+    """
+    basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
+    part = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
+    return 0.5 * float(part @ part)
+
+
+def starts_around(
+    center: np.ndarray, count: int, seed: int = 0, covariance: np.ndarray | None = None
+) -> np.ndarray:
+    """Starts of a search: the `center`, then random ones about it.
+
+    **Arguments:**
+
+    - `center`: coordinates of the first.
+    - `count`: how many.
+    - `seed`: random seed.
+    - `covariance`: others lie about twice its deviations away; left out, within a factor of 2.
+    """
+    rng = np.random.default_rng(seed)
+    if covariance is None:
+        others = center + np.log(2) * rng.uniform(-1, 1, (count - 1, center.size))
+    else:
+        spread, basis = np.linalg.eigh(np.nan_to_num(covariance))
+        normal = rng.normal(size=(count - 1, center.size))
+        others = center + 2 * normal @ (basis * np.sqrt(np.clip(spread, 0, _FARTHEST**2))).T
+    return np.concatenate([center[None], others])
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """A minimum of a problem, at the noise that the residuals show there.
+
+    - `covariance`: of the coordinates, `from_curves` the part that readings cause.
+    - `noise`: of one reading [N].
+    - `solved_noise`: that the problem was solved with [N], and `linear`: the problem there.
+    """
+
+    covariance: np.ndarray
+    from_curves: np.ndarray
+    noise: float
+    solved_noise: float
+    linear: Linearization
+
+
+def minimum_at(
+    problem: Problem, point: np.ndarray, curves_covariance: np.ndarray | None
+) -> Minimum:
+    """Noise and covariance (C3) at a minimum; `curves_covariance`: of the readings' curves."""
+    linear = linearize(problem, point, by_curves=True)
+    k, misfits = len(point), linear.misfits
+    noise = residual_noise(problem, misfits, k)
+    # residuals are in units of the noise, priors are not
+    J = linear.slopes.copy()
+    J[: misfits.size] *= problem.noise / noise
+    inverse = np.linalg.inv(J[:, :k].T @ J[:, :k])
+    caused = np.zeros_like(inverse)
+    if J.shape[1] > k and curves_covariance is not None:
+        K = inverse @ J[:, :k].T @ J[:, k:]
+        caused = K @ curves_covariance @ K.T
+    return Minimum(inverse + caused, caused, noise, problem.noise, linear)
+
+
+def residual_noise(problem: Problem, misfits: np.ndarray, parameters: int) -> float:
+    """Standard deviation of a single reading [N] about a model with so many `parameters`, from
+    `misfits` [-] over the problem's noise.
+    """
+    r = misfits[(problem.weight > 0) & problem.grid.measured] * problem.noise
+    if problem.loss != "linear":
+        # outliers that the loss plays down must not come back as noise
+        usual = 1.4826 * float(np.median(np.abs(r))) if r.size else 0.0
+    else:
+        usual = float(np.sqrt(np.sum(r**2) / max(r.size - parameters, 1)))
+    return usual if usual > 0 else problem.noise
+
+
+def first_noise(grid: Grid) -> float:
+    """Noise of a reading [N] that a search begins with."""
+    return _FIRST_NOISE * float(np.max(np.abs(grid.force)))
+
+
+def solve_with_noise(
+    problem: Problem, starts: np.ndarray, curves_covariance: np.ndarray | None = None
+) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
+    """Solve a problem, and find the noise that its own solution leaves.
+
+    What a clipped reading says depends on the noise, and the noise on the fit; where none is
+    clipped, only priors weigh against it, and one round is enough.
+
+    **Returns:** the problem with that noise, all ends, the best point, and the minimum there.
+    """
+    # which start leads lowest shows long before each has settled: only that one goes on
+    ends = solve(problem, starts, tolerance=ROUGH)
+    best = solve(problem, ends.best_point[None]).points[0]
+    minimum = minimum_at(problem, best, curves_covariance)
+    if curves_covariance is not None:
+        return problem, ends, best, minimum
+    for _ in range(_NOISE_ROUNDS):
+        if abs(minimum.noise / problem.noise - 1) < 1e-3:
+            break
+        problem = replace(problem, noise=minimum.noise)
+        best = solve(problem, best[None]).points[0]
+        minimum = minimum_at(problem, best, None)
+    # the others follow with the noise as it is now, so that their ends can be compared
+    again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
+    again = replace(again, steps=again.steps + np.append(ends.steps, 0))
+    if again.best < len(starts):
+        best = solve(problem, again.best_point[None]).points[0]
+        minimum = minimum_at(problem, best, None)
+    return problem, again, best, minimum
+
+
+def search(
+    problem: Problem, starts: np.ndarray, seed: int, curves_covariance: np.ndarray | None
+) -> tuple[Problem, Solutions, np.ndarray, Minimum]:
+    """Search from `starts`, then a second time about the best end.
+
+    Each collapse is a kink in strain, which passes from one reading to the next as its place
+    moves: that leaves shallow minima side by side, within the fit's own uncertainty. A record that
+    only pulls has none.
+
+    **Returns:** as `solve_with_noise`.
+    """
+    problem, first, best, minimum = solve_with_noise(problem, starts, curves_covariance)
+    if problem.pulls:
+        return problem, first, best, minimum
+    near = starts_around(best, len(starts), seed, minimum.covariance)
+    # the second takes the noise that the first one left: priors weigh against it
+    scale = (problem.noise / minimum.noise) ** 2
+    problem = replace(problem, noise=minimum.noise)
+    close = solve(problem, near, tolerance=ROUGH)
+    best = solve(problem, close.best_point[None]).points[0]
+    ends = Solutions(
+        np.concatenate([first.points, close.points]),
+        np.concatenate([first.cost * scale, close.cost]),
+        np.concatenate([first.status, close.status]),
+        np.concatenate([first.steps, close.steps]),
+    )
+    return problem, ends, best, minimum_at(problem, best, curves_covariance)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A muscle fitted to a record, as the search found it.
+
+    - `muscle`: the fitted muscle; `start`: the muscle that the fit began with.
+    - `fit_data`: the readings that were fitted, and what became of the rest.
+    - `problem`: the least-squares problem, its noise that of the residuals.
+    - `coordinates`: of the fitted parameters at the minimum [-].
+    - `readings`: of a tuning, blocked forces and free strains, or `None`.
+    - `minimum`: covariance and noise there, as far as noise goes.
+    - `free_strain`: the fitted muscle's at each level of the grid [-].
+    - `solutions`: ends of all starts.
+    - `weights`: how levels count.
+    """
+
+    muscle: Muscle
+    start: Muscle
+    fit_data: FitData
+    problem: Problem
+    coordinates: np.ndarray
+    readings: Readings | None
+    minimum: Minimum
+    free_strain: np.ndarray
+    solutions: Solutions
+    weights: str
+
+    @property
+    def method(self) -> str:
+        """Method of the fit: "tuning", the paper's, or "constants"."""
+        return "constants" if self.readings is None else "tuning"
+
+    @property
+    def record(self) -> Record:
+        """The readings that were fitted."""
+        return self.fit_data.record
+
+    @property
+    def grid(self) -> Grid:
+        """The readings by level of pressure."""
+        return self.problem.grid
+
+    @property
+    def force(self) -> np.ndarray:
+        """Force of the fitted muscle at each place of the grid [N]."""
+        return self.minimum.linear.force
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Measured less fitted force [N] at the places of the grid, NaN where none was measured."""
+        return np.where(self.grid.measured, self.grid.force - self.force, np.nan)
+
+    @cached_property
+    def errors(self) -> np.ndarray:
+        """Measured less fitted force of each of the record's readings [N], NaN where clipped."""
+        return self.fit_data.errors(self.force)

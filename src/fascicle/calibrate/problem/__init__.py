@@ -1,1 +1,0 @@
-"""What is fitted to a record, and how it is solved for."""

@@ -1,0 +1,302 @@
+r"""Blocked force and free strain, read from the data, and $C_1(P)$, $C_2(P)$ from them.
+
+At each pressure the measured pull is regressed on the law's own untuned force $T$, near
+zero strain for the blocked force and near the free strain for the free strain: locally
+$F = a + b T$, so
+
+$$\hat F_{blocked} = a + b\, T(0), \qquad \hat C_1 = -a/b, \qquad
+  T(\hat\varepsilon_f) = \hat C_1. \tag{34}$$
+
+The law carries the curve's shape, so a straight line is enough, and few readings do.
+The variances follow from the regression's.
+
+Between the measured pressures both are smooth: the blocked force is linear above a
+threshold, $\hat F_{blocked} = a (P - P_0)$, as the paper says, and the free strain is the
+untuned law's times a low-order polynomial in pressure, $\hat\varepsilon_f(P) = \varepsilon_f(P)\,
+q(P)$. The paper makes the free strain itself such a polynomial; the quotient needs a lower
+order, since the law knows how the strain saturates, and vanishes without pressure of itself.
+With them
+
+$$C_1(P) = T(\hat\varepsilon_f, P), \qquad
+  C_2(P) = \frac{\hat F_{blocked}}{T(0, P) - C_1}. \tag{35}$$
+
+**Source:** Kim, Mazzoleni and Bryant (2021), (31)-(35); Meller, Bryant and Garcia (2014).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.array_namespace import array_namespace, where
+from ..core.module import to_numpy, with_fields
+from ..core.roots import guarded
+from ..core.types import AnyArray, Batch, Float
+from ..muscle import Muscle
+from ..muscle.tuning import Tuning
+from .data import Grid
+
+
+ORDERS = 4  # of the free strain's quotient: constant to cubic
+NO_PRESSURE = 0.01  # of the highest pressure: below, nothing can be read [R13]
+_NEAR = 0.3  # of the free strain: how far a reading looks, as a Gaussian's deviation
+_PULLING = 0.15  # of the level's largest force: readings above it surely pull
+_SHORTEST = 0.8  # strain at which every mesh pushes hard
+_ROUNDING = 1e-4  # of the largest value: as fine as bench files are written
+
+Level = Float[AnyArray, "level"]
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Blocked forces and free strains by level of pressure, and the smooth curves through them.
+
+    - `pressure`: of each level [Pa].
+    - `free_strain`, `blocked_force`: read there [-], [N], with standard deviations.
+    - `valid`: where there was enough to read.
+    - `noise`: standard deviation of a single force reading [N].
+    - `coefficients`: the quotient's polynomial [-] in pressure over the highest, then the
+      blocked force's level and slope [N] over the same; `covariance` theirs.
+    - `order`: of the polynomial.
+    - `misfit`: squared deviations from the curves, over their expectation [-]; 1 where the
+      curves are as good as the readings.
+    - `pulling`: where the curves were fitted jointly with what resists, coefficients and
+      covariance from the pull alone; else `None`.
+    """
+
+    pressure: np.ndarray
+    free_strain: np.ndarray
+    free_strain_deviation: np.ndarray
+    blocked_force: np.ndarray
+    blocked_force_deviation: np.ndarray
+    valid: np.ndarray
+    noise: float
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    order: int
+    misfit: np.ndarray
+    pulling: tuple[np.ndarray, np.ndarray] | None = None
+
+
+def without_tuning(muscle: Muscle) -> Muscle:
+    """The `muscle` without its tuning, except for its dead band, which is no correction."""
+    return with_fields(muscle, tuning=with_fields(Tuning(), dead_band=muscle.tuning.dead_band))
+
+
+def pulling_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    """Force of the tension law alone [N] at `pressure` [Pa] and `strain` [-]."""
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        return muscle.law.tension.force(pressure, strain)
+
+
+def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:
+    """Strain [-] at which the tension law of an untuned `muscle` gives a `force` [N] at `pressure`
+    [Pa]; 0 where the dead band leaves no pressure, an end of the searched strains for forces
+    that the law doesn't reach.
+    """
+    xp = array_namespace(pressure, force, muscle.braid_angle)
+    law = muscle.law.tension
+    P = law.tuning.effective_pressure(pressure)
+    with np.errstate(all="ignore"):
+        strain = law.law.free_strain(law.bladder, guarded(P > 0, P, 1e5), lambda _: force)
+        low = 0.5 * (1 - 1 / xp.cos(muscle.braid_angle))  # as the law's own search
+    strain = where(P > 0, strain, 0.0)
+    return xp.where(xp.isnan(strain), _SHORTEST, xp.clip(strain, low, _SHORTEST))
+
+
+def read(muscle: Muscle, grid: Grid) -> Readings:
+    """Read blocked forces and free strains off a `grid`, against the `muscle`'s untuned law."""
+    law = without_tuning(to_numpy(muscle))
+    P, strain, F, count = grid.pressure[:, 0], grid.strain, grid.force, grid.count
+    top, zero = _top(P), np.zeros(P.shape)
+    pressurized = (NO_PRESSURE * top < P) & np.any(grid.used, axis=1)
+    T, blocked_law = pulling_force(law, P[:, None], strain), pulling_force(law, P, zero)
+    free_law = invert_force(law, P, zero)
+
+    # which readings pull: a first line through those that surely do tells where force ends
+    w = np.where(grid.measured, count, 0.0)
+    surely = w * (_PULLING * np.max(np.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
+    ends = invert_force(law, P, _line(T, F, surely, count).offset)
+    pulling = w * (strain <= ends[:, None])
+
+    scale = safe(_NEAR * ends[:, None])
+    near_rest = pulling * np.exp(-0.5 * (strain / scale) ** 2)
+    near_end = pulling * np.exp(-0.5 * ((strain - ends[:, None]) / scale) ** 2)
+    start, end = _line(T, F, near_rest, count), _line(T, F, near_end, count)
+    noise = _scatter(T, F, pulling * pressurized[:, None])
+
+    blocked = start.value + start.slope * (blocked_law - start.center)
+    blocked_deviation = noise * np.sqrt(start.variance(blocked_law))
+    c1 = end.offset
+    c1_deviation = noise * np.sqrt(end.variance(c1)) / safe(np.abs(end.slope))
+    free = invert_force(law, P, c1)
+    with np.errstate(all="ignore"):
+        fall = np.broadcast_to(law.law.tension.pull(P, free).slope, P.shape)
+    free_deviation = c1_deviation / safe(np.abs(fall))
+    enough = (np.sum(pulling > 0, axis=1) >= 2) & (end.slope > 0) & (start.slope > 0) & pressurized
+    finite = np.isfinite(blocked_deviation + free_deviation + free)
+    valid = enough & finite & (free > 0) & (free_law > 0)
+    share = P[valid] / top
+    quotient = free[valid] / free_law[valid], free_deviation[valid] / free_law[valid]
+    fits = [
+        _polynomial(share, *quotient, order, ORDERS)
+        for order in range(min(ORDERS, max(share.size, 1)))  # never more terms than readings
+    ]
+    # by Schwarz's criterion
+    scores = [fit.squares + (n + 1) * np.log(share.size + 1.0) for n, fit in enumerate(fits)]
+    order = int(np.argmin(scores))
+    line = _polynomial(share, blocked[valid], blocked_deviation[valid], 1, 2)
+    none = np.zeros((ORDERS, 2))
+    return Readings(
+        P, free, free_deviation, blocked, blocked_deviation, valid, noise,
+        np.concatenate([fits[order].coefficients, line.coefficients]),
+        np.block([[fits[order].covariance, none], [none.T, line.covariance]]),
+        order, np.array([fits[order].misfit, line.misfit]),
+    )  # fmt: skip
+
+
+class SmoothCurves:
+    """Free strain and blocked force as smooth functions of pressure, linear in coefficients.
+
+    What doesn't depend on these is computed once: the untuned law of a `muscle`, and at each
+    `pressure` [Pa] its free strain and blocked force. Curves take pressures over `top` [Pa].
+    """
+
+    def __init__(self, muscle: Muscle, pressure: Level, top: float):
+        self.law, self.pressure = without_tuning(muscle), pressure
+        self.share = pressure / top
+        self.some = (self.share > NO_PRESSURE) & (muscle.tuning.dead_band < pressure)
+        self.untuned_free_strain = invert_force(self.law, pressure, 0.0 * pressure)
+        self.untuned_blocked_force = pulling_force(self.law, pressure, 0.0 * pressure)
+
+    def free_strain(self, coefficients: Float[AnyArray, "coefficient"]) -> Level:
+        """Free strain [-]; 0 without pressure [R13]."""
+        xp = array_namespace(coefficients)
+        free = self.untuned_free_strain * xp.polyval(coefficients[:ORDERS][::-1], self.share)
+        return where(self.share > NO_PRESSURE, free, 0.0)
+
+    def tables(self, coefficients: Float[AnyArray, "coefficient"]) -> tuple[Level, Level]:
+        """$C_1$ [N] and $C_2$ [-], (34) and (35); 0 and 1 without pressure."""
+        blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.share
+        c1 = pulling_force(self.law, self.pressure, self.free_strain(coefficients))
+        span = self.untuned_blocked_force - c1
+        c2 = blocked / guarded(self.some & (span != 0), span)
+        return where(self.some, c1, 0.0), where(self.some, c2, 1.0)
+
+    def free_strain_deviation(self, covariance: np.ndarray) -> np.ndarray:
+        """Standard deviation of the free strain [-], from the coefficients' `covariance`."""
+        basis = self.share[:, None] ** np.arange(ORDERS)
+        variance = np.einsum("li,ij,lj->l", basis, covariance[:ORDERS, :ORDERS], basis)
+        return self.free_strain(np.eye(ORDERS)[0]) * np.sqrt(np.maximum(variance, 0.0))
+
+
+def top_pressure(grid: Grid) -> float:
+    """Highest pressure of a `grid` [Pa], to which curves refer; 1 Pa for a passive muscle."""
+    return _top(grid.pressure)
+
+
+def _top(pressure: np.ndarray) -> float:
+    return max(float(np.max(pressure)), 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """A weighted straight line through forces over the law's own, level by level.
+
+    - `center`: where the line is held [N]; `value`: its height there [N]; `slope` [-].
+    - `spread`: variances of height, both, and slope, over that of a reading [-], [1/N], [1/N²].
+    """
+
+    center: np.ndarray
+    value: np.ndarray
+    slope: np.ndarray
+    spread: tuple[np.ndarray, np.ndarray, np.ndarray]
+
+    @property
+    def offset(self) -> np.ndarray:
+        """Crossing of the line with zero [N]."""
+        return self.center - self.value / safe(self.slope)
+
+    def variance(self, T: np.ndarray) -> np.ndarray:
+        """Variance of the line at `T` [N], over that of a single reading [-]."""
+        away = T - self.center
+        a, b, c = self.spread
+        return a + 2 * away * b + away**2 * c
+
+
+def _line(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Line:
+    """The line of `F` [N] over `T` [N] with `weight`, of readings that average `count`."""
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.sum(weight * values, axis=1) / total
+
+    total = safe(np.sum(weight, axis=1))
+    center, value = mean(T), mean(F)
+    away = T - center[:, None]
+    moment = np.sum(weight * away**2, axis=1)
+    moment = np.where(moment > 0, moment, np.inf)
+    slope = np.sum(weight * away * F, axis=1) / moment
+    # readings differ in how many they average: variances add up by the weights' squares
+    square = weight**2 / np.where(count > 0, count, np.inf)
+    sums = [np.sum(square * away**power, axis=1) for power in range(3)]
+    spread = sums[0] / total**2, sums[1] / (total * moment), sums[2] / moment**2
+    return _Line(center, value, slope, spread)
+
+
+def _scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
+    """Standard deviation of a reading of `F` [N], about a parabola in `T` [N] at each level."""
+    t = T / safe(np.max(np.abs(T), axis=1, keepdims=True))
+    basis = np.stack([np.ones_like(t), t, t**2], axis=-1) * np.sqrt(weight)[..., None]
+    target = F * np.sqrt(weight)
+    # the least that is added lets a level without readings be solved as well
+    gram = np.einsum("lri,lrj->lij", basis, basis) + 1e-12 * np.eye(3)
+    best = np.linalg.solve(gram, np.einsum("lri,lr->li", basis, target)[..., None])[..., 0]
+    squares = np.sum((target - np.einsum("lri,li->lr", basis, best)) ** 2, axis=1)
+    free = np.sum(weight > 0, axis=1) - 3
+    if np.any(free > 0):
+        return float(np.sqrt(np.sum(squares[free > 0]) / np.sum(free[free > 0])))
+    # too few readings to see any scatter: a hundredth of the largest force is a load cell's
+    return 0.01 * max(float(np.max(np.abs(F))), 1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class _Polynomial:
+    """A polynomial: `coefficients` from the constant up, their `covariance`, the `squares` left
+    over the variances, and these over what chance lets expect, the `misfit` [-].
+    """
+
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    squares: float
+    misfit: float
+
+
+def _polynomial(
+    x: np.ndarray, y: np.ndarray, deviation: np.ndarray, order: int, size: int
+) -> _Polynomial:
+    """A polynomial of an `order` through `y` with its `deviation` at `x`, filled up with zeros to
+    `size` coefficients.
+    """
+    if not x.size:
+        return _Polynomial(np.zeros(size), np.zeros((size, size)), 0.0, 1.0)
+    # readings that agree to the last digit have no scatter: they are as sure as they are rounded
+    weight = 1 / np.maximum(deviation, _ROUNDING * np.max(np.abs(y), initial=1e-9)) ** 2
+    basis = x[:, None] ** np.arange(order + 1)
+    scale = max(float(np.max(weight)), 1e-300)
+    gram = np.einsum("l,li,lj->ij", weight / scale, basis, basis) + 1e-14 * np.eye(order + 1)
+    if x.size < 2 and order > 0:
+        gram[0, 0] += 1e9  # a single reading carries a line through the origin
+    inverse = np.linalg.inv(gram)
+    best = inverse @ np.einsum("l,li,l->i", weight / scale, basis, y)
+    squares = float(np.sum(weight * (y - basis @ best) ** 2))
+    free = x.size - (order + 1)
+    ratio = squares / max(free, 1)
+    # where the curve misses by more than chance lets the readings, it is that uncertain
+    misfit = ratio if free > 0 and ratio > 1 + 3 * np.sqrt(2 / free) else 1.0
+    pad = size - (order + 1)
+    covariance = np.pad(misfit * inverse / scale, ((0, pad), (0, pad)))
+    return _Polynomial(np.pad(best, (0, pad)), covariance, squares, misfit)
+
+
+def safe(values: np.ndarray) -> np.ndarray:
+    """`values` to divide by: 1 in place of 0."""
+    return np.where(values == 0, 1.0, values)

@@ -1,0 +1,187 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fascicle.calibrate.data import (
+    MAX_READINGS,
+    MIN_PUSHES,
+    assign_levels,
+    pulling_only,
+    select_fit_data,
+    tabulate,
+)
+from fascicle.calibrate.parameters import FACTOR_NAMES
+from fascicle.records.record import Record
+
+
+STEPS = 34.5e3 * np.arange(13)
+
+
+def test_a_transducers_scatter_is_one_level():
+    # 200 Pa is 0.05 % of the highest pressure, a good transducer; ten times finer than a gap
+    rng = np.random.default_rng(0)
+    nominal = rng.permutation(np.repeat(STEPS, 50))
+    levels = assign_levels(nominal + rng.normal(scale=200, size=nominal.size))
+    assert_array_equal(levels, np.round(nominal / 34.5e3))
+
+
+def test_levels_are_numbered_from_the_lowest_and_no_pressure_is_one():
+    assert_array_equal(assign_levels(np.array([2e5, 0.0, 1e5, 0.0])), [2, 0, 1, 0])
+    assert_array_equal(assign_levels(np.zeros(3)), [0, 0, 0])
+    # a transducer's zero may lie below zero
+    assert_array_equal(assign_levels(np.array([-50.0, 1e5, 30.0])), [0, 1, 0])
+
+
+def test_a_swept_pressure_is_cut_in_fine_steps():
+    P = np.linspace(0, 4e5, 1001)
+    levels = assign_levels(P)
+    assert_array_equal(np.diff(levels) >= 0, True)
+    assert_array_equal(np.unique(levels), np.arange(levels.max() + 1))
+    widths = [np.ptp(P[levels == level]) for level in range(levels.max() + 1)]
+    # 0.5 % of the highest pressure, and the rounding of the cut
+    assert max(widths) <= 0.005 * 4e5 * (1 + 1e-12)
+    assert levels.max() >= 199
+
+
+def test_a_sweep_beside_steps_leaves_the_steps_alone():
+    P = np.concatenate([np.repeat([1e5, 2e5], 5), np.linspace(3e5, 4e5, 101)])
+    levels = assign_levels(P)
+    assert_array_equal(levels[:10], np.repeat([0, 1], 5))
+    assert np.unique(levels[10:]).size >= 50
+
+
+def test_short_rows_hold_the_readings_as_they_were():
+    record = Record.of([1e5, 2e5, 1e5, 1e5], [0.1, 0.2, 0.0, 0.2], [5.0, 6.0, 7.0, 0.0],
+                       [False, False, False, True])  # fmt: skip
+    made = tabulate(record).grid
+    assert_array_equal(made.pressure, [[1e5], [2e5]])
+    assert_array_equal(made.strain, [[0.1, 0.0, 0.2], [0.2, 0.0, 0.0]])
+    assert_array_equal(made.force, [[5.0, 7.0, 0.0], [6.0, 0.0, 0.0]])
+    assert_array_equal(made.count, [[1, 1, 1], [1, 0, 0]])
+    assert_array_equal(made.censored, [[False, False, True], [False, False, False]])
+    # neither a clipped reading nor a filled-up place is a force that was measured
+    assert_array_equal(made.measured, [[True, True, False], [True, False, False]])
+
+
+@pytest.mark.parametrize("n", [MAX_READINGS, MAX_READINGS + 1, 5000])
+def test_averaging_keeps_counts_and_means(n):
+    rng = np.random.default_rng(n)
+    strain = rng.uniform(0, 0.3, n)
+    force = 100 * (0.3 - strain) + rng.normal(size=n)
+    clipped = force < 2
+    made = tabulate(Record.of(1e5 + rng.normal(scale=10, size=n), strain, force, clipped)).grid
+    assert made.count.shape[0] == 1
+    assert made.count.shape[1] <= MAX_READINGS
+    assert (made.count.shape[1] < n) == (n > MAX_READINGS)
+    for mask, of in ((clipped, made.censored), (~clipped, made.measured)):
+        count = np.where(np.asarray(of), np.asarray(made.count), 0.0)
+        assert count.sum() == mask.sum()
+        # sums of n terms in another order: n eps at the worst
+        assert_allclose((count * made.force).sum(), force[mask].sum(), rtol=1e-11)
+        assert_allclose((count * made.strain).sum(), strain[mask].sum(), rtol=1e-11)
+
+
+def test_clipped_readings_are_never_averaged_with_others():
+    n = 2000
+    strain = np.repeat(np.linspace(0, 0.3, n // 2), 2)
+    clipped = np.tile([False, True], n // 2)  # one of each at the same strain
+    made = tabulate(Record.of(1e5, strain, np.where(clipped, 0.0, 7.0), clipped)).grid
+    count, force = np.asarray(made.count)[0], np.asarray(made.force)[0]
+    kinds = np.asarray(made.censored)[0][count > 0]
+    assert kinds.sum() == (~kinds).sum() > 0
+    assert_array_equal(force[count > 0], np.where(kinds, 0.0, 7.0))
+
+
+def test_averages_stay_in_their_step_of_strain():
+    n, longest = 3000, 20
+    strain = np.linspace(0, 0.3, n)
+    made = tabulate(Record.of(1e5, strain, strain), longest).grid
+    assert made.count.shape == (1, longest)
+    # the middles of twenty even steps
+    step = 0.3 / longest
+    assert_allclose(made.strain[0], step * (np.arange(20) + 0.5), atol=0.3 / n)
+    assert_allclose(made.force, made.strain, rtol=1e-13)
+
+
+def test_a_long_stay_at_one_strain_is_one_average():
+    made = tabulate(Record.of(1e5, np.full(500, 0.1), np.full(500, 3.0))).grid
+    assert_array_equal(made.count, [[500]])
+    assert_allclose(made.strain, [[0.1]], rtol=1e-14)
+
+
+def test_branches_are_never_averaged_with_each_other():
+    n = 3000
+    strain = np.r_[np.linspace(0, 0.3, n), np.linspace(0.3, 0, n)]
+    branch = np.repeat([1, -1], n)
+    made = tabulate(Record.of(1e5, strain, 10.0 * branch, branch=branch))
+    used = np.asarray(made.grid.count) > 0
+    # a loop of 20 N is still one: no mean lies between its branches
+    assert_array_equal(np.asarray(made.grid.force)[used], 10.0 * made.branch[used])
+    assert (made.averaged, made.means) == (2 * n, MAX_READINGS)
+    # where each reading went
+    force = np.asarray(made.grid.force)[made.level, made.column]
+    assert_array_equal(force, 10.0 * branch)
+    middle = np.asarray(made.grid.strain)[made.level, made.column]
+    assert_allclose(middle, strain, atol=0.3 / (MAX_READINGS // 2))
+
+
+STRAIN = np.linspace(0.0, 0.18, 10)
+PULL = [100.0, 80.0, 60.0, 40.0, 20.0]  # N, the first five readings of a pressure
+
+
+def seen(*rows, pressures=(1e5, 2e5, 3e5)):
+    """Which readings of each pressure count as clipped, of forces that are clipped where zero."""
+    force = np.array(rows)
+    P = np.array(pressures[: len(rows)])[:, None] + 0 * force
+    record = Record.of(P, STRAIN + 0 * force, force, force == 0, rest_length=0.2)
+    of = pulling_only(select_fit_data(record))
+    new = of.record.censored & ~record.censored
+    assert of.noise_clipped == np.sum(new)
+    assert np.all(of.record.force[of.record.censored] == 0)
+    assert_array_equal(of.record.force[~of.record.censored], record.force[~of.record.censored])
+    return new.reshape(force.shape)
+
+
+def places(row):
+    return np.flatnonzero(row).tolist()
+
+
+def test_as_many_readings_must_push_as_what_resists_has_factors():
+    assert len(FACTOR_NAMES) == MIN_PUSHES
+
+
+def test_beyond_the_end_of_the_pull_they_are_noise_and_before_it_as_small_ones_too():
+    # 2 N lies among clipped ones: noise; 1.5 N just before the first of these is no more
+    (row,) = seen([*PULL, 1.5, 0, 2.0, 0, 0])
+    assert places(row) == [5, 7]
+
+
+def test_what_is_larger_than_that_noise_still_pulls():
+    (row,) = seen([*PULL, 3.0, 0, 2.0, 0, 0])
+    assert places(row) == [7]
+
+
+def test_a_large_force_among_clipped_ones_is_no_noise():
+    # more than a tenth of the pressure's largest: an outlier for the fit to show
+    (row,) = seen([*PULL, 0, 0, 30.0, 0, 0])
+    assert places(row) == []
+
+
+def test_without_any_of_them_the_last_small_pull_stays():
+    (row,) = seen([*PULL, 1.5, 0, 0, 0, 0])
+    assert places(row) == []
+
+
+def test_each_pressure_is_by_itself():
+    pulls = [120.0, 100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 1.0]
+    noisy = [*PULL, 1.5, 0, 2.0, 0, 0]
+    rows = seen(noisy, pulls)
+    # where nothing is clipped the smallest forces pull
+    assert [places(row) for row in rows] == [[5, 7], []]
+
+
+def test_without_pressure_a_muscle_does_not_pull_at_all():
+    idle = [0, 1.0, 0, 1.2, 0.5, 0, 0, 0, 0, 0]
+    pulls = [120.0, 100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 1.0]
+    rows = seen(idle, pulls, pressures=(0.0, 3e5))
+    assert [places(row) for row in rows] == [[1, 3, 4], []]
