@@ -196,12 +196,11 @@ class Problem:
             roots = self._fixed_roots(point, column)
             h = size * (1.0 if column < len(self.parameters) else max(1.0, abs(point[column])))
             step = h * (np.arange(len(point)) == column)
-            once = self.force(point + step, roots)
+            rise = self.force(point + step, roots) - force
             if fine:
-                twice = self.force(point + 2 * step, roots)
-                out[..., i] = (4 * once - 3 * force - twice) / (2 * h)
-            else:
-                out[..., i] = (once - force) / h
+                # in this form a force that doesn't change has a slope of exactly zero
+                rise = 2 * rise - (self.force(point + 2 * step, roots) - force) / 2
+            out[..., i] = rise / h
         return out
 
     def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ import fascicle
 # documented in version 0.1.0, and where they are now
 MOVED = {
     "calibrate.comparing.Row": "calibrate.comparison",
-    "calibrate.profiling.Profile": "calibrate.calibration",
+    "calibrate.profiling.profiles": "calibrate.intervals",
     "describe.calibrated.provenance_of": "files.calibration_files",
     "describe.provenance": "files",
     "describe.results.Variable": "results.labelled",
