@@ -5,7 +5,6 @@ units, and a long table shows its ends. Under `jax.jit` there are no numbers to 
 words stand there.
 """
 
-import html
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -17,7 +16,7 @@ _MOST_ROWS = 12
 
 
 class ReprTable(NamedTuple):
-    """A `title`, `facts` by name, a table of `rows` under `heads`, and what to `notes` [-]."""
+    """A `title`, `facts` by name, a table of `rows` under `heads`, and what to `notes`."""
 
     title: str
     facts: Sequence[tuple[str, str]] = ()
@@ -26,7 +25,7 @@ class ReprTable(NamedTuple):
     notes: Sequence[str] = ()
 
     def text(self) -> str:
-        """It as lines of text [-]."""
+        """It as lines of text."""
         width = max((len(name) for name, _ in self.facts), default=0)
         parts = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
         if self.rows:
@@ -36,7 +35,7 @@ class ReprTable(NamedTuple):
         return "\n\n".join("\n".join(part) for part in parts)
 
     def html(self) -> str:
-        """It as a piece of a page [-]."""
+        """It as a piece of a page."""
         facts = "".join(
             f'<tr><th style="text-align:left;padding-right:1em">{_safe(name)}</th>'
             f'<td style="text-align:left">{_safe(value)}</td></tr>'
@@ -66,10 +65,10 @@ def with_table_repr(
 
     **Arguments:**
 
-    - `sheet`: makes it of an object [-].
-    - `line`: says it in one line, for `repr` [-]; left out, Python's own words.
+    - `sheet`: makes it of an object.
+    - `line`: says it in one line, for `repr`; left out, Python's own words.
 
-    **Returns:** the decorator [-].
+    **Returns:** the decorator.
     """
 
     def of(kind: Any) -> Any:
@@ -87,7 +86,7 @@ def with_table_repr(
 
 
 def format_range(values: Any, show: Callable[[float], str]) -> str:
-    """One number as `show` writes it, or how far several reach and how many there are [-]."""
+    """One number as `show` writes it, or how far several reach and how many there are."""
     import numpy as np
 
     x = np.asarray(values, float)
@@ -99,7 +98,7 @@ def format_range(values: Any, show: Callable[[float], str]) -> str:
 
 
 def title_with_shape(title: str, points: Any) -> str:
-    """A `title` [-] with how many `points` there are, where it isn't one [-]."""
+    """A `title` with how many `points` there are, where it isn't one."""
     shape = points.shape if hasattr(points, "shape") else ()
     if shape == ():
         return title
@@ -108,7 +107,7 @@ def title_with_shape(title: str, points: Any) -> str:
 
 
 def format_number(value: float, digits: int = 4) -> str:
-    """A number as a table shows it [-]: four figures, "-" where there is none."""
+    """A number as a table shows it: four figures, "-" where there is none."""
     value = float(value)
     return "-" if value != value else figures(value + 0.0, digits)  # noqa: PLR0124 NaN
 
@@ -136,4 +135,6 @@ def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _safe(text: str) -> str:
+    import html  # which nobody needs who prints no page
+
     return html.escape(text)

@@ -161,10 +161,10 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
 
     **Arguments:**
 
-    - `text`: a number and its unit [-], such as `"34.5kPa"`; for a strain or a number also
+    - `text`: a number and its unit, such as `"34.5kPa"`; for a strain or a number also
       a bare number or `"12 %"`.
-    - `dimension`: what it must be [-], a key of `DIMENSIONS`.
-    - `name`: what to call it in an error [-]; the dimension if left out.
+    - `dimension`: what it must be, a key of `DIMENSIONS`.
+    - `name`: what to call it in an error; the dimension if left out.
 
     **Returns:** its value [SI unit of the dimension], rounded once.
 
@@ -174,7 +174,7 @@ def parse(text: Any, dimension: str, name: str | None = None) -> float:
 
 
 def sample(dimension: str) -> str:
-    """A quantity of a `dimension` [-] as a file has it, to be shown in an error [-]."""
+    """A quantity of a `dimension` as a file has it, to be shown in an error."""
     text = _EXAMPLES[dimension]
     return text if DIMENSIONS[dimension].unitless else f'"{text}"'
 
@@ -188,9 +188,9 @@ def parse_list(text: str, dimension: str, name: str | None = None) -> list[float
 
     **Arguments:**
 
-    - `text`: the list [-]; each quantity in it carries its unit.
-    - `dimension`: what each must be [-], a key of `DIMENSIONS`.
-    - `name`: what to call it in an error [-]; the dimension if left out.
+    - `text`: the list; each quantity in it carries its unit.
+    - `dimension`: what each must be, a key of `DIMENSIONS`.
+    - `name`: what to call it in an error; the dimension if left out.
 
     **Returns:** the values [SI unit of the dimension], in the order given.
 
@@ -219,9 +219,9 @@ def exact(value: float, dimension: str) -> str:
     **Arguments:**
 
     - `value`: a finite number [SI unit of the dimension].
-    - `dimension`: a key of `DIMENSIONS` [-].
+    - `dimension`: a key of `DIMENSIONS`.
 
-    **Returns:** the text [-]: `"6.35 mm"`, or `"0.1234567890123456 m"`.
+    **Returns:** the text: `"6.35 mm"`, or `"0.1234567890123456 m"`.
     """
     kind = DIMENSIONS[dimension]
     for unit in kind.exact:
@@ -239,10 +239,10 @@ def pretty(value: float, dimension: str, digits: int = 4) -> str:
     **Arguments:**
 
     - `value`: a number [SI unit of the dimension]; infinite or NaN reads "-".
-    - `dimension`: a key of `DIMENSIONS` [-].
-    - `digits`: how many count [-].
+    - `dimension`: a key of `DIMENSIONS`.
+    - `digits`: how many count.
 
-    **Returns:** the text [-].
+    **Returns:** the text.
     """
     kind = DIMENSIONS[dimension]
     if not math.isfinite(value):
@@ -261,9 +261,9 @@ def figures(value: float, digits: int = 4) -> str:
     **Arguments:**
 
     - `value`: it [any unit].
-    - `digits`: how many count [-].
+    - `digits`: how many count.
 
-    **Returns:** the text [-]; with an exponent only from ten million on, and below 0.0001.
+    **Returns:** the text; with an exponent only from ten million on, and below 0.0001.
     """
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e" in text and 1 <= abs(value) < 1e7 else text
@@ -310,7 +310,7 @@ def _exact(text: Any, dimension: str, name: str) -> Fraction | float:
 
 @functools.lru_cache(maxsize=256)
 def _factor(unit: str, dimension: str) -> Fraction | str:
-    """SI factor of `unit` [-], or in words why it has none."""
+    """SI factor of `unit`, or in words why it has none."""
     kind = DIMENSIONS[dimension]
     tidy = re.sub(r"\s*([*/^])\s*", r"\1", unit.replace("**", "^").replace("°", "deg"))
     tidy = re.sub(r"\s+", "*", tidy).replace("1/*", "1/").removesuffix("^1")

@@ -8,7 +8,7 @@ from oracle_fluid import ROOM, WARM, R
 from scipy.integrate import solve_ivp
 
 from fascicle import fluid
-from fascicle.fluid.sonic_valve import in_series
+from fascicle.fluid.flow_elements import in_series
 
 
 C, B, SUPPLY, V = 2e-9, 0.3, 7e5, 1e-4  # of a small valve; absolute; a muscle's volume

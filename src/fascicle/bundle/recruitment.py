@@ -210,7 +210,7 @@ def _wide(solutions: Solutions, slots: int) -> Solutions:
 
 def _curves(bundle: Bundle, supply: float, states: States, resistance: bool) -> Curves:
     """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
-    kept, key = bundle.store.setdefault("curves", {}), (states.scheme, resistance)
+    kept, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
     known = kept.get(key)
     if known is None or known[0] != supply or known[1] is not states:
         kept[key] = known = (supply, states, Curves(bundle, supply, states, resistance))

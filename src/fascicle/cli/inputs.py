@@ -9,9 +9,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import wrapt
-
 from ..core.jax_settings import enable_whole_loops
+from ..core.lazy import call_on_import
 from ..units import parse, parse_list
 from .errors import UserError, user_errors
 from .outputs import status
@@ -35,7 +34,7 @@ def load_laws() -> None:
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
-    wrapt.register_post_import_hook(_configure_jax, "jax")
+    call_on_import("jax", _configure_jax)
     with status("loading the laws"):
         from ..core.validation import disable_pressure_unit_warning
         from ..files import muscle_files  # noqa: F401 and with it all laws

@@ -217,9 +217,9 @@ class _HandOver:
         self.slack = slack
         self.ratios = bundle.ratios
         key = "control.branches", supply
-        if key not in bundle.store:
-            bundle.store[key] = Branches.of(bundle, supply, _SHAPE)
-        self.branches: Branches = bundle.store[key]
+        if key not in bundle.cache:
+            bundle.cache[key] = Branches.of(bundle, supply, _SHAPE)
+        self.branches: Branches = bundle.cache[key]
         self.counts = np.asarray(bundle.counts, float)
         low, high = float(np.min(path.strain)), float(np.max(path.strain))
         fewest = np.unique(path.strain)

@@ -39,15 +39,15 @@ class Units(Module):
         """Units of the bundle `side` of a `plant`, counted from 0."""
         bundle, top = plant.bundles[side], plant.supply_pressure
         key = "control.units", top
-        if key not in bundle.store:
-            bundle.store[key] = Branches.of(bundle, top)
+        if key not in bundle.cache:
+            bundle.cache[key] = Branches.of(bundle, top)
         indices = plant.places(side)
         chamber, valve, exhaust = (
             of_units(piece, indices, plant.units)
             for piece in (plant.chamber, plant.valve, plant.exhaust_valve)
         )
         return cls(
-            bundle.store[key], plant.counts[indices], chamber, valve, exhaust,
+            bundle.cache[key], plant.counts[indices], chamber, valve, exhaust,
             np.float64(plant.supply.temperature_at(plant.supply.start())),
         )  # fmt: skip
 

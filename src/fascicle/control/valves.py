@@ -28,7 +28,7 @@ from ..core.types import Batch, Numbers
 from ..core.validation import Range
 from ..dynamics import Plant
 from ..fluid import AIR, AbstractChamber, Gas
-from ..fluid.entry import above_zero, part, room_pressure, temperature
+from ..fluid.fields import component_field, positive_field, room_pressure_field, temperature_field
 
 
 class AbstractValves(Module):
@@ -49,10 +49,10 @@ class GasValves(AbstractValves):
     `gas` [-]; `room_pressure`, absolute [Pa]; `room_temperature` [K].
     """
 
-    mass_flow: Batch = above_zero("mass_flow", Range("kg/s", 1e-12, 1e-8, 1.0, 1e3))
-    gas: Gas = part("gas", (Gas,), default=AIR)
-    room_pressure: Batch = room_pressure()
-    room_temperature: Batch = temperature()
+    mass_flow: Batch = positive_field("mass_flow", Range("kg/s", 1e-12, 1e-8, 1.0, 1e3))
+    gas: Gas = component_field("gas", (Gas,), default=AIR)
+    room_pressure: Batch = room_pressure_field()
+    room_temperature: Batch = temperature_field()
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
         """Mass [kg] at gauge `pressure` [Pa] in a `volume` [m³]."""
@@ -66,7 +66,7 @@ class GasValves(AbstractValves):
 class OilValves(AbstractValves):
     """A liquid that comes at one `flow_rate`, $Q$ [m³/s], whatever the pressure."""
 
-    flow_rate: Batch = above_zero("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
+    flow_rate: Batch = positive_field("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
         """Volume [m³], at any `pressure` [Pa], of a `volume` [m³] of muscles."""

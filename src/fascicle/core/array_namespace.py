@@ -11,7 +11,6 @@ import importlib
 import math
 import sys
 from collections.abc import Callable, Sequence
-from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,181 +18,117 @@ import numpy as np
 from .types import Batch, BatchLike
 
 
-_PLAIN = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
-_TRUTHS = frozenset({bool, np.bool_})
-_SCALARS = frozenset({float, int, bool, np.float64, np.int64, np.bool_})
+NUMPY_TYPES = frozenset({float, int, bool, np.float64, np.ndarray, np.bool_, np.int64, np.float32})
 FLOATS = frozenset({float, np.float64})
-_OTHERS: dict[type, Any] = {}
+_BOOLS = frozenset({bool, np.bool_})
+_SCALARS = NUMPY_TYPES - {np.ndarray}
+_REGISTERED: dict[type, Any] = {}
 
 
 def register_namespace(kind: type, functions: Any) -> None:
-    """Let arrays of a `kind` [-] be worked on by `functions` [-], named as NumPy's are."""
-    _OTHERS[kind] = functions
+    """Compute with arrays of a `kind` by `functions`, an object with NumPy's names."""
+    _REGISTERED[kind] = functions
 
 
 def array_namespace(*values: Any) -> Any:
-    """The library [-] that computes with all of `values` [-], single arrays or numbers."""
+    """Library that computes with all of the `values`, single arrays or numbers."""
     xp: Any = np
     for value in values:
-        if type(value) in _PLAIN:
+        if type(value) in NUMPY_TYPES:
             continue
-        if type(value) in _OTHERS:
-            return _OTHERS[type(value)]
+        if type(value) in _REGISTERED:
+            return _REGISTERED[type(value)]
         if is_jax_array(value):
             xp = sys.modules["jax.numpy"]
     return xp
 
 
 def jax_backend() -> Any:
-    """The JAX side of the core [-], loaded where it is first needed."""
+    """JAX side of the core, imported where it is first needed."""
     return importlib.import_module("fascicle.core.jax_backend")
 
 
 def imported_jax() -> Any:
-    """JAX [-], if it has been imported completely; else `None`."""
+    """JAX, if it has been imported completely; else `None`."""
     jax = sys.modules.get("jax")
     return jax if hasattr(jax, "jit") else None
 
 
 def is_jax_array(value: Any) -> bool:
-    """Whether a `value` [-] is an array or a tracer of JAX's."""
+    """True for arrays and tracers of JAX."""
     jax = imported_jax()
     return jax is not None and isinstance(value, jax.Array)
 
 
 def as_jax(value: Any) -> Any:
-    """A `value` [any unit] as an array of JAX's, which has been imported."""
+    """A `value` [any unit] as an array of JAX, which has been imported."""
     return sys.modules["jax.numpy"].asarray(value)
 
 
 def is_numpy(*values: Any) -> bool:
-    """Whether all `values` [-] are numbers or NumPy's arrays."""
-    return all(type(value) in _PLAIN or isinstance(value, np.generic) for value in values)
+    """True where all `values` are numbers or NumPy arrays."""
+    for value in values:
+        if type(value) not in NUMPY_TYPES and not isinstance(value, np.generic):
+            return False
+    return True
 
 
 def where(condition: Any, this: Any, other: Any) -> Any:
-    """Where the `condition` holds `this`, else the `other`, elementwise."""
+    """Choose `this` where the `condition` holds, else the `other`, elementwise."""
     # numbers are decided at once: NumPy's own `where` takes a microsecond and more for them
-    if type(condition) in _TRUTHS and type(this) in _SCALARS and type(other) in _SCALARS:
+    if type(condition) in _BOOLS and type(this) in _SCALARS and type(other) in _SCALARS:
         return this if condition else other
     return array_namespace(condition, this, other).where(condition, this, other)
 
 
-# symbols have no `&`, `|` and `~`
+def _elementwise(name: str) -> Callable[..., Any]:
+    """NumPy's function of this name, in the array library of its arguments."""
+    of_numpy = getattr(np, name)
+
+    def function(*arrays: Any) -> Any:
+        for array in arrays:
+            if type(array) not in NUMPY_TYPES:
+                return getattr(array_namespace(*arrays), name)(*arrays)
+        return of_numpy(*arrays)
+
+    function.__name__ = function.__qualname__ = name
+    return function
 
 
-def logical_and(this: Any, other: Any) -> Any:
-    """Whether two conditions hold, elementwise."""
-    xp = array_namespace(this, other)
-    return xp.logical_and(this, other) if type(this) in _OTHERS else this & other
+sqrt = _elementwise("sqrt")
+exp = _elementwise("exp")
+expm1 = _elementwise("expm1")
+log = _elementwise("log")
+log1p = _elementwise("log1p")
+sin = _elementwise("sin")
+cos = _elementwise("cos")
+tan = _elementwise("tan")
+arcsin = _elementwise("arcsin")
+arccos = _elementwise("arccos")
+arctan = _elementwise("arctan")
+absolute = _elementwise("absolute")
+minimum = _elementwise("minimum")
+maximum = _elementwise("maximum")
+isfinite = _elementwise("isfinite")
+logical_and = _elementwise("logical_and")
+logical_or = _elementwise("logical_or")
+logical_not = _elementwise("logical_not")
 
 
-def logical_or(this: Any, other: Any) -> Any:
-    """Whether one of two conditions holds, elementwise."""
-    xp = array_namespace(this, other)
-    return xp.logical_or(this, other) if type(this) in _OTHERS else this | other
-
-
-def logical_not(condition: Any) -> Any:
-    """Whether a condition doesn't hold, elementwise."""
-    if type(condition) in _OTHERS:
-        return array_namespace(condition).logical_not(condition)
-    return not condition if isinstance(condition, bool) else ~condition
-
-
-def sqrt(x: Any) -> Any:
-    """Square root."""
-    return array_namespace(x).sqrt(x)
-
-
-def exp(x: Any) -> Any:
-    """Exponential."""
-    return array_namespace(x).exp(x)
-
-
-def expm1(x: Any) -> Any:
-    """Exponential less one, exact near zero."""
-    return array_namespace(x).expm1(x)
-
-
-def log(x: Any) -> Any:
-    """Natural logarithm."""
-    return array_namespace(x).log(x)
-
-
-def log1p(x: Any) -> Any:
-    """Natural logarithm of one and `x`, exact near zero."""
-    return array_namespace(x).log1p(x)
-
-
-def sin(x: Any) -> Any:
-    """Sine of an angle [rad]."""
-    return array_namespace(x).sin(x)
-
-
-def cos(x: Any) -> Any:
-    """Cosine of an angle [rad]."""
-    return array_namespace(x).cos(x)
-
-
-def tan(x: Any) -> Any:
-    """Tangent of an angle [rad]."""
-    return array_namespace(x).tan(x)
-
-
-def arcsin(x: Any) -> Any:
-    """The angle [rad] of a sine."""
-    return array_namespace(x).arcsin(x)
-
-
-def arccos(x: Any) -> Any:
-    """The angle [rad] of a cosine."""
-    return array_namespace(x).arccos(x)
-
-
-def arctan(x: Any) -> Any:
-    """The angle [rad] of a tangent."""
-    return array_namespace(x).arctan(x)
-
-
-def absolute(x: Any) -> Any:
-    """Size without sign."""
-    return array_namespace(x).absolute(x)
-
-
-def minimum(x: Any, y: Any) -> Any:
-    """The smaller of two, elementwise."""
-    if type(x) in FLOATS and type(y) in FLOATS:  # as for `where`; NaN if one of them is
-        return np.float64(x if x < y or isnan(x) else y)
-    return array_namespace(x, y).minimum(x, y)
-
-
-def maximum(x: Any, y: Any) -> Any:
-    """The larger of two, elementwise."""
-    if type(x) in FLOATS and type(y) in FLOATS:
-        return np.float64(x if x > y or isnan(x) else y)
-    return array_namespace(x, y).maximum(x, y)
-
-
-def isfinite(x: Any) -> Any:
-    """Whether it is neither infinite nor NaN."""
-    return array_namespace(x).isfinite(x)
-
-
-# nodes lie on a first axis of their own, so that everything else broadcasts as it did
+# nodes lie on a new first axis, so that the other axes broadcast as before
 
 
 def node_axis(values: Any, like: Any) -> Any:
-    """The `values` on a first axis, ahead of all those that `like` has."""
+    """The `values` on a first axis, ahead of all axes of `like`."""
     xp = array_namespace(like)
-    if type(like) in _OTHERS:
+    if type(like) in _REGISTERED:
         return xp.asarray(values)
     return xp.asarray(values).reshape((-1,) + (1,) * np.ndim(like))
 
 
 def expand_nodes(x: Any, like: Any) -> Any:
-    """What has nodes on its first axis, laid over all axes that `like` has."""
-    if type(x) in _OTHERS:
+    """An array with nodes on its first axis, with as many axes more as `like` has."""
+    if type(x) in _REGISTERED:
         return x
     more = np.ndim(like) + 1 - np.ndim(x)
     return x if more <= 0 else x.reshape(x.shape[:1] + (1,) * more + x.shape[1:])
@@ -205,42 +140,42 @@ def sum_nodes(x: Any) -> Any:
 
 
 def min_nodes(x: Any) -> Any:
-    """The smallest of the nodes."""
+    """Minimum over the nodes."""
     return array_namespace(x).min(x, axis=0)
 
 
 def max_nodes(x: Any) -> Any:
-    """The largest of the nodes."""
+    """Maximum over the nodes."""
     return array_namespace(x).max(x, axis=0)
 
 
 def add_table_axis(x: Any) -> Any:
-    """`x` with a new last axis, along which a table goes."""
-    if type(x) in _OTHERS:
+    """`x` with a new last axis, for the entries of a table."""
+    if type(x) in _REGISTERED:
         return x
     return array_namespace(x).asarray(x)[..., None]
 
 
 def sum_table(x: Any) -> Any:
-    """Sum over that last axis."""
-    return array_namespace(x).sum(x, axis=0 if type(x) in _OTHERS else -1)
+    """Sum over the last axis, that of a table."""
+    return array_namespace(x).sum(x, axis=0 if type(x) in _REGISTERED else -1)
 
 
 def stack(rows: Any) -> Any:
-    """Several arrays, made equally large, on a new first axis."""
+    """Several arrays, broadcast, on a new first axis."""
     xp = array_namespace(*rows)
     return xp.stack(xp.broadcast_arrays(*rows))
 
 
 def running_max(x: Any, axis: int) -> Any:
-    """The largest so far, along an axis."""
+    """Running maximum along an axis."""
     if is_jax_array(x):
         return jax_backend().cummax(x, axis)
     return np.maximum.accumulate(x, axis)
 
 
 def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batch]:
-    """A polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
+    """Polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
     value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
     for term in coefficients[-2::-1]:
         value, slope = value * x + term, slope * x + value
@@ -248,7 +183,7 @@ def polynomial(coefficients: Sequence[float], x: BatchLike) -> tuple[Batch, Batc
 
 
 def chebyshev_sum(coefficients: Sequence[float], x: BatchLike) -> Batch:
-    """The sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
+    """Sum of Chebyshev polynomials of `x`, by Clenshaw's recurrence."""
     last, before, twice = 0.0 * x, 0.0 * x, 2 * x
     for term in coefficients[:0:-1]:
         last, before = twice * last - (before - term), last
@@ -294,14 +229,15 @@ _CHUNK = 2**16  # points: half a megabyte an array, so that a law's passes stay 
 
 
 def map_in_chunks(function: Callable[..., Any], first: Any, second: Any) -> Any:
-    """An elementwise `function` of two of NumPy's arrays, chunk by chunk along one axis.
+    """Evaluate an elementwise `function` of two NumPy arrays chunk by chunk along one axis.
 
     **Arguments:**
 
-    - `function`: of both [-]; what it solves for `first` alone is then solved for once.
+    - `function`: of both arrays.
     - `first`, `second`: arrays that broadcast [any unit].
 
-    **Returns:** what it gives for the whole [any unit]; memory holds one chunk's temporaries.
+    **Returns:** the function's result for both arrays [any unit]; memory holds one chunk's
+    temporaries.
     """
     shape = np.broadcast_shapes(np.shape(first), np.shape(second))
     if (size := math.prod(shape)) <= _CHUNK:

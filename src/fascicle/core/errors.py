@@ -8,10 +8,10 @@ from typing import Any
 class InvalidInputError(ValueError):
     """A value that breaks a rule, for people in a line, for programs in its fields.
 
-    - `argument`: what the value was given for [-].
-    - `rule`: that it breaks, in words [-].
+    - `argument`: what the value was given for.
+    - `rule`: that it breaks, in words.
     - `value`: it, the first one of many, in the line's unit; `None` where there is none to show.
-    - `remedy`: what to do, in words [-]; empty where the rule says it.
+    - `remedy`: what to do, in words; empty where the rule says it.
     """
 
     def __init__(
@@ -19,8 +19,8 @@ class InvalidInputError(ValueError):
     ):
         """**Arguments:**
 
-        - `argument`, `rule`, `value`, `remedy`: the fields [-].
-        - `shown`: the value in the line, with its unit [-]; left out, as Python writes it; empty
+        - `argument`, `rule`, `value`, `remedy`: the fields.
+        - `shown`: the value in the line, with its unit; left out, as Python writes it; empty
           where the rule has it already.
         """
         self.argument, self.rule, self.value, self.remedy = argument, rule, value, remedy
@@ -54,11 +54,11 @@ class MissingExtraError(ImportError):
 
 
 def missing_extra(error: BaseException) -> MissingExtraError | None:
-    """What to say of an import that failed [-]; `None` for what no extra brings.
+    """What to say of an import that failed; `None` for what no extra brings.
 
-    **Arguments:** `error`: it [-].
+    **Arguments:** `error`: it.
 
-    **Returns:** an error in one line, with the command that installs the library [-].
+    **Returns:** an error in one line, with the command that installs the library.
     """
     library = (getattr(error, "name", None) or "").split(".")[0]
     if not isinstance(error, ModuleNotFoundError) or library not in _EXTRAS:
@@ -70,7 +70,7 @@ def missing_extra(error: BaseException) -> MissingExtraError | None:
 def require(library: str) -> None:
     """Refuse, in one line, where a library is not installed.
 
-    **Arguments:** `library`: what it is imported as [-].
+    **Arguments:** `library`: what it is imported as.
 
     **Raises:** `MissingExtraError` with the command that installs it.
     """

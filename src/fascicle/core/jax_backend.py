@@ -18,7 +18,7 @@ from .types import Batch, BatchLike, BoolBatch
 
 @cache
 def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
-    """A `law` [-] compiled by JAX, with its `static` arguments [-] bound."""
+    """A `law` compiled by JAX, with its `static` arguments bound."""
     return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
 
 

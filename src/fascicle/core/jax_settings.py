@@ -10,7 +10,7 @@ import os
 import warnings
 from types import ModuleType
 
-import wrapt
+from .lazy import call_on_import
 
 
 _NAME = "xla_cpu_small_while_loop_byte_threshold"
@@ -26,7 +26,7 @@ def enable_float64() -> None:
         )
     else:
         # runs at once where JAX has been imported already
-        wrapt.register_post_import_hook(_enable, "jax")
+        call_on_import("jax", _enable)
 
 
 def _enable(jax: ModuleType) -> None:

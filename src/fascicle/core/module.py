@@ -9,31 +9,40 @@ module caches (`functools.cached_property`) are no part of its structure.
 """
 
 from abc import ABC
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
-from functools import cache, cached_property
+from functools import cached_property
 from inspect import signature
 from types import ModuleType
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 import numpy as np
-import wrapt
 
-from .array_namespace import array_namespace, imported_jax, is_jax_array, is_numpy, jax_backend
+from .array_namespace import (
+    NUMPY_TYPES,
+    array_namespace,
+    imported_jax,
+    is_jax_array,
+    is_numpy,
+    jax_backend,
+)
+from .lazy import call_on_import
 from .validation import check_choice, is_concrete
 
 
 def tree_leaves(tree: Any) -> list[Any]:
-    """The numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
-    return list(_leaves(tree))
+    """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
+    leaves: list[Any] = []
+    _collect_leaves(tree, leaves)
+    return leaves
 
 
 def tree_map(function: Callable[..., Any], tree: Any, *others: Any) -> Any:
-    """A tree of what a `function` gives of each leaf [any unit].
+    """Apply a `function` to each leaf of a tree.
 
     **Arguments:**
 
-    - `function`: of a leaf of each tree [-].
+    - `function`: of a leaf of each tree.
     - `tree`: modules, tuples, lists, dictionaries and leaves [any unit].
     - `others`: trees of the same structure [any unit].
 
@@ -51,12 +60,12 @@ def tree_map(function: Callable[..., Any], tree: Any, *others: Any) -> Any:
         return type(tree)(*parts) if hasattr(tree, "_fields") else type(tree)(parts)
     if not is_module(tree):
         return function(tree, *others)
-    dynamic, structure = field_names(type(tree))
+    kind = type(tree)
     parts = {
         name: tree_map(function, getattr(tree, name), *(getattr(x, name) for x in others))
-        for name in dynamic
+        for name in kind.leaf_names
     }
-    return rebuild(type(tree), parts | {name: getattr(tree, name) for name in structure})
+    return rebuild(kind, parts | {name: getattr(tree, name) for name in kind.static_names})
 
 
 def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
@@ -66,61 +75,53 @@ def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
 
 
 def tree_structure(tree: Any) -> Any:
-    """What trees of one structure have in common [-], hashable: types and static fields."""
+    """Structure of a tree, hashable: types and static fields."""
     if isinstance(tree, dict):
         return dict, tuple((key, tree_structure(value)) for key, value in sorted(tree.items()))
     if isinstance(tree, tuple | list):
         return type(tree), tuple(map(tree_structure, tree))
     if not is_module(tree):
         return tree is None
-    dynamic, structure = field_names(type(tree))
-    parts = (tree_structure(getattr(tree, name)) for name in dynamic)
-    return type(tree), tuple(getattr(tree, name) for name in structure), tuple(parts)
+    kind = type(tree)
+    parts = (tree_structure(getattr(tree, name)) for name in kind.leaf_names)
+    return kind, tuple(getattr(tree, name) for name in kind.static_names), tuple(parts)
 
 
 def is_module(value: Any) -> bool:
-    """Whether a `value` [-] is a module of fascicle's."""
+    """True for a module of fascicle's."""
     return getattr(type(value), "is_fascicle_module", False)
 
 
-@cache
-def field_names(kind: type) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the fields of a `kind` [-] of module that hold leaves, and of static ones [-]."""
-    static = [bool(field.metadata.get("static")) for field in fields(kind)]
-    names = [field.name for field in fields(kind)]
-    pairs = list(zip(names, static, strict=True))
-    return tuple(n for n, s in pairs if not s), tuple(n for n, s in pairs if s)
-
-
 def rebuild(kind: Any, values: dict[str, Any]) -> Any:
-    """A module of a `kind` [-] with `values` [any unit] that are not checked again."""
+    """A module of a `kind` with `values` [any unit] that are not checked again."""
     module = object.__new__(kind)
     module.__dict__.update(values)
     return module
 
 
-def _leaves(tree: Any) -> Iterator[Any]:
+def _collect_leaves(tree: Any, leaves: list[Any]) -> None:
     if tree is None:
         return
     if isinstance(tree, dict):
-        for key in sorted(tree):
-            yield from _leaves(tree[key])
-    elif isinstance(tree, tuple | list):
-        for entry in tree:
-            yield from _leaves(entry)
-    elif is_module(tree):
-        for name in field_names(type(tree))[0]:
-            yield from _leaves(getattr(tree, name))
-    else:
-        yield tree
+        tree = dict(sorted(tree.items())).values()
+    elif getattr(type(tree), "is_fascicle_module", False):  # a call fewer than `is_module`
+        tree = map(vars(tree).__getitem__, type(tree).leaf_names)
+    elif not isinstance(tree, tuple | list):
+        leaves.append(tree)
+        return
+    for child in tree:
+        if type(child) in NUMPY_TYPES:
+            leaves.append(child)
+        else:
+            _collect_leaves(child, leaves)
 
 
 _FEW = 8  # numbers that a line shows
-_CLASSES: list[type] = []
+_CLASSES: list[type[Any]] = []
 
 
 def static(*, default: Any = MISSING, converter: Callable | None = None, **metadata: Any) -> Any:
-    """A field that is part of a module's structure, such as the name of a law [-]."""
+    """A field that is part of a module's structure, such as the name of a law."""
     return record(default=default, converter=converter, static=True, **metadata)
 
 
@@ -130,14 +131,29 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
     **Arguments:**
 
     - `default`: its value where it is left out [any unit].
-    - `converter`: checks a value as it is set, and returns it as numbers [-].
-    - `metadata`: what else is known of it [-].
+    - `converter`: function that checks a value as it is set, and returns it as numbers.
+    - `metadata`: other properties of the field.
 
-    **Returns:** the field [-].
+    **Returns:** the field.
     """
     if converter is not None:
         metadata["converter"] = converter
     return field(default=default, metadata=metadata)
+
+
+class cached_number(cached_property):  # noqa: N801 as `cached_property`
+    """A cached property of NumPy's numbers.
+
+    Arrays of JAX are computed again: a tracer must not outlive its trace.
+    """
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Any:
+        if instance is None:
+            return self
+        value = self.func(instance)
+        if type(value) in NUMPY_TYPES:
+            vars(instance)[self.attrname] = value
+        return value
 
 
 @dataclass_transform(eq_default=False, field_specifiers=(static, record, field))
@@ -146,6 +162,8 @@ class Module(ABC):
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
     is_fascicle_module: ClassVar[bool] = True
+    leaf_names: ClassVar[tuple[str, ...]]
+    static_names: ClassVar[tuple[str, ...]]
     _converters: ClassVar[dict[str, Callable]] = {}
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -155,13 +173,14 @@ class Module(ABC):
         dataclass(eq=False, repr=False, init=not written)(cls)
         cls._generated_init = not written
         # a class variable that a subclass makes a field must not keep its place among the fields
-        own = {one.name for one in fields(cls)}
-        for name in set(cls.__dataclass_fields__) - own:
+        names = {field.name for field in fields(cls)}
+        for name in set(cls.__dataclass_fields__) - names:
             del cls.__dataclass_fields__[name]
+        metadata = {field.name: field.metadata for field in fields(cls)}
+        cls.leaf_names = tuple(n for n, data in metadata.items() if not data.get("static"))
+        cls.static_names = tuple(n for n, data in metadata.items() if data.get("static"))
         cls._converters = {
-            one.name: one.metadata["converter"]
-            for one in fields(cls)
-            if one.metadata.get("converter") is not None
+            name: data["converter"] for name, data in metadata.items() if data.get("converter")
         }
         _CLASSES.append(cls)
         if (jax := imported_jax()) is not None:
@@ -190,51 +209,53 @@ class Module(ABC):
         raise FrozenInstanceError(f"`{name}` can't be deleted.")
 
     @property
-    def store(self) -> dict:
-        """What it remembers [-]; no part of it, and not copied with it."""
-        return vars(self).setdefault("_store", {})
+    def cache(self) -> dict:
+        """Results by key that are computed once; no part of the module, and not copied with it."""
+        return vars(self).setdefault("_cache", {})
 
     def __getstate__(self) -> dict:
-        """What is copied and pickled: its fields."""
-        return {one.name: self.__dict__[one.name] for one in fields(self)}
+        """Fields, which are copied and pickled; caches aren't."""
+        return {field.name: self.__dict__[field.name] for field in fields(self)}
 
     def __setstate__(self, state: dict) -> None:
         vars(self).update(state)
 
     def __eq__(self, other: object) -> bool:
-        """Whether it has the same structure and the same numbers, NumPy's or JAX's. Traced ones
-        can't be looked at: they are equal to themselves alone.
+        """True for the same structure and numbers, NumPy's or JAX's. A traced module equals itself
+        alone.
         """
         return self is other or _equal(self, other)
 
     def __hash__(self) -> int:
-        """The same for what is equal."""
+        """Equal for equal modules."""
         return hash((tree_structure(self), *map(_key, tree_leaves(self))))
 
     def __repr__(self) -> str:
-        """Its fields with their numbers; traced ones have none."""
+        """Fields with their numbers; traced ones have none."""
         return repr_fields(self)
 
     @cached_property
     def is_numpy(self) -> bool:
-        """Whether it holds NumPy's numbers and arrays alone [-]."""
+        """True where all numbers and arrays are NumPy's."""
         return is_numpy(*tree_leaves(self))
 
 
 def repr_fields(module: Module) -> str:
-    """The fields of a `module` [-] with their numbers, in one line [-]."""
-    shown = (f"{one.name}={_shown(getattr(module, one.name))}" for one in fields(module))
+    """Fields of a `module` with their numbers, in one line."""
+    shown = (f"{field.name}={_shown(getattr(module, field.name))}" for field in fields(module))
     return f"{type(module).__name__}({', '.join(shown)})"
 
 
-@wrapt.when_imported("jax")
-def _jax_was_imported(jax: ModuleType) -> None:
+def _register_all(jax: ModuleType) -> None:
     for kind in _CLASSES:
         _register(kind, jax)
 
 
-def _register(kind: type, jax: Any) -> None:
-    dynamic, structure = field_names(kind)
+call_on_import("jax", _register_all)
+
+
+def _register(kind: type[Module], jax: Any) -> None:
+    dynamic, structure = kind.leaf_names, kind.static_names
     keys = [jax.tree_util.GetAttrKey(name) for name in dynamic]
 
     def flatten(module: Any) -> tuple[tuple, tuple]:
@@ -276,7 +297,7 @@ def _equal_leaves(leaf: Any, other: Any) -> bool:
 
 
 def _key(leaf: Any) -> Any:
-    """What is equal, and can be looked up, where numbers are."""
+    """Hashable key of a leaf: its numbers, or its identity where it is traced."""
     return tuple(np.ravel(leaf).tolist()) if is_concrete(leaf) else id(leaf)
 
 
@@ -285,47 +306,47 @@ Kind = TypeVar("Kind", bound=Module)
 
 
 def to_numpy(tree: Tree) -> Tree:
-    """The same `tree` of modules and arrays [-] with NumPy's numbers and arrays alone."""
+    """The same `tree` of modules and arrays [any unit] with NumPy's numbers and arrays."""
     return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
 
 
 def with_fields(module: Kind, **values: Any) -> Kind:
-    """The same `module` [-] with other `values` of some fields [SI], not checked again."""
-    own = {one.name: getattr(module, one.name) for one in fields(module)}
-    return rebuild(type(module), own | values)
+    """The same `module` with other `values` of some fields [SI], not checked again."""
+    current = {field.name: getattr(module, field.name) for field in fields(module)}
+    return rebuild(type(module), current | values)
 
 
 def replace_checked(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:
-    """The same with other arguments, checked as those of a new one are.
+    """Replace arguments of an object, checked as those of a new one are.
 
     **Arguments:**
 
-    - `thing`: that has an attribute for each of its arguments [-].
+    - `thing`: an object with an attribute for each of its arguments.
     - `changes`: other values of arguments, by name [SI].
-    - `held`: what it has of arguments that no attribute is named for [SI].
+    - `held`: values of arguments that no attribute is named for [SI].
 
-    **Returns:** a new object [-].
+    **Returns:** a new object.
 
-    **Raises:** `ValueError` for an unknown name and for what a new one refuses.
+    **Raises:** `ValueError` for an unknown name and for invalid values.
     """
     names = list(signature(type(thing)).parameters)
     for name in changes:
         check_choice(name, names, "argument")
-    kept = (name for name in names if name not in held)
-    return type(thing)(**{name: getattr(thing, name) for name in kept} | held | changes)
+    current = {name: getattr(thing, name) for name in names if name not in held}
+    return type(thing)(**current | held | changes)
 
 
 def evaluate(law: Callable[..., Any], part: Module, *arrays: Any, static: tuple = ()) -> Any:
-    """`law(part, *arrays, *static)`, computed by NumPy, or compiled by JAX.
+    """Evaluate `law(part, *arrays, *static)` by NumPy, or compiled by JAX.
 
     **Arguments:**
 
-    - `law`: a pure function of the package's own [-].
-    - `part`: the muscle or bundle that it is evaluated for [-].
+    - `law`: a pure function of a module.
+    - `part`: the muscle or bundle that it is evaluated for.
     - `arrays`: numbers or arrays that broadcast [SI].
-    - `static`: hashable arguments that decide the result's shape [-].
+    - `static`: hashable arguments that decide the result's shape.
 
-    **Returns:** what the law gives [SI]: NumPy's where all arguments are NumPy's, else JAX's.
+    **Returns:** the law's result [SI]: NumPy's where all arguments are NumPy's, else JAX's.
     """
     if not (part.is_numpy and is_numpy(*arrays)):
         return jax_backend().compile_law(law, static)(part, *arrays)
@@ -334,11 +355,11 @@ def evaluate(law: Callable[..., Any], part: Module, *arrays: Any, static: tuple 
 
 
 def primal_numpy(*things: Any) -> tuple | None:
-    """The same as NumPy's where they are traced for their derivatives alone, else `None`.
+    """Values as NumPy's where they are traced for their derivatives alone, else `None`.
 
     **Arguments:** `things`: modules and arrays [SI].
 
-    **Returns:** them without derivatives [SI].
+    **Returns:** their values without derivatives [SI].
     """
     if is_concrete(things) or not is_concrete(stopped := stop_gradient(things)):
         return None
@@ -352,22 +373,15 @@ def _numpy(result: Any) -> Any:
     return np.asarray(result)[()]
 
 
-_NO_LEAVES = frozenset({float, np.float64, np.ndarray})  # no tree, and nothing to stop
-
-
 def stop_gradient(values: Any) -> Any:
     """The same `values`, a tree of arrays, without derivatives."""
-    if type(values) in _NO_LEAVES:
+    if type(values) in NUMPY_TYPES or is_numpy(*tree_leaves(values)):
         return values
-    if type(values) is tuple:
-        return tuple(map(stop_gradient, values))
-    return tree_map(_stopped, values)
+    return tree_map(_stop_leaf, values)
 
 
-def _stopped(x: Any) -> Any:
+def _stop_leaf(x: Any) -> Any:
     xp = array_namespace(x)
     if xp is np:
         return x
-    if is_jax_array(x):
-        return jax_backend().stop_gradient(x)
-    return xp.still(x)
+    return (jax_backend() if is_jax_array(x) else xp).stop_gradient(x)

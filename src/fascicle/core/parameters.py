@@ -8,7 +8,7 @@ the docs a row in a table: all from one declaration beside the law's equation,
         "on the force: measured over ideal blocked force", "Meller et al. (2014)",
     ).field()
 
-A `Switch` is the same for what is chosen by name among few.
+A `Switch` declares an option that is chosen by name.
 """
 
 from collections.abc import Callable
@@ -69,15 +69,15 @@ def log1p_scale(scale: float) -> Transform:
 class Constant:
     """A number of a law.
 
-    - `name`: of the argument and of the key in files [-].
-    - `symbol`: in TeX [-].
-    - `dimension`: a key of `units.DIMENSIONS` [-].
+    - `name`: of the argument and of the key in files.
+    - `symbol`: in TeX.
+    - `dimension`: a key of `units.DIMENSIONS`.
     - `bounds`: the least that can be, the low and high ends of what is usual, the largest that
       can be [SI]; it must be positive where the least one is.
-    - `transform`: for fits [-]; `None` where none moves it.
+    - `transform`: for fits; `None` where none moves it.
     - `default`: where it is left out [SI]; `None` where it can't be.
-    - `about`: what it is, in a few words [-].
-    - `source`: author and year [-].
+    - `about`: what it is, in a few words.
+    - `source`: author and year.
     """
 
     name: str
@@ -91,36 +91,36 @@ class Constant:
 
     @property
     def range(self) -> Range:
-        """Its bounds with their SI unit [-]."""
+        """Bounds with their SI unit."""
         return Range(DIMENSIONS[self.dimension].si or "-", *self.bounds)
 
     def validate(self, value: Values) -> Batch:
-        """A value of it, looked at.
+        """Check a value.
 
-        **Arguments:** `value`: in the SI unit of its dimension [-].
+        **Arguments:** `value`: number or array [SI].
 
-        **Returns:** the same as floats [-].
+        **Returns:** the value as floats [SI].
 
-        **Raises:** `ValueError`, one line, for what can't be; for the unusual there is a warning.
+        **Raises:** `ValueError`, one line, for an impossible value; an unusual one warns.
         """
         known = self.range
         check = check_positive if known.least > 0 else check_finite
         return check_plausible(check(value, self.name, known.unit), self.name, known)
 
     def field(self) -> Any:
-        """A law's field [-] that is checked as it is set, and tells of its constant."""
+        """Field of a law that is checked when set, and holds the constant in its metadata."""
         left_out: dict[str, Any] = {} if self.default is None else {"default": self.default}
         return record(converter=self.validate, constant=self, **left_out)
 
     def plain_field(self) -> Any:
-        """A field [-] that its class checks itself, and tells of its constant."""
+        """Field that its class checks itself, with the constant in its metadata."""
         return record(constant=self)
 
 
 @dataclass(frozen=True)
 class Switch:
-    """What a law lets choose by name: `name` of the argument, its `options`, the first of them
-    where it is left out, what it is `about` and its `source` [-].
+    """An option of a law, chosen by name: `name` of the argument, its `options`, the first of them
+    where it is left out, what it is `about` and its `source`.
     """
 
     name: str
@@ -129,9 +129,9 @@ class Switch:
     source: str = ""
 
     def validate(self, value: str) -> str:
-        """Return `value` [-] if it is an option; else `ValueError`, one line."""
+        """Return `value` if it is an option; else `ValueError`, one line."""
         return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
-        """A law's field [-] that is checked as it is set, and tells of its switch."""
+        """Field of a law that is checked when set, and holds the switch in its metadata."""
         return static(default=self.options[0], converter=self.validate, switch=self)

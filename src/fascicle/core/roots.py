@@ -7,21 +7,15 @@ and a law stays a pure function.
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .array_namespace import (
-    absolute,
     array_namespace,
     imported_jax,
     is_jax_array,
     jax_backend,
-    logical_and,
-    logical_or,
-    maximum,
-    minimum,
     where,
 )
 from .module import stop_gradient
@@ -29,7 +23,7 @@ from .types import Batch, BatchLike, BoolBatch
 
 
 STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
-_WRITTEN_OUT = 18  # where steps can't be counted while they run
+_UNROLLED_STEPS = 18  # where steps can't be counted while they run
 _TINY = 4 * 2.0**-52
 _NEAR = 1e-7  # a Newton step this short leaves an error that one more takes to rounding
 
@@ -53,7 +47,7 @@ def root(
     high: BatchLike,
     start: BatchLike,
 ) -> Batch:
-    """The root of an elementwise `residual` that is positive below it, negative above.
+    """Root of an elementwise `residual` that is positive below it, negative above.
 
     `residual(theta, x)` gives value and slope; `theta` is all that the root depends on. It is
     searched for, and one more Newton step takes it to rounding.
@@ -70,7 +64,7 @@ def find_root(
     high: BatchLike,
     start: BatchLike,
 ) -> Batch:
-    """About where the root of an elementwise `residual` is, without derivatives.
+    """Find the root of an elementwise `residual`, approximately and without derivatives.
 
     Newton's method, kept inside a shrinking bracket [`low`, `high`] and replaced by bisection
     where it leaves the bracket or fails to halve its step; to some 1e-14 where the slope is
@@ -82,20 +76,18 @@ def find_root(
         first = residual(theta, start)
         xp = array_namespace(*first)
         if xp is np:
-            return _searched(residual, theta, low, high, start, first)
+            return _search_numpy(residual, theta, low, high, start, first)
     jax = imported_jax()
     if jax is not None and xp is jax.numpy:
         return jax_backend().search_root(residual, theta, low, high, start)
-    if hasattr(xp, "searched"):
-        return xp.searched(partial(residual, theta), low, high, start)
     state = init_search(low, high, start)
-    for _ in range(_WRITTEN_OUT):
+    for _ in range(_UNROLLED_STEPS):
         state = search_step(state, *residual(theta, state.x))
-    return xp.still(state.x)
+    return xp.stop_gradient(state.x)
 
 
 def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
-    """The root near `x`, to rounding, and with its derivatives by `theta`."""
+    """Root near `x`, to rounding, and with its derivatives by `theta`."""
     if not is_jax_array(x):
         value, slope = residual(theta, x)
         if not is_jax_array(value):
@@ -104,25 +96,27 @@ def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
 
 
 def newton_step(value: Batch, slope: Batch, x: Batch) -> Batch:
-    """A root after one Newton step from about it, `x`."""
+    """One Newton step from a root `x`."""
     moves, slope = has_slope(value, slope, x)
     return where(moves, x - value / slope, x)
 
 
 def has_slope(value: Batch, slope: Batch, x: Batch) -> tuple[BoolBatch, Batch]:
-    """Whether a root near `x` moves with its residual's value, and a slope to divide by.
+    """True where a root near `x` moves with its residual's value; and a slope to divide by.
 
     A flat residual moves no root. A long step comes from a jump, which has no derivative.
     """
+    xp = array_namespace(value, slope, x)
     sloped = slope != 0
-    slope = guarded(sloped, slope)
-    return logical_and(sloped, absolute(value / slope) <= 1e-3 * (1 + absolute(x))), slope
+    slope = xp.where(sloped, slope, 1.0)
+    short = xp.absolute(value / slope) <= 1e-3 * (1 + xp.absolute(x))
+    return xp.logical_and(sloped, short), slope
 
 
 class Search(NamedTuple):
-    """Where a search is, where it was, its bracket, and whether it has ended.
+    """State of a search: its place, the last one, its bracket, and whether it has ended.
 
-    Whether it has ended is asked of numbers that are stored: a compiler may evaluate an
+    `ended` is stored: a compiler may evaluate an
     expression once for each of its uses, and differently in the last bits.
     """
 
@@ -134,32 +128,33 @@ class Search(NamedTuple):
 
 
 def init_search(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
-    """A search that begins in a bracket, at `start`."""
+    """State of a search in a bracket, at `start`."""
     return Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
 def search_step(search: Search, value: Batch, slope: Batch) -> Search:
-    """The `search` a step later; `value` and `slope` are the residual's where it is."""
-    x, before, a, b, ended = search
-    a, b = where(value > 0, x, a), where(value > 0, b, x)
-    sloped = logical_and(
-        slope != 0, absolute(slope) < np.inf
-    )  # bisect where it is flat or vertical
-    step = where(value == 0, 0.0, where(sloped, -value / guarded(sloped, slope), 2 * (b - a)))
-    length = absolute(step)
-    size = 1 + absolute(x)
-    halved = length < 0.5 * absolute(x - before)
-    inside = logical_and(logical_and(x + step >= a, x + step <= b), halved)
+    """The `search` a step later; `value` and `slope` are the residual's at its `x`."""
+    x, before, low, high, ended = search
+    xp = array_namespace(value, slope, x)
+    low, high = xp.where(value > 0, x, low), xp.where(value > 0, high, x)
+    # bisect where it is flat or vertical
+    sloped = xp.logical_and(slope != 0, xp.absolute(slope) < np.inf)
+    newton_step = xp.where(sloped, -value / xp.where(sloped, slope, 1.0), 2 * (high - low))
+    step = xp.where(value == 0, 0.0, newton_step)
+    length, size = xp.absolute(step), 1 + xp.absolute(x)
+    halved = length < 0.5 * xp.absolute(x - before)
+    inside = xp.logical_and(xp.logical_and(x + step >= low, x + step <= high), halved)
     # within rounding also where it is just outside
-    newton = logical_or(inside, length <= size * _TINY)
-    new = where(newton, minimum(maximum(x + step, a), b), 0.5 * (a + b))
-    near = logical_or(
-        logical_and(newton, length <= size * _NEAR), absolute(new - x) <= size * _TINY
+    newton = xp.logical_or(inside, length <= size * _TINY)
+    clipped = xp.minimum(xp.maximum(x + step, low), high)
+    new = xp.where(newton, clipped, 0.5 * (low + high))
+    near = xp.logical_or(
+        xp.logical_and(newton, length <= size * _NEAR), xp.absolute(new - x) <= size * _TINY
     )
-    return Search(where(ended, x, new), x, a, b, logical_or(ended, near))
+    return Search(xp.where(ended, x, new), x, low, high, xp.logical_or(ended, near))
 
 
-def _searched(
+def _search_numpy(
     residual: Residual,
     theta: Any,
     low: BatchLike,
@@ -168,10 +163,11 @@ def _searched(
     first: tuple[Batch, Batch],
 ) -> Batch:
     value, slope = first
-    low, high, start = (x + 0.0 * value for x in (low, high, start))
+    zero = 0.0 * value
+    low, high, start = low + zero, high + zero, start + zero
     search = search_step(init_search(low, high, start), value, slope)
     for _ in range(STEPS):
         if np.all(search.ended):
             break
         search = search_step(search, *residual(theta, search.x))
-    return search.x
+    return search.x[()]  # a scalar where all are scalars

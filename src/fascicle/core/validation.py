@@ -155,7 +155,7 @@ def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
 
 
 def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape [-] to which arguments of these `shapes` broadcast, each by its name [-]."""
+    """The shape to which arguments of these `shapes` broadcast, each by its name."""
     if not any(shapes.values()):
         return ()  # single numbers, soon
     try:
@@ -191,9 +191,9 @@ def to_si(value: Any, name: str, unit: str) -> Any:
 
     **Arguments:**
 
-    - `value`: text such as `"34.5 kPa"`, a pint quantity, or lists and arrays of them [-].
-    - `name`: what to call it in an error [-].
-    - `unit`: the SI unit that bare numbers have [-].
+    - `value`: text such as `"34.5 kPa"`, a pint quantity, or lists and arrays of them.
+    - `name`: what to call it in an error.
+    - `unit`: the SI unit that bare numbers have.
 
     **Returns:** numbers [SI].
 
@@ -208,7 +208,7 @@ def to_si(value: Any, name: str, unit: str) -> Any:
 
 
 def has_units(value: Any) -> bool:
-    """Whether a `value` [-] is text or a quantity, or holds one."""
+    """Whether a `value` is text or a quantity, or holds one."""
     if isinstance(value, list | tuple):
         # the kinds first: a long list of numbers is passed over in a glance
         return not {type(one) for one in value} <= _PLAIN and any(map(has_units, value))
@@ -235,7 +235,7 @@ def _numbers(value: Any, name: str, dimension: str) -> Any:
 
 
 class Range(NamedTuple):
-    """In `unit` [-], the `least` and the `largest` that can be, and between `low` and `high` what
+    """In `unit`, the `least` and the `largest` that can be, and between `low` and `high` what
     is usual, all in SI.
     """
 
@@ -299,7 +299,7 @@ def warn_pressure_units(pressure: Any) -> None:
 
 
 def warn_user(message: str) -> None:
-    """Warn with a `message` [-] at the user's line, the first one outside of fascicle."""
+    """Warn with a `message` at the user's line, the first one outside of fascicle."""
     frame, levels = sys._getframe(), 1
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "fascicle":
         frame, levels = frame.f_back, levels + 1
@@ -317,7 +317,7 @@ def check_size(value: Values, name: str) -> Batch:
     **Arguments:**
 
     - `value`: it [SI].
-    - `name`: what it is called, a key of `RANGES` [-].
+    - `name`: what it is called, a key of `RANGES`.
 
     **Returns:** the array [SI].
 
@@ -327,13 +327,13 @@ def check_size(value: Values, name: str) -> Batch:
 
 
 def check_signed(value: Values, name: str) -> Batch:
-    """As `size`, for what needn't be positive; `value` [SI], `name` [-]."""
+    """As `size`, for what needn't be positive; `value` [SI], `name`."""
     return check_plausible(check_finite(value, name, RANGES[name].unit), name)
 
 
 def check_plausible(value: Any, name: str, known: Range | None = None) -> Any:
-    """Return a `value` [SI], numbers already, if it can be what its `name` [-] says, or what is
-    `known` [-] of it.
+    """Return a `value` [SI], numbers already, if it can be what its `name` says, or what is
+    `known` of it.
     """
     known = RANGES[name] if known is None else known
     if isinstance(value, float) and known.low <= value <= known.high:
@@ -344,7 +344,7 @@ def check_plausible(value: Any, name: str, known: Range | None = None) -> Any:
 
 
 def check_count(value: Values, name: str) -> None:
-    """Refuse a `value` [-] of this `name` [-] that is no whole number of 1 or more, or too many."""
+    """Refuse a `value` of this `name` that is no whole number of 1 or more, or too many."""
     if not is_concrete(value):
         return
     n = np.asarray(value)
@@ -397,13 +397,13 @@ def proportions_message(length: Batch, outer_radius: Batch) -> str:
     - `length`: at rest [m].
     - `outer_radius`: of the braid [m]; broadcasts against `length`.
 
-    **Returns:** one sentence or two [-].
+    **Returns:** one sentence or two.
     """
     return _proportions(length, outer_radius)[0]
 
 
 def _proportions(length: Batch, outer_radius: Batch) -> tuple[str, float]:
-    """The message [-], and the least length over radius [-]."""
+    """Message, and the least length over radius [-]."""
     if not is_concrete(length, outer_radius):
         return "", math.inf
     lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))

@@ -13,7 +13,7 @@ slope of a muscle's volume jumps where it collapses, the volume doesn't.
 from ..core.array_namespace import array_namespace, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Numbers
-from ..fluid.chamber import row
+from ..fluid.chamber import stack_last
 from .flows import Flows
 from .motion import FrictionMemory, PlantEvaluation, friction_step
 from .plant import Plant
@@ -68,8 +68,8 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
     )
     xp = array_namespace(v, P)
     # of all units in one sum, which takes a fraction of the time
-    fluid_total = xp.sum(row(*of_fluid), axis=-2)
-    of_load = row(
+    fluid_total = xp.sum(stack_last(*of_fluid), axis=-2)
+    of_load = stack_last(
         evaluation.pull * v,
         load.damper * v**2,
         evaluation.stop_damper * v,
@@ -88,7 +88,9 @@ def pressure_volume_term(plant: Plant, evaluation: PlantEvaluation) -> Numbers:
         "displaced": (P + plant.chamber.room_pressure) * V,
     }
     none = 0.0 * P
-    return array_namespace(P, V).sum(row(*(terms.get(name, none) for name in LEDGER)), axis=-2)
+    return array_namespace(P, V).sum(
+        stack_last(*(terms.get(name, none) for name in LEDGER)), axis=-2
+    )
 
 
 def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, ...]:

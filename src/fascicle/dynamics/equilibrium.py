@@ -18,7 +18,7 @@ from scipy.optimize import root_scalar
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
-from ..fluid import checked_commands
+from ..fluid import validate_commands
 from .plant import Plant
 from .state import State
 
@@ -73,7 +73,7 @@ def equilibrium_state(
     else:
         q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.states(plant.units)
-    spool = np.zeros(spools) if command is None else checked_commands(command) + np.zeros(spools)
+    spool = np.zeros(spools) if command is None else validate_commands(command) + np.zeros(spools)
     supply = np.asarray(plant.supply.start(), float)
     return State(np.float64(q), np.float64(v), spool, plant.charged(P, q), P, supply)
 

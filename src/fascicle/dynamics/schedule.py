@@ -11,7 +11,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_finite
-from ..fluid import checked_commands
+from ..fluid import validate_commands
 
 
 class Measurement(NamedTuple):
@@ -69,7 +69,7 @@ class Schedule:
                 "times", "must rise", self.times[k + 1],
                 shown=f"{self.times[k + 1]:g} s after {self.times[k]:g} s",
             )  # fmt: skip
-        rows = np.asarray(checked_commands(commands, "commands"))
+        rows = np.asarray(validate_commands(commands, "commands"))
         self.commands = rows[:, None] if rows.ndim == 1 else np.atleast_2d(rows)
         if len(self.commands) != len(self.times):
             raise InvalidInputError(

@@ -17,7 +17,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, to_numpy
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_positive, is_concrete
-from ..fluid import checked_commands
+from ..fluid import validate_commands
 from .energy_ledger import LEDGER, pressure_volume_term
 from .equilibrium import equilibrium_state
 from .motion import FrictionMemory, evaluate_plant
@@ -151,7 +151,7 @@ def _prepare_controller(
         )
         rows = controller.at(dt * np.arange(max(1, round(float(end) / dt))))
     else:
-        rows = checked_commands(controller, "commands")
+        rows = validate_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
     return _OpenLoop(), (), plant.checked(rows)
 

@@ -18,8 +18,8 @@ from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import Tables
 from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
-from ..fluid.entry import ROOM_TEMPERATURE
-from ..fluid.sonic_valve import LAMINAR_FROM
+from ..fluid.fields import ROOM_TEMPERATURE
+from ..fluid.flow_elements import LAMINAR_FROM
 
 
 _CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)

@@ -30,7 +30,7 @@ class Symbols:
         self.held: list[Any] = []
         self.meant: list[Any] = []
 
-    def still(self, x: Any) -> Any:
+    def stop_gradient(self, x: Any) -> Any:
         """A new symbol that stands for `x` [any unit]."""
         if x.is_constant():
             return x

@@ -40,7 +40,7 @@ from ..fluid import (
     PumpedAccumulator,
     SonicValve,
     Tank,
-    checked_commands,
+    validate_commands,
 )
 from ..muscle import Muscle
 from .errors import FileLocation, check_kind, validate
@@ -479,7 +479,7 @@ def _schedule(
             rule = f"must be one number, or a list of one for each command, {many}"
             raise location.error(("command",), f"{rule}, got {size}.")
         with location.error_context():
-            commands.append(np.broadcast_to(checked_commands(row.command), (many,)))
+            commands.append(np.broadcast_to(validate_commands(row.command), (many,)))
         if row.time >= duration:
             notes.append(
                 f"the command at {row.time:g} s never comes: the run ends at {duration:g} s."

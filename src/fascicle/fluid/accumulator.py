@@ -1,4 +1,4 @@
-r"""A liquid that presses on a gas: the accumulator.
+r"""Accumulators: a liquid that presses on a gas, alone and with a pump that keeps it charged.
 
 With $x = \ln(V_0/(V_0 - V_l))$, of a gas that fills $V_0$ at its precharge $p_0$ and leaves $V_l$
 to the liquid, absolute pressure, mass and energy over the empty one's are
@@ -9,6 +9,15 @@ $$E = m\, e(P) + p_0 V_0 \frac{e^{(n - 1) x} - 1}{n - 1} - p_a V_0 (1 - e^{-x}),
 where the second term of (F19) is $p_0 V_0 x$ for $n = 1$. $n = 1$ is a slow one, $n = \gamma$ a
 fast one; the gas is a spring, so that what it takes it gives back.
 
+With a pump,
+
+$$\dot m_{acc} = \dot m_{pump}(P) - \dot m_{relief}(P) - \dot m_{drawn}, \tag{F23}$$
+
+the pump driven, and wasting, as (F20) says, the relief valve as (F22). A fixed pump is switched by
+a pressure band, looked at after each step; a variable one swivels by itself. Energies are
+integrated beside the mass, so that the work of the shaft is the energy that the bundle gets, the
+energy stored, and the losses.
+
 **Valid for** up to 0.99 of $V_0$ taken by the liquid. **Source:** Merritt (1967), Hydraulic Control
 Systems.
 """
@@ -17,15 +26,32 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..core.array_namespace import absolute, exp, expm1, log, log1p, logical_not, minimum, where
+from ..core.array_namespace import (
+    absolute,
+    array_namespace,
+    exp,
+    expm1,
+    log,
+    log1p,
+    logical_not,
+    minimum,
+    where,
+)
 from ..core.errors import InvalidInputError
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers
 from ..core.validation import Range, is_concrete
-from .chamber import row
-from .entry import above_zero, between, part, room_pressure, temperature
+from .chamber import stack_last
+from .fields import (
+    component_field,
+    interval_field,
+    positive_field,
+    room_pressure_field,
+    temperature_field,
+)
 from .media import OIL, Liquid
-from .supply import AbstractSupply, supply_pressure
+from .pumps import FixedPump, PressureBand, Relief, VariablePump
+from .supply import AbstractSupply, supply_pressure_field
 
 
 _FULL = 0.99
@@ -37,20 +63,20 @@ class Accumulator(AbstractSupply):
 
     `volume`: $V_0$ of the gas when there is no liquid [m³]. `precharge`: gauge pressure of the gas
     then [Pa]. `pressure`: gauge, that it begins with, above the precharge [Pa]. `exponent`: $n$
-    [-], in [1, 2]. `liquid` [-]; `room_pressure`, absolute [Pa], and `room_temperature` [K].
+    [-], in [1, 2]. `liquid`; `room_pressure`, absolute [Pa], and `room_temperature` [K].
     """
 
     source: ClassVar[str] = "Merritt (1967)"
 
-    volume: Batch = above_zero("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
-    precharge: Batch = above_zero("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
-    pressure: Batch = supply_pressure()
-    exponent: Batch = between(
+    volume: Batch = positive_field("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
+    precharge: Batch = positive_field("precharge", Range("Pa", 1.0, 1e3, 1e8, 1e9))
+    pressure: Batch = supply_pressure_field()
+    exponent: Batch = interval_field(
         "exponent", 1.0, 2.0, (True, True), "1 is isothermal, 1.4 adiabatic nitrogen", default=1.4
     )
-    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
-    room_pressure: Batch = room_pressure()
-    room_temperature: Batch = temperature()
+    liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
+    room_pressure: Batch = room_pressure_field()
+    room_temperature: Batch = temperature_field()
 
     def __check_init__(self):
         if not is_concrete(self.pressure, self.precharge, self.exponent):
@@ -69,12 +95,12 @@ class Accumulator(AbstractSupply):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Mass alone [-]."""
+        """Mass alone."""
         return ("mass",)
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Kilogram [-]."""
+        """Kilogram."""
         return ("kg",)
 
     def stored_volume(self, pressure: BatchLike) -> Batch:
@@ -83,7 +109,7 @@ class Accumulator(AbstractSupply):
 
     def start(self) -> Numbers:
         """Mass [kg] at the pressure that it begins with."""
-        return row(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
+        return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
     def pressure_at(self, state: Numbers) -> Batch:
         """Gauge pressure [Pa] in a `state` [SI], equation (F18)."""
@@ -106,7 +132,7 @@ class Accumulator(AbstractSupply):
         is drawn; `energy_in` [W] doesn't count.
         """
         del energy_in
-        return row(mass_in + 0.0 * state[..., 0])
+        return stack_last(mass_in + 0.0 * state[..., 0])
 
     def energy(self, pressure: BatchLike) -> Batch:
         """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (F19)."""
@@ -122,7 +148,7 @@ class Accumulator(AbstractSupply):
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether a `state` [SI] has no liquid left: yes or no [-]."""
+        """Whether a `state` [SI] has no liquid left."""
         return state[..., 0] <= 0
 
     def _spread(self, pressure: BatchLike) -> Batch:
@@ -137,3 +163,91 @@ def _growth(z: Any) -> Batch:
     s = guarded(small, z, 0.0)
     far = guarded(logical_not(small), z, 1.0)
     return where(small, 1 + s * (1 / 2 + s * (1 / 6 + s / 24)), expm1(far) / far)
+
+
+class PumpedAccumulator(AbstractSupply):
+    """An accumulator with a pump, equation (F23).
+
+    `accumulator`: with its initial pressure. `pump`. `band`: between which
+    pressures a fixed pump is switched; left out, it always runs. `relief`: a valve to the
+    reservoir, or none.
+    """
+
+    source: ClassVar[str] = "Merritt (1967)"
+
+    accumulator: Accumulator = component_field("accumulator", (Accumulator,))
+    pump: FixedPump | VariablePump = component_field("pump", (FixedPump, VariablePump))
+    band: PressureBand | None = component_field("band", (PressureBand,), default=None)
+    relief: Relief | None = component_field("relief", (Relief,), default=None)
+
+    def __check_init__(self):
+        if self.band is not None and isinstance(self.pump, VariablePump):
+            why = "must be left out with a VariablePump, which swivels by itself"
+            raise InvalidInputError("band", why, self.band, shown="one")
+        one, other = self.pump.liquid, self.accumulator.liquid
+        pairs = ((one.bulk_modulus, other.bulk_modulus),
+                 (one.reference_density, other.reference_density))  # fmt: skip
+        if any(is_concrete(a, b) and np.any(np.asarray(a) != np.asarray(b)) for a, b in pairs):
+            raise InvalidInputError(
+                "pump", "must be for the accumulator's liquid", one, shown="another"
+            )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Mass, whether the pump is on, and energies since the start."""
+        return ("mass", "pump_on", "shaft_work", "pump_lost", "relief_lost")
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units."""
+        return ("kg", "1", "J", "J", "J")
+
+    def start(self) -> Numbers:
+        """At the accumulator's pressure, the pump as its band has it, nothing spent yet [SI]."""
+        P = self.accumulator.pressure
+        on = 1.0 if self.band is None else self.band.start(P)
+        none = 0.0 * P
+        return stack_last(self.accumulator.start()[..., 0], on + none, none, none, none)
+
+    def pressure_at(self, state: Numbers) -> Batch:
+        """Gauge pressure [Pa] in a `state` [SI]."""
+        return self.accumulator.pressure_at(state)
+
+    def temperature_at(self, state: Numbers) -> Batch:
+        """The room's [K], in any `state` [SI]."""
+        return self.accumulator.temperature_at(state)
+
+    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
+        """Equation (F23) [SI] for a `state` [SI] where `mass_in` [kg/s] flows in from the bundle,
+        negative where it is drawn; `energy_in` [W] doesn't count.
+        """
+        del energy_in
+        P = self.pressure_at(state)
+        known = (P, state[..., 1]) if isinstance(self.pump, FixedPump) else (P,)
+        flow, shaft = self.pump.flow(*known), self.pump.shaft_power(*known)
+        lost = self.pump.lost_power(*known)
+        out = wasted = 0.0 * P
+        if self.relief is not None:
+            out = self.relief.flow(P)
+            wasted = self.relief.lost_power(P, self.accumulator.liquid)
+        return stack_last(mass_in + flow - out, 0.0 * P, shaft, lost, wasted)
+
+    def switched(self, state: Numbers) -> Numbers:
+        """A `state` [SI] with its pump switched by the band [SI]."""
+        if self.band is None:
+            return state
+        on = self.band.after(state[..., 1], self.pressure_at(state))
+        xp = array_namespace(state, on)
+        return xp.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
+
+    def stored(self, state: Numbers) -> Batch:
+        """Energy [J] of a `state` [SI] in the accumulator."""
+        return self.accumulator.stored(state)
+
+    def spent(self, state: Numbers) -> dict[str, Batch]:
+        """Energies [J] since the beginning of a `state` [SI], by name."""
+        return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
+
+    def empty(self, state: Numbers) -> BoolBatch:
+        """Whether a `state` [SI] has no liquid left."""
+        return self.accumulator.empty(state)

@@ -1,4 +1,4 @@
-r"""What a chamber is: fluid in a volume that moves.
+r"""Chambers: fluid in a volume that moves.
 
 The state, its numbers on the last axis, is what no motion of the wall changes at once: mass, and
 energy where heat takes its time. The pressure follows from it and the volume by an equation of
@@ -19,7 +19,7 @@ from ..core.array_namespace import array_namespace
 from ..core.module import Module
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .entry import from_zero
+from .fields import nonnegative_field
 
 
 DEAD = Range("m³", 0.0, 0.0, 1e-2, 1e3)
@@ -42,8 +42,8 @@ class AbstractChamber(Module):
     - `dead_volume`: of hose and fittings, on top of the volume that each method is given [m³].
     - `room_pressure`: absolute [Pa].
     - `names`, `units`: of the state's numbers, and `count`, how many there are [-].
-    - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close [-].
-    - `gas` and `room_temperature` [K] of a gas, `liquid` of a liquid [-].
+    - `physical`: whether it keeps both laws of thermodynamics, so that an audit can close.
+    - `gas` and `room_temperature` [K] of a gas, `liquid` of a liquid.
     """
 
     dead_volume: ClassVar[Batch]
@@ -159,19 +159,19 @@ class AbstractMassChamber(AbstractChamber):
         **Returns:** rate of mass [kg/s] on the last axis.
         """
         del pressure, energy_in, volume_rate
-        return row(mass_in + 0.0 * state[..., 0])
+        return stack_last(mass_in + 0.0 * state[..., 0])
 
     def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
         """None [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
-        return row(0.0 * (state[..., 0] + pressure))
+        return stack_last(0.0 * (state[..., 0] + pressure))
 
 
-def dead_volume() -> Any:
-    """The field [-] of a dead volume [m³], at least zero."""
-    return from_zero("dead_volume", DEAD, "leave it out where there is none", default=0.0)
+def dead_volume_field() -> Any:
+    """Field of a dead volume [m³], at least zero."""
+    return nonnegative_field("dead_volume", DEAD, "leave it out where there is none", default=0.0)
 
 
-def row(*numbers: BatchLike) -> Numbers:
-    """Several `numbers` [SI], made equally large, on a new last axis [SI]."""
-    at_work = array_namespace(*numbers)
-    return at_work.stack(at_work.broadcast_arrays(*numbers), axis=-1)
+def stack_last(*numbers: BatchLike) -> Numbers:
+    """Several `numbers` [SI], broadcast, on a new last axis [SI]."""
+    xp = array_namespace(*numbers)
+    return xp.stack(xp.broadcast_arrays(*numbers), axis=-1)

@@ -13,8 +13,8 @@ from typing import ClassVar
 
 from ..core.types import Batch, BatchLike, Numbers
 from ..core.validation import Range
-from .chamber import AbstractMassChamber, Balance, dead_volume, row
-from .entry import from_zero, part, room_pressure, temperature
+from .chamber import AbstractMassChamber, Balance, dead_volume_field, stack_last
+from .fields import component_field, nonnegative_field, room_pressure_field, temperature_field
 from .media import OIL, Liquid
 
 
@@ -24,18 +24,20 @@ _STEPS = 4  # of Newton's method, each squares the error: from P/K of some 1e-3 
 class LiquidChamber(AbstractMassChamber):
     """Liquid and compliance, equation (F16).
 
-    `liquid` [-]. `compliance`: $c$ [m³/Pa]; left out, none. `dead_volume` [m³], `room_pressure`,
+    `liquid`. `compliance`: $c$ [m³/Pa]; left out, none. `dead_volume` [m³], `room_pressure`,
     absolute [Pa], and `room_temperature` [K] as everywhere.
     """
 
     physical: ClassVar[bool] = True
     source: ClassVar[str] = "Merritt (1967)"
 
-    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
-    compliance: Batch = from_zero("compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0)
-    dead_volume: Batch = dead_volume()
-    room_pressure: Batch = room_pressure()
-    room_temperature: Batch = temperature()
+    liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
+    compliance: Batch = nonnegative_field(
+        "compliance", Range("m³/Pa", 0.0, 0.0, 1e-9, 1e-3), default=0.0
+    )
+    dead_volume: Batch = dead_volume_field()
+    room_pressure: Batch = room_pressure_field()
+    room_temperature: Batch = temperature_field()
 
     @property
     def lowest_pressure(self) -> Batch:
@@ -45,7 +47,7 @@ class LiquidChamber(AbstractMassChamber):
     def start(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
         """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
         held = volume + self.dead_volume + self.compliance * pressure
-        return row(self.liquid.density(pressure) * held)
+        return stack_last(self.liquid.density(pressure) * held)
 
     def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
         """The room's [K], in any `state` [SI] and at any `pressure` [Pa]."""
@@ -59,7 +61,7 @@ class LiquidChamber(AbstractMassChamber):
         held = volume + self.dead_volume + c * pressure
         value = rho * held - state[..., 0]
         stiff = rho * (held / self.liquid.bulk_modulus + c)
-        return Balance(value, row(-1.0 + 0.0 * value), stiff, rho + 0.0 * value)
+        return Balance(value, stack_last(-1.0 + 0.0 * value), stiff, rho + 0.0 * value)
 
     def guess(self, state: Numbers, volume: BatchLike) -> Batch:
         """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, to rounding

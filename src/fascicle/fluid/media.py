@@ -26,20 +26,20 @@ from ..core.module import Module, static
 from ..core.roots import guarded
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range
-from .entry import above_zero
+from .fields import positive_field
 
 
 class Gas(Module):
     """An ideal gas of constant heat capacities.
 
     `specific_gas_constant`: $R$ [J/(kg·K)]. `heat_capacity_ratio`: $\\gamma$ [-], above 1.
-    `source`: of its numbers [-].
+    `source`: of its numbers.
     """
 
-    specific_gas_constant: Batch = above_zero(
+    specific_gas_constant: Batch = positive_field(
         "specific_gas_constant", Range("J/(kg·K)", 10.0, 30.0, 4200.0, 1e4)
     )
-    heat_capacity_ratio: Batch = above_zero(
+    heat_capacity_ratio: Batch = positive_field(
         "heat_capacity_ratio", Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0)
     )
     source: str = static(default="")
@@ -121,14 +121,14 @@ class Liquid(Module):
     """A liquid of constant bulk modulus, equation (F3).
 
     `reference_density`: $\\rho_0$ at the room's pressure [kg/m³]. `bulk_modulus`: $K$ [Pa].
-    `vapor_pressure`: absolute [Pa]. `source`: of its numbers [-].
+    `vapor_pressure`: absolute [Pa]. `source`: of its numbers.
     """
 
-    reference_density: Batch = above_zero(
+    reference_density: Batch = positive_field(
         "reference_density", Range("kg/m³", 1.0, 500.0, 2000.0, 2e4)
     )
-    bulk_modulus: Batch = above_zero("bulk_modulus", Range("Pa", 1e5, 1e8, 1e10, 1e12))
-    vapor_pressure: Batch = above_zero("vapor_pressure", Range("Pa", 1e-12, 1e-6, 2e4, 1e6))
+    bulk_modulus: Batch = positive_field("bulk_modulus", Range("Pa", 1e5, 1e8, 1e10, 1e12))
+    vapor_pressure: Batch = positive_field("vapor_pressure", Range("Pa", 1e-12, 1e-6, 2e4, 1e6))
     source: str = static(default="")
 
     def density(self, pressure: BatchLike) -> Batch:

@@ -33,7 +33,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.types import Batch, BatchLike
 from ..core.validation import Range, is_concrete
-from .entry import above_zero, between, from_zero, part
+from .fields import component_field, interval_field, nonnegative_field, positive_field
 from .media import OIL, Liquid
 
 
@@ -43,24 +43,23 @@ _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
 
 
 def _efficiency(name: str) -> Any:
-    return between(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
+    return interval_field(name, 0.0, 1.0, (False, True), "1 is without loss", default=1.0)
 
 
 class FixedPump(Module):
     """A pump of fixed displacement, equation (F20).
 
     `displacement`: $D$ of a turn [m³]. `speed`: $N$, turns a second [1/s].
-    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`
-    [-].
+    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`.
     """
 
     source: ClassVar[str] = "Merritt (1967)"
 
-    displacement: Batch = above_zero("displacement", _DISPLACEMENT)
-    speed: Batch = above_zero("speed", _SPEED)
+    displacement: Batch = positive_field("displacement", _DISPLACEMENT)
+    speed: Batch = positive_field("speed", _SPEED)
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
+    liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
     def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
         """Mass flow [kg/s] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
@@ -80,19 +79,18 @@ class VariablePump(Module):
 
     `displacement`: $D$ of a turn, at most [m³]. `speed`: $N$, turns a second [1/s]. `pressure`:
     gauge, at which it gives nothing [Pa]. `band`: $\\Delta P$ [Pa], over which it swivels.
-    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`
-    [-].
+    `volumetric_efficiency`, `mechanical_efficiency`: $\\eta_v$, $\\eta_m$ [-], in (0, 1]. `liquid`.
     """
 
     source: ClassVar[str] = "Merritt (1967)"
 
-    displacement: Batch = above_zero("displacement", _DISPLACEMENT)
-    speed: Batch = above_zero("speed", _SPEED)
-    pressure: Batch = above_zero("pressure", _PRESSURE)
-    band: Batch = above_zero("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
+    displacement: Batch = positive_field("displacement", _DISPLACEMENT)
+    speed: Batch = positive_field("speed", _SPEED)
+    pressure: Batch = positive_field("pressure", _PRESSURE)
+    band: Batch = positive_field("band", Range("Pa", 1.0, 100.0, 1e7, 1e9))
     volumetric_efficiency: Batch = _efficiency("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency("mechanical_efficiency")
-    liquid: Liquid = part("liquid", (Liquid,), default=OIL)
+    liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
 
     def share(self, pressure: BatchLike) -> Batch:
         """$s$ [-] at gauge `pressure` [Pa], equation (F21)."""
@@ -116,8 +114,8 @@ class PressureBand(Module):
 
     source: ClassVar[str] = "a switch"
 
-    low: Batch = from_zero("low", _PRESSURE._replace(least=0.0, low=0.0))
-    high: Batch = above_zero("high", _PRESSURE)
+    low: Batch = nonnegative_field("low", _PRESSURE._replace(least=0.0, low=0.0))
+    high: Batch = positive_field("high", _PRESSURE)
 
     def __check_init__(self):
         if is_concrete(self.low, self.high) and np.any(np.asarray(self.high) <= self.low):
@@ -143,15 +141,15 @@ class Relief(Module):
 
     source: ClassVar[str] = "Merritt (1967)"
 
-    crack: Batch = above_zero("crack", _PRESSURE)
-    slope: Batch = above_zero("slope", Range("kg/(s·Pa)", 1e-15, 1e-11, 1e-2, 1e3))
+    crack: Batch = positive_field("crack", _PRESSURE)
+    slope: Batch = positive_field("slope", Range("kg/(s·Pa)", 1e-15, 1e-11, 1e-2, 1e3))
 
     def flow(self, pressure: BatchLike) -> Batch:
         """Mass flow out [kg/s] at gauge `pressure` [Pa]."""
         return self.slope * maximum(pressure - self.crack, 0.0)
 
     def lost_power(self, pressure: BatchLike, liquid: Liquid = OIL) -> Batch:
-        """What a `liquid` [-] loses in it [W] at gauge `pressure` [Pa]."""
+        """What a `liquid` loses in it [W] at gauge `pressure` [Pa]."""
         return self.flow(pressure) * liquid.flow_energy(pressure)
 
 

@@ -34,7 +34,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import Range, check_interval
-from .entry import above_zero, between
+from .fields import interval_field, positive_field
 
 
 _TIME = Range("s", 1e-6, 1e-4, 1.0, 1e3)
@@ -73,14 +73,14 @@ class Direct(AbstractSpool):
     """A spool for each unit that is where the command is. `overlap`: $o$ [-], in [0, 1)."""
 
     source: ClassVar[str] = "Merritt (1967)"
-    overlap: Batch = between("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
+    overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def commands(self, units: int) -> int:
         """One [-] for each of the `units` [-]."""
         return units
 
     def states(self, units: int) -> int:
-        """None [-] for any number of `units` [-]."""
+        """None for any number of `units` [-]."""
         return 0 * units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -100,8 +100,8 @@ class Servovalve(AbstractSpool):
     """
 
     source: ClassVar[str] = "Merritt (1967)"
-    time_constant: Batch = above_zero("time_constant", _TIME)
-    overlap: Batch = between("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
+    time_constant: Batch = positive_field("time_constant", _TIME)
+    overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def commands(self, units: int) -> int:
         """One [-] for each of the `units` [-]."""
@@ -130,8 +130,8 @@ class OrderlyValve(AbstractSpool):
 
     source: ClassVar[str] = "Vemula, Kim, Mazzoleni and Bryant (2022)"
     units: int = static()
-    time_constant: Batch = above_zero("time_constant", _TIME)
-    overlap: Batch = between("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
+    time_constant: Batch = positive_field("time_constant", _TIME)
+    overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def __check_init__(self):
         if isinstance(self.units, bool) or not isinstance(self.units, int) or self.units < 1:
@@ -158,7 +158,7 @@ class OrderlyValve(AbstractSpool):
         return _uncovered(seen, self.overlap)
 
     def middle(self, unit: int) -> float:
-        """The command [-] at which port `unit` [-], counted from 0, is shut and all before it are
+        """The command [-] at which port `unit`, counted from 0, is shut and all before it are
         open to the supply.
         """
         if not 0 <= unit < self.units:
@@ -171,8 +171,8 @@ class OrderlyValve(AbstractSpool):
             raise InvalidInputError("units", rule, self.units, "give the valve a port for each")
 
 
-def checked_commands(command: Values, name: str = "command") -> Numbers:
-    """A `command` [-] called `name` [-] as floats [-]; `ValueError` outside [-1, 1]."""
+def validate_commands(command: Values, name: str = "command") -> Numbers:
+    """A `command` [-] called `name` as floats [-]; `ValueError` outside [-1, 1]."""
     return check_interval(
         command, -1.0, 1.0, name, "-", "from open exhaust to open supply", closed=(True, True)
     )

@@ -1,12 +1,16 @@
-r"""Where the fluid comes from: what a supply tells of itself.
+r"""Supplies: sources of fluid at a pressure, one of constant pressure, and a tank that empties.
 
 A supply has a state, its numbers on the last axis, and a gauge pressure and a temperature that
 follow from it. A kilogram of gas at $p_s$, as warm as the room, has the exergy
 $R T_a \ln(p_s/p_a)$ (`Gas.flow_exergy`), one of liquid the energy $h(P_s)$ (`Liquid.flow_energy`).
+
+A tank is a chamber of constant volume, with that chamber's wall and room:
+
+$$\dot s = f(s, P, \dot m_{in}, \dot H_{in}, \dot V = 0), \qquad g(s, P, V) = 0. \tag{F17}$$
 """
 
 import abc
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +18,15 @@ from ..core.errors import InvalidInputError
 from ..core.module import Module, record
 from ..core.types import Batch, BatchLike, BoolBatch, Numbers, Values
 from ..core.validation import Range, check_plausible, check_positive, is_concrete
+from .fields import (
+    ROOM_PRESSURE,
+    component_field,
+    gauge_from,
+    positive_field,
+    room_pressure_field,
+    temperature_field,
+)
+from .gas_chambers import AdiabaticWall, Isothermal, Polytropic
 
 
 _PRESSURE = Range("Pa", 1.0, 1e3, 1e8, 1e9)
@@ -25,21 +38,21 @@ class AbstractSupply(Module):
     @property
     @abc.abstractmethod
     def names(self) -> tuple[str, ...]:
-        """Of its state's numbers [-]."""
+        """Names of the numbers of the state."""
 
     @property
     @abc.abstractmethod
     def units(self) -> tuple[str, ...]:
-        """Theirs [-]."""
+        """Units of the numbers of the state."""
 
     @property
     def count(self) -> int:
-        """How many they are [-]."""
+        """Number of numbers of the state [-]."""
         return len(self.names)
 
     @abc.abstractmethod
     def start(self) -> Numbers:
-        """The state [SI] that it begins with."""
+        """Initial state [SI]."""
 
     @abc.abstractmethod
     def pressure_at(self, state: Numbers) -> Batch:
@@ -51,12 +64,12 @@ class AbstractSupply(Module):
 
     @abc.abstractmethod
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """How the state changes [SI], from `state` [SI], where `mass_in` [kg/s] and its enthalpy
+        """Rates of the state [SI], from `state` [SI], where `mass_in` [kg/s] and its enthalpy
         `energy_in` [W] flow in; drawn from, both are negative.
         """
 
     def switched(self, state: Numbers) -> Numbers:
-        """A `state` [SI] with what switches at once in it set [SI]; the same where nothing does."""
+        """A `state` [SI] after its switches [SI]; the same for a supply without any."""
         return state
 
     def spent(self, state: Numbers) -> dict[str, Batch]:
@@ -72,11 +85,11 @@ class AbstractSupply(Module):
 
     @abc.abstractmethod
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether it has nothing left to give in a `state` [SI]: yes or no [-]."""
+        """Whether it has nothing left to give in a `state` [SI]."""
 
 
-def supply_pressure() -> Any:
-    """The field [-] of a supply's gauge pressure [Pa], above the room's."""
+def supply_pressure_field() -> Any:
+    """Field of a supply's gauge pressure [Pa], above the room's."""
 
     def checked(value: Values) -> Batch:
         if is_concrete(value):
@@ -88,3 +101,122 @@ def supply_pressure() -> Any:
         return check_plausible(check_positive(value, "pressure", "Pa"), "pressure", _PRESSURE)
 
     return record(converter=checked)
+
+
+class ConstantSupply(AbstractSupply):
+    """A supply whose pressure stays, however much is drawn.
+
+    `pressure`: gauge [Pa], above the room's. `supply_temperature` [K]; `room_pressure`, absolute
+    [Pa].
+    """
+
+    source: ClassVar[str] = "a boundary condition"
+
+    pressure: Batch = supply_pressure_field()
+    supply_temperature: Batch = temperature_field("supply_temperature")
+    room_pressure: Batch = room_pressure_field()
+
+    @classmethod
+    def from_absolute(
+        cls, absolute: Values, room_pressure: Values = ROOM_PRESSURE
+    ) -> "ConstantSupply":
+        """A supply of `absolute` pressure [Pa] in a room of `room_pressure` [Pa, absolute]: the
+        supply; `ValueError` where it isn't above the room's.
+        """
+        return cls(gauge_from(absolute, room_pressure), room_pressure=room_pressure)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    def start(self) -> Numbers:
+        """Initial state [SI], without numbers."""
+        return np.zeros((*np.shape(self.pressure), 0))
+
+    def pressure_at(self, state: Numbers) -> Batch:
+        """Gauge pressure [Pa] in any `state` [SI]."""
+        del state
+        return self.pressure
+
+    def temperature_at(self, state: Numbers) -> Batch:
+        """Temperature [K] in any `state` [SI]."""
+        del state
+        return self.supply_temperature
+
+    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
+        """No rates [SI] of the `state` [SI] for any `mass_in` [kg/s] and `energy_in` [W]."""
+        del mass_in, energy_in
+        return 0.0 * state
+
+    def stored(self, state: Numbers) -> Batch:
+        """Zero [J] in any `state` [SI]: only the flow out of it is counted."""
+        del state
+        return 0.0 * self.pressure
+
+    def empty(self, state: Numbers) -> BoolBatch:
+        """Never, in any `state` [SI]."""
+        del state
+        return self.pressure <= 0
+
+
+_NEARLY = 100.0  # Pa
+
+
+class Tank(AbstractSupply):
+    """Gas in a volume that stays, equation (F17).
+
+    `chamber`: of gas, with the tank's wall and room. `volume` [m³]. `pressure`: gauge, that it
+    begins with, as warm as the room [Pa].
+    """
+
+    source: ClassVar[str] = "the chamber's"
+
+    chamber: AdiabaticWall | Isothermal | Polytropic = component_field(
+        "chamber", (AdiabaticWall, Isothermal, Polytropic)
+    )
+    volume: Batch = positive_field("volume", Range("m³", 1e-9, 1e-6, 10.0, 1e6))
+    pressure: Batch = supply_pressure_field()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Those of the chamber."""
+        return self.chamber.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Those of the chamber."""
+        return self.chamber.units
+
+    def start(self) -> Numbers:
+        """The chamber's state [SI] at the pressure that it begins with."""
+        return self.chamber.start(self.pressure, self.volume)
+
+    def pressure_at(self, state: Numbers) -> Batch:
+        """Gauge pressure [Pa] in a `state` [SI]."""
+        return self.chamber.guess(state, self.volume)
+
+    def temperature_at(self, state: Numbers) -> Batch:
+        """Temperature [K] in a `state` [SI]."""
+        return self.chamber.temperature(state, self.pressure_at(state))
+
+    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
+        """Equation (F17) [SI] for a `state` [SI] where `mass_in` [kg/s] and `energy_in` [W] flow
+        in; drawn from, both are negative.
+        """
+        return self.chamber.rates(state, self.pressure_at(state), mass_in, energy_in, 0.0)
+
+    def stored(self, state: Numbers) -> Batch:
+        """Exergy [J] of a `state` [SI]."""
+        return self.chamber.stored(state, self.pressure_at(state))
+
+    def empty(self, state: Numbers) -> BoolBatch:
+        """Whether a `state` [SI] has fallen to the room's pressure, which it only nears, within a
+        thousandth of an atmosphere.
+        """
+        return self.pressure_at(state) <= _NEARLY

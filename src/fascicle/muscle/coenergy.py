@@ -22,6 +22,7 @@ pressure, and so do the stretches: their slopes are part of $V^*$.
 two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,9 @@ from .piecewise import Pressurized
 
 
 # between two kinks a force is smooth: 16 points leave 1e-11 of the volume, 8 leave 1e-8
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+@cache
+def _quadrature() -> tuple[np.ndarray, np.ndarray]:
+    return np.polynomial.legendre.leggauss(16)
 
 
 def contraction_work(
@@ -53,7 +56,7 @@ def contraction_work(
     ends = stack([low, *stops, high] if resistance else [low, *stops])
     # all stretches as one row of nodes: the law is asked once
     middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
-    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in (_NODES, _WEIGHTS))
+    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in _quadrature())
     shape = (-1, *ends.shape[1:])
     at = (middle[:, None] + half[:, None] * node).reshape(shape)
     done = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(at)[0])

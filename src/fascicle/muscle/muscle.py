@@ -450,11 +450,12 @@ class Muscle(Module):
         return self._evaluate(_quantity, *arrays, static=(quantity, *static))
 
     def _evaluate(self, law: Callable, *arrays: Batch, static: tuple = ()) -> Any:
-        if not self.is_single or any(np.ndim(x) for x in arrays):
-            check_points(*arrays, muscles=() if self.is_single else batch_shape(self))
+        single = self.is_single
+        if not single or max(map(np.ndim, arrays)):
+            check_points(*arrays, muscles=() if single else batch_shape(self))
         # rows of muscles, functions of one argument and centerlines are too few points to be cut
-        cut = self.is_single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
-        if cut and max(np.size(x) for x in arrays) > 1:
+        cut = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
+        if cut and max(map(np.size, arrays)) > 1:
             return map_in_chunks(partial(evaluate, law, self, static=static), *arrays)
         return evaluate(law, self, *arrays, static=static)
 
@@ -462,10 +463,10 @@ class Muscle(Module):
     def is_single(self) -> bool:
         """True for one muscle, false for rows of muscles."""
         tables = tuning_tables(self)
-        leaves = tree_leaves(self)
-        return self.tuning.pressures.ndim == 1 and not any(
-            np.ndim(leaf) and id(leaf) not in tables for leaf in leaves
-        )
+        for leaf in tree_leaves(self):
+            if np.ndim(leaf) and id(leaf) not in tables:
+                return False
+        return self.tuning.pressures.ndim == 1
 
 
 def batch_shape(muscle: Muscle) -> tuple[int, ...]:

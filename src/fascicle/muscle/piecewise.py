@@ -28,6 +28,7 @@ import numpy as np
 
 from ..core.array_namespace import (
     add_table_axis,
+    array_namespace,
     exp,
     logical_and,
     logical_not,
@@ -207,20 +208,21 @@ class Pressurized(NamedTuple):
         """
         rate, L0 = self.law.rate, self.column.rest_length
         pulled, collapsed, held = self._state(strain)
-        pull = self.column.pull(where(pulled, strain, self.column.free_strain))
+        xp = array_namespace(pulled, collapsed)
+        pull = self.column.pull(xp.where(pulled, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, held)
-        past = where(collapsed, strain - guarded(collapsed, self.collapse), 0.0)
+        past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse, 1.0), 0.0)
         left = exp(-rate * past)  # nothing has decayed before collapse
         gone = 1 - left
         x = (self._safe(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
 
-        mesh = where(pulled, pull.mesh, push.mesh * left)
-        bladder = where(pulled, pull.bladder, push.bladder * left)
-        bending = where(pulled, 0.0, push.bending * left - where(collapsed, F_c, 0.0) * gone)
+        mesh = xp.where(pulled, pull.mesh, push.mesh * left)
+        bladder = xp.where(pulled, pull.bladder, push.bladder * left)
+        bending = xp.where(pulled, 0.0, push.bending * left - xp.where(collapsed, F_c, 0.0) * gone)
         held_force = push.mesh + push.bladder + push.bending
         decay = -rate * left * (held_force + F_c) - gone * F_c_slope * L0
-        slope = where(pulled, pull.slope, where(collapsed, decay, push.slope))
+        slope = xp.where(pulled, pull.slope, xp.where(collapsed, decay, push.slope))
         return (mesh, bladder, bending), slope, (pulled, collapsed, push.straight)
 
     def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:

@@ -93,7 +93,7 @@ class UnitSurface(Module):
           a step, so that no strain is a node.
         - `shape`: how many nodes in pressure and in strain [-], at least 3 each.
 
-        **Returns:** the table [-].
+        **Returns:** the table.
 
         **Raises:** `ValueError` for ends and shapes that can't be.
         """
@@ -162,7 +162,7 @@ class UnitSurface(Module):
 
 
 def lookup(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
-    """What a `table` [-] says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
+    """What a `table` says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
     """
     xp = array_namespace(pressure, strain, table.coefficients)
@@ -229,7 +229,7 @@ class _Nodes(NamedTuple):
 def _table(
     muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
 ) -> UnitSurface:
-    """The table of a `muscle` [-] at roots of pressure [√Pa] and strains [-]; equal muscles share
+    """The table of a `muscle` at roots of pressure [√Pa] and strains [-]; equal muscles share
     a table.
     """
     roots, strain = np.array(root_pressures), np.array(strains)
@@ -341,7 +341,7 @@ def _errors(
 
 
 def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
-    """How far a `table` [-] is off its `muscle`'s [-] law, force [N] and volume [m³], a quarter of
+    """How far a `table` is off its `muscle`'s law, force [N] and volume [m³], a quarter of
     each cell from its sides: in its middle a slope of Hermite's is better than anywhere else.
     """
     lines, columns = table.coefficients.shape[-4:-2]

@@ -177,7 +177,9 @@ class TunedTension(Module):
 
     def pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (E7)."""
-        return self.ends.pull(self, pressure, strain)
+        if self.ends.gives:
+            return self.ends.pull(self, pressure, strain)
+        return self.bladder_pull(pressure, strain)
 
     def bladder_pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
@@ -211,7 +213,7 @@ class TunedTension(Module):
     @property
     def stretch(self) -> Batch:
         """The bladder's strain over the ends' [-] where they hold no force."""
-        return self.ends.stretch(self.bladder.braid.length)
+        return self.ends.stretch(self.bladder.braid.length) if self.ends.gives else 1.0
 
 
 def _table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:

@@ -42,7 +42,7 @@ from ..fluid import (
     SonicValve,
 )
 from ..fluid.chamber import AbstractMassChamber
-from ..fluid.spools import checked_commands
+from ..fluid.spools import validate_commands
 from .attach import Attached, Tendons
 from .optional_imports import mjx, mujoco
 
@@ -302,7 +302,7 @@ class Drive(Module):
     def _command(self, command: Values) -> Numbers:
         count = self.plant.commands if self.valved else self.units
         if self.valved:
-            arguments = np.asarray(checked_commands(command), float)
+            arguments = np.asarray(validate_commands(command), float)
         else:
             top = float(np.min(self.plant.muscles.highest_pressure))
             arguments = np.asarray(

@@ -55,7 +55,7 @@ def test_copies_start_anew():
     muscle = fs.example("kim2021_figure_6")
     force = muscle.force(1e5, 0.1)
     for made in (copy.copy(muscle), copy.deepcopy(muscle), pickle.loads(pickle.dumps(muscle))):  # noqa: S301 its own
-        assert made == muscle and not made.store and made.force(1e5, 0.1) == force
+        assert made == muscle and not made.cache and made.force(1e5, 0.1) == force
 
 
 def test_equality_is_of_all_numbers_and_laws():

@@ -46,9 +46,9 @@ CASES = [
     (lambda: fluid.OrderlyValve(3, 0.01).states(2), "`units` must be the bundle's number of motor "
      "units, 2, got 3: give the valve a port for each."),
     (lambda: fluid.OrderlyValve(3, 0.01).middle(3), "`unit` must lie in [0, 2], got 3."),
-    (lambda: fluid.checked_commands([0.5, 1.2]), "`command` must lie in [-1, 1] from open exhaust "
+    (lambda: fluid.validate_commands([0.5, 1.2]), "`command` must lie in [-1, 1] from open exhaust "
      "to open supply, got 1.2."),
-    (lambda: fluid.checked_commands(float("nan")), "`command` must lie in [-1, 1] from open "
+    (lambda: fluid.validate_commands(float("nan")), "`command` must lie in [-1, 1] from open "
      "exhaust "
      "to open supply, got nan."),
     (lambda: fluid.AdiabaticWall(-1.0), "`conductance` must lie in [0, inf) W/K, got -1 W/K."),

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fascicle import fluid
-from fascicle.fluid.sonic_valve import in_series
+from fascicle.fluid.flow_elements import in_series
 
 
 C, B, T = 1e-8, 0.3, 293.15

@@ -125,7 +125,7 @@ class AbstractBuckling(AbstractLaw):
     braid_share: ClassVar[Batch]
 
     def solved(self, column: Column) -> Column:
-        """The `column` [-] with its stiffness, (B2) and (S1), and its `branch` [-]."""
+        """The `column` with its stiffness, (B2) and (S1), and its `branch` [-]."""
         tension, free = column.tension, column.free_strain
         # what of the pressure reaches the braid
         P = tension.tuning.effective_pressure(column.pressure)
@@ -139,7 +139,7 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:
-        """What of a `column` [-] depends on pressure alone, solved for once [-]."""
+        """What of a `column` depends on pressure alone, solved for once [-]."""
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:
@@ -151,11 +151,11 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def onset(self, column: Column) -> Batch:
-        """Strain [-] at which a `column` [-] bows out; inf where it never does."""
+        """Strain [-] at which a `column` bows out; inf where it never does."""
 
     @abc.abstractmethod
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strains [-] past the onset at which the force of a `column` [-] may jump; inf where it
+        """Strains [-] past the onset at which the force of a `column` may jump; inf where it
         doesn't.
         """
 
@@ -169,7 +169,7 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Whether [-] other equilibria exist at `strain` [-] beside the one followed."""
+        """True where other equilibria exist at `strain` [-] beside the one followed."""
 
     def buckled(self, column: Column, strain: BatchLike) -> Buckled:
         """Forces [N], deflection [m] and moment [N·m] at `strain` [-], at or past free strain."""
@@ -181,7 +181,7 @@ class AbstractBuckling(AbstractLaw):
 
 
 def _sheared(column: Column) -> Column:
-    """A `column` [-] that bends as much more easily as shear makes it, (S1)."""
+    """A `column` that bends as much more easily as shear makes it, (S1)."""
     tension, EI = column.tension, column.bending_stiffness
     bladder = tension.bladder
     G_A = column.axial_stiffness / (2 * (1 + bladder.material.poisson_ratio))

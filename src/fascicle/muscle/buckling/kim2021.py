@@ -53,10 +53,9 @@ import numpy as np
 
 from ...core.array_namespace import (
     add_table_axis,
+    array_namespace,
     chebyshev_sum,
     cos,
-    maximum,
-    minimum,
     sqrt,
     where,
 )
@@ -129,7 +128,7 @@ class Kim2021(AbstractBuckling):
         return column.free_strain
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """None [-] for any `column` [-]: one state follows the other."""
+        """No strains [-] for any `column`: one state follows the other."""
         del column
         return ()
 
@@ -236,15 +235,19 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
     """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether
     there is one; where there is none, that of half the peak.
     """
-    peak = _peak_compression(c)
-    # at the peak's place (16c) says whether the moment there is larger than what is asked for
-    asked = maximum(stop_gradient(target), _NOTHING) / sqrt(stop_gradient(c))
-    reached = _moment_residual((stop_gradient(c), asked), peak / asked)[0] <= 0
-    m = where(reached, target, _reachable_moment(stop_gradient(c)))
-    kappa = m / sqrt(c)
-    some = maximum(stop_gradient(m), _NOTHING) / sqrt(stop_gradient(c))
-    start = _start_compression(stop_gradient(c), stop_gradient(m), peak) / some
-    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / some, start), reached
+    xp = array_namespace(c, target)
+    fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
+    root_c = xp.sqrt(fixed_c)
+    peak = _peak_compression(fixed_c)
+    # at the peak's place (16c) says whether the moment there is larger than the target
+    scale = xp.maximum(fixed_target, _NOTHING) / root_c
+    reached = _moment_residual((fixed_c, scale), peak / scale)[0] <= 0
+    m = xp.where(reached, target, _reachable_moment(fixed_c))
+    kappa = m / xp.sqrt(c)
+    fixed_m = stop_gradient(m)
+    scale = xp.maximum(fixed_m, _NOTHING) / root_c
+    start = _start_compression(fixed_c, fixed_m, peak) / scale
+    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / scale, start), reached
 
 
 def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
@@ -266,9 +269,10 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
     """About $\\xi$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators,
     with $h$ as it is for $b$ at the place before; near the peak they are kept short.
     """
-    g = maximum(m, _NOTHING) ** 2
-    small = 0.5 * (g + sqrt(g * (g + 4 / c)))
-    xi = minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
+    xp = array_namespace(c, m, peak)
+    g = xp.maximum(m, _NOTHING) ** 2
+    small = 0.5 * (g + xp.sqrt(g * (g + 4 / c)))
+    xi = xp.minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
     for _ in range(2):
         free = 1 - xi
         cubed = c * free**3
@@ -277,9 +281,9 @@ def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
         h = (1 - 0.5 * held / (2 - xi)) / (1 - held)
         value = c * xi**2 * free - g * (h * (1 + xi) + b)
         slope = c * xi * (2 - 3 * xi) - g * (h + cubed * (1 - 5 * xi))
-        step = value / where(slope > 0, slope, 1.0)
-        new = minimum(maximum(xi - step, 0.3 * xi), minimum(1.5 * xi, peak))
-        xi = where(slope > 0, new, peak)
+        step = value / xp.where(slope > 0, slope, 1.0)
+        new = xp.minimum(xp.maximum(xi - step, 0.3 * xi), xp.minimum(1.5 * xi, peak))
+        xi = xp.where(slope > 0, new, peak)
     return xi
 
 
@@ -291,13 +295,12 @@ def _reachable_moment(c: Batch) -> Batch:
 
 
 def _peak_compression(c: BatchLike) -> Batch:
-    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-], without derivatives."""
+    """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-]."""
+    xp = array_namespace(c)
     low, high = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
-    x = (2 * _peak_coordinate(minimum(maximum(stop_gradient(c), _LEAST), _MOST)) - low - high) / (
-        high - low
-    )
-    return chebyshev_sum(_PEAK_SERIES, x)
+    z = _peak_coordinate(xp.minimum(xp.maximum(c, _LEAST), _MOST))
+    return chebyshev_sum(_PEAK_SERIES, (2 * z - low - high) / (high - low))
 
 
-def _peak_coordinate(c: Batch) -> Batch:
-    return 1 / (1 + sqrt(sqrt(c)))
+def _peak_coordinate(c: BatchLike) -> Batch:
+    return 1 / (1 + c**0.25)

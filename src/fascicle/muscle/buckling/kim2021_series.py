@@ -100,7 +100,7 @@ class Kim2021Series(AbstractBuckling):
         return column.branch
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """None [-] for any `column` [-]: one state follows the other."""
+        """No strains [-] for any `column`: one state follows the other."""
         del column
         return ()
 

@@ -162,7 +162,7 @@ class Ovalising(AbstractBuckling):
         return (where(turns, fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
-        """Never [-], whatever `moment` [N·m] a collapse law has: the section softens instead."""
+        """Never, whatever `moment` [N·m] a collapse law has: the section softens instead."""
         return where(0.0 * (moment + column.free_strain) < 0, 0.0, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:

@@ -113,12 +113,12 @@ class Meller2014(AbstractTension):
 
         **Arguments:**
 
-        - `braid`: the muscle's [-].
+        - `braid`: the muscle's.
         - `pressure`: $P$ [Pa] at which the force was measured, positive.
         - `free_strain`: measured [-], positive.
         - `blocked_force`: measured [N], positive.
 
-        **Returns:** the law [-].
+        **Returns:** the law.
 
         **Raises:** `ValueError` where a measured value isn't positive.
         """

@@ -66,11 +66,11 @@ class ElasticBraid(AbstractTension):
 
         **Arguments:**
 
-        - `braid`: the muscle's [-].
+        - `braid`: the muscle's.
         - `stiffness`: $EA$ of a fiber [N]: its tension over its strain.
         - `count`: $n$, of fibers [-] in both directions together.
 
-        **Returns:** the law [-].
+        **Returns:** the law.
 
         **Raises:** `ValueError` where one isn't positive.
         """
@@ -136,7 +136,7 @@ class ElasticBraid(AbstractTension):
         return gained, swollen
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which fibers around that `bladder` [-] aren't held at rest length."""
+        """Pressure [Pa] up to which fibers around that `bladder` aren't held at rest length."""
         u = _most(bladder.braid)
         W = bladder.material.slopes(1.0, _swell(bladder.braid, 0.0, u))
         return u / (1 + u) / self._compliance(bladder.braid) + _share(bladder) * W.q
@@ -148,7 +148,7 @@ class ElasticBraid(AbstractTension):
     def _stretch(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
     ) -> tuple[Batch, Slopes, BoolBatch]:
-        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers are held [-]."""
+        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers are held."""
         braid, c, lam = bladder.braid, self._compliance(bladder.braid), 1 - strain
         top = _most(braid) + 0.0 * lam
         held = _pressed((bladder, c, pressure, strain), top)[0] > 0

@@ -49,7 +49,7 @@ class Kothera2009(AbstractTension):
 
     @property
     def conservative(self) -> bool:
-        """Whether the mesh works as much as the pressure does [-]: with the ideal term."""
+        """True where the mesh works as much as the pressure does: with the ideal term."""
         return self.pressure_term == "ideal"
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:

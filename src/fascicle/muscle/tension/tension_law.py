@@ -28,7 +28,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.array_namespace import maximum, minimum, sqrt, where
+from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root
 from ...core.types import Batch, BatchLike
 from ...core.validation import HIGHEST_PRESSURE
@@ -103,7 +103,7 @@ class AbstractTension(AbstractLaw):
         return none, none
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which it says something of a muscle with that `bladder` [-]: the
+        """Pressure [Pa] up to which it says something of a muscle with that `bladder`: the
         domain's end, but where it `stretches`.
         """
         return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
@@ -166,8 +166,8 @@ def solved_free_strain(
 
     **Arguments:**
 
-    - `law`: positive below the root [-].
-    - `bladder`: inside its braid [-].
+    - `law`: positive below the root.
+    - `bladder`: inside its braid.
     - `pressure`: gauge pressure $P$ [Pa].
     - `offset`: $C_1$ [N] of the pressure.
 
@@ -181,8 +181,9 @@ def solved_free_strain(
     far = bladder.braid.ideal_free_strain
     value, slope = force_residual(theta, 0.0 * pressure)
     bend = (force_residual(theta, far)[0] - value - slope * far) / far**2
-    inside = sqrt(maximum(slope**2 - 4 * bend * value, 0.0))
-    start = minimum(maximum(-2 * value / (slope - inside), low), high)
+    xp = array_namespace(value, bend, low)
+    inside = xp.sqrt(xp.maximum(slope**2 - 4 * bend * value, 0.0))
+    start = xp.minimum(xp.maximum(-2 * value / (slope - inside), low), high)
     return root(force_residual, theta, low, high, start)
 
 

@@ -29,9 +29,9 @@ _ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)
 _WARM = Range("K", 100.0, 230.0, 400.0, 1500.0)
 
 
-def above_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
-    """A field [-] of a `name` [-] that is positive and as large as is `known` [-] of it, with
-    `remedy` [-] for what isn't.
+def positive_field(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
+    """A field of a `name` that is positive and as large as is `known` of it, with
+    `remedy` for what isn't.
     """
 
     def checked(value: Values) -> Batch:
@@ -40,9 +40,9 @@ def above_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any
     return record(converter=checked, **default)
 
 
-def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
-    """A field [-] of a `name` [-] that isn't negative, and not larger than is `known` [-], with
-    `remedy` [-] for what is.
+def nonnegative_field(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
+    """A field of a `name` that isn't negative, and not larger than is `known`, with
+    `remedy` for what is.
     """
 
     def checked(value: Values) -> Batch:
@@ -53,7 +53,7 @@ def from_zero(name: str, known: Range, remedy: str = "", **default: Any) -> Any:
     return record(converter=checked, **default)
 
 
-def between(
+def interval_field(
     name: str,
     low: float,
     high: float,
@@ -61,8 +61,8 @@ def between(
     remedy: str = "",
     **default: Any,
 ) -> Any:
-    """A field [-] of a `name` [-] without unit that lies in an interval from `low` [-] to `high`
-    [-], its ends `closed` [-] or not, with `remedy` [-] for what doesn't.
+    """A field of a `name` without unit that lies in an interval from `low` [-] to `high`
+    [-], its ends `closed` or not, with `remedy` for what doesn't.
     """
 
     def checked(value: Values) -> Batch:
@@ -71,9 +71,9 @@ def between(
     return record(converter=checked, **default)
 
 
-def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
-    """A field [-] of a `name` [-] that holds one of some `kinds` [-] of parts, or none where that
-    is its `default` [-].
+def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
+    """A field of a `name` that holds one of some `kinds` of parts, or none where that
+    is its `default`.
     """
 
     def checked(value: Any) -> Any:
@@ -85,8 +85,8 @@ def part(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
     return record(converter=checked, **default)
 
 
-def room_pressure() -> Any:
-    """The field [-] of the room's pressure, absolute [Pa]."""
+def room_pressure_field() -> Any:
+    """Field of the room's pressure, absolute [Pa]."""
 
     def checked(value: Values) -> Batch:
         x = check_interval(value, -np.inf, np.inf, "room_pressure", "Pa")
@@ -104,9 +104,9 @@ def room_pressure() -> Any:
     return record(converter=checked, default=ROOM_PRESSURE)
 
 
-def temperature(name: str = "room_temperature") -> Any:
-    """The field [-] of a temperature of that `name` [-] in kelvin."""
-    return above_zero(name, _WARM, default=ROOM_TEMPERATURE)
+def temperature_field(name: str = "room_temperature") -> Any:
+    """Field of a temperature of that `name` in kelvin."""
+    return positive_field(name, _WARM, default=ROOM_TEMPERATURE)
 
 
 def gauge_from(absolute: Values, room_pressure: Values) -> Batch:
