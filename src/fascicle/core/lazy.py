@@ -168,4 +168,4 @@ class _HookLoader:
 
 
 _HOOKS = _HookFinder()
-sys.meta_path.insert(0, _HOOKS)  # type: ignore[arg-type]
+sys.meta_path.insert(0, _HOOKS)
