@@ -18,7 +18,7 @@ from ..outputs import SOURCE, print_line, print_table, result_folder, status, wr
 
 if TYPE_CHECKING:
     from ...design.exhaustive_search import SearchResult
-    from ...reports.unreached import Unreached
+    from ...reports.design_summary import InfeasibleResult
 
 
 _PRINTED, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
@@ -70,7 +70,7 @@ def run(
             check_writable(checkpoint)
     load_laws()
     from ...files.task import load_task
-    from ...reports.unreached import answer
+    from ...reports.design_summary import summarize_search
 
     with user_errors():
         file = load_task(task)
@@ -81,7 +81,7 @@ def run(
         update("evaluating the best of them")
         scatter = _scatter(result, file.chance)
         seconds = time.perf_counter() - begin
-        answered = answer(result)
+        answered = summarize_search(result)
     paths: list[str] = []
     if folder is not None:
         with status("drawing the report"):
@@ -145,13 +145,20 @@ def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] =
     **Arguments:**
 
     - `result`: of a search.
-    - `answered`: of the reports' `answer`, a `Summary` or an `Unreached`.
+    - `answered`: of the reports' `answer`, a `Summary` or an `InfeasibleResult`.
     - `notes`: on what the search left out.
 
     **Returns:** the exit code: 0, or `INCOMPLETE`.
     """
     from ...reports.design import compromise
-    from ...reports.engineering import HEADS, called, case_rows, facts, headline, margin_warning
+    from ...reports.design_summary import (
+        HEADS,
+        case_rows,
+        composition_text,
+        design_facts,
+        headline,
+        margin_warning,
+    )
 
     for note in notes:
         print_line(f"note: {note}")
@@ -163,12 +170,12 @@ def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] =
         for line in (recommendation, margin, *warnings, *reasons):
             print_line(line)
     rows, caption = case_rows(summary, _CASES)
-    print_table(f"Load cases, {called(summary)}", list(HEADS), rows, caption)
+    print_table(f"Load cases, {composition_text(summary)}", list(HEADS), rows, caption)
     if unreached is not None:
         for line in unreached.lines():  # last, where it is read
             print_line(line)
         return INCOMPLETE
-    for name, text in facts(result, summary).items():
+    for name, text in design_facts(result, summary).items():
         print_line(f"{name}: {text}")
     _print_front(result)
     for line in compromise(result):
@@ -176,21 +183,28 @@ def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] =
     return 0
 
 
-def _parts(answered: Any) -> "tuple[Unreached | None, Any]":
+def _parts(answered: Any) -> "tuple[InfeasibleResult | None, Any]":
     """The nearest design where none reaches every load case, and the summary of a design."""
-    from ...reports.unreached import Unreached
+    from ...reports.design_summary import InfeasibleResult
 
-    return (answered, answered.summary) if isinstance(answered, Unreached) else (None, answered)
+    return (
+        (answered, answered.summary) if isinstance(answered, InfeasibleResult) else (None, answered)
+    )
 
 
 def _print_front(result: "SearchResult") -> None:
     """Print the designs of the Pareto front."""
-    from ...reports.engineering import demand, shown, sizes, words
+    from ...reports.design_summary import (
+        format_objective,
+        muscle_sizes,
+        objective_label,
+        task_requirement,
+    )
 
     kept = ""
     if result.judged == len(result.index):
         reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
-        kept = f" {reaching} {demand(result)}, {allowed} keep all limits too,"
+        kept = f" {reaching} {task_requirement(result)}, {allowed} keep all limits too,"
     print(f"{result.judged} designs,{kept} {len(result.front)} on the front")
     marks = {result.compromise: "c", result.recommended: "*"}
     if result.compromise == result.recommended:
@@ -200,13 +214,13 @@ def _print_front(result: "SearchResult") -> None:
         [
             f"{index + 1} {marks.get(index, '')}".strip(),
             result.designs.labels[index],
-            *(shown(name, float(result.values[name][result.reported[index]]))
+            *(format_objective(name, float(result.values[name][result.reported[index]]))
               for name in result.reported_objectives),
-            sizes(result, result.designs, index),
+            muscle_sizes(result, result.designs, index),
         ]
         for index in sorted({*first, *(int(index) for index in marks if index is not None)})
     ]  # fmt: skip
-    heads = ["", "units", *map(words, result.reported_objectives), "muscles"]
+    heads = ["", "units", *map(objective_label, result.reported_objectives), "muscles"]
     caption = "*: recommended, c: best compromise"
     if result.cheapest not in result.front:
         caption += "; the recommended one isn't on the front"
@@ -258,7 +272,7 @@ def _write(
 
 def _json(result: "SearchResult", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
-    from ...reports.engineering import margin_warning
+    from ...reports.design_summary import margin_warning
     from ...results.designed import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 
@@ -278,7 +292,7 @@ def _json(result: "SearchResult", answered: Any, scatter: Any, notes: tuple[str,
     remedies = [
         {"change": way.what, "now": way.now, "value": way.value, "looked_up_to": way.most,
          "breaks": dict(way.breaks)}
-        for way in unreached.ways
+        for way in unreached.changes
     ]  # fmt: skip
     about |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
     return dump_json(about | {"would_reach": remedies, "told": unreached.lines()})

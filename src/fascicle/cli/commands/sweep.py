@@ -88,7 +88,7 @@ def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
     import numpy as np
 
     from ...design.exhaustive_search import conclude
-    from ...reports.unreached import Unreached, answer
+    from ...reports.design_summary import InfeasibleResult, summarize_search
     from ...results.designed import case_variables, front_variables
     from ...results.labelled import write
 
@@ -97,8 +97,8 @@ def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
             task.space, task.task, task.senses, task.limits, np.arange(len(task.space)),
             store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
-        answered = answer(result)
-        if not isinstance(answered, Unreached):
+        answered = summarize_search(result)
+        if not isinstance(answered, InfeasibleResult):
             title = f"Front of designs for {task.task.name}"
             variables = front_variables(result) | case_variables(answered)
             about = {"notes": " ".join(task.notes)} if task.notes else {}
