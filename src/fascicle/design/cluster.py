@@ -21,7 +21,12 @@ _LOGS = ("distributed", *(f"distributed.{part}" for part in _PARTS), "tornado.ap
          "asyncio")  # fmt: skip
 _STARTS = 3  # of the workers; one may be killed as it starts
 _CLOSING = 3.0  # s that workers may take to end, what they write is whole or not there
-_NO_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+_SETTINGS = {
+    "distributed.scheduler.http.routes": [],  # no pages
+    "distributed.worker.http.routes": [],
+    # a worker that is killed isn't its block's fault
+    "distributed.scheduler.allowed-failures": 20,
+}
 
 
 @contextlib.contextmanager
@@ -37,7 +42,7 @@ def local(workers: int | None = None) -> Iterator[Any]:
     import distributed  # noqa: F401 first: its own settings are what these are put over
     from dask import config
 
-    with quiet(), config.set(_NO_PAGES):
+    with quiet(), config.set(_SETTINGS):
         cluster, client = _started(cores() if workers is None else workers)
         try:
             yield client

@@ -18,13 +18,13 @@ import contextlib
 import hashlib
 import json
 import os
-import secrets
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -383,7 +383,6 @@ _AHEAD = 3  # blocks handed to each worker, so that none waits for the next
 _ASK = 2.0  # s between questions how many workers there are
 _LOOK = 0.02  # s between looks whether a block is done
 _ALONE = 60.0  # s without any worker, since a block was last done, after which there are none
-_TRIES = 20  # of one block; a worker that is killed at it isn't the block's fault
 _KNOWN: dict[str, Study] = {}  # the last study of a worker, by its digest
 
 
@@ -451,7 +450,7 @@ def sweep(
     if client is None:
         work = (run_block(study, str(folder), block) for block in left)
     else:
-        work = _there(client, study, folder, left, alone)
+        work = _distribute(client, study, folder, left, alone)
     for one in work:
         store.finish(one.block, one.digest)
         designs, done = designs + len(study.index(one.block)), done + 1
@@ -492,72 +491,41 @@ def _memory() -> int:
     return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM")), 0)
 
 
-def _there(
-    client: Any, study: Study, folder: Path, blocks: list[int], alone: float
+def _distribute(
+    client: Any, study: Study, folder: Path, blocks: list[int], patience: float
 ) -> Iterator[BlockResult]:
-    """Blocks as workers finish them; one that failed with its worker is handed out again."""
+    """Blocks as workers finish them; Dask computes those again that a worker died at."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
     from distributed.comm.core import CommClosedError
 
-    where, crew = str(folder.resolve()), _Crew(client, alone)
-    waiting = blocks[::-1]
-    tries: dict[int, int] = {}
-    owner: dict[str, int] = {}
-    futures = as_completed(loop=client.loop)
-    # keys are the scheduler's, which may serve others, and remembers what it has given up
-    sweep_key = secrets.token_hex(4)
+    compute = partial(run_block, study, str(folder.resolve()))
+    waiting, results = iter(blocks), as_completed(loop=client.loop, with_results=True)
+    pending, idle, asked, workers = 0, 0.0, -_ASK, 1
     try:
-        while waiting or owner:
-            while waiting and len(owner) < _AHEAD * max(1, crew.count()):
-                block = waiting.pop()
-                tries[block] = tries.get(block, 0) + 1
-                key = f"block-{sweep_key}-{block}-{tries[block]}"
-                future = client.submit(run_block, study, where, block, key=key, pure=False)
-                owner[key] = block
-                futures.add(future)
-            while not futures.has_ready():
+        while True:
+            if (since := time.monotonic() - asked) >= _ASK:  # workers may come and go
+                revive(client)
+                workers, asked = len(client.nthreads()), time.monotonic()
+                idle += 0.0 if workers else min(since, 2 * _ASK)
+            if idle >= patience:
+                raise ConnectionError(f"no worker has been there for {patience:g} s")
+            for block in islice(waiting, max(0, _AHEAD * max(1, workers) - pending)):
+                results.add(client.submit(compute, block, pure=False))
+                pending += 1
+            if not pending:
+                return
+            if not results.has_ready():
                 time.sleep(_LOOK)
-                crew.count()
-            future = next(futures)
-            block = owner.pop(future.key)
-            try:
-                done = future.result(timeout=_ASK)
-            except TimeoutError:  # its worker died between doing and telling: it is done again
-                owner[future.key] = block
-                futures.add(future)
-            except KilledWorker:
-                if tries[block] >= _TRIES:
-                    raise ConnectionError(f"block {block} lost its worker {_TRIES} times") from None
-                waiting.append(block)
-            else:
-                crew.worked()
-                yield done
+                continue
+            _, result = next(results)
+            if not isinstance(result, BlockResult):
+                raise CancelledError
+            pending, idle = pending - 1, 0.0
+            yield result
+    except KilledWorker as error:
+        raise ConnectionError(f"a block lost its worker again and again ({error})") from None
     except (CancelledError, CommClosedError, TimeoutError) as error:
-        told = " ".join(str(error).split())[:120] or type(error).__name__
-        raise ConnectionError(f"the scheduler is lost ({told})") from None
-
-
-class _Crew:
-    """How many workers there are, asked now and then: they may come and go, or all be gone."""
-
-    def __init__(self, client: Any, alone: float):
-        self._client, self._most = client, alone
-        self._asked, self._count, self._alone = -_ASK, 1, 0.0
-
-    def count(self) -> int:
-        """Workers [-] when last asked; `ConnectionError` if there have long been none."""
-        since = time.monotonic() - self._asked
-        if since >= _ASK:
-            revive(self._client)
-            self._count, self._asked = len(self._client.nthreads()), time.monotonic()
-            if not self._count:
-                self._alone += min(since, 2 * _ASK)
-            if self._alone >= self._most:
-                raise ConnectionError(f"no worker has been there for {self._most:g} s")
-        return self._count
-
-    def worked(self) -> None:
-        """A block is done: there is hope."""
-        self._alone = 0.0
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise ConnectionError(f"the scheduler is lost ({reason})") from None
