@@ -1,4 +1,4 @@
-"""What an object prints: a title, its sizes and laws in words, a small table; in notebooks too.
+"""Printed objects: a title, its sizes and laws in words, a small table; in notebooks too.
 
 `print(muscle)` shows it, and a notebook shows it as a table of its own. Numbers stand with their
 units, and a long table shows its ends. Under `jax.jit` there are no numbers to show: Python's own
@@ -25,7 +25,7 @@ class ReprTable(NamedTuple):
     notes: Sequence[str] = ()
 
     def text(self) -> str:
-        """It as lines of text."""
+        """Table as lines of text."""
         width = max((len(name) for name, _ in self.facts), default=0)
         parts = [[self.title, *(f"  {name:<{width}}  {value}" for name, value in self.facts)]]
         if self.rows:
@@ -35,7 +35,7 @@ class ReprTable(NamedTuple):
         return "\n\n".join("\n".join(part) for part in parts)
 
     def html(self) -> str:
-        """It as a piece of a page."""
+        """Table as a piece of HTML."""
         facts = "".join(
             f'<tr><th style="text-align:left;padding-right:1em">{_safe(name)}</th>'
             f'<td style="text-align:left">{_safe(value)}</td></tr>'

@@ -42,7 +42,7 @@ class Dimension(NamedTuple):
 
     @property
     def unitless(self) -> bool:
-        """Whether a bare number is a quantity of this kind."""
+        """True where a bare number is a quantity of this kind."""
         return "" in self.factors
 
 

@@ -16,7 +16,13 @@ from scipy.special import ellipe, ellipk
 
 import fascicle as fs
 from fascicle.export import c_code
-from fascicle.muscle.buckling.oval_column import Oval, between, shortenings, splined, states
+from fascicle.muscle.buckling.oval_column import (
+    Oval,
+    interpolate_spline,
+    shortenings,
+    spline_slopes,
+    states,
+)
 
 
 E, NU, WALL, RADIUS = 1.78e6, 0.5, 1.6e-3, 6.35e-3
@@ -59,11 +65,11 @@ def test_loads_are_the_oracles(length, pressure):
 def test_a_section_that_stays_round_is_an_elastica():
     w = np.array([0.03, 0.1, 0.3, 0.5])
     found = states(Oval(*(np.float64(x) for x in (1e9, 1e3, 1.0, 0.9))))
-    slopes = splined(found.load)
+    slopes = spline_slopes(found.load)
     for at in w:
         m = brentq(lambda m, at=at: 2 * ellipe(m) / ellipk(m) - 1 - (1 - at), 1e-9, 0.82)
         cell = np.floor(at / shortenings()[1])
-        load, _ = between(found.load, slopes, np.float64(cell), np.float64(at))
+        load, _ = interpolate_spline(found.load, slopes, np.float64(cell), np.float64(at))
         assert_allclose(load, 16 * ellipk(m) ** 2, rtol=1e-6)  # between nodes a spline
 
 
@@ -218,10 +224,10 @@ def test_force_and_energy_agree():
     energy = [column.energy(x) for x in bent(column, 1 - w, whole=True)]
     rise = CubicSpline(w * 0.127, energy)(w[20::40] * 0.127, 1)
     found = states(oval(0.0, 0.127))
-    slopes = splined(found.load)
+    slopes = spline_slopes(found.load)
     for at, expected in zip(w[20::40], rise, strict=True):
         cell = np.float64(np.floor(at / shortenings()[1]))
-        load, _ = between(found.load, slopes, cell, np.float64(at))
+        load, _ = interpolate_spline(found.load, slopes, cell, np.float64(at))
         assert_allclose(load * EI / 0.127**2, expected, rtol=1e-3)
 
 

@@ -1,1 +1,1 @@
-"""What everything stands on: types, checks, limits, numbers in any array library, roots, files."""
+"""Core: array namespaces, modules, roots, validation, errors, lazy imports."""

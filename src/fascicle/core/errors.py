@@ -8,8 +8,8 @@ from typing import Any
 class InvalidInputError(ValueError):
     """A value that breaks a rule, for people in a line, for programs in its fields.
 
-    - `argument`: what the value was given for.
-    - `rule`: that it breaks, in words.
+    - `argument`: name of the argument.
+    - `rule`: broken rule, in words.
     - `value`: it, the first one of many, in the line's unit; `None` where there is none to show.
     - `remedy`: what to do, in words; empty where the rule says it.
     """
@@ -54,9 +54,9 @@ class MissingExtraError(ImportError):
 
 
 def missing_extra(error: BaseException) -> MissingExtraError | None:
-    """What to say of an import that failed; `None` for what no extra brings.
+    """Error for an import that failed; `None` for a library of no extra.
 
-    **Arguments:** `error`: it.
+    **Arguments:** `error`: the exception of the import.
 
     **Returns:** an error in one line, with the command that installs the library.
     """

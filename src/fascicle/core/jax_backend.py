@@ -23,7 +23,7 @@ def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
 
 
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
-    """What an elementwise `function` gives at `x` [any unit], and its slopes [any unit]."""
+    """Values of an elementwise `function` at `x` [any unit], and its slopes [any unit]."""
     x = jnp.asarray(x)
     return jax.jvp(function, (x,), (jnp.ones_like(x),))
 
@@ -34,7 +34,7 @@ def cummax(x: Any, axis: int) -> Any:
 
 
 def stop_gradient(x: Any) -> Any:
-    """The same `x` [any unit] without derivatives."""
+    """`x` [any unit] without derivatives."""
     return lax.stop_gradient(x)
 
 

@@ -69,7 +69,7 @@ def tree_map(function: Callable[..., Any], tree: Any, *others: Any) -> Any:
 
 
 def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
-    """The same `tree` with other `leaves`, in order [any unit]."""
+    """Replace the leaves of a `tree` by other `leaves`, in order [any unit]."""
     rest = iter(leaves)
     return tree_map(lambda _: next(rest), tree)
 
@@ -306,12 +306,12 @@ Kind = TypeVar("Kind", bound=Module)
 
 
 def to_numpy(tree: Tree) -> Tree:
-    """The same `tree` of modules and arrays [any unit] with NumPy's numbers and arrays."""
+    """Convert a `tree` of modules and arrays [any unit] to NumPy's numbers and arrays."""
     return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
 
 
 def with_fields(module: Kind, **values: Any) -> Kind:
-    """The same `module` with other `values` of some fields [SI], not checked again."""
+    """Replace `values` of some fields of a `module` [SI], without checks."""
     current = {field.name: getattr(module, field.name) for field in fields(module)}
     return rebuild(type(module), current | values)
 
@@ -367,14 +367,14 @@ def primal_numpy(*things: Any) -> tuple | None:
 
 
 def _numpy(result: Any) -> Any:
-    """The same `result` as NumPy's arrays and scalars."""
+    """Convert a `result` to NumPy's arrays and scalars."""
     if isinstance(result, tuple):
         return type(result)(*map(_numpy, result))
     return np.asarray(result)[()]
 
 
 def stop_gradient(values: Any) -> Any:
-    """The same `values`, a tree of arrays, without derivatives."""
+    """A tree of arrays without derivatives."""
     if type(values) in NUMPY_TYPES or is_numpy(*tree_leaves(values)):
         return values
     return tree_map(_stop_leaf, values)

@@ -102,7 +102,7 @@ def check_finite(value: Values, name: str, unit: str) -> Batch:
 
 
 def match_array_type(value: Values, checked: Batch) -> Batch:
-    """What was `checked` of a `value`, in the library that the value came from."""
+    """Convert a `checked` value to the array library of the original `value`."""
     return as_jax(checked) if is_jax_array(value) else checked
 
 
@@ -118,7 +118,7 @@ def check_choice(name: str, choices: Iterable[str], what: str) -> str:
 
 
 def is_concrete(*values: Values) -> bool:
-    """Whether none of `values` is traced, nor holds what is, so that they can be looked at."""
+    """True where none of the `values` is traced or contains traced arrays."""
     jax = imported_jax()
     if jax is None:
         return True
@@ -208,7 +208,7 @@ def to_si(value: Any, name: str, unit: str) -> Any:
 
 
 def has_units(value: Any) -> bool:
-    """Whether a `value` is text or a quantity, or holds one."""
+    """True for text or a pint quantity, and for lists and arrays of them."""
     if isinstance(value, list | tuple):
         # the kinds first: a long list of numbers is passed over in a glance
         return not {type(one) for one in value} <= _PLAIN and any(map(has_units, value))

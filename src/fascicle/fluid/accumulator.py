@@ -128,7 +128,7 @@ class Accumulator(AbstractSupply):
         return self.room_temperature + 0.0 * state[..., 0]
 
     def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """What flows in [kg/s], whatever `state` [SI] it has: `mass_in` [kg/s], negative where it
+        """Mass flow [kg/s] in any `state` [SI]: `mass_in` [kg/s], negative where it
         is drawn; `energy_in` [W] doesn't count.
         """
         del energy_in
@@ -148,7 +148,7 @@ class Accumulator(AbstractSupply):
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether a `state` [SI] has no liquid left."""
+        """True where a `state` [SI] has no liquid left."""
         return state[..., 0] <= 0
 
     def _spread(self, pressure: BatchLike) -> Batch:
@@ -249,5 +249,5 @@ class PumpedAccumulator(AbstractSupply):
         return dict(zip(self.names[2:], (state[..., k] for k in (2, 3, 4)), strict=True))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether a `state` [SI] has no liquid left."""
+        """True where a `state` [SI] has no liquid left."""
         return self.accumulator.empty(state)

@@ -57,7 +57,7 @@ class AbstractChamber(Module):
 
     @property
     def count(self) -> int:
-        """How many numbers the state has [-]."""
+        """Number of numbers of the state [-]."""
         return len(self.names)
 
     @property
@@ -92,7 +92,7 @@ class AbstractChamber(Module):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Numbers:
-        """How the state changes.
+        """Rates of the state.
 
         **Arguments:**
 
@@ -127,8 +127,8 @@ class AbstractChamber(Module):
 
     @abc.abstractmethod
     def stored(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """What a `state` [SI] at gauge `pressure` [Pa] keeps [J]: a gas's exergy, a liquid's energy
-        with that of its compliance.
+        """Stored energy [J] of a `state` [SI] at gauge `pressure` [Pa]: a gas's exergy, a liquid's
+        energy with that of its compliance.
         """
 
 
@@ -146,7 +146,7 @@ class AbstractMassChamber(AbstractChamber):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Numbers:
-        """What flows in, whatever else there is.
+        """Mass flow into the chamber.
 
         **Arguments:**
 

@@ -200,7 +200,7 @@ class Isothermal(AbstractGasChamber, AbstractMassChamber):
         energy_in: BatchLike,
         volume_rate: BatchLike,
     ) -> Batch:
-        """What the wall must take so that $U = m c_v T_a$ stays.
+        """Heat flow through the wall that keeps $U = m c_v T_a$ stays.
 
         **Arguments:** those of `rates`.
 

@@ -1,4 +1,4 @@
-r"""Gases and liquids, and what a kilogram of them is worth.
+r"""Gases and liquids, and their specific energies and exergies.
 
 A gas is ideal, $p = \rho R T$, with constant $c_p = \gamma R/(\gamma - 1)$ and $c_v = c_p - R$.
 What could be had of it in a room at $p_a$, $T_a$ is its exergy: streaming, and at rest in a
@@ -59,7 +59,7 @@ class Gas(Module):
         return absolute / (self.specific_gas_constant * temperature)
 
     def enthalpy(self, temperature: BatchLike) -> Batch:
-        """What a kilogram brings along [J/kg] at `temperature` [K], from 0 K on."""
+        """Specific enthalpy [J/kg] at `temperature` [K], from 0 K on."""
         return self.c_p * temperature
 
     def flow_exergy(
@@ -136,12 +136,12 @@ class Liquid(Module):
         return self.reference_density * exp(pressure / self.bulk_modulus)
 
     def flow_energy(self, pressure: BatchLike) -> Batch:
-        """What a streaming kilogram brings along, $h$ [J/kg], at gauge `pressure` [Pa]."""
+        """Specific energy of the flow, $h$ [J/kg], at gauge `pressure` [Pa]."""
         K, rho_0 = self.bulk_modulus, self.reference_density
         return -K / rho_0 * expm1(-pressure / K)
 
     def stored_energy(self, pressure: BatchLike) -> Batch:
-        """What a kilogram at rest keeps, $e$ [J/kg], at gauge `pressure` [Pa]."""
+        """Specific energy at rest, $e$ [J/kg], at gauge `pressure` [Pa]."""
         K, rho_0 = self.bulk_modulus, self.reference_density
         x = pressure / K
         # h and p/ρ agree in all but the last digits where x is small: their series there

@@ -66,11 +66,11 @@ class FixedPump(Module):
         return _flow(self, on, pressure)
 
     def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """What drives it [W] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
+        """Shaft power [W] at gauge `pressure` [Pa], where it is `on`, 1, or off, 0 [-]."""
         return _shaft_power(self, on, pressure)
 
     def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
-        """What of that isn't in the liquid [W] at gauge `pressure` [Pa], where it is `on` [-]."""
+        """Lost power [W] at gauge `pressure` [Pa], where it is `on` [-]."""
         return _lost_power(self, on, pressure)
 
 
@@ -101,11 +101,11 @@ class VariablePump(Module):
         return _flow(self, self.share(pressure), pressure)
 
     def shaft_power(self, pressure: BatchLike) -> Batch:
-        """What drives it [W] at gauge `pressure` [Pa]."""
+        """Shaft power [W] at gauge `pressure` [Pa]."""
         return _shaft_power(self, self.share(pressure), pressure)
 
     def lost_power(self, pressure: BatchLike) -> Batch:
-        """What of that isn't in the liquid [W] at gauge `pressure` [Pa]."""
+        """Lost power [W] at gauge `pressure` [Pa]."""
         return _lost_power(self, self.share(pressure), pressure)
 
 
@@ -128,7 +128,7 @@ class PressureBand(Module):
         return where(pressure < self.high, 1.0, 0.0)
 
     def after(self, on: BatchLike, pressure: BatchLike) -> Batch:
-        """What it is then [-], that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
+        """New state [-] of a switch that was `on`, 1, or off, 0 [-], at gauge `pressure` [Pa]."""
         kept = where(logical_and(pressure > self.low, pressure < self.high), on, 1.0)
         return where(pressure >= self.high, 0.0, kept)
 
@@ -149,7 +149,7 @@ class Relief(Module):
         return self.slope * maximum(pressure - self.crack, 0.0)
 
     def lost_power(self, pressure: BatchLike, liquid: Liquid = OIL) -> Batch:
-        """What a `liquid` loses in it [W] at gauge `pressure` [Pa]."""
+        """Power that a `liquid` loses in it [W] at gauge `pressure` [Pa]."""
         return self.flow(pressure) * liquid.flow_energy(pressure)
 
 

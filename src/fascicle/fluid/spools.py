@@ -50,23 +50,23 @@ class Openings(NamedTuple):
 
 
 class AbstractSpool(Module):
-    """How commands become openings."""
+    """Law from commands to openings."""
 
     @abc.abstractmethod
     def commands(self, units: int) -> int:
-        """How many commands [-] it takes for so many `units` [-]."""
+        """Number of commands [-] for a number of `units` [-]."""
 
     @abc.abstractmethod
     def states(self, units: int) -> int:
-        """How many spools move by themselves [-] for so many `units` [-]."""
+        """Number of spools with a state [-] for a number of `units` [-]."""
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """How fast the `spool` [-] moves [1/s] under a `command` [-]."""
+        """Rate of the `spool` [1/s], itself [-], under a `command` [-]."""
 
     @abc.abstractmethod
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """What is open [-] at a `command` [-] and with the `spool` there [-]."""
+        """Openings [-] at a `command` [-] and a position of the `spool` [-]."""
 
 
 class Direct(AbstractSpool):

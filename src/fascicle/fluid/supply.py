@@ -73,19 +73,19 @@ class AbstractSupply(Module):
         return state
 
     def spent(self, state: Numbers) -> dict[str, Batch]:
-        """What driving it took and lost [J] up to a `state` [SI], by name; nothing where it isn't
-        driven.
+        """Energies of the drive and its losses [J] up to a `state` [SI], by name; empty where
+        nothing drives it.
         """
         del state
         return {}
 
     @abc.abstractmethod
     def stored(self, state: Numbers) -> Batch:
-        """What a `state` [SI] keeps [J]: exergy of a gas, energy of a liquid."""
+        """Stored energy of a `state` [SI] [J]: exergy of a gas, energy of a liquid."""
 
     @abc.abstractmethod
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether it has nothing left to give in a `state` [SI]."""
+        """True where the supply is empty in a `state` [SI]."""
 
 
 def supply_pressure_field() -> Any:
@@ -185,12 +185,12 @@ class Tank(AbstractSupply):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Those of the chamber."""
+        """Names and units of the chamber."""
         return self.chamber.names
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Those of the chamber."""
+        """Names and units of the chamber."""
         return self.chamber.units
 
     def start(self) -> Numbers:
@@ -216,7 +216,7 @@ class Tank(AbstractSupply):
         return self.chamber.stored(state, self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """Whether a `state` [SI] has fallen to the room's pressure, which it only nears, within a
-        thousandth of an atmosphere.
+        """True where a `state` [SI] is within a thousandth of an atmosphere of the room's pressure,
+        which it only nears.
         """
         return self.pressure_at(state) <= _NEARLY

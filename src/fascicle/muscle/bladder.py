@@ -59,7 +59,7 @@ class Bladder(Module):
         return self.pull(strain)[0]
 
     def pull(self, strain: BatchLike) -> tuple[Batch, Batch]:
-        """The same force [N], and its slope in strain [N], at `strain` [-]."""
+        """Axial force [N], and its slope in strain [N], at `strain` [-]."""
         lam, cot2 = 1 - strain, self.braid.cot2
         W = self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
         rest = W.p - cot2 * W.q

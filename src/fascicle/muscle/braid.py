@@ -83,7 +83,7 @@ class Braid(Module):
         return self.mesh(pressure, strain)[0]
 
     def mesh(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
-        """The same force [N], and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
+        """Mesh force [N], and its slope in strain [N], at `pressure` [Pa] and `strain` [-]."""
         free, cot2 = self.ideal_free_strain, self.cot2
         pull = 3 * np.pi * self.radius**2 * pressure * cot2
         # L0 dV/dε P = π r0² P (3 λ²/tan²α0 − 1/sin²α0), whose two parts would round apart where

@@ -64,7 +64,7 @@ def contraction_work(
 
 
 def coenergy_at_rest(muscle: Pressurized) -> Batch:
-    """What a muscle at rest length and its pressure has of co-energy [J], besides $P V(0)$: where
+    """Co-energy [J] of a muscle at rest length and its pressure, besides $P V(0)$: where
     its ends give, its bladder has contracted.
     """
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)

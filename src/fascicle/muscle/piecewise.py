@@ -65,7 +65,7 @@ def _sheet(response: Any) -> ReprTable:
 
 @with_table_repr(_sheet)
 class Response(NamedTuple):
-    """What a muscle does at a pressure and strain; all of one shape.
+    """Forces of a muscle at a pressure and strain; all of one shape.
 
     `force` = `mesh` + `bladder` + `bending`, all [N]. `region`: 0 tension, 1 post-buckling,
     2 post-collapse, 3 straight compression. `several`: other equilibria exist there too.
@@ -171,7 +171,7 @@ class Pressurized(NamedTuple):
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
-        """How far the axis bows out [m] at `strain` [-]."""
+        """Deflection of the axis [m] at `strain` [-]."""
         pulled, collapsed, held = self._state(strain)
         bowed, _ = self.law.buckling.bow(self.column, held)
         hinged = self.law.post_collapse.deflection(self.column, self._safe(collapsed, strain))
@@ -226,7 +226,7 @@ class Pressurized(NamedTuple):
         return (mesh, bladder, bending), slope, (pulled, collapsed, push.straight)
 
     def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
-        """Whether pulled, whether collapsed, and the strain [-] of the buckled state, which is
+        """Masks of tension and collapse, and the strain [-] of the buckled state, which is
         held at collapse.
         """
         eps_f, eps_c = self.column.free_strain, self.collapse

@@ -152,7 +152,7 @@ class UnitSurface(Module):
         return self.at(*self.inside(pressure, strain)).volume
 
     def inside(self, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
-        """The same pressure [Pa] and strain [-], refused outside the table."""
+        """Check a pressure [Pa] and strain [-] against the ends of the table."""
         low, high = (float(x) for x in self.strains)
         why, closed = "of the table", (True, True)
         top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its own root
@@ -162,7 +162,7 @@ class UnitSurface(Module):
 
 
 def lookup(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
-    """What a `table` says at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
+    """Look up a `table` at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
     where its coefficients are of several.
     """
     xp = array_namespace(pressure, strain, table.coefficients)
@@ -341,7 +341,7 @@ def _errors(
 
 
 def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
-    """How far a `table` is off its `muscle`'s law, force [N] and volume [m³], a quarter of
+    """Error of a `table` against its `muscle`'s law, force [N] and volume [m³], a quarter of
     each cell from its sides: in its middle a slope of Hermite's is better than anywhere else.
     """
     lines, columns = table.coefficients.shape[-4:-2]

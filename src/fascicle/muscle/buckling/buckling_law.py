@@ -139,7 +139,7 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:
-        """What of a `column` depends on pressure alone, solved for once [-]."""
+        """State of a `column` that depends on pressure alone."""
 
     @abc.abstractmethod
     def push(self, column: Column, strain: BatchLike) -> Push:

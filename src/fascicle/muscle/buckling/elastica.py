@@ -75,9 +75,9 @@ from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Center
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
 _EULER = np.pi**2 / 4  # G where it begins to bend
-_LOOKS = 32  # cells in which the first onset is looked for
-_CELLS = 24  # of the curve, in which it is looked for where it turns back
-_SECANTS = 4  # to where the curve, or its load, turns: known to 1e-12 by then
+_ONSET_CELLS = 32  # cells in which the first onset is looked for
+_CURVE_CELLS = 24  # of the curve, in which it is looked for where it turns back
+_SECANT_STEPS = 4  # to where the curve, or its load, turns: known to 1e-12 by then
 _DEGREE = 16  # of the polynomials: right to 2e-15
 
 
@@ -94,12 +94,12 @@ class Elastica(AbstractBuckling):
         """The onset [-], and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
         here = stop_gradient(column)
-        return _Branch(onset, _curve(here, _top(stop_gradient(onset)), here.free_strain))
+        return _Branch(onset, _curve(here, _branch_start(stop_gradient(onset)), here.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (E3)."""
-        bent, arc = _followed(column, strain)
-        at = _at(column, arc)
+        bent, arc = _bent_arc(column, strain)
+        at = _bent_state(column, arc)
         T, chord = at.pull.force, at.chord
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
         steep = (at.pull.slope - T * at.chord_slope / chord) / chord
@@ -115,8 +115,8 @@ class Elastica(AbstractBuckling):
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection $\\ell k/K$ [m] and moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
-        bent, arc = _followed(column, strain)
-        k, K = _modulus(bent, _at(column, arc).load)
+        bent, arc = _bent_arc(column, strain)
+        k, K = _modulus(bent, _bent_state(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
         return column.rest_length * (1 - arc) * k / K, moment
 
@@ -128,9 +128,9 @@ class Elastica(AbstractBuckling):
         """The strain [-] at which the curve turns back past its onset; inf where it doesn't."""
         onset, curve = column.branch
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
-        half = _first(curve, cut < curve.start.strain, end < cut)
+        half = _first_bracket(curve, cut < curve.start.strain, end < cut)
         # where it turns the strain is flat over the arc, which needs no slope of its own
-        fold = _at(column, half.start).strain
+        fold = _bent_state(column, half.start).strain
         turns = logical_and(
             logical_and(half.found, isfinite(onset)), half.start < stop_gradient(onset)
         )
@@ -149,15 +149,15 @@ class Elastica(AbstractBuckling):
         reached = logical_and(bend <= fits.largest_bend, ever)
         load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
         held = stop_gradient(load)
-        half = _first(curve, *(expand_nodes(end.load, held) <= held for end in curve[1:]))
-        arc = root(_short_of, (column, load), half.stop, half.start, half.middle)
+        half = _first_bracket(curve, *(expand_nodes(end.load, held) <= held for end in curve[1:]))
+        arc = root(_load_residual, (column, load), half.stop, half.start, half.middle)
         strain = 1 - (1 - arc) * fits.chord(load)[0]
         return where(reached, maximum(strain, maximum(onset, half.farthest)), np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
-        bent, arc = _followed(column, strain)
-        k, _ = _modulus(bent, _at(column, arc).load)
+        bent, arc = _bent_arc(column, strain)
+        k, _ = _modulus(bent, _bent_state(column, arc).load)
         k = add_table_axis(k)
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
@@ -167,7 +167,7 @@ class Elastica(AbstractBuckling):
         return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - cos(phase)))
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Whether other equilibria exist at `strain` [-] beside the one followed.
+        """True where other equilibria exist at `strain` [-] beside the one followed.
 
         All bent states lie on (E6), between the free strain and `strain`; the straight one is
         an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E6) is taken on as
@@ -175,11 +175,14 @@ class Elastica(AbstractBuckling):
         """
         here, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
         crossed = 0.0 * eps
-        for curve in (here.branch.curve, _curve(here, _top(here.branch.onset), LARGEST_STRAIN)):
+        for curve in (
+            here.branch.curve,
+            _curve(here, _branch_start(here.branch.onset), LARGEST_STRAIN),
+        ):
             past = [expand_nodes(end.strain, eps) > eps for end in curve]
             for one, other in pairwise(past):
                 crossed = crossed + sum_nodes(where(one != other, 1.0, 0.0))
-        straight = where(_at(here, eps).load < _EULER, 1.0, -1.0)
+        straight = where(_bent_state(here, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
         return logical_and(crossed + straight > 1.5, eps > here.free_strain)
 
@@ -198,7 +201,7 @@ class _State(NamedTuple):
     strain_slope: Batch
 
 
-def _at(column: Column, arc: Batch) -> _State:
+def _bent_state(column: Column, arc: Batch) -> _State:
     """The bent state (E6) whose arc has the strain `arc` [-]; straight where $G$ is too large."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
@@ -210,22 +213,22 @@ def _at(column: Column, arc: Batch) -> _State:
     return _State(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
 
 
-def _short_of(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """How much an arc's load misses a wanted one [-], and its slope."""
+def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """Residual of an arc's load [-], and its slope."""
     column, wanted = theta
-    at = _at(column, arc)
+    at = _bent_state(column, arc)
     return wanted - at.load, -at.load_slope
 
 
-def _behind(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """How far a bent state is past a wanted strain [-], and its slope."""
+def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """Residual of the strain of a bent state [-], and its slope."""
     column, wanted = theta
-    at = _at(column, arc)
+    at = _bent_state(column, arc)
     return at.strain - wanted, at.strain_slope
 
 
 class _End(NamedTuple):
-    """Where cells of the curve start, are cut, or end: arc, strain and load [-], cells first."""
+    """Starts, cuts or ends of the curve's cells: arc, strain and load [-], cells first."""
 
     arc: Batch
     strain: Batch
@@ -243,13 +246,13 @@ class _Curve(NamedTuple):
 
 
 class _Branch(NamedTuple):
-    """What is solved for once: the `onset` [-], and the `curve` from there to free strain."""
+    """State at a pressure: the `onset` [-], and the `curve` from there to free strain."""
 
     onset: Batch
     curve: _Curve
 
 
-class _Half(NamedTuple):
+class _Bracket(NamedTuple):
     """Half a cell, by the arc's strain at its `start` and `stop` [-], and the `farthest` strain
     [-] at the ends of those before it; whether it is what was looked for.
     """
@@ -272,39 +275,41 @@ def _onset(column: Column) -> Batch:
     # a free strain past the domain's end would leave cells of no length
     span = maximum(LARGEST_STRAIN - free, 1e-3)
     # squares: a slender muscle buckles just past its free strain
-    rank = node_axis(np.arange(float(_LOOKS)), free)
-    one, other = (free + span * ((rank + i) / _LOOKS) ** 2 for i in (0.0, 1.0))
+    rank = node_axis(np.arange(float(_ONSET_CELLS)), free)
+    one, other = (free + span * ((rank + i) / _ONSET_CELLS) ** 2 for i in (0.0, 1.0))
     # a load that rises and falls again within a cell may be large enough in between
-    curve = _cut(here, one, other, lambda at: at.load_slope)
-    half = _first(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
+    curve = _subdivide(here, one, other, lambda at: at.load_slope)
+    half = _first_bracket(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
     ever = logical_and(half.found, free < LARGEST_STRAIN)
     target = where(ever, _EULER, 0.0)
-    strain = root(_short_of, (column, target), half.start, half.stop, half.middle)
+    strain = root(_load_residual, (column, target), half.start, half.stop, half.middle)
     return where(ever, strain, np.inf)
 
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
     """(E6) from the arc strain `top` [-] to `bottom` [-]."""
-    rank = node_axis(np.arange(float(_CELLS)), top)
-    one, other = (top - (top - bottom) * ((rank + i) / _CELLS) for i in (0.0, 1.0))
-    return _cut(column, one, other, lambda at: at.strain_slope)
+    rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
+    one, other = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
+    return _subdivide(column, one, other, lambda at: at.strain_slope)
 
 
-def _top(onset: Batch) -> Batch:
-    """Where the branch begins [-]; the end of the domain where it doesn't."""
+def _branch_start(onset: Batch) -> Batch:
+    """Arc strain at which the branch begins [-]; the end of the domain where it doesn't."""
     return guarded(isfinite(onset), onset, LARGEST_STRAIN)
 
 
-def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Batch]) -> _Curve:
+def _subdivide(
+    column: Column, one: Batch, other: Batch, slope: Callable[[_State], Batch]
+) -> _Curve:
     """Cells from `one` to `other` arc [-], cut where a `slope` vanishes, by secants; else in the
     middle. What turns there is known to the square of the place's error.
     """
-    start, end = _at(column, one), _at(column, other)
+    start, end = _bent_state(column, one), _bent_state(column, other)
     a, b = (one, slope(start)), (other, slope(end))
     turns = a[1] * b[1] < 0
     place = 0.5 * (one + other)
-    at = _at(column, place)
-    for _ in range(_SECANTS):
+    at = _bent_state(column, place)
+    for _ in range(_SECANT_STEPS):
         here = (place, slope(at))
         same = (here[1] > 0) == (a[1] > 0)
         a, b = (
@@ -313,12 +318,12 @@ def _cut(column: Column, one: Batch, other: Batch, slope: Callable[[_State], Bat
         )
         share = guarded(turns, a[1]) / guarded(turns, a[1] - b[1], 2.0)
         place = where(turns, a[0] + share * (b[0] - a[0]), place)
-        at = _at(column, place)
+        at = _bent_state(column, place)
     ends = ((one, start), (place, at), (other, end))
     return _Curve(*(_End(arc, state.strain, state.load) for arc, state in ends))
 
 
-def _first(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Half:
+def _first_bracket(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Bracket:
     """The first half cell at whose end something holds; the last one where it never does."""
     rank = node_axis(np.arange(float(curve.start.arc.shape[0])), min_nodes(where(end, 0.0, 0.0)))
     half, whole = (min_nodes(where(holds, rank, np.inf)) for holds in (cut, end))
@@ -329,25 +334,25 @@ def _first(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Half:
     at_cut, at_end = (expand_nodes(x.strain, cell) for x in curve[1:])
     behind = where(logical_and(here, logical_not(early)), at_cut, -np.inf)
     farthest = max_nodes(where(rank < cell, maximum(at_cut, at_end), behind))
-    return _Half(
+    return _Bracket(
         where(early, start, middle), where(early, middle, stop), farthest,
         isfinite(minimum(half, whole)),
     )  # fmt: skip
 
 
-def _followed(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
-    """Whether the muscle is bent at `strain` [-], and its arc's strain [-]."""
+def _bent_arc(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
+    """Mask of the bent muscle at `strain` [-], and its arc's strain [-]."""
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN)
     wanted = stop_gradient(eps)
-    half = _first(curve, *(expand_nodes(end.strain, wanted) >= wanted for end in curve[1:]))
-    arc = root(_behind, (column, eps), half.stop, half.start, half.middle)
+    half = _first_bracket(curve, *(expand_nodes(end.strain, wanted) >= wanted for end in curve[1:]))
+    arc = root(_strain_residual, (column, eps), half.stop, half.start, half.middle)
     return bent, where(bent, arc, strain)
 
 
 class _Fits:
-    """What is known of the elastica over one variable, as polynomials, fitted to $K$ and $E$."""
+    """Polynomials of the elastica in one variable, fitted to $K$ and $E$."""
 
     def __init__(self):
         # somewhat beyond both ends, where searches may look
@@ -361,9 +366,9 @@ class _Fits:
         self._chord, self._m, self._load = (
             tuple(chebyshev.cheb2poly(chebyshev.chebfit(x, y, _DEGREE)).tolist())
             for x, y in (
-                (_even(load, _EULER), chord),
-                (_even(load, _EULER), m),
-                (_even(m * K**2, self.largest_bend**2), load),
+                (_scale_to_unit(load, _EULER), chord),
+                (_scale_to_unit(load, _EULER), m),
+                (_scale_to_unit(m * K**2, self.largest_bend**2), load),
             )
         )
 
@@ -371,16 +376,16 @@ class _Fits:
         """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
         bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
         inside = maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
-        chord, slope = polynomial(self._chord, _even(inside, _EULER))
+        chord, slope = polynomial(self._chord, _scale_to_unit(inside, _EULER))
         return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
 
     def parameter(self, load: Batch) -> Batch:
         """$m$ [-] at a load $G$ [-]."""
-        return polynomial(self._m, _even(load, _EULER))[0]
+        return polynomial(self._m, _scale_to_unit(load, _EULER))[0]
 
     def load(self, bend: Batch) -> Batch:
         """$G$ [-] at $kK$ of `bend` [-]."""
-        return polynomial(self._load, _even(bend**2, self.largest_bend**2))[0]
+        return polynomial(self._load, _scale_to_unit(bend**2, self.largest_bend**2))[0]
 
 
 @cache
@@ -388,7 +393,7 @@ def _fits() -> _Fits:
     return _Fits()
 
 
-def _even(x: Batch, end: float) -> Batch:
+def _scale_to_unit(x: Batch, end: float) -> Batch:
     """0 to `end` as -1 to 1 [-]."""
     return x * (2 / end) - 1
 

@@ -87,7 +87,7 @@ class Kim2021(AbstractBuckling):
     shear: str = SHEAR.field()
 
     def branch(self, column: Column) -> Pull:
-        """What the tension law says at the free strain [N]."""
+        """Pull of the tension law at the free strain [N]."""
         return column.pull(column.free_strain)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
@@ -157,7 +157,7 @@ def _slenderness(column: Column) -> Batch:
 
 
 def _moment_unit(column: Column) -> Batch:
-    """What $\\hat m$ counts, $4\\pi EI/L_{fs}$ [N·m]."""
+    """Unit of $\\hat m$, $4\\pi EI/L_{fs}$ [N·m]."""
     return 4 * np.pi * column.bending_stiffness / column.free_length
 
 
@@ -194,7 +194,7 @@ def _halley_step(b: BatchLike, xi: BatchLike, share: BatchLike, y: BatchLike) ->
 
 
 def bow_residual(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch]:
-    """What is left of (16a) times its denominators at $v = u/\\xi$ [-], and its slope in $v$ [-].
+    """Residual of (16a) times its denominators at $v = u/\\xi$ [-], and its slope in $v$ [-].
 
     `per_xi` is $b/\\xi$ [-], at compression `xi` [-].
     """
@@ -207,8 +207,8 @@ def bow_residual(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch,
 
 
 def bow_residual_slope(per_xi: BatchLike, fall: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
-    """Its slope [-] in `xi` [-], where $v$ [-] is held, at $b/\\xi$ of `per_xi` [-], whose own
-    slope is `fall` [-].
+    """Slope of that residual [-] in `xi` [-], at constant $v$ [-] and $b/\\xi$ of `per_xi` [-]
+    whose slope is `fall` [-].
     """
     w, g, share, squared = _shape_terms(xi, v)
     g_slope = 1 - 2 * xi * v
@@ -251,7 +251,7 @@ def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolB
 
 
 def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
-    """What (16c) is short of at $\\tau$, and its slope, both times $h$: divisions count."""
+    """Residual of (16c) at $\\tau$, and its slope, both times $h$: divisions count."""
     c, kappa = theta
     xi = kappa * tau
     free, share = 1 - xi, 1 / (2 - xi)
@@ -266,8 +266,8 @@ def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
 
 
 def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
-    """About $\\xi$ [-]: the end of small $\\xi$, then Newton steps of (16a) times its denominators,
-    with $h$ as it is for $b$ at the place before; near the peak they are kept short.
+    """Approximate $\\xi$ [-]: the limit of small $\\xi$, then Newton steps of (16a) times its
+    denominators, with $h$ as it is for $b$ at the place before; near the peak they are kept short.
     """
     xp = array_namespace(c, m, peak)
     g = xp.maximum(m, _NOTHING) ** 2

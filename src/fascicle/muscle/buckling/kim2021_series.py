@@ -40,12 +40,12 @@ from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Centerline, Column, Push
 
 
-_CLOSEST = 0.95  # of strains that are looked at
-_LOOKS = 96  # cells in which an onset, or a moment, is first looked for
+_LARGEST_STRAIN = 0.95  # of strains that are looked at
+_CELLS = 96  # cells in which an onset, or a moment, is first looked for
 
 
-class _Bowed(NamedTuple):
-    """Whether it is bent, its arc's strain [-] and pull, the arc and the chord [m]."""
+class _BowState(NamedTuple):
+    """Mask of the bent muscle, its arc's strain [-] and pull, the arc and the chord [m]."""
 
     bent: BoolBatch
     arc_strain: Batch
@@ -67,13 +67,13 @@ class Kim2021Series(AbstractBuckling):
         """The onset [-]: inf where it never bows."""
         here = stop_gradient(column)
         free = here.free_strain + 0.0 * here.bending_stiffness
-        ever, low, high = _first_cell(_unbowed, here, free)
-        found = root(_unbowed, column, low, high, 0.5 * (low + high))
+        ever, low, high = _first_cell(_load_reserve, here, free)
+        found = root(_load_reserve, column, low, high, 0.5 * (low + high))
         return where(logical_and(ever, found < LARGEST_STRAIN), found, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (12s)."""
-        at, EI, L0 = _bowed(column, strain), column.bending_stiffness, column.rest_length
+        at, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
         T = at.pull.force
         by_arc = at.pull.slope - 8 * np.pi**2 * EI * L0 / at.chord**3
         by_strain = 8 * np.pi**2 * EI * L0 * (3 * at.arc - at.chord) / at.chord**4
@@ -89,7 +89,7 @@ class Kim2021Series(AbstractBuckling):
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
-        at = _bowed(column, strain)
+        at = _bow_state(column, strain)
         x = at.arc - at.chord
         bends = logical_and(at.bent, x > 0)
         y_max = where(bends, 2 / np.pi * sqrt(guarded(bends, x) * at.chord), 0.0)
@@ -112,8 +112,8 @@ class Kim2021Series(AbstractBuckling):
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
         here, more = stop_gradient(theta)
         free = here.free_strain + 0.0 * here.bending_stiffness + 0.0 * more
-        ever, low, high = _first_cell(_short_of, (here, more), free)
-        strain = root(_short_of, theta, low, high, 0.5 * (low + high))
+        ever, low, high = _first_cell(_moment_residual, (here, more), free)
+        strain = root(_moment_residual, theta, low, high, 0.5 * (low + high))
         return where(logical_and(ever, isfinite(column.branch)), strain, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
@@ -131,25 +131,25 @@ class Kim2021Series(AbstractBuckling):
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
-    """Whether a `function` of `theta` and strain is ever below 0 past the `free` one [-], and the
-    ends [-] of the first of `_LOOKS` cells at whose end it is; all in the shape of `free`.
+    """Mask where a `function` of `theta` and strain falls below 0 past the `free` one [-], and the
+    ends [-] of the first of `_CELLS` cells at whose end it is; all in the shape of `free`.
     """
-    rank = node_axis(np.arange(float(_LOOKS)), free)
-    step = (_CLOSEST - free) / _LOOKS
+    rank = node_axis(np.arange(float(_CELLS)), free)
+    step = (_LARGEST_STRAIN - free) / _CELLS
     ahead, _ = function(theta, free + step * (rank + 1))
     cell = min_nodes(where(ahead <= 0, rank, np.inf))
-    low = free + step * minimum(cell, _LOOKS - 1.0)
+    low = free + step * minimum(cell, _CELLS - 1.0)
     return isfinite(cell), low, low + step
 
 
-def _unbowed(column: Column, strain: Batch) -> tuple[Batch, Batch]:
-    """What a straight muscle holds yet before it bows [N], and its slope [N]."""
+def _load_reserve(column: Column, strain: Batch) -> tuple[Batch, Batch]:
+    """Load reserve of a straight muscle before it bows [N], and its slope [N]."""
     pull, length = column.pull(strain), column.rest_length * (1 - strain)
     euler = 4 * np.pi**2 * column.bending_stiffness / length**2
     return pull.force + euler, pull.slope + 2 * euler / (1 - strain)
 
 
-def _pressed(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
+def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
     """By how much the bow holds more than presses the arc [N], and its slope [N]."""
     column, chord = theta
     pull, EI, L0 = column.pull(arc_strain), column.bending_stiffness, column.rest_length
@@ -157,28 +157,28 @@ def _pressed(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
     return unit * (2 * L0 * (1 - arc_strain) - chord) + pull.force, pull.slope - 2 * unit * L0
 
 
-def _bowed(column: Column, strain: BatchLike) -> _Bowed:
+def _bow_state(column: Column, strain: BatchLike) -> _BowState:
     """The state at `strain` [-]."""
     L0 = column.rest_length
     # past the onset, and where it doesn't hold straight what presses it
-    presses = _unbowed(column, strain + 0.0 * column.free_strain)[0] < 0
+    presses = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
     bent = logical_and(strain > column.branch + ROUNDING, presses)
     eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
     low = stop_gradient(column.free_strain + 0.0 * eps)
     arc = root(
-        _pressed,
+        _arc_residual,
         (column, L0 * (1 - eps)),
         low,
         stop_gradient(eps),
         0.5 * (low + stop_gradient(eps)),
     )
     own = where(bent, arc, strain)
-    return _Bowed(bent, own, column.pull(own), L0 * (1 - own), L0 * (1 - strain) + 0.0 * own)
+    return _BowState(bent, own, column.pull(own), L0 * (1 - own), L0 * (1 - strain) + 0.0 * own)
 
 
-def _short_of(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """How much more the bow holds than presses the arc [N] that a moment makes longer than the
-    chord, and its slope [N].
+def _moment_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
+    """Excess of the bow's force over the compression of the arc [N], at a moment, and its slope
+    [N].
     """
     column, share = theta
     EI, L0 = column.bending_stiffness, column.rest_length

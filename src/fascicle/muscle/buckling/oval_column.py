@@ -32,9 +32,9 @@ _SINES, _COSINES, _POINTS = 24, 40, 112
 _FARTHEST, _NODES = 0.66, 45  # past all strains of the domain
 STEP = _FARTHEST / (_NODES - 1)  # of w, from node to node
 _STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch place after place
-_DONE = 1e-9  # of the largest number of a state
-_HARD = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
-_LONGEST = 0.25  # of a slope, in a step
+_TOLERANCE = 1e-9  # of the largest number of a state
+_WALL_PENALTY = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
+_LARGEST_SLOPE_STEP = 0.25  # of a slope, in a step
 # columns that are followed; more are interpolated between these, which leaves some 1e-6 of a state,
 # and corrected, each time to a tenth of the error or less. Twice as many take twice as long
 _FOLLOWED = 24
@@ -44,7 +44,7 @@ _CORRECTED = 0.1  # of a correction is left
 
 
 class Oval(NamedTuple):
-    """What the section's ovality has and is: $\\alpha, \\beta, \\gamma, \\zeta_t$ [-]."""
+    """Dimensionless numbers of the section's ovality: $\\alpha, \\beta, \\gamma, \\zeta_t$ [-]."""
 
     alpha: Batch
     beta: Batch
@@ -99,7 +99,7 @@ def states(oval: Oval) -> States:
     P = xp.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
     w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
     if xp is np:
-        x = _solved(P.tobytes()).reshape(_NODES - 1, *shape, -1)
+        x = _solve_states(P.tobytes()).reshape(_NODES - 1, *shape, -1)
     else:
         x, _ = _follow(xp, P)
         P = xp.stack([xp.broadcast_to(n, shape) for n in oval], axis=-1)[..., None]
@@ -118,7 +118,7 @@ def states(oval: Oval) -> States:
 
 
 @lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again
-def _solved(numbers: bytes) -> np.ndarray:
+def _solve_states(numbers: bytes) -> np.ndarray:
     """States at all nodes but the first, of many columns on the second axis; `numbers`: the four
     of each column, as bytes.
 
@@ -207,14 +207,14 @@ def _next(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
     moves.
     """
     x, slopes = _newton(xp, P, x, w)
-    by = xp.linalg.solve(slopes, _by_numbers(xp, P, x))
+    by = xp.linalg.solve(slopes, _gradient_by_numbers(xp, P, x))
     return x + by[..., -1] * STEP, (x, by)
 
 
 def _moves(xp: Any, move: Any, x: Any) -> Any:
-    """Whether a `move` is no rounding of a state `x` yet."""
+    """True where a `move` of a state `x` is larger than rounding."""
     size = xp.max(xp.abs(x), axis=-1, keepdims=True)
-    return ~xp.all(xp.abs(move) < _DONE * size, axis=-1, keepdims=True)  # NaN moves
+    return ~xp.all(xp.abs(move) < _TOLERANCE * size, axis=-1, keepdims=True)  # NaN moves
 
 
 def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
@@ -224,7 +224,7 @@ def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
         slopes = _jacobian(xp, P, x)
         move = xp.linalg.solve(slopes, _gradient(xp, P, x, w)[..., None])[..., 0]
         long = xp.max(xp.abs(move[..., :_SINES]), axis=-1, keepdims=True)
-        short = move * xp.minimum(1.0, _LONGEST / xp.maximum(long, 1e-300))
+        short = move * xp.minimum(1.0, _LARGEST_SLOPE_STEP / xp.maximum(long, 1e-300))
         return i + 1, x - short, short, slopes
 
     def on(state: Any) -> Any:
@@ -283,7 +283,7 @@ def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     z, load = x[..., _SINES:-1], x[..., -1:]
     squashing = 0.5 * here.kappa**2 * here.soft_slope
-    pressed = squashing + 2 * alpha * (here.oval + _HARD * here.sunk)
+    pressed = squashing + 2 * alpha * (here.oval + _WALL_PENALTY * here.sunk)
     return xp.concatenate([
         h * ((here.soft * here.kappa) @ b.S1 + load * (xp.sin(here.theta) @ b.S)),
         h * (pressed @ b.Z + 2 * (beta * (z @ b.Z1.T) @ b.Z1 + gamma * (z @ b.Z2.T) @ b.Z2)),
@@ -301,7 +301,7 @@ def _jacobian(xp: Any, P: Any, x: Any) -> Any:
     cos, cross = load * xp.cos(here.theta), here.soft_slope * here.kappa
     tt = h * (b.S1.T @ (here.soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
     tz = h * b.S1.T @ (cross[..., None] * b.Z)
-    own = 0.625 * here.kappa**2 + 2 * alpha * (1 + _HARD * (here.sunk > 0))
+    own = 0.625 * here.kappa**2 + 2 * alpha * (1 + _WALL_PENALTY * (here.sunk > 0))
     zz = h * b.Z.T @ (own[..., None] * b.Z) + stiff
     none = xp.zeros((*x.shape[:-1], _COSINES, 1))
     last, corner = sine[..., None], xp.zeros((*x.shape[:-1], 1, 1))
@@ -313,18 +313,18 @@ def _jacobian(xp: Any, P: Any, x: Any) -> Any:
     ], axis=-2)  # fmt: skip
 
 
-def _by_numbers(xp: Any, P: Any, x: Any) -> Any:
-    """How the gradient falls with each of the four numbers, and with the shortening, last."""
+def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
+    """Negative slopes of the gradient by each of the four numbers, and by the shortening, last."""
     b = _basis()
     h, alpha, touch = b.weight, P[..., 0, :], P[..., 3, :]
     z = x[..., _SINES:-1]
     oval = z @ b.Z.T
     sunk = xp.maximum(oval - touch, 0.0)
     rows = [
-        2 * h * (oval + _HARD * sunk) @ b.Z,
+        2 * h * (oval + _WALL_PENALTY * sunk) @ b.Z,
         2 * h * (z @ b.Z1.T) @ b.Z1,
         2 * h * (z @ b.Z2.T) @ b.Z2,
-        -2 * h * (_HARD * alpha * (sunk > 0)) @ b.Z,
+        -2 * h * (_WALL_PENALTY * alpha * (sunk > 0)) @ b.Z,
     ]
     at_rest = xp.zeros((*x.shape[:-1], _SINES))
     none = xp.zeros((*x.shape[:-1], 1))
@@ -343,12 +343,12 @@ def _spline() -> np.ndarray:
     )
 
 
-def splined(values: Batch) -> Batch:
+def spline_slopes(values: Batch) -> Batch:
     """Slopes [-] at the nodes of the spline through `values` there [-], nodes first."""
     return sum_nodes(_spline().reshape(_NODES, _NODES, *(1,) * (values.ndim - 1)) * values[:, None])
 
 
-def between(values: Any, slopes: Any, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
+def interpolate_spline(values: Any, slopes: Any, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
     """A spline's value [-] and slope [-] at a shortening `w` [-] in a `cell` [-]."""
     u = w / STEP - cell
     rank = node_axis(np.arange(float(_NODES)), cell)

@@ -56,14 +56,14 @@ from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, Centerline, Column, Push
-from .oval_column import STEP, Oval, States, between, shortenings, splined, states
+from .oval_column import STEP, Oval, States, interpolate_spline, shortenings, spline_slopes, states
 
 
-_CLOSEST = 0.95  # of an arc's strain: past all that can be asked for
+_LARGEST_STRAIN = 0.95  # of an arc's strain: past all that can be asked for
 
 
 class _Branch(NamedTuple):
-    """What is solved for once: the `onset` [-], the column's states over $w$ with their slopes,
+    """State at a pressure: the `onset` [-], the column's states over $w$ with their slopes,
     and the `strain` of the ends at them [-], nodes first.
     """
 
@@ -73,8 +73,8 @@ class _Branch(NamedTuple):
     strain: Batch
 
 
-class _Followed(NamedTuple):
-    """Whether the muscle is bent, the cell and the shortening $w$ of its bent arc, the arc's
+class _State(NamedTuple):
+    """Mask of the bent muscle, the cell and the shortening $w$ of its bent arc, the arc's
     $1 - \\varepsilon_a$ [-], and what the tension law says of it.
     """
 
@@ -99,21 +99,21 @@ class Ovalising(AbstractBuckling):
         """The onset [-], and all bent states of the column."""
         found = states(_oval(column))
         load, bow, bend, sines = found
-        slopes = States(splined(load), splined(bow), splined(bend), sines)
+        slopes = States(spline_slopes(load), spline_slopes(bow), spline_slopes(bend), sines)
         free = column.free_strain
         theta = (column, 4 * np.pi**2 * _unit(column))
-        onset = root(_compressed, theta, free, _CLOSEST + 0.0 * free, free + 1e-3)
+        onset = root(_arc_residual, theta, free, _LARGEST_STRAIN + 0.0 * free, free + 1e-3)
         here, w = stop_gradient(column), node_axis(shortenings(), stop_gradient(found.load[0]))
         wanted = stop_gradient(found.load) * (1 - w) * _unit(here)
         low = here.free_strain + 0.0 * wanted
-        arc = find_root(_compressed, (here, wanted), low, _CLOSEST + 0.0 * low, low + 1e-3)
-        ever = where(onset < 0.999 * _CLOSEST, onset, np.inf)
+        arc = find_root(_arc_residual, (here, wanted), low, _LARGEST_STRAIN + 0.0 * low, low + 1e-3)
+        ever = where(onset < 0.999 * _LARGEST_STRAIN, onset, np.inf)
         return _Branch(ever, found, slopes, 1 - (1 - arc) * (1 - w))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (O4)."""
-        at, unit, branch = _followed(column, strain), _unit(column), column.branch
-        n, rising = between(branch.states.load, branch.slopes.load, at.cell, at.w)
+        at, unit, branch = _bent_state(column, strain), _unit(column), column.branch
+        n, rising = interpolate_spline(branch.states.load, branch.slopes.load, at.cell, at.w)
         chord, T = 1 - at.w, at.pull.force
         # h(w, ε) = -T (1 - ε_a) - n (1 - w) u is zero: how w and the arc move with strain
         by_arc = at.pull.slope * at.arc - T
@@ -136,11 +136,11 @@ class Ovalising(AbstractBuckling):
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and the larger of the moments at the ends and in the middle [N·m]."""
-        at, branch = _followed(column, strain), column.branch
+        at, branch = _bent_state(column, strain), column.branch
         bends = logical_and(at.bent, at.w > 0)
         root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
         n, off, bend = (
-            between(x, slope, at.cell, at.w)[0]
+            interpolate_spline(x, slope, at.cell, at.w)[0]
             for x, slope in zip(branch.states[:3], branch.slopes[:3], strict=True)
         )
         moment = maximum(bend, n * off - bend) * root_w
@@ -167,7 +167,7 @@ class Ovalising(AbstractBuckling):
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
-        at = _followed(column, strain)
+        at = _bent_state(column, strain)
         sines = column.branch.states.sines
         bends = logical_and(at.bent, at.w > 0)
         root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
@@ -189,7 +189,7 @@ class Ovalising(AbstractBuckling):
         )
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Whether other bent states exist at `strain` [-] beside the one followed."""
+        """True where other bent states exist at `strain` [-] beside the one followed."""
         eps = stop_gradient(strain + 0.0 * column.free_strain)
         past = expand_nodes(column.branch.strain, eps) > eps
         crossed = sum_nodes(where(past[1:] != past[:-1], 1.0, 0.0))
@@ -202,7 +202,7 @@ def _unit(column: Column) -> Batch:
 
 
 def _oval(column: Column) -> Oval:
-    """What the section's ovality costs, (O3), over the column's own numbers [-]."""
+    """Coefficients of the section's ovality, (O3), over those of the column [-]."""
     bladder, EI, L = column.tension.bladder, column.bending_stiffness, column.free_length
     E, t, nu = (
         column.axial_stiffness / bladder.area,
@@ -217,14 +217,14 @@ def _oval(column: Column) -> Oval:
     return Oval(a * L**2 / EI, b / EI, g / (EI * L**2), 1 - t / (2 * r))
 
 
-def _compressed(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """What is left of a load [N] after the compressed arc holds its share, and its slope [N]."""
+def _arc_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
+    """Load [N] beyond the compression of the arc, and its slope [N]."""
     column, wanted = theta
     pull = column.pull(arc)
     return wanted + pull.force * (1 - arc), pull.slope * (1 - arc) - pull.force
 
 
-def _unheld(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
+def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
     """By how much more the arc is compressed than the bent column holds [N] at a shortening `w`
     [-], (O4), and its slope [N].
     """
@@ -233,14 +233,14 @@ def _unheld(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
     arc = (1 - strain) / chord
     pull = column.pull(1 - arc)
     branch, unit = column.branch, _unit(column)
-    n, rising = between(branch.states.load, branch.slopes.load, cell, w)
+    n, rising = interpolate_spline(branch.states.load, branch.slopes.load, cell, w)
     by_arc = pull.slope * arc - pull.force
     return -pull.force * arc - n * chord * unit, (
         by_arc * arc / chord - unit * (rising * chord - n)
     )
 
 
-def _followed(column: Column, strain: BatchLike) -> _Followed:
+def _bent_state(column: Column, strain: BatchLike) -> _State:
     """The state that is followed from the free strain to `strain` [-]."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
@@ -250,6 +250,6 @@ def _followed(column: Column, strain: BatchLike) -> _Followed:
     rank = node_axis(np.arange(float(ends.shape[0])), wanted)
     cell = minimum(min_nodes(where(ends >= wanted, rank, np.inf)), ends.shape[0] - 1.0)
     low = STEP * cell
-    w = root(_unheld, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
+    w = root(_equilibrium_residual, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
     arc = where(bent, (1 - eps) / (1 - w), 1 - strain)
-    return _Followed(bent, cell, where(bent, w, 0.0), arc, column.pull(1 - arc))
+    return _State(bent, cell, where(bent, w, 0.0), arc, column.pull(1 - arc))

@@ -46,7 +46,7 @@ class AbstractPostCollapse(AbstractLaw):
         return self.push(column, hinge, (strain - column.free_strain) * column.rest_length)[0]
 
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
-        """The same [N] at a `compression` $x$ [m], and its slope [N/m]."""
+        """$F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]."""
         x, rest = compression, column.free_length - compression
         halves, slope = self.halves(column, x)
         folded = hinge / sqrt(x * rest)
@@ -75,7 +75,7 @@ def bent_halves(column: Column, x: Batch) -> tuple[Batch, Batch]:
 
 
 class Derived(AbstractPostCollapse):
-    """What (24) leads to: halves whose slope at the hinge is $\\sqrt{x/(L_{fs} - x)}$."""
+    """The term that (24) leads to: halves whose slope at the hinge is $\\sqrt{x/(L_{fs} - x)}$."""
 
     name: ClassVar[str] = "derived"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25)"

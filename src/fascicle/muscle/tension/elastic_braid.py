@@ -177,7 +177,7 @@ def _swell(braid: Braid, strain: BatchLike, u: BatchLike) -> Batch:
 
 
 def _pressed(theta: tuple, u: Batch) -> tuple[Batch, Batch]:
-    """How much longer fibers would be than by `u` [-], and its slope."""
+    """Residual of the fibers' strain `u` [-], and its slope."""
     bladder, c, pressure, strain = theta
     braid, lam = bladder.braid, 1 - strain
     W = bladder.material.slopes(lam**2, _swell(braid, strain, u))
