@@ -31,9 +31,9 @@ _DIGITS = 9  # of a margin: two splits of the same muscles have the same up to r
 
 
 class Product(NamedTuple):
-    """A muscle that is sold, of one length: its `name`, `price` for one in the catalog's currency
-    [-], `mass` for one [kg], and the largest pressure [Pa] and contraction [-] that its maker
-    allows; each of them `None` if it isn't known. `source`: where the figures come from [-].
+    """A muscle that is sold, of one length: its `name`, `price` for one in the catalog's currency,
+    `mass` for one [kg], and the largest pressure [Pa] and contraction [-] that its maker
+    allows; each of them `None` if it isn't known. `source`: where the figures come from.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Product(NamedTuple):
     source: str = ""
 
     def exclusion_reason(self, task: Task, length: float) -> str:
-        """Why it must not be used for a `task` [-] at its `length` [m]; empty if it may."""
+        """Why it must not be used for a `task` at its `length` [m]; empty if it may."""
         most, strain = self.largest_pressure, float(task.strain_of(length).max())
         if most is not None and task.supply_pressure > most * (1 + _ROUNDING):
             return f"{task.supply_pressure / 1e3:g} kPa, it is made for {most / 1e3:g} kPa"
@@ -58,7 +58,7 @@ class Product(NamedTuple):
 class Catalog:
     """What can be bought, and for how much. `products`, by the name of their drawing; prices in
     a `currency`: of a `valve` and of a `muscle` that no product gives the price of [-], of `air`
-    [-] for each normal m³ and of `energy` [-] for each J; `density` of the bladder [kg/m³].
+    for each normal m³ and of `energy` for each J; `density` of the bladder [kg/m³].
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)
@@ -70,12 +70,12 @@ class Catalog:
     density: float | None = None
 
     def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of each design's muscles [-]; NaN where it isn't known. `designs` [-]."""
+        """Price of each design's muscles [-]; NaN where it isn't known. `designs`."""
         each = np.array([self._each(name) for name in designs.drawings])
         return designs.counts.sum(axis=1) * each[designs.kind]
 
     def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of each design's muscles and valves [-], NaN if not known. `designs` [-]."""
+        """Price of each design's muscles and valves [-], NaN if not known. `designs`."""
         valve = np.nan if self.valve is None else self.valve
         return self.muscle_price(designs) + valve * designs.units
 
@@ -84,10 +84,10 @@ class Catalog:
 
         **Arguments:**
 
-        - `drawings`: muscles by name [-].
-        - `task`: what is demanded [-].
+        - `drawings`: muscles by name.
+        - `task`: what is demanded.
 
-        **Returns:** why not, by the drawing's name [-].
+        **Returns:** why not, by the drawing's name.
         """
         why = {
             name: product.exclusion_reason(task, float(drawings[name].length))
@@ -96,7 +96,7 @@ class Catalog:
         return {name: text for name, text in why.items() if text}
 
     def known_prices(self, drawings: Mapping[str, Muscle]) -> tuple[bool, bool]:
-        """Whether the price of every one of the `drawings` [-] is known, and of a valve [-]."""
+        """Whether the price of every one of the `drawings` [-] is known, and of a valve."""
         muscles = not np.any(np.isnan([self._each(name) for name in drawings]))
         return muscles, muscles and self.valve is not None
 
@@ -118,14 +118,14 @@ def cheapest(
 
     **Arguments:**
 
-    - `places`: of the designs that may be taken [-].
+    - `places`: of the designs that may be taken.
     - `values`: objectives of all designs, by name [SI]; with `valves`, `relative_margin` and
       `mean_energy`.
-    - `designs`: gives designs by their places [-].
+    - `designs`: gives designs by their places.
     - `catalog`: prices [-].
-    - `drawings`: of all designs, by name [-].
+    - `drawings`: of all designs, by name.
 
-    **Returns:** its place [-]; `None` where there is none to be taken.
+    **Returns:** its place; `None` where there is none to be taken.
     """
     if not places.size:
         return None
@@ -157,9 +157,9 @@ def describe_cheapest(catalog: Catalog, drawings: Mapping[str, Muscle]) -> str:
     **Arguments:**
 
     - `catalog`: prices [-].
-    - `drawings`: of all designs, by name [-].
+    - `drawings`: of all designs, by name.
 
-    **Returns:** the words [-].
+    **Returns:** the words.
     """
     muscles_known, all_known = catalog.known_prices(drawings)
     if all_known:

@@ -35,7 +35,7 @@ def local(workers: int | None = None) -> Iterator[Any]:
 
     **Arguments:** `workers`: how many [-]; left out, one a core.
 
-    **Returns:** Dask's client [-], inside a `with`.
+    **Returns:** Dask's client, inside a `with`.
 
     **Raises:** `ConnectionError` where workers can't be started.
     """
@@ -57,7 +57,7 @@ def local(workers: int | None = None) -> Iterator[Any]:
 
 
 def _started(workers: int) -> tuple[Any, Any]:
-    """A cluster of so many `workers` [-], and a client."""
+    """A cluster of so many `workers`, and a client."""
     from distributed import Client, LocalCluster, Security
 
     make: Any = LocalCluster
@@ -105,7 +105,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def revive(client: Any) -> None:
-    """Start local workers again that died as they started; `client` [-]: Dask's.
+    """Start local workers again that died as they started; `client`: Dask's.
 
     Dask itself starts a dead worker again, once: one that is killed before it is up stays dead.
     """
@@ -129,9 +129,9 @@ def revive(client: Any) -> None:
 def remote(address: str) -> Iterator[Any]:
     """A client of a scheduler.
 
-    **Arguments:** `address`: its address, `tcp://…` [-].
+    **Arguments:** `address`: its address, `tcp://…`.
 
-    **Returns:** Dask's client [-], inside a `with`.
+    **Returns:** Dask's client, inside a `with`.
 
     **Raises:** `ConnectionError` where there is none.
     """

@@ -144,11 +144,11 @@ class Designs:
 
         **Arguments:**
 
-        - `muscle`: the one [-].
+        - `muscle`: the one.
         - `counts`: muscles in each unit [-], a row for each design.
-        - `name`: what the muscle is called [-].
+        - `name`: what the muscle is called.
 
-        **Returns:** the designs [-].
+        **Returns:** the designs.
         """
         n = pad_rows([[int(x) for x in row if x] for row in counts])
         size = np.ones(n.shape)
@@ -167,17 +167,17 @@ class Designs:
 
     @property
     def units(self) -> Int[np.ndarray, " design"]:
-        """Motor units of each [-]."""
+        """Motor units of each."""
         return np.sum(self.counts > 0, axis=1)
 
     @property
     def labels(self) -> list[str]:
-        """Each one's composition [-], such as `1+4`."""
+        """Each one's composition, such as `1+4`."""
         return [label(row) for row in self.counts]
 
     @property
     def uniform(self) -> np.ndarray:
-        """Whether all units of a design have one muscle [-]."""
+        """Whether all units of a design have one muscle."""
         same = np.ones(len(self), bool)
         for sizes in (self.radius, self.wall, self.angle):
             same &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
@@ -216,10 +216,10 @@ class Designs:
 
         **Arguments:**
 
-        - `place`: which design [-].
-        - `task`: whose supply and scheme it has [-], if any.
+        - `place`: which design.
+        - `task`: whose supply and scheme it has, if any.
 
-        **Returns:** the bundle [-].
+        **Returns:** the bundle.
         """
         shared = self.muscle(place) if self.uniform[place] else None
         units = [
@@ -246,7 +246,7 @@ def scaled_designs(
 
     **Arguments:**
 
-    - `drawings`: muscles by name [-]; `kind`: which of them [-].
+    - `drawings`: muscles by name; `kind`: which of them.
     - `counts`: muscles in each unit [-].
     - `factor`: of each unit's radius [-].
     - `length`: of all muscles [m].
@@ -254,7 +254,7 @@ def scaled_designs(
     - `wall_ratio`: wall thickness over radius [-].
     - `angle`: of the braid [rad].
 
-    **Returns:** the designs [-].
+    **Returns:** the designs.
     """
     radii = radius[:, None] * factor
     wall, tilt = wall_ratio[:, None] * radii, angle[:, None] * np.ones(radii.shape)
@@ -262,7 +262,7 @@ def scaled_designs(
 
 
 def concatenate(parts: Sequence[Designs]) -> Designs:
-    """Several sets of designs of the same drawings as one; `parts` [-] aren't empty."""
+    """Several sets of designs of the same drawings as one; `parts` aren't empty."""
     units = max(part.counts.shape[1] for part in parts)
 
     def rows(name: str) -> np.ndarray:
@@ -293,9 +293,9 @@ def pad_rows(
     **Arguments:**
 
     - `rows`: muscles in each unit [-].
-    - `units`: length of the rows [-]; left out, the longest's.
+    - `units`: length of the rows; left out, the longest's.
 
-    **Returns:** the same with zeros last [-].
+    **Returns:** the same with zeros last.
     """
     width = max(map(len, rows)) if units is None else units
     counts = np.zeros((len(rows), width), int)

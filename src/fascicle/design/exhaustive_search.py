@@ -49,7 +49,7 @@ def as_minimization(
     **Arguments:**
 
     - `values`: an array for each objective [SI].
-    - `senses`: "min" or "max" by name [-]; only these objectives are taken.
+    - `senses`: "min" or "max" by name; only these objectives are taken.
 
     **Returns:** a row for each design [SI].
 
@@ -67,7 +67,7 @@ def non_dominated(points: Matrix) -> Bool[np.ndarray, " design"]:
 
     **Arguments:** `points`: smaller is better [-], a row each; a NaN is worse than all.
 
-    **Returns:** a mask [-]; of equal points all are kept.
+    **Returns:** a mask; of equal points all are kept.
     """
     import moocore
 
@@ -99,13 +99,13 @@ LEAST_MARGIN = 0.2  # forces of a muscle that isn't tuned are off by tens of per
 @dataclass(frozen=True, eq=False)
 class SearchResult:
     """What a search found. `values`: an array for each objective [SI], over all designs that
-    were kept; `index` of these in the space [-], -1 where sizes lie between those it lists;
+    were kept; `index` of these in the space, -1 where sizes lie between those it lists;
     `allowed`: those within the limits, which say what must be reached; `front`: places of those
     that none betters, best first in the first objective; `cheapest`: the place of the one that is
     recommended, `None` if there is none; `nearest`: the place of the one that comes nearest to the
     task, where none reaches it. `all_designs` gives designs by their places. How many were
     `judged` in all; `extra`: objectives that were asked for beside; the `catalog` they are from;
-    `least_margin`: the relative margin below which the recommended one is warned of [-].
+    `least_margin`: the relative margin [-] below which the recommended one is warned of.
     """
 
     space: Space
@@ -126,7 +126,7 @@ class SearchResult:
 
     @property
     def reported(self) -> Int[np.ndarray, " listed"]:
-        """Places [-] of the designs that are told: the front's, then the cheapest if it isn't
+        """Places of the designs that are told: the front's, then the cheapest if it isn't
         there.
         """
         if self.cheapest is None or self.cheapest in self.front:
@@ -135,7 +135,7 @@ class SearchResult:
 
     @cached_property
     def designs(self) -> Designs:
-        """The designs that are told [-]."""
+        """The designs that are told."""
         return self.all_designs(self.reported)
 
     @property
@@ -145,14 +145,14 @@ class SearchResult:
 
     @property
     def recommended(self) -> int | None:
-        """Which of the designs that are told is recommended [-]; `None` if there is none."""
+        """Which of the designs that are told is recommended; `None` if there is none."""
         if self.cheapest is None:
             return None
         return int(np.flatnonzero(self.reported == self.cheapest)[0])
 
     @property
     def compromise(self) -> int | None:
-        """Which place of the front is the best compromise [-]; `None` if it is empty."""
+        """Which place of the front is the best compromise; `None` if it is empty."""
         if not self.front.size:
             return None
         points = self.points
@@ -162,19 +162,19 @@ class SearchResult:
 
     @property
     def reaches_task(self) -> Bool[np.ndarray, " design"]:
-        """Which designs reach as much of the task as must be [-], whatever other limits they
+        """Which designs reach as much of the task as must be, whatever other limits they
         break.
         """
         return reaches_task(self.values, self.limits)
 
     @property
     def excluded_products(self) -> dict[str, str]:
-        """Why products must not be used for the task, by the drawing's name [-]."""
+        """Why products must not be used for the task, by the drawing's name."""
         return self.catalog.excluded(self.space.drawings, self.task)
 
     @property
     def reported_objectives(self) -> tuple[str, ...]:
-        """Objectives that were asked for [-], by a sense, a limit or by name; and the margins."""
+        """Objectives that were asked for, by a sense, a limit or by name; and the margins."""
         asked = [*self.senses, *(n for n in self.limits if n not in SHARES), *self.extra]
         return tuple(dict.fromkeys([*asked, "margin", "relative_margin"]))
 
@@ -203,17 +203,17 @@ def search(
 
     **Arguments:**
 
-    - `space`: the designs [-].
-    - `task`: what is demanded [-].
-    - `senses`: "min" or "max" by objective [-]; left out, `USUAL`.
+    - `space`: the designs.
+    - `task`: what is demanded.
+    - `senses`: "min" or "max" by objective; left out, `USUAL`.
     - `limits`: on objectives, by name [SI]; `not_reached` is the share of the task that may be
       missed, by weight and by points. Left out, all of it must be reached.
-    - `extra`: objectives to record that don't make the front [-].
+    - `extra`: objectives to record that don't make the front.
     - `progress`: told how many designs are done, and of how many [-].
     - `catalog`: products and prices [-]; left out, none is known.
-    - `least_margin`: relative margin below which the recommended one is warned of [-].
+    - `least_margin`: relative margin [-] below which the recommended one is warned of.
 
-    **Returns:** what was found [-].
+    **Returns:** what was found.
 
     **Raises:** `ValueError` for unknown objectives and a space too large for one search.
     """
@@ -256,19 +256,19 @@ def conclude(
 
     **Arguments:**
 
-    - `space`: the designs [-].
-    - `task`: what is demanded [-].
-    - `senses`: "min" or "max" by objective [-].
+    - `space`: the designs.
+    - `task`: what is demanded.
+    - `senses`: "min" or "max" by objective.
     - `limits`: on objectives, by name [SI], as of `search`.
-    - `index`: of the designs in the space [-].
+    - `index`: of the designs in the space.
     - `values`: their objectives, by name [SI]; those of `recorded` among them.
-    - `extra`: objectives that were asked for beside [-].
+    - `extra`: objectives that were asked for beside.
     - `catalog`: products and prices [-]; left out, none is known.
-    - `designs`: themselves [-], where the space doesn't list them.
+    - `designs`: themselves, where the space doesn't list them.
     - `judged`: how many were, in all [-]; left out, these.
-    - `least_margin`: relative margin below which the recommended one is warned of [-].
+    - `least_margin`: relative margin [-] below which the recommended one is warned of.
 
-    **Returns:** what was found [-].
+    **Returns:** what was found.
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
 
@@ -305,9 +305,9 @@ def nearest(
 
     - `values`: objectives of at least one design, by name [SI].
     - `limits`: on objectives, by name [SI].
-    - `permitted`: which designs may be used at all [-].
+    - `permitted`: which designs may be used at all.
 
-    **Returns:** its place [-].
+    **Returns:** its place.
     """
     kept = within_limits(values, other_limits(limits)) & permitted
     # of those that miss as much, up to rounding, the one with fewer valves
@@ -323,10 +323,10 @@ def pareto_front(
     **Arguments:**
 
     - `values`: objectives of designs, by name [SI].
-    - `senses`: "min" or "max" by objective [-].
+    - `senses`: "min" or "max" by objective.
     - `places`: of the designs that count [-].
 
-    **Returns:** their places [-].
+    **Returns:** their places.
     """
     points = as_minimization(values, senses)
     front = places[non_dominated(points[places])]

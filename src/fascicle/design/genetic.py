@@ -144,8 +144,8 @@ class Coding:
     def __init__(self, space: Space, continuous: bool):
         """**Arguments:**
 
-        - `space`: of one drawing, with all compositions [-].
-        - `continuous`: whether sizes may lie between those listed [-].
+        - `space`: of one drawing, with all compositions.
+        - `continuous`: whether sizes may lie between those listed.
 
         **Raises:** `ValueError` for a space that isn't so.
         """
@@ -222,21 +222,21 @@ def evolve(
 
     **Arguments:**
 
-    - `space`: of one drawing, with all compositions [-].
-    - `task`: what is demanded [-].
-    - `senses`: "min" or "max" by objective [-].
+    - `space`: of one drawing, with all compositions.
+    - `task`: what is demanded.
+    - `senses`: "min" or "max" by objective.
     - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
     - `population`: designs in a generation [-].
     - `generations`: how many [-].
-    - `seed`: of chance [-].
-    - `continuous`: whether sizes may lie between those listed [-].
+    - `seed`: of chance.
+    - `continuous`: whether sizes may lie between those listed.
     - `checkpoint`: a file that is kept after each generation, and gone on from [-].
     - `watch`: told how many generations are done [-].
-    - `extra`: objectives to record that don't make the front [-].
+    - `extra`: objectives to record that don't make the front.
     - `catalog`: products and prices [-]; left out, none is known.
-    - `least_margin`: relative margin below which the recommended one is warned of [-].
+    - `least_margin`: relative margin [-] below which the recommended one is warned of.
 
-    **Returns:** what was found [-]: of all designs that were judged, those of the front and the
+    **Returns:** what was found: of all designs that were judged, those of the front and the
     cheapest, or where none keeps the limits the one that comes nearest to the task.
 
     **Raises:** `ValueError` for a space it can't search, or another search's checkpoint;

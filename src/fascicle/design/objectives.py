@@ -52,11 +52,11 @@ def objective(
 
     **Arguments:**
 
-    - `unit`: of what it gives [-]: "-", "N", "J", "m" or another that `fascicle.units` has.
-    - `sense`: in which it is better, "min" or "max" [-].
-    - `needs`: beyond the task's points: "size" or "curves" [-].
+    - `unit`: of what it gives: "-", "N", "J", "m" or another that `fascicle.units` has.
+    - `sense`: in which it is better, "min" or "max".
+    - `needs`: beyond the task's points: "size" or "curves".
 
-    **Returns:** the decorator, which gives the function back [-]; the first sentence of its
+    **Returns:** the decorator, which gives the function back; the first sentence of its
     docstring, up to a unit in brackets, is how it is told.
 
     **Raises:** `ValueError` for a name that is taken, no docstring, an unknown sense or need.
@@ -95,26 +95,26 @@ def mean_efficiency(outcome: Outcome) -> PerDesign:
 
 @objective("J", "min")
 def peak_energy(outcome: Outcome) -> PerDesign:
-    """Largest fluid energy that any point of the task takes [J]; `outcome` [-]."""
+    """Largest fluid energy that any point of the task takes [J]."""
     return _largest(outcome.energy)
 
 
 @objective("J", "min")
 def mean_energy(outcome: Outcome) -> PerDesign:
-    """Mean fluid energy of the task's points [J]; `outcome` [-]."""
+    """Mean fluid energy of the task's points [J]."""
     return _mean(outcome, outcome.energy)
 
 
 @objective("-", "min")
 def not_reached(outcome: Outcome) -> PerDesign:
-    """Share of the task that no recruitment state reaches [-]; `outcome` [-]."""
+    """Share of the task that no recruitment state reaches [-]."""
     return _mean(outcome, where(outcome.reached, 0.0, 1.0))
 
 
 @objective("-", "min")
 def points_not_reached(outcome: Outcome) -> PerDesign:
-    """Share of the task's points that no recruitment state reaches, each as good as any other
-    [-]; `outcome` [-].
+    """Share of the task's points that no recruitment state reaches, each as good as any
+    other [-].
     """
     return where(outcome.reached, 0.0, 1.0).mean(axis=0)
 
@@ -122,7 +122,7 @@ def points_not_reached(outcome: Outcome) -> PerDesign:
 @objective("N", "max")
 def margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over the task's points [N], negative where one isn't reached; the
-    demanded load could be larger by that everywhere. `outcome` [-].
+    demanded load could be larger by that everywhere.
     """
     return -_largest(-outcome.spare)
 
@@ -130,55 +130,55 @@ def margin(outcome: Outcome) -> PerDesign:
 @objective("-", "max")
 def relative_margin(outcome: Outcome) -> PerDesign:
     """Least force to spare over what is demanded there [-], over the task's largest force where
-    nothing is; negative where a point isn't reached. `outcome` [-].
+    nothing is; negative where a point isn't reached.
     """
     return -_largest(-outcome.spare / _reference(outcome))
 
 
 @objective("N", "min")
 def shortfall(outcome: Outcome) -> PerDesign:
-    """Mean distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    """Mean distance from what is demanded to what is reachable [N]."""
     return _mean(outcome, outcome.shortfall)
 
 
 @objective("N", "min")
 def worst_shortfall(outcome: Outcome) -> PerDesign:
-    """Largest distance from what is demanded to what is reachable [N]; `outcome` [-]."""
+    """Largest distance from what is demanded to what is reachable [N]."""
     return _largest(outcome.shortfall)
 
 
 @objective("-", "min")
 def relative_shortfall(outcome: Outcome) -> PerDesign:
     """Largest shortfall over what is demanded there [-], over the task's largest force where
-    nothing is; `outcome` [-].
+    nothing is.
     """
     return _largest(outcome.shortfall / _reference(outcome))
 
 
 @objective("N", "max")
 def largest_force(outcome: Outcome) -> PerDesign:
-    """Blocked force of all units at supply pressure [N]; `outcome` [-]."""
+    """Blocked force of all units at supply pressure [N]."""
     return outcome.blocked.sum(axis=0)
 
 
 @objective("N", "min")
 def force_resolution(outcome: Outcome) -> PerDesign:
     """Largest step of the blocked force from one fully active state to the next [N], which
-    is what full pressure alone can't tell apart; `outcome` [-].
+    is what full pressure alone can't tell apart.
     """
     return _largest(outcome.blocked)
 
 
 @objective("-", "min")
 def valves(outcome: Outcome) -> PerDesign:
-    """Number of motor units [-], each with a valve of its own; `outcome` [-]."""
+    """Number of motor units [-], each with a valve of its own."""
     return outcome.units.astype(float)
 
 
 @objective("m", "min", "size")
 def envelope(outcome: Outcome) -> PerDesign:
     """Diameter of the circle around the muscles, contracted to the task's largest strain,
-    with units that aren't fed bowed out as far as any does up to there [m]; `outcome` [-].
+    with units that aren't fed bowed out as far as any does up to there [m].
 
     Every unit but a lone one can be unfed while others contract it.
     """
@@ -188,7 +188,7 @@ def envelope(outcome: Outcome) -> PerDesign:
 @objective("-", "min", "curves")
 def reversal_depth(outcome: Outcome) -> PerDesign:
     """Largest fall of the free strain while a further unit's pressure rises from zero, earlier
-    ones at the supply's [-]; 0 for a lone unit. `outcome` [-].
+    ones at the supply's [-]; 0 for a lone unit.
     """
     return _asked(outcome.depth, "depth")
 
@@ -196,7 +196,7 @@ def reversal_depth(outcome: Outcome) -> PerDesign:
 @objective("N", "max", "curves")
 def overlap_width(outcome: Outcome) -> PerDesign:
     """Largest height in force of what two successive states both reach, at forces of zero and
-    above [N]; `outcome` [-].
+    above [N].
     """
     return _asked(outcome.overlap, "overlap")
 
@@ -204,9 +204,9 @@ def overlap_width(outcome: Outcome) -> PerDesign:
 def known(names: Iterable[str]) -> tuple[str, ...]:
     """Names of objectives, checked.
 
-    **Arguments:** `names`: some of `OBJECTIVES` [-].
+    **Arguments:** `names`: some of `OBJECTIVES`.
 
-    **Returns:** them [-], in their order, each once.
+    **Returns:** them, in their order, each once.
 
     **Raises:** `ValueError` for an unknown one; the nearest is suggested.
     """
@@ -218,8 +218,8 @@ def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
 
     **Arguments:**
 
-    - `names`: of the objectives [-].
-    - `scheme`: of recruitment [-].
+    - `names`: of the objectives.
+    - `scheme`: of recruitment.
 
     **Raises:** `ValueError` for the first of them.
     """
@@ -236,12 +236,12 @@ def check_turns(names: Iterable[str], scheme: AbstractScheme) -> None:
 
 
 def needs(names: Iterable[str]) -> tuple[str, ...]:
-    """What objectives need beyond the task's points; `names` [-] are theirs."""
+    """What objectives need beyond the task's points; `names` are theirs."""
     return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
 
 
 def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
-    """Objectives of an `outcome` [-], a row for each of their `names` [-], in its unit [SI]."""
+    """Objectives of an `outcome`, a row for each of their `names`, in its unit [SI]."""
     return stack([OBJECTIVES[name].function(outcome) for name in names])
 
 
@@ -304,7 +304,7 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
 
 
 def check_search(senses: Mapping[str, str], limits: Limits) -> None:
-    """Refuse senses and limits that can't be; both by objective [-]."""
+    """Refuse senses and limits that can't be; both by objective."""
     if not senses:
         raise InvalidInputError("objectives", "must name at least one", None, shown="none")
     for name, sense in senses.items():
@@ -357,8 +357,8 @@ def allowed_miss_fraction(limits: Limits) -> float:
 def recorded_objectives(
     senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
 ) -> tuple[str, ...]:
-    """Objectives that a search computes [-]: those of its `senses` [-], of its `limits` [SI], the
-    `extra` ones [-], and those that every search needs.
+    """Objectives that a search computes: those of its `senses`, of its `limits` [SI], the
+    `extra` ones, and those that every search needs.
     """
     return known([*senses, *limits, *extra, *ALWAYS])
 

@@ -38,8 +38,8 @@ MOST_SETS = 255  # sets of independent units that may be fed: all of eight
 
 
 class Demand(Module):
-    """A task as arrays: `force` [N], `travel`, a strain [-] or `by_stroke` a length [m], `weight`
-    [-], `supply` [Pa]. Its methods give points on the first axis, then the axes of a length.
+    """A task as arrays: `force` [N], `travel`, a strain [-] or `by_stroke` a length [m], `weight`,
+    `supply` [Pa]. Its methods give points on the first axis, then the axes of a length.
     """
 
     force: Numbers

@@ -53,21 +53,21 @@ def refine_sizes(
 
     **Arguments:**
 
-    - `designs`: among which the split is [-].
-    - `place`: which of them [-].
-    - `task`: what is demanded [-].
-    - `objective`: to better, by name [-].
+    - `designs`: among which the split is.
+    - `place`: which of them.
+    - `task`: what is demanded.
+    - `objective`: to better, by name.
     - `bounds`: least and largest `length` and `radius` [m], `wall_ratio` [-] and `angle` [rad];
-      what isn't bounded is held [-].
-    - `sense`: "min" or "max" [-]; left out, the objective's usual one.
+      what isn't bounded is held.
+    - `sense`: "min" or "max"; left out, the objective's usual one.
     - `penalty`: on the shortfalls over what is demanded, their mean and their largest, in units
       of what the objective is at first [-]; it grows where the task isn't reached.
-    - `steps`: of each start [-].
+    - `steps`: of each start.
     - `starts`: how many; the first is the design itself [-].
-    - `seed`: of the others [-].
+    - `seed`: of the others.
     - `may_miss`: share of the task that may be missed [-], by weight and by points.
 
-    **Returns:** the best design of each start [-], and its objective, turned so that smaller is
+    **Returns:** the best design of each start, and its objective, turned so that smaller is
     better, over the first design's objective [-]; infinite for a start that never came to
     reach the task, whose design is the one that came nearest.
 
@@ -110,7 +110,7 @@ def refine_sizes(
 
 
 class _Best(NamedTuple):
-    """The smallest `value` [-] of each start so far, and its `place` [-]."""
+    """The smallest `value` [-] of each start so far, and its `place`."""
 
     value: Float[np.ndarray, " start"]
     place: Float[np.ndarray, "start coordinate"]

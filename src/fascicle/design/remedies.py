@@ -31,11 +31,11 @@ _AT_ONCE = 256  # points looked at while solving; the others when it is solved
 
 @dataclass(frozen=True)
 class Remedy:
-    """A change that would reach the task. `what` is changed: "supply_pressure" [Pa], "muscles"
-    [-], "radius" [m] or "length" [m], `now` as it is; its `value`, `None` where this alone can't;
+    """A change that would reach the task. `what` is changed: "supply_pressure" [Pa], "muscles",
+    "radius" [m] or "length" [m], `now` as it is; its `value`, `None` where this alone can't;
     `most`: the largest that was looked at, which at the `worst` point is still `short` by so much
     [N], so that it gives `largest` there [N]. `free_strain`: the largest of the muscles, at that
-    pressure [-]. `breaks`: limits that the changed design breaks, by name, and the value
+    pressure. `breaks`: limits that the changed design breaks, by name, and the value
     it has then [SI]; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
     """
 
@@ -63,14 +63,14 @@ def remedies(
 
     **Arguments:**
 
-    - `designs`: among which it is [-].
-    - `index`: which of them [-].
-    - `task`: what is demanded [-].
+    - `designs`: among which it is.
+    - `index`: which of them.
+    - `task`: what is demanded.
     - `may_miss`: share of it that may be missed [-].
     - `limits`: on objectives, by name [SI]: which of them the changed design breaks is told.
-    - `product`: what its muscles are sold as [-], if they are: their radius can't be changed then.
+    - `product`: what its muscles are sold as, if they are: their radius can't be changed then.
 
-    **Returns:** the changes [-], each by itself.
+    **Returns:** the changes, each by itself.
     """
     design = designs.take(np.array([index]))
     design = design.take(np.array([0]), int(design.units[0]))

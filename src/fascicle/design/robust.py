@@ -42,7 +42,7 @@ _LARGEST_ANGLE = 0.95  # rad, short of where a muscle no longer contracts
 
 
 class Scales(NamedTuple):
-    """What a draw multiplies the drawing's sizes by [-], and what it adds to angles [rad]."""
+    """What a draw multiplies the drawing's sizes by, and what it adds to angles [rad]."""
 
     length: Float[Array, " draw"]
     radius: Float[Array, "draw unit"]
@@ -75,10 +75,10 @@ class Spread:
 
         **Arguments:**
 
-        - `senses`: "min" or "max" by objective [-].
+        - `senses`: "min" or "max" by objective.
         - `confidence`: share of the draws that do at least as well as a sure value [-].
 
-        **Returns:** a mask [-].
+        **Returns:** a mask.
         """
         low, high = self.quantile(1 - confidence), self.quantile(confidence)
         sure = {name: (high if sense == "min" else low)[name] for name, sense in senses.items()}
@@ -99,15 +99,15 @@ def spread(
 
     **Arguments:**
 
-    - `designs`: of one drawing [-].
-    - `task`: what is demanded [-].
-    - `objectives`: by name [-].
+    - `designs`: of one drawing.
+    - `task`: what is demanded.
+    - `objectives`: by name.
     - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
-    - `scatter`: of length and braid angle [-]; left out, none.
+    - `scatter`: of length and braid angle; left out, none.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; left
       out, the drawing itself.
     - `draws`: how many [-], the same for every design.
-    - `seed`: of chance [-].
+    - `seed`: of chance.
 
     **Returns:** values over the draws [SI].
 
@@ -157,10 +157,10 @@ def drawn_objectives(
     - `kinds`: the drawing as drawn, on the first axis of all its numbers [-].
     - `counts`: muscles in each unit of the design.
     - `sizes`: of them.
-    - `scales`: what each draw does to them [-].
-    - `demand`: the task's [-].
-    - `names`: of the objectives [-].
-    - `needs`: what these need beyond the task's points [-].
+    - `scales`: what each draw does to them.
+    - `demand`: the task's.
+    - `names`: of the objectives.
+    - `needs`: what these need beyond the task's points.
     - `resolution`: of levels and strains [-].
 
     **Returns:** them, a row for each name, in its unit [SI].
@@ -193,16 +193,16 @@ def sensitivities(
 
     **Arguments:**
 
-    - `designs`: of one drawing [-].
-    - `place`: which of them [-].
-    - `task`: what is demanded [-].
+    - `designs`: of one drawing.
+    - `place`: which of them.
+    - `task`: what is demanded.
     - `ranges`: how far each of `VARIED` may be off, over its value, either way [-].
-    - `objectives`: by name [-].
-    - `samples`: a power of two [-]; this times twice the number of ranges plus two are computed.
-    - `seed`: of chance [-].
+    - `objectives`: by name.
+    - `samples`: a power of two; this times twice the number of ranges plus two are computed.
+    - `seed`: of chance.
 
     **Returns:** for each objective `S1` and `ST` and the half-widths of their 95 % intervals,
-    `S1_conf` and `ST_conf`, in the order of the ranges [-]; an objective that doesn't change
+    `S1_conf` and `ST_conf`, in the order of the ranges; an objective that doesn't change
     has zeros.
 
     **Raises:** `ValueError` for unknown objectives and quantities; `ModuleNotFoundError`

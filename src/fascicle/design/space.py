@@ -96,7 +96,7 @@ def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -
     **Arguments:**
 
     - `muscles`: how many [-].
-    - `splits`: "all" compositions, or "partitions" [-].
+    - `splits`: "all" compositions, or "partitions".
     - `most_units`: largest number of motor units [-]; left out, any.
 
     **Returns:** their number [-].
@@ -118,7 +118,7 @@ def check_number(numbers: Iterable[int], splits: str, most_units: int | None = N
     **Arguments:**
 
     - `numbers`: of muscles [-].
-    - `splits`: "all" compositions, or "partitions" [-].
+    - `splits`: "all" compositions, or "partitions".
     - `most_units`: largest number of motor units [-]; `None` for any.
 
     **Raises:** `ValueError` with what would leave fewer.
@@ -183,10 +183,10 @@ Floats = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """Designs with muscles of one of the `drawings`, by name [-].
+    """Designs with muscles of one of the `drawings`, by name.
 
     - `muscles`: numbers of them [-].
-    - `splits`: "all" compositions, "partitions", or the compositions themselves [-].
+    - `splits`: "all" compositions, "partitions", or the compositions themselves.
     - `radius`: [m], by `radius_rule` [-]: "each", "cross_section" or "packing".
     - `length`: [m]; `braid_angle`: [rad]; left empty, the drawing's own.
     - `wall_ratio`: wall thickness over radius [-]; left empty, the drawing's own.
@@ -249,9 +249,9 @@ class Space:
     def at(self, index: Int[np.ndarray, " design"]) -> Designs:
         """Designs by their index.
 
-        **Arguments:** `index`: from 0 to the space's length [-].
+        **Arguments:** `index`: from 0 to the space's length.
 
-        **Returns:** the designs [-].
+        **Returns:** the designs.
         """
         counts, factor, scale = self._shapes
         grid, shape = np.divmod(index, len(counts))
@@ -269,7 +269,7 @@ class Space:
         return scaled_designs(self.drawings, np.asarray(kind), counts[shape], factor[shape], *sizes)
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
-        """Which of the drawings designs are of [-], by their `index` [-]; -1 is of the first."""
+        """Which of the drawings designs are of, by their `index`; -1 is of the first."""
         each = len(self) // len(self.drawings)
         return np.maximum(index, 0) // each
 

@@ -63,12 +63,12 @@ class Cases:
 
     @property
     def reached(self) -> Bool[np.ndarray, " point"]:
-        """Which load cases are reached [-]."""
+        """Which load cases are reached."""
         return self.spare >= -MET
 
     @property
     def tightest(self) -> int:
-        """The load case with the least force to spare [-], counted from 0."""
+        """The load case with the least force to spare, counted from 0."""
         return int(np.argmin(self.spare))
 
     @property
@@ -204,8 +204,8 @@ def _first_level(
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """A design's `label` [-], how many `muscles` and `valves` it has [-], what it does at its
-    `cases` [-]; its `diameter` with unfed units bowed out at the largest contraction, and
+    """A design's `label`, how many `muscles` and `valves` it has [-], what it does at its
+    `cases`; its `diameter` with unfed units bowed out at the largest contraction, and
     `diameter_at_rest` [m]; the `product` that its muscles are, if they are one; its `bladders`'
     volume [m³]; `mass` [kg], which is that of whole muscles where the `product` gives it; `price`
     of muscles and valves, `price_of_muscles`, and `cost_of_a_cycle` [-] in the catalog's currency:
@@ -232,8 +232,8 @@ class Summary:
 
     @property
     def relative_margin(self) -> float:
-        """The least force to spare over what is demanded, of the load cases that are reached [-];
-        NaN where none is.
+        """The least force to spare over what is demanded, of the load cases that are reached
+        [-]; NaN where none is.
         """
         reached = self.cases.relative[self.cases.reached]
         return float(reached.min()) if reached.size else np.nan
@@ -252,10 +252,10 @@ def summarize_result(found: SearchResult, place: int) -> Summary:
 
     **Arguments:**
 
-    - `found`: by the search [-].
-    - `place`: of the design among those that were kept [-].
+    - `found`: by the search.
+    - `place`: of the design among those that were kept.
 
-    **Returns:** the summary [-].
+    **Returns:** the summary.
     """
     one = found.all_designs(np.array([place]))
     envelope = found.values.get("envelope")
@@ -270,13 +270,13 @@ def summarize(
 
     **Arguments:**
 
-    - `designs`: among which it is [-].
-    - `place`: which of them [-].
-    - `task`: what is demanded [-].
+    - `designs`: among which it is.
+    - `place`: which of them.
+    - `task`: what is demanded.
     - `catalog`: products and prices [-].
     - `diameter`: of the envelope [m], if it has been computed.
 
-    **Returns:** the summary [-].
+    **Returns:** the summary.
     """
     one = designs.take(np.array([place]))
     if diameter is None:

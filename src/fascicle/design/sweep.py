@@ -70,14 +70,14 @@ class Study:
 
         **Arguments:**
 
-        - `space`: the designs [-].
-        - `task`: what is demanded [-].
-        - `senses`: "min" or "max" by objective [-].
-        - `limits`: on objectives, by name [-].
-        - `extra`: objectives to record that don't make the front [-].
-        - `block`: designs worked on at once [-].
+        - `space`: the designs.
+        - `task`: what is demanded.
+        - `senses`: "min" or "max" by objective.
+        - `limits`: on objectives, by name.
+        - `extra`: objectives to record that don't make the front.
+        - `block`: designs worked on at once.
 
-        **Returns:** the study [-].
+        **Returns:** the study.
 
         **Raises:** `ValueError` for unknown objectives, and blocks and spaces out of range.
         """
@@ -107,7 +107,7 @@ class Study:
         return told.hexdigest()
 
     def index(self, block: int) -> np.ndarray:
-        """Indices of a block's designs [-]; `block` counts from 0 [-]."""
+        """Indices of a block's designs; `block` counts from 0 [-]."""
         start = block * self.block
         return np.arange(start, min(start + self.block, len(self.space)))
 
@@ -117,7 +117,7 @@ class Study:
 
 
 def bits(values: Values) -> str:
-    """A digest [-] of objectives' `values` [SI]: the same if, and only if, all bits are."""
+    """A digest of objectives' `values` [SI]: the same if, and only if, all bits are."""
     told = hashlib.sha256()
     for name, one in values.items():
         told.update(name.encode())
@@ -152,8 +152,8 @@ class Store:
     def __init__(self, folder: Path, study: Study):
         """**Arguments:**
 
-        - `folder`: where they are [-]; `begin` has seen to it.
-        - `study`: whose they are [-].
+        - `folder`: where they are; `begin` has seen to it.
+        - `study`: whose they are.
         """
         self.folder, self.study = folder, study
 
@@ -166,9 +166,9 @@ class Store:
 
         **Arguments:**
 
-        - `folder`: where results would go [-].
-        - `study`: whose [-].
-        - `resume`: whether some are there already [-].
+        - `folder`: where results would go.
+        - `study`: whose.
+        - `resume`: whether some are there already.
 
         **Raises:** `ValueError` where there are none to resume, another study's, or any other.
         """
@@ -210,11 +210,11 @@ class Store:
 
         **Arguments:**
 
-        - `folder`: where it is [-].
-        - `study`: whose results it has [-].
-        - `resume`: whether some are there already [-].
+        - `folder`: where it is.
+        - `study`: whose results it has.
+        - `resume`: whether some are there already.
 
-        **Returns:** the store [-].
+        **Returns:** the store.
 
         **Raises:** `ValueError` as `check`.
         """
@@ -228,7 +228,7 @@ class Store:
         return store
 
     def write(self, block: int, values: Values) -> str:
-        """Write a block [-] of `values` [SI], whole chunks, onto the disk; a digest of it [-]."""
+        """Write a block of `values` [SI], whole chunks, onto the disk; a digest of it."""
         arrays, index = self._arrays("r+"), self.study.index(block)
         for name, one in values.items():
             arrays[name][index[0] : index[-1] + 1] = one
@@ -239,7 +239,7 @@ class Store:
         return bits(values)
 
     def read(self, block: int) -> Values:
-        """What stands in a `block` [-]: values by objective [SI]."""
+        """What stands in a `block`: values by objective [SI]."""
         index = self.study.index(block)
         return {
             name: np.asarray(array[index[0] : index[-1] + 1])
@@ -251,7 +251,7 @@ class Store:
         return {name: np.asarray(array[:]) for name, array in self._arrays("r").items()}
 
     def finish(self, block: int, digest: str) -> None:
-        """Note that a `block` [-] is written and has this `digest` [-]; on disk on return."""
+        """Note that a `block` is written and has this `digest`; on disk on return."""
         line = json.dumps({"block": block, "bits": digest}) + "\n"
         with (self.folder / JOURNAL).open("a", encoding="utf-8") as file:
             file.write(line)
@@ -259,7 +259,7 @@ class Store:
             os.fsync(file.fileno())
 
     def finished(self) -> set[int]:
-        """Blocks [-] that are done: noted, and with the bits that were noted."""
+        """Blocks that are done: noted, and with the bits that were noted."""
         return {block for block, digest in dict(self._noted()).items() if self._is(block, digest)}
 
     def _is(self, block: int, digest: str) -> bool:
@@ -317,7 +317,7 @@ class Store:
                     _put(there, made.read_bytes())
 
     def _describe(self, folder: Path) -> None:
-        """Make empty arrays in `folder` [-]."""
+        """Make empty arrays in `folder`."""
         import zarr
 
         group = zarr.open_group(str(folder / DATA), mode="w")
@@ -387,8 +387,8 @@ _KNOWN: dict[str, Study] = {}  # the last study of a worker, by its digest
 
 
 class BlockResult(NamedTuple):
-    """A block that is written: its digest [-], the time to compute and to write it [s], the
-    worker's largest memory so far [B] and its process [-].
+    """A block that is written: its digest, the time to compute and to write it [s], the
+    worker's largest memory so far [B] and its process.
     """
 
     block: int
@@ -400,7 +400,7 @@ class BlockResult(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Blocks `done` and in `all` [-], `designs` computed in this run [-] in `seconds` [s]."""
+    """Blocks `done` and in `all`, `designs` computed in this run in `seconds` [s]."""
 
     done: int
     all: int
@@ -429,14 +429,14 @@ def sweep(
 
     **Arguments:**
 
-    - `study`: what to compute [-].
-    - `folder`: where results are kept [-].
-    - `client`: Dask's, of any deployment [-]; left out, this process does all.
-    - `resume`: whether results are there to go on from [-].
-    - `watch`: told about progress [-].
+    - `study`: what to compute.
+    - `folder`: where results are kept.
+    - `client`: Dask's, of any deployment; left out, this process does all.
+    - `resume`: whether results are there to go on from.
+    - `watch`: told about progress.
     - `alone`: how long without any worker until it is given up [s].
 
-    **Returns:** the store, complete [-].
+    **Returns:** the store, complete.
 
     **Raises:** `ValueError` for a folder that holds something else; `OSError` where a block
     can't be written; `ConnectionError` where the scheduler or all workers are lost.
@@ -466,11 +466,11 @@ def run_block(study: Study, folder: str, block: int) -> BlockResult:
 
     **Arguments:**
 
-    - `study`: whose [-].
-    - `folder`: where results are kept, as the worker sees it [-].
+    - `study`: whose.
+    - `folder`: where results are kept, as the worker sees it.
     - `block`: which, counted from 0 [-].
 
-    **Returns:** what was written [-].
+    **Returns:** what was written.
     """
     if study.digest not in _KNOWN:
         _KNOWN.clear()

@@ -36,8 +36,8 @@ Points = Float[np.ndarray, " point"]
 @dataclass(frozen=True, eq=False)
 class Task:
     """Demanded `force` [N], at `strain` [-] or after `stroke` [m], the other being `None`;
-    `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment [-]; `name` and `source`
-    [-]: where the figures come from; `time` [s] of each point, if it has one; the `fluid` [-].
+    `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and `source`: where
+    the figures come from; `time` [s] of each point, if it has one; the `fluid`.
     """
 
     force: Points
@@ -77,13 +77,13 @@ class Task:
           `None` where the stroke is given.
         - `supply_pressure`: the supply's gauge pressure [Pa].
         - `weight`: how much each point counts [-]; left out, all the same.
-        - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
-        - `name`: what it is [-].
-        - `source`: where the figures come from [-].
+        - `scheme`: one of `fascicle.schemes`, by name or as an object.
+        - `name`: what it is.
+        - `source`: where the figures come from.
         - `stroke`: how much shorter the bundle is then [m], instead of `strain`.
-        - `fluid`: "air" or "liquid" [-], of which its consumption is told.
+        - `fluid`: "air" or "liquid", of which its consumption is told.
 
-        **Returns:** the task [-].
+        **Returns:** the task.
 
         **Raises:** `ValueError` for values off the domain and lists of unlike length, and where
         both of strain and stroke are given, or neither.
@@ -147,9 +147,9 @@ class Task:
         - `force`: demanded then [N].
         - `strain`: contractions then [-], or `None` with a `stroke`.
         - `supply_pressure`: the supply's gauge pressure [Pa].
-        - `more`: as of `of` [-].
+        - `more`: as of `of`.
 
-        **Returns:** the task [-].
+        **Returns:** the task.
 
         **Raises:** `ValueError` for times that don't rise, and as `of`.
         """
@@ -204,7 +204,7 @@ def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
 
     **Arguments:** `supply_pressure`: the supply's [Pa].
 
-    **Returns:** the task [-]; its figures are made up.
+    **Returns:** the task; its figures are made up.
     """
     time = np.linspace(0.0, 1.5, 16)  # s
     done = np.sin(0.5 * np.pi * time / time[-1]) ** 2  # share of the way
@@ -217,7 +217,7 @@ def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
 
     **Arguments:** `supply_pressure`: the supply's [Pa].
 
-    **Returns:** the task [-]; its figures are made up.
+    **Returns:** the task; its figures are made up.
     """
     force = np.repeat([60.0, 150.0, 280.0], 3)
     strain = np.tile([0.06, 0.11, 0.16], 3) - np.repeat([0.0, 0.01, 0.03], 3)
@@ -231,7 +231,7 @@ def walking_ankle(supply_pressure: float = 413.7e3) -> Task:
 
     **Arguments:** `supply_pressure`: the supply's [Pa].
 
-    **Returns:** the task [-]; its figures are made up.
+    **Returns:** the task; its figures are made up.
     """
     time = np.linspace(0.0, 1.1, 23)  # s
     s = time / time[-1]
@@ -252,10 +252,10 @@ def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
 
     **Arguments:**
 
-    - `name`: a key of `TASKS` [-].
+    - `name`: a key of `TASKS`.
     - `supply_pressure`: the supply's [Pa].
 
-    **Returns:** the task [-]; its figures are made up.
+    **Returns:** the task; its figures are made up.
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """
