@@ -48,7 +48,7 @@ def test_a_catalogs_constants_on_another_muscle_are_told(fascicle, tmp_path, com
     code, out, err = fascicle(command, "other.toml", "-p", "100kPa")
     assert code == 0 and out
     assert err.startswith("warning: `martens2017_20` was fitted to a Festo DMSP-20-300")
-    assert "this muscle is 12.7 mm wide and 127 mm long" in err and err.count("\n") == 1
+    assert "12.7 mm" in err and "127 mm" in err and err.count("\n") == 1
 
 
 def test_force_gives_the_table_of_the_specification(answer, spec_muscle):
@@ -227,7 +227,7 @@ def test_help_and_version(answer):
     ):  # fmt: skip
         assert f"  {command} " in out
         assert "Usage: fascicle " + command in answer(command, "--help")
-    assert answer(fascicle) == out
+    assert answer() == out
     assert answer("--version").startswith("fascicle 0.")
 
 
@@ -421,7 +421,8 @@ def test_a_terminal_sees_what_is_done(tmp_path):
     pty = pytest.importorskip("pty")
     command = [sys.executable, "-m", "fascicle", "efficiency", PAIR, "--json"]
     terminal, end = pty.openpty()
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=end, cwd=tmp_path)
+    with (tmp_path / "out.json").open("w") as printed:
+        process = subprocess.Popen(command, stdout=printed, stderr=end)
     os.close(end)
     seen = b""
     with process, os.fdopen(terminal, "rb", buffering=0) as screen:
@@ -430,7 +431,6 @@ def test_a_terminal_sees_what_is_done(tmp_path):
                 seen += some
         except OSError:  # Linux says so where nobody writes anymore
             pass
-        assert json.loads(process.stdout.read())["path"]
-    assert process.returncode == 0
+    assert process.returncode == 0 and json.loads((tmp_path / "out.json").read_text())
     assert b"loading the laws" in seen and b"finding efficiencies" in seen
     assert b"0:00:0" in seen  # the time since it began
