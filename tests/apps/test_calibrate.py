@@ -70,7 +70,7 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
     assert any("read as force" in line for line in lines)
     assert all(name in out for name in FACTORS)
     assert "1/bar" in out and "rmse" in out
-    assert "wrote calibrated-d/muscle.toml, calibrated-d/report.html" in lines[-1]
+    assert "wrote calibrated-d/muscle.toml, calibrated-d/muscle.log.toml" in lines[-1]
     # each warning once, below what it is about
     warnings = json.loads(program[1])["warnings"]
     heads = [i for i, line in enumerate(lines) if line.startswith("warning: ")]
@@ -82,7 +82,7 @@ def test_a_reader_is_told_what_was_found_guessed_and_written(ran, folder):
         for name in ("fit", "profiles", "readings", "residuals")
         for kind in ("png", "svg")
     }
-    assert set(names) == {"muscle.toml", "report.html", ".fascicle.json"} | pictures
+    assert set(names) == {"muscle.toml", "muscle.log.toml", "report.html"} | pictures
 
 
 def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
@@ -90,6 +90,7 @@ def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
     assert (code, err) == (0, "")
     found, path = json.loads(out), folder / "calibrated-d/muscle.toml"
     muscle = fs.load(path)
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
     told = provenance(path)
     # the file is rounded to what is known, and says so; the JSON has all digits
     rate = found["parameters"]["transition_rate"]

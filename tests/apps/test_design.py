@@ -238,7 +238,7 @@ def test_the_template_does_its_task(fascicle, tmp_path, example):
     assert len(file.space) > 500 and len(file.task) == 9
     path.write_text(path.read_text().replace('"pick_and_place_arm"', f'"{example}"', 1) + "\n")
     code, _, err = fascicle("init", "--task")
-    assert code == 2 and "--overwrite replaces it" in err
+    assert code == 2 and "use --overwrite to overwrite it" in err
     file = load_task(path)
     found = search(file.space, file.task, file.senses, file.limits)
     assert found.recommended is not None

@@ -1,4 +1,4 @@
-"""No command replaces or removes a file that it didn't write, or that was changed since."""
+"""No command replaces or removes an existing file unasked."""
 
 import pytest
 from typer.main import get_command
@@ -66,7 +66,7 @@ def test_a_folder_of_results_is_kept(fascicle, refused, tmp_path, command):
     for more in ([], ["--overwrite"]):
         assert fascicle(*command, "--out", "made", *more)[0] == 0
     (tmp_path / "made" / "report.html").write_text("edited")
-    assert "report.html" in refused(*command, "--out", "made")
+    assert "already holds" in refused(*command, "--out", "made")
     (tmp_path / "made" / "mine.toml").write_text("mine")
     assert fascicle(*command, "--out", "made", "--overwrite")[0] == 0
     assert (tmp_path / "made" / "mine.toml").read_text() == "mine"

@@ -44,12 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _run(words: list[str]) -> tuple[int, str]:
     """Exit code of a command, and an error message."""
     try:
-        from ..io.input_file import watch_inputs
-
         # by name, since commands import this package
         commands = import_module("fascicle.cli.commands")
-        with watch_inputs():
-            result = commands.app(words, prog_name="fascicle", standalone_mode=False)
+        result = commands.app(words, prog_name="fascicle", standalone_mode=False)
         sys.stdout.flush()
     except Exception as error:  # noqa: BLE001 a bug of whatever kind is one line
         if isinstance(error, OSError):  # of standard output: commands turn all others into theirs

@@ -19,7 +19,6 @@ SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 _PICTURES = (".png", ".svg")
 _MAX_LINE = 2000  # characters of a line that holds words of others
 _FOLDERS = {"design": "designed", "calibrate": "calibrated"}  # begin of a folder's default name
-_FLAG = "--overwrite"
 
 
 def print_line(line: str, error: bool = False) -> None:
@@ -127,14 +126,13 @@ def check_file(
     option: str, path: str | Path, overwrite: bool, suffixes: Sequence[str] = ()
 ) -> None:
     """Refuse a file that can't be written, before the work begins; `option`: that names it."""
-    from ..files import ours
-    from ..io.atomic import check_writable
+    from ..io.atomic import check_overwrite, check_writable
 
     if suffixes and Path(path).suffix.lower() not in suffixes:
         raise UserError(f"{option} {str(path)!r}: its name must end in {', '.join(suffixes)}.")
     with user_errors(f"{option} ".lstrip()):
         check_writable(path)
-        ours.check_file(path, overwrite, _FLAG)
+        check_overwrite(path, overwrite)
 
 
 @contextlib.contextmanager
@@ -142,10 +140,12 @@ def write_file(
     option: str, path: str | Path, overwrite: bool, folder: bool = False
 ) -> Iterator[Path]:
     """Give a draft to write to, and put it at `path` once it is complete."""
-    from ..files.ours import replacing
+    from ..io.atomic import check_overwrite, replace_whole
 
-    with user_errors(f"{option} ".lstrip()), replacing(path, overwrite, _FLAG, folder) as draft:
-        yield draft
+    with user_errors(f"{option} ".lstrip()):
+        check_overwrite(path, overwrite)
+        with replace_whole(path, folder) as draft:
+            yield draft
 
 
 def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> None:
@@ -154,22 +154,20 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
         draft.write_text(text, encoding="utf-8", newline="\n")
 
 
-def check_folder(command: str, folder: str | Path, overwrite: bool) -> None:
+def check_folder(folder: str | Path, overwrite: bool) -> None:
     """Refuse a folder of results that can't be written, before the work begins."""
-    from ..files import ours
+    from ..io import atomic
 
     with user_errors("--out "):
-        ours.check_folder(folder, command, overwrite, _FLAG)
+        atomic.check_folder(folder, overwrite)
 
 
-def write_folder(
-    command: str, folder: Path, overwrite: bool, fill: Callable[[Path], object]
-) -> None:
+def write_folder(folder: Path, overwrite: bool, fill: Callable[[Path], object]) -> None:
     """Write a folder of results, once all of the files that `fill` writes are complete."""
-    from ..files import ours
+    from ..io import atomic
 
     with user_errors("--out "):
-        ours.write_folder(folder, command, fill, overwrite, _FLAG)
+        atomic.write_folder(folder, fill, overwrite)
 
 
 def result_folder(
@@ -179,7 +177,7 @@ def result_folder(
     if out is None and as_json:
         return None
     folder = Path(f"{_FOLDERS[command]}-{Path(source).stem}" if out is None else out)
-    check_folder(command, folder, overwrite)
+    check_folder(folder, overwrite)
     return folder
 
 
@@ -195,12 +193,12 @@ class Outputs:
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
         self.overwrite = overwrite
         if out is not None:
-            from ..files import ours
+            from ..io.atomic import check_overwrite
             from ..results.labelled import check_result_path
 
             with user_errors("--out "):
                 check_result_path(out)
-                ours.check_file(out, overwrite, _FLAG)
+                check_overwrite(out, overwrite)
         if plot is not None:
             check_file("--plot", plot, overwrite, _PICTURES)
 

@@ -21,6 +21,7 @@ else:
     import fcntl
 
 _DRAFT, _DRAFT_END = ".fascicle-", ".draft"
+_LITTER = {"Thumbs.db", "desktop.ini"}  # of file browsers, as hidden files are
 _FORMER = "former"  # inside a draft folder: the folder that is being replaced
 _AT_FDCWD, _RENAME_EXCHANGE, _RENAME_SWAP = -100, 2, 2  # Linux's <fcntl.h>, <stdio.h>, and macOS's
 
@@ -127,6 +128,87 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
     if reason:
         raise OSError(_line(path, reason))
     return target
+
+
+def check_overwrite(
+    path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
+) -> None:
+    """Refuse to replace an existing file, unless `overwrite` is true.
+
+    **Arguments:**
+
+    - `path`: where a file will go.
+    - `overwrite`: true to accept an existing file.
+    - `flag`: the option that says so, for the message.
+
+    **Raises:** `FileExistsError`, one line.
+    """
+    if not overwrite and Path(path).exists():
+        raise FileExistsError(f"{os.fspath(path)}: already exists; use {flag} to overwrite it.")
+
+
+def check_folder(
+    path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
+) -> Path:
+    """Refuse a folder that holds files, unless `overwrite` is true.
+
+    **Arguments:** as for `check_overwrite`.
+
+    **Returns:** the folder, links followed.
+
+    **Raises:** `FileExistsError`, one line with a file's name; `OSError` if nothing can be written.
+    """
+    target = check_writable(path, folder=True)
+    if overwrite or not target.is_dir():
+        return target
+    names = sorted(entry.name for entry in target.iterdir())
+    names = [name for name in names if not name.startswith(".") and name not in _LITTER]
+    if names:
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        raise FileExistsError(
+            f"{os.fspath(path)}: already holds {names[0]}{more}; name a new folder, or use {flag}"
+            " to replace files of the same name and keep all others."
+        )
+    return target
+
+
+def write_folder(
+    path: str | os.PathLike[str],
+    fill: Callable[[Path], object],
+    overwrite: bool = False,
+    flag: str = "--overwrite",
+) -> None:
+    """Let `fill` write the files of a folder, and move them there once all are complete.
+
+    A new folder appears in one step. In an existing one, each file is replaced in one step, and
+    files of other names stay.
+
+    **Arguments:**
+
+    - `path`, `overwrite`, `flag`: as for `check_folder`.
+    - `fill`: writes into the empty folder that it is given.
+
+    **Raises:** as `check_folder`.
+    """
+    target = draft = check_folder(path, overwrite, flag)
+    try:
+        with open_draft(target) as draft:
+            draft.mkdir()
+            fill(draft)
+            if not target.is_dir():
+                draft.replace(target)
+                return
+            check_folder(path, overwrite, flag)  # again: the work may have taken an hour
+            entries = sorted(draft.iterdir())
+            for there in (target / entry.name for entry in entries):
+                if there.is_dir() and not there.is_symlink():
+                    raise IsADirectoryError(f"{there}: is a folder, where a file would go.")
+            for entry in entries:
+                entry.replace(target / entry.name)
+    except OSError as error:
+        if error.errno is None:  # one of these lines, perhaps with the draft's path
+            raise type(error)(str(error).replace(str(draft), os.fspath(path))) from None
+        raise OSError(_line(path, error.strerror or str(error))) from None
 
 
 def remove_abandoned(parent: Path) -> None:

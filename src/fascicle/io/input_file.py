@@ -1,16 +1,10 @@
-"""Files that are read: regular ones of a limited size, each known to a run that watches its inputs.
+"""Reading of regular files of a limited size.
 
 Anything else, such as a named pipe or a device, may never end, or never begin.
 """
 
-import contextlib
 import stat
-from collections.abc import Iterator
-from contextvars import ContextVar
 from pathlib import Path
-
-
-_inputs: ContextVar[set[Path] | None] = ContextVar("inputs", default=None)
 
 
 def read_bytes(path: Path, largest: int, kind: str, remedy: str = "") -> bytes:
@@ -47,24 +41,7 @@ def read_bytes(path: Path, largest: int, kind: str, remedy: str = "") -> bytes:
     if len(raw) > largest:
         size = f"{largest / 1e9:g} GB" if largest >= 1e9 else f"{largest} bytes"
         raise ValueError(f"{path}: larger than {size}{remedy or f', not a {kind}.'}")
-    if (inputs := _inputs.get()) is not None:
-        inputs.add(path.resolve())
     return raw
 
 
 _OTHERS = {stat.S_IFIFO: "named pipe", stat.S_IFSOCK: "socket"}
-
-
-@contextlib.contextmanager
-def watch_inputs() -> Iterator[None]:
-    """Remember inside which files are read, for `is_input`."""
-    token = _inputs.set(set())
-    try:
-        yield
-    finally:
-        _inputs.reset(token)
-
-
-def is_input(path: Path) -> bool:
-    """Whether a file was read since `watch_inputs`, by whatever name; `path`: where it is [-]."""
-    return path.resolve() in (_inputs.get() or ())

@@ -1,4 +1,4 @@
-"""Labelled values for Python, command line and explorer alike, and their way out."""
+"""Results as labelled tables for Python, the command line and the explorer, and as files."""
 
 from typing import TYPE_CHECKING
 
@@ -6,9 +6,8 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from . import tables as tables
-    from .labelled import Table as Table
-    from .labelled import Variable as Variable
+    from . import tables
+    from .labelled import Table, Variable
 
 __all__ = ["Table", "Variable", "tables"]
 

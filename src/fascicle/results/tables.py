@@ -14,7 +14,7 @@ from ..core.validation import to_si
 from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .labelled import Table, Variable
-from .simulated import simulated as simulated  # noqa: PLC0414 a table as the others are
+from .run_tables import simulated as simulated  # noqa: PLC0414 a table as the others are
 
 
 def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:

@@ -156,3 +156,48 @@ def test_what_is_no_regular_file_is_refused(tmp_path, kind):
     with pytest.raises(OSError, match=r"x: can't be written: "):
         atomic.write_text(path, "x")
     assert names(tmp_path) == ["x"]
+
+
+def fill(**texts):
+    def inside(draft):
+        for name, text in texts.items():
+            (draft / f"{name}.txt").write_text(text)
+
+    return inside
+
+
+def test_an_existing_file_is_refused_unless_it_may_be_overwritten(tmp_path):
+    atomic.check_overwrite(tmp_path / "d.csv")
+    (tmp_path / "d.csv").write_text("measured")
+    with pytest.raises(FileExistsError, match=r"d\.csv: already exists; use --replace"):
+        atomic.check_overwrite(tmp_path / "d.csv", flag="--replace")
+    atomic.check_overwrite(tmp_path / "d.csv", overwrite=True)
+
+
+def test_a_folder_with_files_is_refused_unless_they_may_be_overwritten(tmp_path):
+    folder = tmp_path / "made"
+    folder.mkdir()
+    (folder / ".DS_Store").write_text("")
+    atomic.write_folder(folder, fill(a="1"))
+    with pytest.raises(FileExistsError, match=r"already holds a\.txt"):
+        atomic.write_folder(folder, fill(a="2"))
+    (folder / "mine.txt").write_text("mine")
+    atomic.write_folder(folder, fill(a="3", b="4"), overwrite=True)
+    texts = {name: (folder / name).read_text() for name in ("a.txt", "b.txt", "mine.txt")}
+    assert texts == {"a.txt": "3", "b.txt": "4", "mine.txt": "mine"}
+
+
+def test_a_folder_that_can_not_be_filled_stays_as_it_was(tmp_path):
+    def broken(draft):
+        (draft / "a.txt").write_text("2")
+        raise OSError(28, "No space left on device")
+
+    atomic.write_folder(tmp_path / "made", fill(a="1"))
+    for name in ("made", "new"):
+        with pytest.raises(OSError, match="can't be written: No space left"):
+            atomic.write_folder(tmp_path / name, broken, overwrite=True)
+    assert names(tmp_path) == ["made"] and (tmp_path / "made" / "a.txt").read_text() == "1"
+    (tmp_path / "made" / "b.txt").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"b\.txt: is a folder"):
+        atomic.write_folder(tmp_path / "made", fill(a="2", b="2"), overwrite=True)
+    assert (tmp_path / "made" / "a.txt").read_text() == "1"

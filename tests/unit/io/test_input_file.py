@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from fascicle.io.input_file import is_input, read_bytes, watch_inputs
+from fascicle.io.input_file import read_bytes
 
 
 def test_a_file_is_read(tmp_path):
@@ -33,19 +33,3 @@ def test_anything_else_is_refused_at_once(tmp_path, monkeypatch, kind):
     with pytest.raises(OSError, match=r".*x.*: .*") as error:
         read_bytes(path, 10, "muscle file")
     assert "\n" not in str(error.value)
-
-
-def test_files_that_were_read_are_known_by_any_name(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "x").write_text("")
-    (tmp_path / "link").symlink_to("x")
-    (tmp_path / "other").write_text("")
-    path = tmp_path / "x"
-    with watch_inputs():
-        assert not is_input(path)
-        read_bytes(tmp_path / "link", 1, "muscle file")
-        assert (
-            is_input(path) and is_input(tmp_path / "link") and is_input(path.relative_to(tmp_path))
-        )
-        assert not is_input(tmp_path / "other")
-    assert not is_input(path)

@@ -354,7 +354,7 @@ def _compare(
 def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
     """Write muscle, report and figures; returns the files' paths."""
     from ...calibrate.plot_data import figures as draw
-    from ...files.calibration_files import calibrated_text
+    from ...files.calibration_files import calibrated_files
     from ...plot import to_bytes
     from ...reports.calibration import report
 
@@ -365,10 +365,8 @@ def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
         result.fit, today, figures, result.profiles, result.posterior, list(result.comparison),
         remarks=result.remarks, drawn=drawn, choice=result.choice,
     )  # fmt: skip
-    content = {
-        "muscle.toml": calibrated_text(result.fit, today, result.choice).encode(),
-        "report.html": page.encode(),
-    }
+    texts = calibrated_files(result.fit, today, result.choice) | {"report.html": page}
+    content = {name: text.encode() for name, text in texts.items()}
     for name, figure in figures.items():
         content[f"{name}.png"], content[f"{name}.svg"] = to_bytes(figure, "png"), drawn[name]
 
@@ -376,7 +374,7 @@ def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
         for name, raw in content.items():
             (draft / name).write_bytes(raw)
 
-    write_folder("calibrate", folder, overwrite, fill)
+    write_folder(folder, overwrite, fill)
     return [str(folder / name) for name in content]
 
 

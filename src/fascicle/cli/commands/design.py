@@ -241,7 +241,7 @@ def _write(
     """Write report, data and bundles; returns the files' paths."""
     from ...files import dumps
     from ...reports.design import report
-    from ...results.designed import case_variables, every_variables, front_variables
+    from ...results.design_tables import case_variables, every_variables, front_variables
     from ...results.labelled import dataset, write_netcdf
 
     bundles = {
@@ -266,14 +266,14 @@ def _write(
             title = f"Designs for {result.task.name}"
             write_netcdf(dataset(variables, title=title, source=SOURCE, **about), draft / name)
 
-    write_folder("design", folder, overwrite, fill)
+    write_folder(folder, overwrite, fill)
     return [str(folder / name) for name in ("report.html", *files)]
 
 
 def _json(result: "SearchResult", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     from ...reports.design_summary import margin_warning
-    from ...results.designed import case_variables, design_variables, front_variables
+    from ...results.design_tables import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 
     unreached, summary = _parts(answered)

@@ -71,7 +71,6 @@ def _compare_measurements(folder: Path, overwrite: bool) -> None:
     comparisons: list[Any] = []
     with user_errors(), status("measurements") as update:
         write_folder(
-            "reproduce",
             folder,
             overwrite,
             lambda draft: comparisons.extend(measurements.run(draft, records, update)),
@@ -99,7 +98,7 @@ def _check_claims(folder: Path, overwrite: bool) -> None:
         def progress(done: int, total: int, figure: str) -> None:
             update(f"{figure}, {done} of {total}")
 
-        write_folder("reproduce", folder, overwrite, run)
+        write_folder(folder, overwrite, run)
     terminal.print_claims(claims)
     print_line(f"claims: {folder / 'claims.json'}")
     print_line(f"report: {folder / 'report.html'}")
@@ -116,4 +115,4 @@ def _make_folder(folder: Path, overwrite: bool) -> None:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
-    check_folder("reproduce", folder, overwrite)
+    check_folder(folder, overwrite)

@@ -76,7 +76,7 @@ def run(
 
 
 def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
-    from ...results.simulated import simulated
+    from ...results.run_tables import simulated
 
     with user_errors():
         result = study.run()
@@ -114,7 +114,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     from ...control import POLICIES
     from ...plot.trajectory import PolicyCosts, policies
     from ...reports import simulation as pages
-    from ...results.controlled import compared as table_of
+    from ...results.run_tables import policy_table
 
     runs: dict[str, Any] = {}
     with status("simulating") as update:
@@ -130,7 +130,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
             runs[policy] = pages.PolicyRun(one.controlled, result, metrics, demand, doubts)
     metrics = [run.worth for run in runs.values()]
     controllers = {name: run.controlled.controller for name, run in runs.items()}
-    table = table_of(controllers, metrics, [not run.doubts for run in runs.values()])
+    table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
     front = table["on_front"].values.tolist()
 
     def draw() -> Any:

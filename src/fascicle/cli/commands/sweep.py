@@ -89,7 +89,7 @@ def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
 
     from ...design.exhaustive_search import conclude
     from ...reports.design_summary import InfeasibleResult, summarize_search
-    from ...results.designed import case_variables, front_variables
+    from ...results.design_tables import case_variables, front_variables
     from ...results.labelled import write
 
     with status("looking for the front"):

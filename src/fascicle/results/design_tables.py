@@ -1,4 +1,4 @@
-"""A search's results as labelled values: the front, or every design that was looked at."""
+"""Tables of a search for designs: the front, every evaluated design, one design's load cases."""
 
 from typing import Any
 
@@ -13,25 +13,19 @@ from .labelled import Variable
 
 
 def front_variables(found: SearchResult, sure: Spread | None = None) -> dict[str, Variable]:
-    """The front, a design a row.
+    """Front of a search, a design a row, and the recommended design if it isn't on the front.
 
-    **Arguments:**
-
-    - `found`: by a search [-].
-    - `sure`: how these designs come out [-]; left out, nothing of it.
-
-    **Returns:** values by name [-], of the front and then, if it isn't there, of the recommended
-    design: objectives first, then composition and sizes.
+    `sure`: the designs' robustness, or `None`. Objectives come first, then composition and sizes.
     """
-    places = found.reported
-    recommended = np.zeros(len(places), bool)
+    indices = found.reported
+    recommended = np.zeros(len(indices), bool)
     if found.recommended is not None:
         recommended[found.recommended] = True
-    on_front = np.arange(len(places)) < len(found.front)
+    on_front = np.arange(len(indices)) < len(found.front)
     about = "cheapest of the designs that do the task within the limits"
     return {
-        "design": Variable(("design",), found.index[places], "-", "index in the space of designs"),
-        **_objectives({name: values[places] for name, values in found.values.items()}),
+        "design": Variable(("design",), found.index[indices], "-", "index in the space of designs"),
+        **_objectives({name: values[indices] for name, values in found.values.items()}),
         "recommended": Variable(("design",), recommended, "-", about),
         "front": Variable(("design",), on_front, "-", "whether no other betters it"),
         **_prices(found),
@@ -41,12 +35,7 @@ def front_variables(found: SearchResult, sure: Spread | None = None) -> dict[str
 
 
 def case_variables(summary: Summary) -> dict[str, Variable]:
-    """What one design does at each load case, a case a row.
-
-    **Arguments:** `summary`: of the design [-].
-
-    **Returns:** values by name [-], and what else there is to know of it.
-    """
+    """Performance of one design at each load case, a case a row, its mass and diameter."""
     cases = summary.cases
     task, fluid = cases.task, cases.task.fluid
     kind = "normal volume at 20 °C and 100 kPa (ISO 8778)" if fluid == "air" else "volume"
@@ -74,12 +63,7 @@ def case_variables(summary: Summary) -> dict[str, Variable]:
 
 
 def every_variables(found: SearchResult) -> dict[str, Variable]:
-    """All designs that were looked at, a row each, by index, and whether each is on the front.
-
-    **Arguments:** `found`: by a search [-].
-
-    **Returns:** values by name [-].
-    """
+    """All evaluated designs, a row each, by index."""
     front = np.zeros(len(found.index), bool)
     front[found.front] = True
     return {
@@ -91,7 +75,7 @@ def every_variables(found: SearchResult) -> dict[str, Variable]:
 
 
 def design_variables(designs: Designs) -> dict[str, Variable]:
-    """Composition and sizes, a design a row; `designs` [-]. Gives values by name [-]."""
+    """Composition and sizes, a design a row."""
     names = list(designs.drawings)
     gone = designs.counts == 0
 

@@ -1,15 +1,16 @@
-"""A run in time as labelled values: what a plant showed, where the energy went, what happened."""
+"""Tables of runs in time: outputs, energy ledger, events, control metrics; policies compared."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .controlled import followed
 from .labelled import Table, Variable
 
 
 if TYPE_CHECKING:
-    from ..control import Cascade
+    from collections.abc import Mapping
+
+    from ..control import Cascade, ControlMetrics
     from ..dynamics import Audit, Plant, Trajectory
 
 _LAST = {
@@ -21,6 +22,21 @@ _LAST = {
     "damper": "lost in the damper", "stop": "lost in the stop", "friction": "lost in friction",
     "motor": "of a given motion",
 }  # fmt: skip
+_METRICS = {
+    "drawdown": "deepest fall while the demand didn't fall",
+    "dip": "deepest dip of a unit at the strains that were passed",
+    "rms": "root mean square of the error, where it could be reached",
+    "largest_error": "largest error, where it could be reached",
+    "lag": "by which it follows best",
+    "supply_energy": "exergy that was drawn from the supply",
+    "fluid": "that was drawn from the supply",
+    "recruited": "how often a unit was",
+    "unreachable": "demands that no policy could reach",
+    "moments": "demands in all",
+    "first": "unreachable demand",
+    "last": "unreachable demand",
+    "short": "largest force or moment that an unreachable demand lacks",
+}
 _STORED = {"fluid": "exergy of a gas, energy of a liquid", "muscles": "in the muscles",
            "motion": "kinetic", "load": "potential", "stop": "in the stop's springs",
            "friction": "in friction's springs"}  # fmt: skip
@@ -89,7 +105,7 @@ def simulated(
                 ("time", "valve"), np.asarray(run.commands), "-", "held from then on"
             ),
             "status": now(seen.status, "-", _bits()),
-            **({} if controller is None else followed(controller, run, reference)),
+            **({} if controller is None else _tracking_variables(controller, run, reference)),
             **_energies(run),
             **_balances(found),
             **_events(events(run)),
@@ -151,3 +167,82 @@ def _events(happened: Any) -> dict[str, Variable]:
             bool,
         ),
     }  # fmt: skip
+
+
+def _tracking_variables(
+    controller: "Cascade", run: "Trajectory", reference: Any
+) -> dict[str, Variable]:
+    """Demand, reachability and control metrics; the last step's demand is held at the end."""
+    from ..control import control_metrics, controlled_output, reachability
+
+    unit, force = _units(controller)
+    reach = reachability(controller, run.seen, reference)
+
+    def now(values: Any, unit: str, about: str) -> Variable:
+        return Variable(("time",), np.append(values, values[-1]), unit, about)
+
+    pulled = Variable(
+        ("time",), controlled_output(controller, run), unit, f"{controller.of} that is controlled"
+    )
+    return {
+        "demand": now(np.asarray(reference, float), unit, f"of {controller.of}, from then on"),
+        "controlled": pulled,
+        "reachable": now(reach.can, "-", "whether the muscles could do it"),
+        "short": now(reach.short, force, "what they lack of it"),
+        **_metric_variables(controller, [control_metrics(controller, run, reference)], ()),
+    }
+
+
+def _metric_variables(
+    controller: "Cascade", metrics: list["ControlMetrics"], dims: tuple[str, ...]
+) -> dict[str, Variable]:
+    """Control metrics of a run, or of runs along the dimension in `dims`."""
+    unit, force = _units(controller)
+    units = {
+        "drawdown": unit, "dip": "N", "rms": unit, "largest_error": unit, "lag": "s",
+        "supply_energy": "J", "fluid": "kg", "first": "s", "last": "s", "short": force,
+    }  # fmt: skip
+    return {
+        f"control_{name}": Variable(
+            dims,
+            np.array([getattr(x, name) for x in metrics]) if dims else getattr(metrics[0], name),
+            units.get(name, "-"), f"{name if name in ('first', 'last') else ''} {words}".strip(),
+        )
+        for name, words in _METRICS.items()
+    }  # fmt: skip
+
+
+def policy_table(
+    controllers: "Mapping[str, Cascade]", metrics: list["ControlMetrics"], closes: Any
+) -> Table:
+    """Compare policies.
+
+    **Arguments:**
+
+    - `controllers`: by the name of the policy.
+    - `metrics`: of each one's run.
+    - `closes`: flags of runs whose energy balance closes.
+
+    **Returns:** a table, a policy a row, with the front of drawdown against supply energy.
+    """
+    from ..control import front
+
+    dims, first = ("policy",), next(iter(controllers.values()))
+    best = front([x.drawdown for x in metrics], [x.supply_energy for x in metrics])
+    return Table(
+        {
+            "policy": Variable(dims, np.array(list(controllers)), "-", "which units are fed, when"),
+            **_metric_variables(first, metrics, dims),
+            "on_front": Variable(
+                dims, best, "-", "whether none dips less and takes no more energy, or the reverse"
+            ),
+            "trusted": Variable(dims, np.array(closes), "-", "whether its balances close"),
+        }
+    )
+
+
+def _units(controller: "Cascade") -> tuple[str, str]:
+    """Units of the controlled output, and of its forces."""
+    turns = controller.plant.load.unit == "rad"
+    force = "N·m" if turns else "N"
+    return (controller.plant.load.unit if controller.of == "position" else force), force
