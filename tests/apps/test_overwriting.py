@@ -139,7 +139,7 @@ def test_a_file_that_an_input_names_is_not_replaced(fascicle, refused, tmp_path)
     text = (tmp_path / "s.toml").read_text()
     lines = ['bundle = "m.toml"' if one.startswith("bundle") else one for one in text.split("\n")]
     (tmp_path / "s.toml").write_text("\n".join(lines))
-    assert "--json m.toml: is read by this command" in refused("simulate s.toml --json=m.toml")
+    assert "--json m.toml: already exists" in refused("simulate s.toml --json=m.toml")
 
 
 def test_the_muscle_that_a_fit_begins_with_is_not_replaced(fascicle, refused):
@@ -147,7 +147,7 @@ def test_the_muscle_that_a_fit_begins_with_is_not_replaced(fascicle, refused):
     fit = ["calibrate", "d.csv", "--fit", "c10", "--no-profile"]
     assert fascicle(*fit, "-m", SIX)[0] == 0
     message = refused(*fit, "-m", "calibrated-d/muscle.toml")
-    assert "calibrated-d/muscle.toml: is read by this command" in message
+    assert "calibrated-d: already holds" in message
 
 
 @pytest.mark.parametrize(
