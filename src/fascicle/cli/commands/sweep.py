@@ -54,7 +54,7 @@ def run(
         designs = Study.of(task.space, task.task, task.senses, task.limits, block=task.block)
         Store.check(folder, designs, resume)
     if folder.is_dir():
-        check_file("--out", folder / "front.nc", overwrite)
+        check_file("--out", folder / "front.nc", overwrite or resume)
     with _cluster(scheduler, workers) as client, _progress(designs.block) as watch, user_errors():
         call = partial(sweep, designs, folder, client, resume, watch)
         store = _run(call if scheduler is None else partial(call, alone=_QUEUE), folder)
@@ -64,7 +64,7 @@ def run(
         print(f"no front: {count} designs are more than {_FRONT}")
         return 0
     with user_errors():
-        return _conclude(store, task, folder, overwrite)
+        return _conclude(store, task, folder, overwrite or resume)
 
 
 def _run(sweep: Callable[[], Any], folder: Path) -> Any:
