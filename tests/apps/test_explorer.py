@@ -197,6 +197,8 @@ def test_units_convert_what_is_shown_and_nothing_else(visit):
 
 
 def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
+    from fascicle.explorer.widgets import page_message
+
     page = visit()
     before = source(page, "chosen")
     angle = field(page, "Braid angle")
@@ -206,7 +208,7 @@ def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
     message.wait_for()
     with pytest.raises(ValueError, match="braid_angle") as refused:
         fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(60))
-    assert message.inner_text() == str(refused.value)
+    assert message.inner_text() == page_message(refused.value)
     assert abs(message.bounding_box()["y"] - angle.bounding_box()["y"]) < 60
     assert source(page, "chosen") == before
     angle.fill("25")  # a bare number is in the unit shown
@@ -267,11 +269,14 @@ def test_laws_are_laid_over_one_another(visit):
 def test_downloads_parse(visit):
     page = visit()
     for label, check in (
-        ("Picture, SVG", lambda raw: ET.fromstring(raw).tag.endswith("svg")),  # noqa: S314 ours
-        ("Picture, PNG", lambda raw: raw.startswith(b"\x89PNG")),
-        ("Data, CSV", lambda raw: np.genfromtxt(io.BytesIO(raw), delimiter=",").shape == (202, 9)),
-        ("Data, netCDF", lambda raw: raw[1:4] == b"HDF"),
-        ("Python", lambda raw: compile(raw, "muscle.py", "exec")),
+        ("Download SVG", lambda raw: ET.fromstring(raw).tag.endswith("svg")),  # noqa: S314 ours
+        ("Download PNG", lambda raw: raw.startswith(b"\x89PNG")),
+        (
+            "Download CSV",
+            lambda raw: np.genfromtxt(io.BytesIO(raw), delimiter=",").shape == (202, 9),
+        ),
+        ("Download netCDF", lambda raw: raw[1:4] == b"HDF"),
+        ("Download Python", lambda raw: compile(raw, "muscle.py", "exec")),
     ):
         with page.expect_download() as download:
             page.get_by_text(label).first.click()
@@ -290,7 +295,7 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
     figure = page.locator(".bk-Figure").first
     box = figure.bounding_box()
     figure.click(position={"x": 0.35 * box["width"], "y": 0.6 * box["height"]})
-    way = page.get_by_role("button", name=re.compile(r"^state \d"))
+    way = page.get_by_role("button", name=re.compile(r"^Set state \d"))
     way.first.wait_for()
     asked = source(page, "asked")
     # slider, field and address have gone there, too
@@ -315,13 +320,13 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
 
 
 def test_reversal_and_efficiency_show_what_the_library_gives(visit):
-    from fascicle.explorer.reversal_tab import split_curves, through
+    from fascicle.explorer.reversal_tab import split_curves
 
     page = visit("?tab=reversal&splits=1-4&supply=344.7kPa")
     shown = source(page, "reversal_resisted")
     (one,) = split_curves(MUSCLE, ((1, 4),), 344.7e3)
     drawn = np.array(shown["ys"][0], float)
-    np.testing.assert_allclose(drawn, through(one)[1], atol=1e-9)
+    np.testing.assert_allclose(drawn, one.drawn[1], atol=1e-9)
     assert source(page, "turns")["y"] == pytest.approx([one.turn.free_strain])
     page = visit("?muscle=kim2021_bundle_1_1&tab=efficiency&path=isotonic")
     source(page, "efficiency")
@@ -399,24 +404,26 @@ def test_a_bundles_last_pressure_can_be_swept(visit):
 
 
 def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
-    from fascicle.explorer.background import Latest
+    from fascicle.explorer.background import LatestResult
     from fascicle.explorer.efficiency_tab import EfficiencyView
     from fascicle.explorer.state import Session, view_of
-    from fascicle.explorer.theme import look_of
+    from fascicle.explorer.theme import page_colors
 
     asked = []
-    monkeypatch.setattr(Latest, "ask", lambda self, compute: asked.append((self, compute)))
+    monkeypatch.setattr(LatestResult, "request", lambda *call: asked.append(call))
     bundle = fs.example("kim2021_bundle_1_1")
-    tab = EfficiencyView(Session(view_of(bundle, "b"), contextlib.nullcontext), look_of("default"))
+    tab = EfficiencyView(
+        Session(view_of(bundle, "b"), contextlib.nullcontext), page_colors("default")
+    )
     tab.refresh()
-    cards, figures = tab._waits, tab._figures
+    cards, figures = tab.cards, tab.figures
     told = [(card.visible, figure.visible) for card, figure in zip(cards, figures, strict=True)]
     assert told == [(True, False)] * 2
     for k in range(2):  # the map, then the averages
         latest, compute = asked[k]
         latest._show(compute())
         assert (cards[k].visible, figures[k].visible) == (False, True)
-    assert "progressbar" in cards[0].objects[1].object
+    assert "progressbar" in cards[0].object
 
 
 def test_tabs_come_first_for_the_keyboard(visit):
@@ -458,12 +465,12 @@ def test_the_tabs_are_one_stop_between_header_and_content(visit):
     assert went[0] == "DIV Bundle" and "Recruitment" in went[1]
     # and then around the page as it reads, with one stop at the tabs
     header = next(i for i, one in enumerate(went) if "Example" in one)
-    assert went[header + 6] == "BUTTON Dark page"
+    assert went[header + 6] == "BUTTON Use dark page"
     assert went[header + 7] == "DIV Bundle" and "Recruitment" in went[header + 8]
     assert [one for one in went[1 : header + 7] if one.startswith("DIV Bundle")] == []
     page.locator(".bk-tab").nth(1).focus()
     page.keyboard.press("Shift+Tab")
-    assert page.evaluate(LABEL) == "BUTTON Dark page"
+    assert page.evaluate(LABEL) == "BUTTON Use dark page"
 
 
 def test_back_leaves_the_page(visit, server):
@@ -513,10 +520,10 @@ def test_the_five_minutes_go_by_keyboard_alone(visit):
     page.get_by_role("button", name="Try a point").wait_for()
     move_to(page, "Try a point")
     press("Enter")
-    page.get_by_role("button", name=re.compile(r"^state \d")).first.wait_for()
+    page.get_by_role("button", name=re.compile(r"^Set state \d")).first.wait_for()
     old = source(page, "bundle_force")["force"][0]
     press("Tab")
-    move_to(page, "state", "Shift+Tab")
+    move_to(page, "Set state", "Shift+Tab")
     press("Enter")
     until(page, f"old => ({SOURCE})('bundle_force').force[0] !== old", arg=old)
     # reversal: splits are written
@@ -529,14 +536,14 @@ def test_the_five_minutes_go_by_keyboard_alone(visit):
     page.keyboard.type("1+3")
     press("Enter")
     source(page, "reversal_resisted", "d => d.label.length === 1 && d.label[0] === '1 + 3'")
-    # efficiency: what resistance takes
+    # efficiency: the loss due to resistance
     move_to(page, "Reversal", "Shift+Tab")
     press("ArrowRight")
     source(page, "efficiency")
     field(page, "Map").wait_for()
     move_to(page, "Map")
     whole = page.evaluate(SOURCE, "efficiency")["image"]
-    page.keyboard.type("what", delay=5)
+    page.keyboard.type("loss", delay=5)
     until(
         page,
         f"old => JSON.stringify(({SOURCE})('efficiency').image) !== old",
@@ -730,7 +737,7 @@ def test_columns_and_units_of_a_record_have_fields(visit, tmp_path):
     for role, column, unit in (("pressure", "C", "kPa"), ("force", "B", "N"),
                                ("displacement", "A", "mm")):  # fmt: skip
         field(page, f"Column of {role}").select_option(column)
-        typed = field(page, f"Its unit ({role})")
+        typed = field(page, f"Unit of {role}")
         typed.fill(unit)
         typed.press("Enter")
     shown = source(page, "readings")
@@ -775,7 +782,7 @@ def test_an_example_record_is_there_to_try(visit):
     rest = field(page, "Rest length, if the record")
     rest.fill("nonsense")
     rest.press("Enter")
-    assert "rest_length" in page.get_by_role("alert").first.inner_text()
+    assert "Rest length" in page.get_by_role("alert").first.inner_text()
 
 
 def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
@@ -793,10 +800,10 @@ def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
     page.get_by_text("90 % interval").wait_for()
     assert len(source(page, "tuned")["ys"]) == 5
     with page.expect_download() as download:
-        page.get_by_text("Tuned muscle", exact=True).click()
+        page.get_by_text("Download tuned muscle", exact=True).click()
     found = loads(Path(download.value.path()).read_text())
     with page.expect_download() as download:
-        page.get_by_text("Data, CSV").last.click()
+        page.get_by_text("Download CSV").last.click()
     rows = np.genfromtxt(download.value.path(), delimiter=",", names=True)
     np.testing.assert_allclose(rows["force_N"], record.force, rtol=1e-12)
     assert float(found.blocked_force(P[-1])) == pytest.approx(float(force[-1, 0]), rel=0.02)

@@ -174,22 +174,20 @@ assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
 """,
     "explorer": """
 from dataclasses import replace
-from fascicle.explorer.muscle_inputs import LawInputs
-from fascicle.explorer.theme import LIGHT
-from fascicle.explorer.muscle_curves import alternatives
+from fascicle.explorer.muscle_curves import alternative_laws
 from fascicle.explorer.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
-assert "tension:toy2026" in alternatives(muscle.replace(tension="ideal"))
+assert "tension:toy2026" in alternative_laws(muscle.replace(tension="ideal"))
 session = Session(view_of(muscle, "toy"))
-inputs = MuscleInputs(session, LIGHT)
+inputs = MuscleInputs(session)
 session.watch(lambda before, after: inputs.show(after))
 inputs.show(session.view)
-own = inputs._laws["tension"]
+own = inputs.laws["tension"]
 assert own.fields["friction"].input.value == "-0.3 kPa", own.fields["friction"].input.value
 own.fields["friction"].input.value = "2 kPa"
 assert float(session.view.muscle.tension.friction) == 2000.0
 own.fields["loss"].input.value = "-2"
-assert "must be positive" in own.fields["loss"].message.text
+assert "must be positive" in own.fields["loss"].error
 """,
     "docs": """
 import importlib.util

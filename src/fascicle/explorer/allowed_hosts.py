@@ -1,9 +1,11 @@
-"""Who may ask the server, and for what: decided before anything is made of a request.
+"""Checks of each request before the server handles it.
 
-A browser asks for whatever the page of a stranger tells it to, also of a server that listens on
-its own machine alone. What such a page can't forge are three headers: `Host`, the name in the
-address, which stays the stranger's where their name is made to point at this machine (DNS
-rebinding); `Origin`, whose page opens a websocket; and `Sec-Fetch-…`, from where and what for.
+Bokeh checks the `Origin` of a websocket and nothing else. But a browser sends requests for any
+page, also to a server that listens on its own machine alone, and pages of strangers can't forge
+three headers: `Host`, the name in the address, which stays the stranger's where that name is made
+to point at this machine (DNS rebinding); `Origin`, of the page that opens a websocket; and
+`Sec-Fetch-…`, where a request comes from and what for. Links that no explorer made are rejected,
+too: Panel would fail on them, or read them as its own.
 """
 
 import contextlib
@@ -24,89 +26,87 @@ from .link import LONGEST
 
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
-_MOST_KEYS, _LONGEST_VALUE = 64, 1000  # of a link; the packed file alone is longer
-_WHOLE_NUMBER = 15  # digits: Panel makes numbers of such values, and fails where Python does
+ANY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
+_MOST_KEYS, _LONGEST_VALUE = 64, 1000  # of a link; only a packed file is longer
+_MOST_DIGITS = 15  # Panel converts digits to numbers, and fails where Python does
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 _FRAMES = ("iframe", "frame", "embed", "object")
-# for other sites to embed the page, and for modules to bring files: nothing here uses either
+# of Panel, to embed the page elsewhere and to serve files of modules: nothing here uses them
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
 
 
 @dataclass(frozen=True)
-class Names:
-    """The names that a server answers to, `own` and `allowed` besides; `addresses` where any
-    address may be in the browser's bar: no stranger's name is an address.
+class AllowedHosts:
+    """Names that a server answers to.
+
+    `own` names and `allowed` ones; `addresses` where any IP address is fine: no stranger's name is
+    an address.
     """
 
     own: frozenset[str]
     allowed: frozenset[str] = field(default_factory=frozenset)
     addresses: bool = False
 
-    def have(self, host: str) -> bool:
-        """Whether a `Host` header [-] names this server, whatever port it was forwarded from."""
-        name = _name(host)
+    @classmethod
+    def of(cls, host: str, allowed: Iterable[str] = ()) -> "AllowedHosts":
+        """Names of a server that listens on `host`, and `allowed` ones."""
+        own = {host.lower(), "localhost", "127.0.0.1", "::1"}
+        if host not in LOOPBACK:
+            own |= {socket.gethostname().lower(), socket.getfqdn().lower()} | _own_addresses()
+        names = frozenset(_host_name(name) for name in allowed)
+        return cls(frozenset(own - set(ANY_ADDRESS)), names, addresses=host in ANY_ADDRESS)
+
+    def matches(self, host: str) -> bool:
+        """Whether a `Host` header names this server, with any port: it may be forwarded."""
+        name = _host_name(host)
         return name in self.own or name in self.allowed or (self.addresses and _is_address(name))
 
 
-def names_of(host: str, allowed: Iterable[str] = ()) -> Names:
-    """What a server that listens on `host` [-] is called, `allowed` names [-] besides."""
-    own = {host.lower(), "localhost", "127.0.0.1", "::1"}
-    if host not in LOOPBACK:
-        own |= {socket.gethostname().lower(), socket.getfqdn().lower()} | _own_addresses()
-    also = frozenset(_name(one) for one in allowed)
-    return Names(frozenset(own - set(EVERYWHERE)), also, addresses=host in EVERYWHERE)
+def reject_reason(request: Any, hosts: AllowedHosts) -> tuple[int, str] | None:
+    """Status and sentence of a rejected request, or `None`.
 
-
-def refusal(request: Any, names: Names) -> tuple[int, str] | None:
-    """Why a request is refused.
-
-    **Arguments:**
-
-    - `request`: tornado's: `host`, `path`, `query` and `headers` [-].
-    - `names`: what the server is called [-].
-
-    **Returns:** the status and a sentence [-], or `None` where it isn't.
+    **Arguments:** `request`: tornado's `host`, `path`, `query` and `headers`; `hosts`: names of the
+    server.
     """
-    if not names.have(request.host):
+    if not hosts.matches(request.host):
         shown = sanitize_line(request.host, 80)
         return 403, (
-            f"This explorer isn't called `{shown}`, so a page of somebody else may be behind this "
-            f"request. If the name is yours, start it with `--allow-host {_name(shown)}`."
+            f"This explorer isn't called `{shown}`: this request may come from the page of a"
+            f" stranger. If the name is yours, start it with `--allow-host {_host_name(shown)}`."
         )
     return (
-        _other_page(request.host, request.headers, names)
-        or _closed(request.path)
-        or _bad_link(request.path, request.query)
+        _reject_other_page(request.host, request.headers, hosts)
+        or ((404, "There is nothing here.") if request.path.startswith(_CLOSED) else None)
+        or _reject_link(request.path, request.query)
     )
 
 
-def guard(app: Any, names: Names) -> None:
-    """Let a tornado `app` [-] refuse what `refusal` does, before any of its own rules."""
-    app.default_router.rules.insert(0, Rule(_Refusing(names), _Refused))
+def guard(app: Any, hosts: AllowedHosts) -> None:
+    """Let a tornado `app` reject requests before any of its own rules."""
+    app.default_router.rules.insert(0, Rule(_RejectedRequests(hosts), _RejectPage))
 
 
-class _Refusing(Matcher):
-    """Matches what is refused."""
+class _RejectedRequests(Matcher):
+    """Matches requests that are rejected."""
 
-    def __init__(self, names: Names):
-        self._names = names
+    def __init__(self, hosts: AllowedHosts):
+        self._hosts = hosts
 
     def match(self, request: Any) -> dict[str, Any] | None:
-        found = refusal(request, self._names)
-        if found is not None:
-            return {"target_kwargs": {"refused": found}}
+        reason = reject_reason(request, self._hosts)
+        if reason is not None:
+            return {"target_kwargs": {"reason": reason}}
         if request.host.startswith("["):
             # Panel splits it at the colon: an IPv6 address would end in a page of status 500
             request.host = "localhost" + request.host.partition("]")[2]
         return None
 
 
-class _Refused(RequestHandler):
-    """A page that says why."""
+class _RejectPage(RequestHandler):
+    """A page with the reason."""
 
-    def initialize(self, refused: tuple[int, str]) -> None:
-        self._status, self._text = refused
+    def initialize(self, reason: tuple[int, str]) -> None:
+        self._status, self._text = reason
 
     def prepare(self) -> None:
         page = Page("This explorer can't be opened like that")
@@ -118,54 +118,45 @@ class _Refused(RequestHandler):
         self.finish(page.text("fascicle"))
 
 
-def _other_page(host: str, headers: Mapping[str, str], names: Names) -> tuple[int, str] | None:
+def _reject_other_page(
+    host: str, headers: Mapping[str, str], hosts: AllowedHosts
+) -> tuple[int, str] | None:
     origin = headers.get("Origin")
     if origin is not None:
         # same name and port; a name that was allowed may stand before another server's port
-        there = origin.lower().partition("://")[2]
-        if there != host.lower() and _name(there) not in names.allowed:
+        origin_host = origin.lower().partition("://")[2]
+        if origin_host != host.lower() and _host_name(origin_host) not in hosts.allowed:
             return 403, "Only the explorer's own page may talk to it."
-    where, what = headers.get("Sec-Fetch-Site"), headers.get("Sec-Fetch-Mode")
-    if where in ("cross-site", "same-site") and what != "navigate":
+    site, mode = headers.get("Sec-Fetch-Site"), headers.get("Sec-Fetch-Mode")
+    if site in ("cross-site", "same-site") and mode != "navigate":
         return 403, "Only the explorer's own page may ask for parts of it."
-    if where == "cross-site" and headers.get("Sec-Fetch-Dest") in _FRAMES:
+    if site == "cross-site" and headers.get("Sec-Fetch-Dest") in _FRAMES:
         return 403, "The explorer doesn't open inside another site's page."
     return None
 
 
-def _closed(path: str) -> tuple[int, str] | None:
-    if path.startswith(_CLOSED):
-        return 404, "There is nothing here."
-    return None
-
-
-def _bad_link(path: str, query: str) -> tuple[int, str] | None:
+def _reject_link(path: str, query: str) -> tuple[int, str] | None:
     try:
-        given = parse_qsl(query, keep_blank_values=True, max_num_fields=_MOST_KEYS)
+        pairs = parse_qsl(query, keep_blank_values=True, max_num_fields=_MOST_KEYS)
     except ValueError:
         return 400, f"The link may have at most {_MOST_KEYS} parts."
-    for key, value in given:
-        name, most = sanitize_line(key, 40), LONGEST if key == "file" else _LONGEST_VALUE
-        if len(key) + len(value) > most + len("file"):
-            return (
-                400,
-                f"In the link, `{name}` must be at most {most} characters, got {len(value)}.",
-            )
-        if value[:1] in ("[", "{") or (value.isdigit() and not _is_short(value)):
-            return 400, f"In the link, `{name}` has a value that no part of it has."
+    for key, value in pairs:
+        name, longest = sanitize_line(key, 40), LONGEST if key == "file" else _LONGEST_VALUE
+        if len(key) + len(value) > longest + len("file"):
+            text = f"In the link, `{name}` must be at most {longest} characters, got {len(value)}."
+            return 400, text
+        short = value.isascii() and len(value) <= _MOST_DIGITS
+        if value[:1] in ("[", "{") or (value.isdigit() and not short):
+            return 400, f"In the link, `{name}` has an invalid value."
         if path == "/" and key.startswith("bokeh-"):
-            return 400, f"In the link, `{name}` is none of its parts."
+            return 400, f"In the link, `{name}` is unknown."
     return None
 
 
-def _is_short(digits: str) -> bool:
-    return digits.isascii() and len(digits) <= _WHOLE_NUMBER
-
-
-def _name(host: str) -> str:
-    """The name in a `Host` header, without its port; empty where it is none."""
-    found = _HOST.fullmatch(host.lower())
-    return found["name"].strip("[]").rstrip(".") if found else ""
+def _host_name(host: str) -> str:
+    """Name in a `Host` header, without its port; empty where there is none."""
+    match = _HOST.fullmatch(host.lower())
+    return match["name"].strip("[]").rstrip(".") if match else ""
 
 
 def _is_address(name: str) -> bool:
@@ -177,10 +168,10 @@ def _is_address(name: str) -> bool:
 
 
 def _own_addresses() -> set[str]:
-    found = set()
+    addresses = set()
     with contextlib.suppress(OSError):
-        found |= {str(entry[4][0]) for entry in socket.getaddrinfo(socket.gethostname(), None)}
+        addresses |= {str(entry[4][0]) for entry in socket.getaddrinfo(socket.gethostname(), None)}
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, contextlib.suppress(OSError):
         probe.connect(("192.0.2.1", 9))  # reserved for documentation: nothing is sent
-        found.add(str(probe.getsockname()[0]))
-    return found
+        addresses.add(str(probe.getsockname()[0]))
+    return addresses

@@ -1,11 +1,13 @@
-"""The efficiency's tab: maps over the force-strain space, and averages by number of states."""
+"""Tab of efficiency: maps over the force-strain space, and averages by number of motor units."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
 from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Title
+from bokeh.models.glyphs import Image, Line, Scatter
 from bokeh.palettes import Cividis256
 
 from ..bundle import Bundle
@@ -17,86 +19,69 @@ from ..energetics import (
     efficiency_map,
 )
 from ..muscle import Muscle
-from ..plot.theme import CLEAR, FIGURES
-from .background import Latest, shared
-from .reversal_tab import grid
+from ..plot.theme import CLEAR, FIGURES, Colors
+from .background import LatestResult
 from .state import Session, View, scaled
-from .tab import Tab, card, moving, remarks, status
-from .theme import (
-    NARROW,
-    STACKED,
-    TALL,
-    WRAPPED,
-    Look,
-    half,
-    legend_style,
-    plain_figure,
-    set_range,
-    source_of,
-)
-from .widgets import choice, factor
+from .tab import Tab, card, remarks_html
+from .theme import NARROW, STACKED, TALL, WRAPPED, Chart, equal_column
+from .widgets import Message, dropdown, html_table, pane, status_line, unit_factor
 
 
-_SHOWN = {"with resistance": "resisted", "without resistance": "free",
-          "what resistance takes": "difference"}  # fmt: skip
-# what stands where the map and the averages will be, and on what they wait
-_AWAITED = {
+COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
+_KINDS = {"with resistance": "resisted", "without resistance": "free",
+          "loss due to resistance": "difference"}  # fmt: skip
+# in the place of the map and the averages until they are computed
+_CARDS = {
     "Drawing the map …": "How much of the fluid's energy becomes work, at every strain and force"
     " that this bundle reaches: with its muscles' resistance, and without.",
     "Averages come next …": "What more motor units in the same cross-section save.",
 }
 
 
-STATES = (1, 2, 3, 4, 5)  # the first is the single equivalent motor unit, the SEMU
-
-
 @dataclass(frozen=True)
 class Maps:
-    """Maps along one `path` [-]: `resisted`, and `free` of resistance."""
+    """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points."""
 
-    path: str
     resisted: EfficiencyMap
     free: EfficiencyMap
 
     @property
     def difference(self) -> np.ndarray:
-        """What resistance takes [-], over the points that both reach."""
+        """Efficiency lost to resistance [-], at points that both reach."""
         return self.free.efficiency - self.resisted.efficiency
 
 
-def maps(bundle: Bundle, path: str) -> Maps:
-    """The maps of a `bundle` [-] along a `path` [-], on the points of the one with resistance."""
+@lru_cache(maxsize=16)  # visitors share it
+def efficiency_maps(bundle: Bundle, path: str) -> Maps:
+    """Maps of a `bundle` along a `path`, on the points of the one with resistance."""
     resisted = efficiency_map(bundle, path=path, resistance=True)
     free = efficiency_map(
         bundle, path=path, force=resisted.force, strain=resisted.strain, resistance=False
     )
-    return Maps(path, resisted, free)
+    return Maps(resisted, free)
 
 
-def semu(view: View) -> Muscle:
-    """The one muscle whose cross-section is that of all of the bundle's [-]."""
+def equivalent_muscle(view: View) -> Muscle:
+    """Single muscle with the cross-section of the whole bundle."""
     radius = float(view.muscle.outer_radius)
     total = sum(unit.count * float(view.muscle_of(unit).outer_radius) ** 2 for unit in view.units)
     return scaled(view.muscle, float(np.sqrt(total)) / radius)
 
 
-def averages(whole: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
-    """Average efficiency [-] of `STATES` equal units in a muscle's section, by resistance.
+@lru_cache(maxsize=16)  # visitors share it
+def average_efficiencies(whole: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
+    """Average efficiency [-] of `COUNTS` equal units, with resistance under `True`.
 
     **Arguments:**
 
-    - `whole`: the muscle, a bundle's `semu` [-].
-    - `supply`: the supply's pressure [Pa].
-    - `path`: "isobaric" or "isotonic" [-].
-
-    **Returns:** averages [-], with resistance under `True`.
+    - `whole`: muscle with the cross-section of all units.
+    - `supply`: supply pressure [Pa].
+    - `path`: "isobaric" or "isotonic".
     """
+    bundles = [constant_cross_section(whole, count, supply) for count in COUNTS]
     return {
         resistance: np.array([
-            average_efficiency(
-                constant_cross_section(whole, count, supply), path=path, resistance=resistance
-            )
-            for count in STATES
+            average_efficiency(bundle, path=path, resistance=resistance) for bundle in bundles
         ])
         for resistance in (True, False)
     }  # fmt: skip
@@ -110,157 +95,146 @@ class EfficiencyView(Tab):
         "muscle", "units", "supply", "scheme", "shown", "path", "distance",
     )  # fmt: skip
 
-    def __init__(self, session: Session, look: Look):
-        """**Arguments:** `session` [-]; `look`: the page's [-]."""
-        super().__init__(session, look)
-        self._silent, self._last = False, None
-        self._path = choice(look, "Path", list(PATHS), width=200, sizing_mode=None)
-        self._path.param.watch(self._along, "value")
-        self._kind = choice(look, "Map", _SHOWN, width=230, sizing_mode=None)
-        self._kind.param.watch(lambda _: self._other_map(), "value")
-        self._draw_figures()
-        self._status = pn.pane.HTML("", margin=(0, 8), height=22)
-        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
-        self._numbers = pn.pane.HTML("", margin=(0, 8))
-        self._maps = Latest(self._show, self._failed)
-        self._averages = Latest(self._show_averages, self._failed)
-        self._waits = [
-            card(title, text, pn.pane.HTML(moving(title), sizing_mode="stretch_width"))
-            for title, text in _AWAITED.items()
-        ]
-        self._figures = [
+    def __init__(self, session: Session, colors: Colors):
+        """**Arguments:** those of `Tab`."""
+        super().__init__(session, colors)
+        self._updating = False
+        self._result: Maps | None = None
+        self._path = dropdown("Path", list(PATHS), width=200)
+        self._path.param.watch(self._set_path, "value")
+        self._kind = dropdown("Map", _KINDS, width=230)
+        self._kind.param.watch(lambda _: self._show_other_map(), "value")
+        self._add_map()
+        self._add_averages()
+        self._status, self._numbers = pane(height=22), pane()
+        self._notes = pane(sizing_mode="stretch_width")
+        self.maps = LatestResult(self._show, self._fail)
+        self.averages = LatestResult(self._show_averages, self._fail)
+        self.cards = [card(title, text) for title, text in _CARDS.items()]
+        self.figures = [
             pn.Column(
-                pn.pane.Bokeh(one, margin=0, stylesheets=[TALL]), margin=0, visible=False,
+                pn.pane.Bokeh(chart.figure, margin=0, stylesheets=[TALL]), margin=0, visible=False,
                 sizing_mode="stretch_width", stylesheets=[NARROW],
             )
-            for one in (self.figure, self._bars)
+            for chart in (self.map, self.bars)
         ]  # fmt: skip
         self.panel = pn.Column(
-            pn.Row(
-                self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]
-            ),
-            self.message.pane, self._notes, self._status,
-            pn.Row(*(pn.Column(*both, margin=0, **half())
-                     for both in zip(self._waits, self._figures, strict=True)),
+            pn.Row(self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]),
+            self._notes, self._status,
+            pn.Row(*(pn.Column(*both, margin=0, **equal_column())
+                     for both in zip(self.cards, self.figures, strict=True)),
                    sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
+        self.message = Message(self.panel, self.panel[0])
 
     def draw(self, view: View) -> None:
-        """Show a `view` [-]."""
-        self._silent = True
+        """Show a `view`."""
+        self._updating = True
         self._path.value = view.path
-        self._silent = False
-        self._notes.object = remarks(view, "efficiency")
-        self._status.object = status("computing the map")
-        self._maps.ask(lambda: shared(maps, view.bundle, view.path))
+        self._updating = False
+        self._notes.object = remarks_html(view, "efficiency")
+        self._status.object = status_line("computing the map")
+        self.maps.request(lambda: efficiency_maps(view.bundle, view.path))
 
-    def _along(self, event: Any) -> None:
-        if not self._silent:
+    def _set_path(self, event: Any) -> None:
+        if not self._updating:
             self.session.change(path=event.new)
 
-    def _failed(self, text: str) -> None:
+    def _fail(self, text: str) -> None:
         self._status.object = ""
-        self.message.say(text)
-        for one in self._waits:
-            one.visible = False
+        self.message.show(text, self.session.view.shown)
+        for waiting in self.cards:
+            waiting.visible = False
 
-    def _there(self, which: int) -> None:
-        """Show the figure `which` [-] waited for, in place of its card."""
-        self._waits[which].visible, self._figures[which].visible = False, True
+    def _replace_card(self, index: int) -> None:
+        self.cards[index].visible, self.figures[index].visible = False, True
 
-    def _draw_figures(self) -> None:
-        look = self.look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=320)
-        self.figure = fig
-        self._colors = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
-        self.image = source_of(
-            {"image": [], "x": [], "y": [], "dw": [], "dh": []}, name="efficiency"
-        )
-        drawn = fig.image(
-            "image", "x", "y", "dw", "dh", source=self.image, color_mapper=self._colors
-        )
+    def _add_map(self) -> None:
+        colors = self.colors
+        chart = self.map = Chart(colors, "Contraction ε [–]", "Force F [N]", room=320)
+        self._mapper = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
+        self._image = chart.source("image", "x", "y", "dw", "dh", name="efficiency")
+        image = chart.draw(self._image, Image(image="image", x="x", y="y", dw="dw", dh="dh",
+                                              color_mapper=self._mapper))  # fmt: skip
         bar = ColorBar(
-            color_mapper=self._colors, major_label_text_color=look.ink,
-            background_fill_color=look.paper, width=12,
+            color_mapper=self._mapper, major_label_text_color=colors.ink,
+            background_fill_color=colors.paper, width=12,
         )  # fmt: skip
-        fig.add_layout(bar, "right")
-        name = Title(
-            text="Efficiency η [–]", align="center", text_color=look.ink, text_font=FIGURES,
+        chart.figure.add_layout(bar, "right")
+        title = Title(
+            text="Efficiency η [–]", align="center", text_color=colors.ink, text_font=FIGURES,
             text_font_style="normal", text_font_size="14px",
         )  # fmt: skip
-        fig.add_layout(name, "right")  # the bar's own would stand at its foot
-        self._hover = HoverTool(renderers=[drawn])
-        fig.add_tools(self._hover)
-        self._bars = plain_figure(
-            look,
-            "Motor units in the same cross-section (1: a single one)",
-            "Average efficiency [–]",
-            room=320,
-        )
+        chart.figure.add_layout(title, "right")  # the bar's own would stand at its foot
+        self._hover = HoverTool(renderers=[image])
+        chart.figure.add_tools(self._hover)
+
+    def _add_averages(self) -> None:
+        colors = self.colors
+        label = "Motor units in the same cross-section (1: a single one)"
+        chart = self.bars = Chart(colors, label, "Average efficiency [–]", room=320)
         self._means = {}
         for resistance, dash, color, marker in (
-            (True, "solid", look.curves[0], "circle"), (False, "dashed", look.curves[1], "square"),
-        ):  # fmt: skip
-            source = source_of({"x": [], "y": []}, name=f"average_{resistance}".lower())
-            label = f"with{'' if resistance else 'out'} resistance"
-            self._bars.line("x", "y", source=source, color=color, line_dash=dash, line_width=2.4,
-                            legend_label=label)  # fmt: skip
-            self._bars.scatter("x", "y", source=source, color=color, marker=marker, size=9,
-                               legend_label=label)  # fmt: skip
+            (True, "solid", colors.curves[0], "circle"),
+            (False, "dashed", colors.curves[1], "square"),
+        ):
+            source = chart.source("x", "y", name=f"average_{resistance}".lower())
+            legend = f"with{'' if resistance else 'out'} resistance"
+            line = Line(x="x", y="y", line_color=color, line_dash=dash, line_width=2.4)
+            chart.draw(source, line, legend)
+            chart.draw(source, Scatter(x="x", y="y", fill_color=color, line_color=color,
+                                       marker=marker, size=9), legend)  # fmt: skip
             self._means[resistance] = source
-        self._bars.xaxis.ticker = list(STATES)
-        set_range(self._bars.x_range, STATES[0] - 0.3, STATES[-1] + 0.3)
-        legend_style(self._bars, look, "bottom_right")
+        chart.figure.xaxis.ticker = list(COUNTS)
+        chart.add_legend("bottom_right")
 
-    def _show(self, found: Maps) -> None:
-        self._last = found
-        self._there(0)
-        self._show_map()
+    def _show(self, result: Maps) -> None:
+        self._result = result
+        self._replace_card(0)
+        self._show_map(result)
         view = self.session.view
-        self.message.say("")
-        with_it, without = found.resisted.average, found.free.average
-        self._numbers.object = grid(
+        self.message.show("")
+        self._numbers.object = html_table(
             ("this bundle", "average efficiency"),
-            [("with resistance", f"{with_it:.4f}"), ("without", f"{without:.4f}")],
-        )
-        self._status.object = status("computing averages by number of units")
-        self._averages.ask(lambda: shared(averages, semu(view), view.supply, view.path))
+            [("with resistance", f"{result.resisted.average:.4f}"),
+             ("without", f"{result.free.average:.4f}")],
+        )  # fmt: skip
+        self._status.object = status_line("computing averages by number of units")
+        whole = equivalent_muscle(view)
+        self.averages.request(lambda: average_efficiencies(whole, view.supply, view.path))
 
-    def _other_map(self) -> None:
-        with pn.io.unlocked():
-            self._show_map()
+    def _show_other_map(self) -> None:
+        if self._result is not None:
+            with pn.io.unlocked():
+                self._show_map(self._result)
 
-    def _show_map(self) -> None:
-        found = self._last
-        if found is None:
-            return
-        unit = self.session.view.shown["force"]
-        kind = self._kind.value
-        values = found.difference if kind == "difference" else getattr(found, kind).efficiency
-        strain, force = found.resisted.strain, found.resisted.force / factor(unit, "force")
+    def _show_map(self, result: Maps) -> None:
+        unit, kind = self.session.view.shown["force"], self._kind.value
+        values = result.difference if kind == "difference" else getattr(result, kind).efficiency
+        strain, force = result.resisted.strain, result.resisted.force / unit_factor(unit, "force")
         d_strain, d_force = strain[1] - strain[0], force[1] - force[0]
-        largest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
-        least = min(0.0, float(np.nanmin(values))) if np.isfinite(values).any() else 0.0
-        self._colors.update(low=least, high=max(largest, 1e-6))
-        self.image.data = {
+        finite = values[np.isfinite(values)]
+        highest = float(finite.max()) if finite.size else 1.0
+        lowest = min(0.0, float(finite.min())) if finite.size else 0.0
+        self._mapper.update(low=lowest, high=max(highest, 1e-6))
+        self._image.data = {
             "image": [np.asarray(values, dtype=np.float32)],
             "x": [strain[0] - d_strain / 2], "y": [force[0] - d_force / 2],
             "dw": [strain[-1] - strain[0] + d_strain], "dh": [force[-1] - force[0] + d_force],
         }  # fmt: skip
-        set_range(self.figure.x_range, 0.0, float(strain[-1] + d_strain))
-        set_range(self.figure.y_range, 0.0, float(force[-1] + d_force))
-        self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        at = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
-        self._hover.tooltips = [("η", "@image{0.000}"), *at]
+        ends = float(strain[-1] + d_strain), float(force[-1] + d_force)
+        self.map.set_ranges((0.0, ends[0]), (0.0, ends[1]))
+        self.map.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        place = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
+        self._hover.tooltips = [("η", "@image{0.000}"), *place]
 
-    def _show_averages(self, found: dict[bool, np.ndarray]) -> None:
-        self._there(1)
-        for resistance, values in found.items():
-            self._means[resistance].data = {"x": list(STATES), "y": values}
-        low = min(float(values.min()) for values in found.values())
-        high = max(float(values.max()) for values in found.values())
+    def _show_averages(self, averages: dict[bool, np.ndarray]) -> None:
+        self._replace_card(1)
+        for resistance, values in averages.items():
+            self._means[resistance].data = {"x": list(COUNTS), "y": values}
+        every = np.concatenate(list(averages.values()))
+        low, high = float(every.min()), float(every.max())
         room = max(0.1 * (high - low), 0.005)
-        set_range(self._bars.x_range, STATES[0] - 0.3, STATES[-1] + 0.3)
-        set_range(self._bars.y_range, low - room, high + room)
+        self.bars.set_ranges((COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - room, high + room))
         self._status.object = ""

@@ -1,8 +1,9 @@
-"""A view as an address, and back: a link reproduces what is shown.
+"""A view as a link, and back.
 
-An example goes by its name; any other muscle goes into the link itself, as its file, deflated.
-What comes in is data from a stranger: it is bounded, parsed as TOML and by `units`, and
-nothing in it is a path or is run.
+An example is given by its name; any other muscle is in the link itself, as its deflated file.
+A link is data from a stranger: it is bounded, parsed as TOML and by `units`, and nothing in it is a
+path or is run. That is why Panel's own `Location.sync`, which reads JSON into parameters, isn't
+used; links also keep their units and their order of keys.
 """
 
 import base64
@@ -21,28 +22,28 @@ from ..muscle import Muscle
 from ..units import exact, parse
 from .muscle_curves import check_compared
 from .state import MOST_UNITS, SHOWN, TABS, Unit, View, check_units, view_of
-from .widgets import factor, in_units
+from .widgets import message_in_units, unit_factor
 
 
 LONGEST = 16_000  # characters of a packed file
-_LARGEST_TEXT = 32_000  # bytes of the file in it: eight unlike tuned muscles take half of that
-_LEFT_OUT = "left-out"  # instead of a file that is larger than that
+_LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
+_TOO_LARGE = "left-out"  # instead of a larger file
 
 
 def to_query(view: View) -> dict[str, str]:
-    """The address of a `view` [-]: its query by key [-], all text."""
-    own = any(unit.own is not None for unit in view.units)
+    """Query of the link of a `view`, by key."""
+    different = any(unit.own is not None for unit in view.units)
 
     def pressure(value: float) -> str:
-        return _tight(value, "pressure", view.shown["pressure"])
+        return _exact_text(value, "pressure", view.shown["pressure"])
 
-    if own:
+    if different:
         query = {"file": pack(dumps(view.bundle)), "name": view.name}
     elif view.name in examples() and _is_example(view):
         query = {"muscle": view.name}
     else:
         query = {"file": pack(dumps(view.muscle)), "name": view.name}
-    if not own:
+    if not different:
         query["units"] = ",".join(
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
         )
@@ -50,7 +51,7 @@ def to_query(view: View) -> dict[str, str]:
         "supply": pressure(view.supply),
         "scheme": view.scheme,
         "pressure": pressure(view.pressure),
-        "strain": _tight(view.strain, "strain"),
+        "strain": _exact_text(view.strain, "strain"),
         "pressures": ",".join(pressure(P) for P in view.pressures),
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
@@ -64,16 +65,14 @@ def to_query(view: View) -> dict[str, str]:
 
 
 def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
-    """The view that an address asks for.
+    """View of a link, and a message for each of its parts that can't be read.
 
     **Arguments:**
 
-    - `query`: by key [-]; unknown keys are left alone.
-    - `start`: what is shown where it says nothing [-].
-
-    **Returns:** the view, and a line for each part of the address that was refused [-].
+    - `query`: by key; unknown keys are ignored.
+    - `start`: view for what the link doesn't say.
     """
-    view, refused = start, []
+    view, errors = start, []
     for key, read in _READERS.items():
         text = query.get(key)
         if text is None:
@@ -81,34 +80,33 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, list[str]]:
         try:
             view = read(view, text, query)
         except ValueError as error:
-            refused.append(f"link: {error}")
+            errors.append(f"link: {error}")
         except Exception:  # noqa: BLE001 whatever a link holds, the page opens
-            refused.append(f"link: `{key}` can't be read.")
+            errors.append(f"link: `{key}` can't be read.")
     if len(view.pressures) != len(view.units):
         view = replace(view, pressures=(view.supply,) * len(view.units))
     if max(view.pressure, *view.pressures) > view.supply:
         limited = tuple(min(P, view.supply) for P in view.pressures)
         view = replace(view, pressure=min(view.pressure, view.supply), pressures=limited)
         if "pressure" in query or "pressures" in query:
-            refused.append(
-                "link: `pressure` must be at most the supply's,"
-                f" {_tight(view.supply, 'pressure', view.shown['pressure'])}."
-            )
-    return view, [in_units(line, view.shown) for line in refused]
+            supply = _exact_text(view.supply, "pressure", view.shown["pressure"])
+            errors.append(f"link: `pressure` must be at most the supply's, {supply}.")
+    return view, [message_in_units(line, view.shown) for line in errors]
 
 
 def pack(text: str) -> str:
-    """A file's `text` [-], deflated, in characters that an address may have [-]; or a word that
-    says that it is too large for one.
-    """
+    """Text of a file, deflated, in characters of a link; a word that says so if it is too large."""
     raw = text.encode()
     packed = base64.urlsafe_b64encode(zlib.compress(raw, 9)).decode().rstrip("=")
-    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= LONGEST else _LEFT_OUT
+    return packed if len(raw) <= _LARGEST_TEXT and len(packed) <= LONGEST else _TOO_LARGE
 
 
 def unpack(packed: str) -> str:
-    """The text [-] that was `packed` [-]; `ValueError` for anything else."""
-    if packed == _LEFT_OUT:
+    """Text that was `packed`.
+
+    **Raises:** `InvalidInputError` for anything else.
+    """
+    if packed == _TOO_LARGE:
         raise InvalidInputError("file", "was too large for a link", None, "open the file itself")
     if len(packed) > LONGEST:
         raise InvalidInputError("file", f"must be at most {LONGEST} characters", len(packed))
@@ -126,11 +124,11 @@ def unpack(packed: str) -> str:
 
 
 def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
-    """Bundles to compare [-], from a `text` [-] such as `1+4, 2+3`."""
-    out = []
+    """Splits of muscles to compare, from a text such as `1+4, 2+3`."""
+    splits = []
     for part in text.replace("-", "+").split(","):
         try:
-            counts = tuple(int(one) for one in part.split("+"))
+            counts = tuple(int(count) for count in part.split("+"))
         except ValueError:
             raise InvalidInputError(
                 "splits", "must be like 1+4, 2+3", text[:40], "whole numbers joined by +"
@@ -138,46 +136,46 @@ def parse_splits(text: str) -> tuple[tuple[int, ...], ...]:
         if len(counts) < 2:
             raise InvalidInputError("splits", "must have two motor units or more each", part)
         check_units(tuple(Unit(count) for count in counts))
-        out.append(counts)
-    if len(out) > 4:
-        raise InvalidInputError("splits", "must be four at most", len(out))
-    return tuple(out)
+        splits.append(counts)
+    if len(splits) > 4:
+        raise InvalidInputError("splits", "must be four at most", len(splits))
+    return tuple(splits)
 
 
 def _is_example(view: View) -> bool:
-    known = _known_muscle(view.name)
-    return known is view.muscle or known == view.muscle
+    return _example_muscle(view.name) == view.muscle
 
 
 @lru_cache(maxsize=64)
-def _known_muscle(name: str) -> Muscle:
-    """The muscle of an example [-], read once: an address is written after every move."""
+def _example_muscle(name: str) -> Muscle:
+    """Muscle of an example, read once: a link is written after every move."""
     return view_of(example(name), name).muscle
 
 
-def _tight(value: float, dimension: str, shown: str = "") -> str:
-    """A `value` [SI] so that it comes back to the last bit: in the unit `shown` [-], or another of
-    the page's, where it has few digits there.
+def _exact_text(value: float, dimension: str, shown: str = "") -> str:
+    """A `value` [SI] that reads back exactly.
+
+    In the unit `shown`, or another of the page's, where it has few digits there.
     """
     for unit in (shown, *SHOWN["pressure"]) if shown else ():
-        text = f"{value / factor(unit, dimension):.10g}{unit}"
+        text = f"{value / unit_factor(unit, dimension):.10g}{unit}"
         if parse(text, dimension) == value:
             return text
     return exact(value, dimension).replace(" ", "")
 
 
-def _opened(view: View, text: str, query: Mapping[str, str]) -> View:
+def _read_example(view: View, text: str, query: Mapping[str, str]) -> View:
     if "file" in query:
         return view
     return view_of(example(text), text, view)
 
 
-def _packed(view: View, text: str, query: Mapping[str, str]) -> View:
+def _read_file(view: View, text: str, query: Mapping[str, str]) -> View:
     name = query.get("name", "linked")[:60]
     return view_of(loads(unpack(text), source=name), name, view)
 
 
-def _units(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_units(view: View, text: str, _: Mapping[str, str]) -> View:
     units = []
     for part in text.split(",")[: MOST_UNITS + 1]:
         count, _at, size = part.partition("@")
@@ -189,19 +187,19 @@ def _units(view: View, text: str, _: Mapping[str, str]) -> View:
     return replace(view, units=tuple(units), pressures=(view.supply,) * len(units))
 
 
-def _pressures(view: View, text: str, _: Mapping[str, str]) -> View:
-    values = tuple(_gauge(one) for one in text.split(",")[:MOST_UNITS])
+def _read_pressures(view: View, text: str, _: Mapping[str, str]) -> View:
+    values = tuple(_gauge_pressure(P) for P in text.split(",")[:MOST_UNITS])
     return replace(view, pressures=values) if len(values) == len(view.units) else view
 
 
-def _gauge(text: str) -> float:
+def _gauge_pressure(text: str) -> float:
     value = parse(text, "pressure")
     return float(
         check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
     )
 
 
-def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
+def _choice_reader(name: str, known: tuple[str, ...]) -> Callable[..., View]:
     def read(view: View, text: str, _: Mapping[str, str]) -> View:
         if text not in known:
             raise InvalidInputError(name, f"must be one of {', '.join(known)}", text[:40])
@@ -210,21 +208,21 @@ def _one_of(name: str, known: tuple[str, ...]) -> Callable[..., View]:
     return read
 
 
-def _supply(view: View, text: str, _: Mapping[str, str]) -> View:
-    value = _gauge(text)
+def _read_supply(view: View, text: str, _: Mapping[str, str]) -> View:
+    value = _gauge_pressure(text)
     if value <= 0:
         raise InvalidInputError("supply", "must be positive", value, shown=f"{value:g} Pa")
     return replace(view, supply=value)
 
 
-def _strain(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_strain(view: View, text: str, _: Mapping[str, str]) -> View:
     value = check_interval(
         parse(text, "strain"), 0.0, LARGEST_STRAIN, "strain", "-", closed=(True, True)
     )
     return replace(view, strain=float(value))
 
 
-def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_shown(view: View, text: str, _: Mapping[str, str]) -> View:
     units = text.split(",")
     shown = dict(zip(SHOWN, units, strict=False))
     if len(units) != len(SHOWN) or any(unit not in SHOWN[kind] for kind, unit in shown.items()):
@@ -232,24 +230,24 @@ def _shown(view: View, text: str, _: Mapping[str, str]) -> View:
     return replace(view, shown=shown)
 
 
-def _compared(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_compared(view: View, text: str, _: Mapping[str, str]) -> View:
     return replace(view, compared=check_compared(tuple(text.split(","))))
 
 
-# in this order: what was opened says how many units there are
+# in this order: the muscle says how many units there are
 _READERS: Mapping[str, Callable[[View, str, Any], View]] = {
-    "muscle": _opened,
-    "file": _packed,
-    "supply": _supply,
-    "units": _units,
-    "scheme": _one_of("scheme", tuple(SCHEMES)),
-    "pressure": lambda view, text, _: replace(view, pressure=_gauge(text)),
-    "strain": _strain,
-    "pressures": _pressures,
+    "muscle": _read_example,
+    "file": _read_file,
+    "supply": _read_supply,
+    "units": _read_units,
+    "scheme": _choice_reader("scheme", tuple(SCHEMES)),
+    "pressure": lambda view, text, _: replace(view, pressure=_gauge_pressure(text)),
+    "strain": _read_strain,
+    "pressures": _read_pressures,
     "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
-    "path": _one_of("path", PATHS),
+    "path": _choice_reader("path", PATHS),
     "splits": lambda view, text, _: replace(view, splits=parse_splits(text)),
-    "show": _shown,
-    "tab": _one_of("tab", TABS),
-    "compare": _compared,
+    "show": _read_shown,
+    "tab": _choice_reader("tab", TABS),
+    "compare": _read_compared,
 }

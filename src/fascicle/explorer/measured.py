@@ -1,4 +1,4 @@
-"""A visitor's readings, within limits; the muscle's curves beside them; and the fit."""
+"""Records of a visitor: reading within limits, a muscle's curves at their pressures, the fit."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,21 +20,22 @@ from ..units import pretty
 if TYPE_CHECKING:
     from ..calibrate import Selection
 
-
 LARGEST_FILE = 5_000_000  # bytes
 MOST_ROWS = 100_000
-MOST_LEVELS, MOST_POINTS = 8, 4_000  # curves and readings that are drawn
-STARTS = 2  # places the fit begins from: few, so that it doesn't take long
-FOUND, TUNING = "found", "tuning"  # what is fitted, where it isn't constants by name
+MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: what a browser draws at once
+STARTS = 2  # starting points of a fit: few, so that it doesn't take long
+AUTOMATIC, TUNING = "found", "tuning"  # what is fitted, where it isn't constants by name
 _POINTS = 121
-_PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of a record to try
-_HEAD = 200_000  # bytes in which the header stands
+_PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
+_HEADER_BYTES = 200_000  # that hold the header
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How a record is to be read: whether forces of exactly zero are `clipped` readings; the
-    `rest_length` [m]; headers of `columns` and their `units` by role [-], where it doesn't say it.
+class ReadOptions:
+    """What a record's file doesn't say.
+
+    Whether forces of exactly zero are `clipped` readings; the `rest_length` [m]; headers of
+    `columns` and their `units` by role.
     """
 
     clipped: bool = False
@@ -43,38 +44,40 @@ class Reading:
     units: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def given(self) -> dict[str, Any]:
-        """What is given of it, as `records.load` takes it [-]."""
-        said = {
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `records.load` that are given."""
+        options = {
             "columns": dict(self.columns), "units": dict(self.units),
             "rest_length": self.rest_length, "clipped_at_zero": True if self.clipped else None,
         }  # fmt: skip
-        return {name: value for name, value in said.items() if value}
+        return {name: value for name, value in options.items() if value}
 
 
 @dataclass(frozen=True)
-class Beside:
-    """Curves at the pressures that were held: `pressure` [Pa], `strain` [-], `force` [N] by
-    row; and `level` of each reading [-].
+class MeasuredCurves:
+    """Curves of a muscle at the pressures of a record.
+
+    `pressure` [Pa], `strain` [-], `force` [N] by row; `count` of pressures in the record, of
+    which not more than `MOST_CURVES` have a curve.
     """
 
     pressure: np.ndarray
     strain: np.ndarray
     force: np.ndarray
-    level: np.ndarray
+    count: int
 
 
-def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None) -> Record:
-    """Readings from a file that was sent.
+def read_record(
+    raw: bytes, name: str, length: float, options: ReadOptions = ReadOptions()
+) -> Record:
+    """Record of an uploaded file.
 
     **Arguments:**
 
-    - `raw`: its bytes [-].
-    - `name`: what it is called [-]; nothing of that name is opened.
-    - `length`: the muscle's [m], for strains where nobody names a rest length.
-    - `reading`: what the file doesn't say itself [-].
-
-    **Returns:** the record [-].
+    - `raw`: bytes of the file.
+    - `name`: of the file; nothing of that name is opened.
+    - `length`: of the muscle [m], for strains where no rest length is given.
+    - `options`: what the file doesn't say.
 
     **Raises:** `ValueError`, in one line, for what is too large or can't be read.
     """
@@ -92,39 +95,53 @@ def read(raw: bytes, name: str, length: float, reading: "Reading | None" = None)
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
-    said = Reading() if reading is None else reading
-    given: dict[str, Any] = said.given
+    arguments = options.arguments
     try:
-        record = loads(text, source=name, **given)
-    except MissingMetadataError as error:  # a length in a file that names no rest length
+        record = loads(text, source=name, **arguments)
+    except MissingMetadataError as error:
         if error.argument != "rest_length":
-            # in the words of the fields that are there
+            # in the words of the fields on the page
             what = "" if error.argument == "columns" else "its unit in "
             fields = f"{what}the fields below, {error.role} `{error.value}` for instance"
             then = f",{error.after}" if error.after.startswith(" ") else error.after
             raise ValueError(f"{error.before}{fields}{then}") from None
-        record = replace(_over(text, name, given, length), rest_length=None)
+        # lengths or displacements in a file that names no rest length
+        record = replace(_read_over(text, name, arguments, length), rest_length=None)
     if record.rest_length is None:
-        told = pretty(length, "length")
-        assumed = f"rest length not given: strains are taken over the muscle's, {told}"
-        record = replace(record, rest_length=length, notes=(*record.notes, assumed))
+        note = (
+            "rest length not given: strains are taken over the muscle's,"
+            f" {pretty(length, 'length')}"
+        )
+        record = replace(record, rest_length=length, notes=(*record.notes, note))
     return record
 
 
-def headers(raw: bytes, name: str) -> tuple[str, ...]:
-    """Headers [-] of the columns of a file that was sent; none where it has none.
+def _read_over(text: str, name: str, arguments: Mapping[str, Any], length: float) -> Record:
+    """Record over the muscle's `length` [m], which an error names."""
+    try:
+        return loads(text, source=name, **{**arguments, "rest_length": length})
+    except ValueError as error:
+        raise ValueError(
+            f"{error} Contractions were taken over the muscle's length,"
+            f" {pretty(length, 'length')}: give the record's rest length if it is another."
+        ) from None
 
-    **Arguments:** `raw`: its bytes [-]; `name`: what it is called [-].
+
+def read_headers(raw: bytes, name: str) -> tuple[str, ...]:
+    """Headers of the columns of an uploaded file; none where it has none.
+
+    **Arguments:** `raw`: bytes of the file; `name`: of it.
     """
     try:
-        return open_table(raw[:_HEAD], name).header
+        return open_table(raw[:_HEADER_BYTES], name).header
     except ValueError:
         return ()
 
 
-def synthetic(muscle: Muscle) -> bytes:
-    """A record to try [-]: of a virtual dynamometer on a `muscle` [-], and it says so. The muscle
-    is a little thicker and steeper than drawn, as one that was built is.
+def example_record(muscle: Muscle) -> bytes:
+    """Synthetic record of a virtual dynamometer, as a file.
+
+    Its muscle is a little thicker and steeper than the `muscle`, as one that was built is.
     """
     from ..records import VirtualDynamometer
     from ..records.record import dumps
@@ -136,27 +153,13 @@ def synthetic(muscle: Muscle) -> bytes:
     return dumps(machine.record(built, seed=7)).encode()
 
 
-def _over(text: str, name: str, given: Mapping[str, Any], length: float) -> Record:
-    """The record of a `text` [-] over the muscle's `length` [m]; that is said where it can't be."""
-    try:
-        return loads(text, source=name, **{**given, "rest_length": length})
-    except ValueError as error:
-        told = pretty(length, "length")
-        raise ValueError(
-            f"{error} Contractions were taken over the muscle's length, {told}: give the record's"
-            " rest length if it is another."
-        ) from None
-
-
-def suited(muscle: Muscle, record: Record) -> str:
-    """Why a `record` [-] can hardly be of this `muscle` [-], or that it stretches it, in words
-    [-]; empty where there is nothing to say.
-    """
+def mismatch_reason(muscle: Muscle, record: Record) -> str:
+    """Reason why a `record` can hardly be of this `muscle`, or stretches it; empty without one."""
     if stretched := extension_message(record.strain, lowest_strain(*strain_domain(muscle))):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:
-        return "The record holds no pressure above zero: nothing of tension can be told from it."
+        return "The record has no pressure above zero: tension can't be fitted to it."
     pulls = record.strain[record.force > 0.02 * record.force.max()]
     farthest, free = float(pulls.max(initial=0.0)), float(muscle.free_strain(highest))
     if farthest <= 1.4 * free:
@@ -170,91 +173,88 @@ def suited(muscle: Muscle, record: Record) -> str:
     )
 
 
-def beside(muscle: Muscle, record: Record) -> Beside:
-    """A muscle's curves [N] at the pressures of a `record` [-]."""
+def measured_curves(muscle: Muscle, record: Record) -> MeasuredCurves:
+    """Curves of a muscle at the pressures of a `record`."""
     level = assign_levels(record.pressure)
-    held = [number for number in np.unique(level) if number >= 0]
-    if len(held) > MOST_LEVELS:  # evenly among them
-        held = [held[i] for i in np.linspace(0, len(held) - 1, MOST_LEVELS).astype(int)]
-    pressures = np.array([record.pressure[level == number].mean() for number in held])
+    levels = [number for number in np.unique(level) if number >= 0]
+    count = len(levels)
+    if count > MOST_CURVES:  # evenly among them
+        levels = [levels[i] for i in np.linspace(0, count - 1, MOST_CURVES).astype(int)]
+    pressures = np.array([record.pressure[level == number].mean() for number in levels])
     low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
     force = np.asarray(muscle.force(np.clip(pressures, 0.0, HIGHEST_PRESSURE)[:, None], strain))
-    return Beside(pressures, strain, force, level)
+    return MeasuredCurves(pressures, strain, force, count)
 
 
-def check_drawn(muscle: Muscle, record: Record, name: str) -> None:
-    """Refuse a `record` [-] called `name` [-] beside which a `muscle` [-] has no curves."""
+def check_measured_curves(muscle: Muscle, record: Record, name: str) -> None:
+    """Raise `ValueError` where a `muscle` has no curves at a record's strains."""
     try:
-        beside(muscle, record)
+        measured_curves(muscle, record)
     except ValueError as error:
-        raise ValueError(f"{name}: no curve of this muscle can lie beside it: {error}") from None
+        raise ValueError(f"{name}: this muscle has no curve at its strains: {error}") from None
 
 
-def awaited(muscle: Muscle) -> Beside:
-    """A muscle's curves [N] where readings of it would lie, as those of `synthetic` [-] do."""
+def preview_curves(muscle: Muscle) -> MeasuredCurves:
+    """Curves of a muscle at the pressures of the example record."""
     pressures = np.array(_PRESSURES)
     free = float(muscle.free_strain(pressures[-1]))
     strain = np.linspace(0.0, max(free, 0.01), _POINTS)
     force = np.asarray(muscle.force(pressures[:, None], strain))
-    return Beside(pressures, strain, force, np.zeros(0, int))
+    return MeasuredCurves(pressures, strain, force, len(pressures))
 
 
-def drawn(record: Record) -> np.ndarray:
-    """Which readings are drawn [-]: all, or evenly among many."""
+def drawn_readings(record: Record) -> np.ndarray:
+    """Indices of the readings that are drawn: all, or evenly among many."""
     return np.unique(np.linspace(0, len(record) - 1, min(len(record), MOST_POINTS)).astype(int))
 
 
-def fittable(muscle: Muscle) -> tuple[str, ...]:
-    """Names [-] of what can be fitted of a `muscle` [-]."""
+def fittable_names(muscle: Muscle) -> tuple[str, ...]:
+    """Names of the constants of a `muscle` that can be fitted."""
     from ..calibrate.parameters import parameters_of
 
     return tuple(parameters_of(muscle))
 
 
-def fitted(
+def fit_record(
     record: Record,
     muscle: Muscle,
-    tell: Callable[[str], object],
-    names: Sequence[str] = (FOUND,),
+    progress: Callable[[str], object],
+    names: Sequence[str] = (AUTOMATIC,),
 ) -> "Selection":
-    """A muscle fitted to a record.
+    """Fit a muscle to a record.
 
     **Arguments:**
 
-    - `record`: the readings [-].
-    - `muscle`: the muscle [-].
-    - `tell`: is told what is being done [-].
-    - `names`: what is fitted: `FOUND`, as `fascicle calibrate` finds it; `TUNING`, the paper's; or
-      names of `fittable` [-].
+    - `record`: the readings.
+    - `muscle`: the muscle.
+    - `progress`: takes a line on what is being done.
+    - `names`: what is fitted: `AUTOMATIC`, as `fascicle calibrate` chooses it; `TUNING`, the
+      paper's; or some of `fittable_names`.
 
-    **Returns:** what was fitted, and what it was chosen from [-].
+    **Returns:** the fit, and what it was chosen from.
     """
     from ..calibrate.fitting import fit
     from ..calibrate.model_selection import Selection, select_model
 
-    if tuple(names) == (FOUND,):
-        return select_model(record, muscle, starts=STARTS, tell=tell)
-    tell("fitting")
+    if tuple(names) == (AUTOMATIC,):
+        return select_model(record, muscle, starts=STARTS, tell=progress)
+    progress("fitting")
     free = None if tuple(names) == (TUNING,) else list(names)
     return Selection(fit(record, muscle, free, starts=STARTS, whole=False))
 
 
 def tuned_file(choice: "Selection", date: str) -> str:
-    """The fitted muscle's file [-] with where it comes from, made on a `date` [-]."""
+    """Text of the fitted muscle's file, made on a `date`."""
     from ..files.calibration_files import calibrated_text
 
-    return calibrated_text(choice.calibration, date, _several(choice))
+    return calibrated_text(choice.calibration, date, choice if choice.candidates else None)
 
 
 def report_page(choice: "Selection", date: str) -> str:
-    """The report [-] of what was found, made on a `date` [-]."""
+    """Report of a fit, made on a `date`."""
     from ..calibrate.plot_data import figures
     from ..reports.calibration import report
 
-    return report(choice.calibration, date, figures(choice.calibration), choice=_several(choice))
-
-
-def _several(choice: "Selection") -> "Selection | None":
-    """The `choice` [-], or `None` where there was none."""
-    return choice if choice.candidates else None
+    several = choice if choice.candidates else None
+    return report(choice.calibration, date, figures(choice.calibration), choice=several)

@@ -1,4 +1,4 @@
-"""What a muscle is: its sizes, material and laws, each refused at its own field."""
+"""Inputs of a muscle: its sizes, material and laws; errors appear at their own fields."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -13,178 +13,183 @@ from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
 from ..units import DIMENSIONS
 from .state import Session, View
-from .theme import Look
-from .widgets import Field, Message, choice, heading
+from .theme import PAIRS, WHOLE_ROW
+from .widgets import Field, Message, dropdown
 
 
 SIZES = {
     "length": ("Length at rest", "length"),
-    "outer_radius": ("Bladder's radius", "length"),
+    "outer_radius": ("Bladder radius", "length"),
     "wall_thickness": ("Wall thickness", "length"),
     "braid_angle": ("Braid angle", "angle"),
 }
-_OWN = "its own"
+_CUSTOM = "its own"
 _TITLES = {"post_collapse": "After collapse"}  # where it isn't the kind's name
-
-
-class MuscleInputs:
-    """Fields of a muscle; a change makes another muscle, or says why there is none."""
-
-    def __init__(self, session: Session, look: Look):
-        """**Arguments:** `session` [-]; `look`: the page's [-]."""
-        self._session, self._silent = session, False
-        self.message = Message("muscle")
-        self._fields = {
-            name: Field(look, label, name, dimension, self._sized(name))
-            for name, (label, dimension) in SIZES.items()
-        }
-        self._material = choice(look, "Material", [*MATERIALS, _OWN])
-        self._material.param.watch(self._chose_material, "value")
-        self._laws = {
-            kind: LawInputs(
-                look, _TITLES.get(kind, kind.capitalize()), known, self._becomes(kind),
-                self.message.say,
-            )
-            for kind, known in LAWS.items()
-        }  # fmt: skip
-        self._title = heading("")
-        self.panel = pn.Column(
-            self._title,
-            *_pairs([field.panel for field in self._fields.values()]),
-            self._material,
-            *(law.panel for law in self._laws.values()),
-            self.message.pane,
-            sizing_mode="stretch_width",
-            margin=0,
-        )
-
-    def show(self, view: View) -> None:
-        """Show the muscle of a `view` [-]."""
-        self._silent = True
-        muscle = view.muscle
-        for name, field in self._fields.items():
-            length = SIZES[name][1] == "length"
-            field.show(float(getattr(muscle, name)), view.shown["length"] if length else "deg")
-        known = [name for name, one in MATERIALS.items() if one == muscle.material]
-        self._material.value = known[0] if known else _OWN
-        for kind, law in self._laws.items():
-            law.show(getattr(muscle, kind), view.shown)
-        self.message.say("")
-        self._silent = False
-
-    def _sized(self, name: str) -> Callable[[float], None]:
-        def take(value: float) -> None:
-            try:
-                self._become(**{name: value})
-            except ValueError as error:
-                # a rule between two sizes names one of them; the other's field is left alone
-                named = error.argument if isinstance(error, InvalidInputError) else name
-                other = self._fields.get(named) if named != name else None
-                if other is not None:
-                    other.refuse(error)
-                raise
-
-        return take
-
-    def _chose_material(self, event: Any) -> None:
-        if self._silent or event.new == _OWN:
-            return
-        try:
-            self._become(material=event.new)
-        except ValueError as error:
-            self.message.say(str(error))
-
-    def _becomes(self, kind: str) -> Callable[[Any], None]:
-        return lambda law: self._become(**{kind: law})
-
-    def _become(self, **parts: Any) -> None:
-        view = self._session.view
-        name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
-        after = replace(view, muscle=view.muscle.replace(**parts), name=name)
-        _ = after.bundle  # refused here, where it was typed, if it can't be a bundle any more
-        self._session.become(after)
-
-
-def _pairs(parts: list[Any]) -> list[Any]:
-    """Rows of two `parts` [-] each."""
-    several = (parts[i : i + 2] for i in range(0, len(parts), 2))
-    return [pn.Row(*two, margin=0, sizing_mode="stretch_width") for two in several]
+_INDENT: dict[str, Any] = {"styles": WHOLE_ROW, "margin": (2, 8, 2, 20)}
 
 
 class LawInputs:
-    """A kind of law; a change makes another law, which `takes` is given, or a refusal."""
+    """Inputs of one kind of law: its name, and a field for each of its constants and options."""
 
     def __init__(
         self,
-        look: Look,
         title: str,
         laws: Mapping[str, type[AbstractLaw]],
-        takes: Callable[[Any], None],
-        refused: Callable[[str], None],
+        set_law: Callable[[Any], None],
+        refuse: Callable[[ValueError], None],
+        arrange: Callable[[], None],
     ):
         """**Arguments:**
 
-        - `look`: the page's [-].
-        - `title`: of the kind [-].
-        - `laws`: of that kind, by name [-].
-        - `takes`: the law that was chosen, by name, or with other numbers [-].
-        - `refused`: is told why a choice can't be [-].
+        - `title`: of the kind.
+        - `laws`: of that kind, by name.
+        - `set_law`: takes a law, or the name of one.
+        - `refuse`: takes the error of an option that can't be.
+        - `arrange`: is called when another law brings other fields.
         """
-        self._look, self._takes, self._refused = look, takes, refused
+        self._set_law, self._refuse, self._arrange = set_law, refuse, arrange
         self._law: Any = None
-        self._silent = False
+        self._updating = False
         self.fields: dict[str, Field] = {}
         self.choices: dict[str, Any] = {}
-        self.select = choice(look, title, {name.replace("_", " "): name for name in laws})
-        self.select.param.watch(lambda event: self._chose(event.new), "value")
-        self._own = pn.Column(margin=(0, 0, 4, 12), sizing_mode="stretch_width")
-        self.panel = pn.Column(self.select, self._own, margin=0, sizing_mode="stretch_width")
+        names = {name.replace("_", " "): name for name in laws}
+        self.select = dropdown(title, names, styles=WHOLE_ROW)
+        self.select.param.watch(lambda event: self._choose(event.new), "value")
+
+    @property
+    def widgets(self) -> list[Any]:
+        """Widgets in the order of the page."""
+        fields = [field.input for field in self.fields.values()]
+        return [self.select, *fields, *self.choices.values()]
 
     def show(self, law: Any, units: Mapping[str, str]) -> None:
-        """Show a `law` [-], its quantities in those `units` [-] that are shown."""
-        self._silent = True
+        """Show a `law` with quantities in `units`, by dimension."""
+        self._updating = True
         if type(law) is not type(self._law):
             self._renew(law)
         self._law = law
         self.select.value = law.name
-        for one in law.constants():
-            unit = units.get(one.dimension, DIMENSIONS[one.dimension].shown)
-            self.fields[one.name].show(float(getattr(law, one.name)), unit)
+        for constant in law.constants():
+            unit = units.get(constant.dimension, DIMENSIONS[constant.dimension].shown)
+            self.fields[constant.name].show(float(getattr(law, constant.name)), unit)
         for name, widget in self.choices.items():
             widget.value = getattr(law, name)
-        self._silent = False
+        self._updating = False
 
     def _renew(self, law: Any) -> None:
         self.fields = {
-            one.name: Field(
-                self._look, _title(one.name), one.name, one.dimension, self._set(one.name)
+            constant.name: Field(
+                _title(constant.name), constant.name, constant.dimension,
+                self._setter(constant.name), **_INDENT,
             )
-            for one in law.constants()
-        }
+            for constant in law.constants()
+        }  # fmt: skip
         self.choices = {
-            one.name: choice(
-                self._look, _title(one.name), {o.replace("_", " "): o for o in one.options}
+            switch.name: dropdown(
+                _title(switch.name), {o.replace("_", " "): o for o in switch.options}, **_INDENT
             )
-            for one in law.switches()
+            for switch in law.switches()
         }
         for name, widget in self.choices.items():
-            widget.param.watch(lambda event, name=name: self._switched(name, event.new), "value")
-        shown = [field.panel for field in self.fields.values()]
-        self._own.objects = [*shown, *self.choices.values()]
+            widget.param.watch(lambda event, name=name: self._switch(name, event.new), "value")
+        self._arrange()
 
-    def _set(self, name: str) -> Callable[[float], None]:
-        return lambda value: self._takes(replace_checked(self._law, {name: value}))
+    def _setter(self, name: str) -> Callable[[float], None]:
+        return lambda value: self._set_law(replace_checked(self._law, {name: value}))
 
-    def _switched(self, name: str, option: str) -> None:
-        self._chose(replace_checked(self._law, {name: option}))
+    def _switch(self, name: str, option: str) -> None:
+        if not self._updating:
+            self._choose(replace_checked(self._law, {name: option}))
 
-    def _chose(self, law: Any) -> None:
-        if self._silent:
+    def _choose(self, law: Any) -> None:
+        if self._updating:
             return
         try:
-            self._takes(law)
+            self._set_law(law)
         except ValueError as error:
-            self._refused(str(error))
+            self._refuse(error)
+
+
+class MuscleInputs:
+    """Inputs of a muscle; a change makes another muscle, or shows why there is none."""
+
+    def __init__(self, session: Session):
+        """**Arguments:** `session`: the visitor's."""
+        self._session, self._updating = session, False
+        self.fields = {
+            name: Field(label, name, dimension, self._size_setter(name))
+            for name, (label, dimension) in SIZES.items()
+        }
+        self._material = dropdown("Material", [*MATERIALS, _CUSTOM], styles=WHOLE_ROW)
+        self._material.param.watch(self._choose_material, "value")
+        self.laws = {
+            kind: LawInputs(
+                _TITLES.get(kind, kind.capitalize()), known, self._law_setter(kind), self.refuse,
+                self._arrange,
+            )
+            for kind, known in LAWS.items()
+        }  # fmt: skip
+        self.panel = pn.Column(sizing_mode="stretch_width", margin=0, stylesheets=[PAIRS])
+        self.message = Message(self.panel)
+        for field in self.fields.values():
+            field.place(self.panel)
+        self._arrange()
+
+    def refuse(self, error: ValueError | str) -> None:
+        """Show an error of none of the fields below all of them."""
+        self.message.show(error, self._session.view.shown)
+
+    def show(self, view: View) -> None:
+        """Show the muscle of a `view`."""
+        self._updating = True
+        muscle = view.muscle
+        for name, field in self.fields.items():
+            length = SIZES[name][1] == "length"
+            field.show(float(getattr(muscle, name)), view.shown["length"] if length else "deg")
+        known = [name for name, material in MATERIALS.items() if material == muscle.material]
+        self._material.value = known[0] if known else _CUSTOM
+        for kind, law in self.laws.items():
+            law.show(getattr(muscle, kind), view.shown)
+        self.message.show("")
+        self._updating = False
+
+    def _arrange(self) -> None:
+        sizes = [field.input for field in self.fields.values()]
+        laws = [widget for law in self.laws.values() for widget in law.widgets]
+        self.panel.objects = [*sizes, self._material, *laws]
+        for law in self.laws.values():
+            for field in law.fields.values():
+                field.place(self.panel)
+
+    def _size_setter(self, name: str) -> Callable[[float], None]:
+        def set_size(value: float) -> None:
+            try:
+                self._change(**{name: value})
+            except InvalidInputError as error:
+                # a rule between two sizes names one of them: it is shown at both
+                if error.argument != name and error.argument in self.fields:
+                    self.fields[error.argument].refuse(error)
+                raise
+
+        return set_size
+
+    def _choose_material(self, event: Any) -> None:
+        if self._updating or event.new == _CUSTOM:
+            return
+        try:
+            self._change(material=event.new)
+        except ValueError as error:
+            self.refuse(error)
+
+    def _law_setter(self, kind: str) -> Callable[[Any], None]:
+        return lambda law: self._change(**{kind: law})
+
+    def _change(self, **parts: Any) -> None:
+        view = self._session.view
+        name = view.name if view.name.endswith(", changed") else f"{view.name}, changed"
+        after = replace(view, muscle=view.muscle.replace(**parts), name=name)
+        _ = after.bundle  # raises here, where it was typed, if it can't be a bundle any more
+        self._session.show(after)
 
 
 def _title(name: str) -> str:

@@ -1,109 +1,118 @@
-"""The muscle's tab: its force over strain, taken apart, beside other laws, and itself."""
+"""Tab of one muscle: its force over strain with its parts, other laws, and the muscle itself."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
 from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
+from bokeh.models.glyphs import Line, MultiLine, Quad, Scatter, Text
 
+from ..plot.theme import Colors
 from ..units import pretty
-from .background import Latest
+from .background import LatestResult
 from .muscle_curves import (
     PARTS,
     REGIONS,
-    Picture,
-    alternative,
-    alternatives,
+    MuscleCurves,
+    alternative_laws,
     check_compared,
-    marks,
-    picture,
-    strips,
-    widest,
+    curve_marks,
+    muscle_curves,
+    region_strips,
+    strain_limit,
+    with_alternative,
 )
 from .muscle_inputs import MuscleInputs
-from .solid import Scene, solid
+from .solid import Scene, muscle_solid
 from .state import Session, View, changed
-from .tab import branches, remarks, status, tuned
+from .tab import Tab, branches_text, remarks_html, tuning_note
 from .theme import (
-    AFTER,
+    LAST,
     NARROW,
-    ROLLED,
+    SCROLLED,
     STACKED,
     TALL,
-    Look,
-    half,
-    legend_style,
-    plain_figure,
+    WHOLE_ROW,
+    Chart,
+    equal_column,
+    hover_tooltips,
     pressure_colors,
-    set_range,
-    source_of,
-    tags,
-    told,
-    widget_css,
 )
-from .widgets import STEPS, Dial, Message, Sweep, factor, heading, moment, table, volume
-
-
-_STAGE = "clamp(220px, 100vh - 500px, 900px)"  # how high the muscle is shown
-_STRAIGHT = (0, 3)  # regions in which a muscle is
-_LETTER = 0.0245  # of the strains drawn: one of a region's name
-_FAR = 1e9  # any shown unit: beyond every picture
-# of `curves`, for what is laid over it: none is the force's or a part's, nor are the long dashes
-_OTHERS = (3, 4, 5, 7)
-_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
-_PARTS = (
-    ("mesh", "mesh", "dashed"),
-    ("bladder", "bladder", "dotdash"),
-    ("bending", "bending", "dotted"),
+from .widgets import (
+    SWEEP_STEPS,
+    Message,
+    QuantitySlider,
+    Sweep,
+    heading,
+    moment_text,
+    pane,
+    readout_table,
+    status_line,
+    unit_factor,
+    volume_text,
+    widget,
 )
 
 
-class MuscleView:
-    """Widgets and figures of one muscle; `refresh` when its tab is looked at."""
+_STAGE = "clamp(220px, 100vh - 500px, 900px)"  # height of the muscle's figure
+_STRAIGHT = (0, 3)  # regions in which a muscle is straight
+_LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
+_FAR = 1e9  # [shown unit] beyond every picture
+# of `curves` for other laws: none is the force's or a part's, nor are the long dashes
+_COMPARED_COLORS = (3, 4, 5, 7)
+_COMPARED_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
+_PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
 
-    def __init__(self, session: Session, look: Look):
-        """**Arguments:** `session` [-]; `look`: the page's [-]."""
-        self._session, self._look, self._stale = session, look, True
-        self._top, self._above = 0.3, 0.0
-        self._inputs = MuscleInputs(session, look)
-        self._pressure = Dial(look, "Pressure P", "pressure", "pressure", self._set_pressure)
-        self._strain = Dial(
-            look, "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
+
+class MuscleView(Tab):
+    """Widgets and figures of one muscle."""
+
+    name: ClassVar[str] = "muscle"
+    fields: ClassVar[tuple[str, ...]] = ("muscle", "units", "supply", "shown")
+
+    def __init__(self, session: Session, colors: Colors):
+        """**Arguments:** those of `Tab`."""
+        super().__init__(session, colors)
+        self.top, self._label_height, self._updating = 0.3, 0.0, False
+        self.inputs = MuscleInputs(session)
+        self._pressure = QuantitySlider(
+            "Pressure P", "pressure", "pressure", lambda value: session.change(pressure=value)
         )
-        self._draw()
-        self._scene = Scene(look, "solid", _STAGE)
-        self._numbers = pn.pane.HTML("", sizing_mode="stretch_width", margin=(0, 8))
-        self._notes = pn.pane.HTML("", sizing_mode="stretch_width", margin=(2, 8))
-        self._play = Sweep(look, "the strain", self._step)
-        self._compare = pn.widgets.MultiSelect(
-            label="Compare with (Ctrl for several)", size=4, stylesheets=[widget_css(look)],
-            sizing_mode="stretch_width", margin=(2, 8),
-        )  # fmt: skip
-        self._compare.param.watch(self._compared, "value")
-        self._many = Message("compare")
-        self._silent = False
-        self._others = Latest(self._show_others, self._inputs.message.say)
-        session.watch(self._changed)
+        self._strain = QuantitySlider(
+            "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
+        )
+        self._add_chart()
+        self._scene = Scene(colors, "solid", _STAGE)
+        self._numbers = pane(sizing_mode="stretch_width")
+        self.notes = pane((2, 8), sizing_mode="stretch_width")
+        self._sweep = Sweep("the strain", self._step)
+        self.compare = widget(
+            pn.widgets.MultiSelect, "Compare with (Ctrl for several)", size=4, styles=WHOLE_ROW
+        )
+        self.compare.param.watch(self._choose_compared, "value")
+        self._others = LatestResult(self._show_others, self.inputs.refuse)
         left = pn.Column(
-            self._inputs.panel, self._compare, self._many.pane, width=284, margin=(0, 8, 0, 0),
-            stylesheets=[ROLLED, AFTER],
+            self.inputs.panel, self.compare, width=284, margin=(0, 8, 0, 0),
+            stylesheets=[SCROLLED, LAST],
         )  # fmt: skip
-        dials = pn.Row(
+        self.message = Message(left)
+        sliders = pn.Row(
             self._pressure.panel, self._strain.panel, sizing_mode="stretch_width", margin=0,
             stylesheets=[STACKED],
         )  # fmt: skip
         stage = pn.Column(
             pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(self._scene.turn, self._play.button, sizing_mode="stretch_width", margin=0),
-            heading("At this point"), self._numbers, margin=0, **half(),
+            pn.Row(self._scene.slider, self._sweep.button, sizing_mode="stretch_width", margin=0),
+            self._numbers, margin=0, **equal_column(),
         )  # fmt: skip
         curves = pn.Column(
-            pn.pane.Bokeh(self.figure, margin=0, stylesheets=[TALL]), margin=0, **half()
-        )
+            pn.pane.Bokeh(self.chart.figure, margin=0, stylesheets=[TALL]), margin=0,
+            **equal_column(),
+        )  # fmt: skip
         main = pn.Column(
-            self._notes, dials,
+            self.notes, sliders,
             pn.Row(curves, stage, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
             sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
         )  # fmt: skip
@@ -111,252 +120,231 @@ class MuscleView:
             left, main, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
         )
 
-    # what is told, and what follows
-
-    def refresh(self) -> None:
-        """Draw all of it, if anything changed since it was drawn."""
-        if self._stale:
-            self._stale = False
-            self._all(self._session.view)
-
-    def _changed(self, before: View, after: View) -> None:
-        if after.tab != "muscle":
-            self._stale = True
-            return
-        if self._stale or changed(before, after, "muscle", "units", "supply", "shown", "tab"):
-            self._stale = False
-            self._all(after)
-        elif changed(before, after, "pressure", "strain"):
-            self._picture(after, pressed=changed(before, after, "pressure"))
-        if changed(before, after, "compared"):
-            self._remark(after)
-            self._ask_others(after)
-
-    def _all(self, view: View) -> None:
-        self._top, asked = widest(view.muscle, view.supply), view.strain
-        if asked > self._top:
-            self._session.view = view = replace(view, strain=self._top)
-        self._inputs.show(view)
-        self._silent = True
-        options = alternatives(view.muscle)
-        self._compare.options = {key.replace("_", " ").replace(":", ": "): key for key in options}
-        self._compare.value = [key for key in view.compared if key in options]
-        self._silent = False
-        self._picture(view, pressed=True, family=True)
-        if asked > self._top:
-            self._strain.field.message.say(
-                f"`strain` is drawn up to {self._top:g} for this muscle, asked was {asked:g}."
+    def draw(self, view: View) -> None:
+        """Show a `view`."""
+        self.top, strain = strain_limit(view.muscle, view.supply), view.strain
+        if strain > self.top:
+            self.session.view = view = replace(view, strain=self.top)
+        self.inputs.show(view)
+        self._updating = True
+        keys = alternative_laws(view.muscle)
+        self.compare.options = {_law_label(key): key for key in keys}
+        self.compare.value = [key for key in view.compared if key in keys]
+        self._updating = False
+        curves = self._curves(view)
+        self._show_family(view, curves)
+        self._show_curve(view, curves)
+        self._show_point(view, curves)
+        if strain > self.top:
+            self._strain.field.refuse(
+                f"Contraction ε is drawn up to {self.top:g} for this muscle, got {strain:g}."
             )
-        self._remark(view)
-        self._ask_others(view)
+        self._show_remarks(view)
+        self._request_others(view)
 
-    def _remark(self, view: View) -> None:
-        about = tuned(view.muscle, view.shown["pressure"])
-        self._notes.object = remarks(view, "muscle") + status(about)
+    def follow(self, before: View, after: View) -> None:
+        """Follow the sliders, and what is compared."""
+        if changed(before, after, "pressure", "strain"):
+            curves = self._curves(after)
+            if changed(before, after, "pressure"):
+                self._show_curve(after, curves)
+                if self.others.data["xs"]:
+                    self._request_others(after)
+            self._show_point(after, curves)
+        if changed(before, after, "compared"):
+            self._show_remarks(after)
+            self._request_others(after)
 
-    def _picture(self, view: View, pressed: bool, family: bool = False) -> None:
-        found = picture(view.muscle, view.pressure, view.strain, view.supply, self._top)
-        if family:
-            self._family(view, found)
-        if pressed:
-            self._curves(view, found)
-        self._point(view, found)
+    def _curves(self, view: View) -> MuscleCurves:
+        return muscle_curves(view.muscle, view.pressure, view.strain, view.supply, self.top)
 
-    # figures
+    def _show_remarks(self, view: View) -> None:
+        note = tuning_note(view.muscle, view.shown["pressure"])
+        self.notes.object = remarks_html(view, "muscle") + status_line(note)
 
-    def _draw(self) -> None:
-        look = self._look
-        fig = plain_figure(look, "Contraction ε [–]", "Force F [N]", room=270)
-        self.figure = fig
-        self._strips = source_of({"left": [], "right": [], "color": [], "alpha": []}, name="strips")
-        fig.quad("left", "right", _FAR, -_FAR, source=self._strips, fill_color="color",
-                 fill_alpha="alpha", line_color=None)  # fmt: skip
-        names = ("force", *(part for part, _, _ in _PARTS))
-        self.chosen = source_of({"strain": [], **{n: [] for n in names}}, name="chosen")
-        self._families = source_of({"xs": [], "ys": [], "color": [], "label": []}, name="family")
-        self._told = source_of({"x": [], "y": [], "label": []})
-        self._other = source_of(
-            {"xs": [], "ys": [], "color": [], "label": [], "dash": []}, name="compared"
+    # the figure
+
+    def _add_chart(self) -> None:
+        colors = self.colors
+        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", room=270)
+        self.strips = chart.source("left", "right", "color", "alpha", name="strips")
+        self.region_names = chart.source("x", "y", "label", name="regions")
+        self._family = chart.source("xs", "ys", "color", "label", name="family")
+        self._family_names = chart.source("x", "y", "label")
+        self.chosen = chart.source("strain", *PARTS, name="chosen")
+        self.others = chart.source("xs", "ys", "color", "label", "dash", name="compared")
+        self._marks = chart.source("x", "y", "label", "above", "beside", "align", name="marks")
+        self._here = chart.source("x", "y", name="here")
+        chart.draw(self.strips, Quad(left="left", right="right", top=_FAR, bottom=-_FAR,
+                                     fill_color="color", fill_alpha="alpha",
+                                     line_color=None))  # fmt: skip
+        chart.add_zero_line()
+        chart.draw(self.region_names, Text(x="x", y="y", text="label", text_color=colors.soft,
+                                           text_align="center", text_font_size="12px",
+                                           text_baseline="top"))  # fmt: skip
+        family = chart.draw(self._family, MultiLine(xs="xs", ys="ys", line_color="color",
+                                                    line_width=1.2, line_alpha=0.9))  # fmt: skip
+        chart.tags(self._family_names)
+        for (part, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
+            line = Line(x="strain", y=part, line_color=color, line_dash=dash, line_width=1.8)
+            chart.draw(self.chosen, line, part)
+        line = Line(x="strain", y="force", line_color=colors.ink, line_width=3)
+        force = chart.draw(self.chosen, line, "force")
+        chart.draw(self.others, MultiLine(xs="xs", ys="ys", line_color="color", line_width=2.4,
+                                          line_dash="dash"), "@label")  # fmt: skip
+        chart.draw(self._marks, Scatter(x="x", y="y", size=9, line_color=colors.ink, line_width=2,
+                                        fill_color=colors.paper))  # fmt: skip
+        chart.tags(self._marks, x_offset="beside", y_offset="above", text_align="align",
+                   text_font_size="12px")  # fmt: skip
+        chart.draw(self._here, Scatter(x="x", y="y", size=13, marker="diamond",
+                                       fill_color=colors.curves[1],
+                                       line_color=colors.paper))  # fmt: skip
+        self._hover = HoverTool(renderers=[force], mode="vline", line_policy="interp",
+                                tooltips=hover_tooltips("F", "N"))  # fmt: skip
+        chart.figure.add_tools(
+            self._hover, HoverTool(renderers=[family], tooltips=[("P", "@label")])
         )
-        self._marks = source_of({"x": [], "y": [], "label": [], "below": [],
-                                 "beside": [], "align": []}, name="marks")  # fmt: skip
-        self._here = source_of({"x": [], "y": []}, name="here")
-        self._names = source_of({"x": [], "y": [], "label": []}, name="regions")
-        fig.line([0, 10], [0, 0], color=look.soft, line_width=1)
-        fig.text("x", "y", "label", source=self._names, color=look.soft, text_align="center",
-                 text_font_size="12px", text_baseline="top")  # fmt: skip
-        several = fig.multi_line(
-            "xs", "ys", source=self._families, color="color", line_width=1.2, line_alpha=0.9
-        )
-        tags(fig, look, self._told)
-        for (part, label, dash), color in zip(_PARTS, look.curves, strict=False):
-            fig.line("strain", part, source=self.chosen, color=color, line_dash=dash,
-                     line_width=1.8, legend_label=label)  # fmt: skip
-        main = fig.line("strain", "force", source=self.chosen, color=look.ink, line_width=3,
-                        legend_label="force")  # fmt: skip
-        fig.multi_line("xs", "ys", source=self._other, color="color", line_width=2.4,
-                       line_dash="dash", legend_field="label")  # fmt: skip
-        fig.scatter("x", "y", source=self._marks, size=9, color=look.ink, fill_color=look.paper,
-                    line_width=2)  # fmt: skip
-        tags(fig, look, self._marks, x_offset="beside", y_offset="below", text_align="align",
-             text_font_size="12px")  # fmt: skip
-        fig.scatter("x", "y", source=self._here, size=13, marker="diamond",
-                    color=look.curves[1], line_color=look.paper)  # fmt: skip
-        self._hover = HoverTool(
-            renderers=[main], mode="vline", line_policy="interp", tooltips=told("F", "N")
-        )
-        fig.on_event(Tap, self._tapped)
-        fig.on_event(Press, self._tapped)  # a click that lasts, too
-        fig.add_tools(
-            self._hover,
-            HoverTool(renderers=[several], tooltips=[("P", "@label")]),
-        )
-        legend_style(fig, look, "right")
+        chart.figure.on_event(Tap, self._point_at)
+        chart.figure.on_event(Press, self._point_at)  # a long click
+        chart.add_legend("right")
 
-    def _family(self, view: View, found: Picture) -> None:
+    def _show_family(self, view: View, curves: MuscleCurves) -> None:
         unit, scale = self._force_unit(view)
-        force = found.force[:-1]
-        in_unit = found.pressure[:-1] / factor(view.shown["pressure"], "pressure")
-        self._families.data = {
-            "xs": list(found.strain[:-1]),
+        force = curves.force[:-1]
+        pressures = curves.pressure[:-1] / unit_factor(view.shown["pressure"], "pressure")
+        self._family.data = {
+            "xs": list(curves.strain[:-1]),
             "ys": list(force / scale),
-            "color": pressure_colors(self._look, len(force)),
-            "label": [f"{x:.3g} {view.shown['pressure']}" for x in in_unit],
+            "color": pressure_colors(self.colors, len(force)),
+            "label": [f"{x:.3g} {view.shown['pressure']}" for x in pressures],
         }
-        every = np.array([getattr(found, name)[:-1] for name in PARTS])
+        every = np.array([getattr(curves, name)[:-1] for name in PARTS])
         low, high = float(every.min()) / scale, float(every.max()) / scale
-        self._above = high + 0.14 * (high - low)
-        set_range(self.figure.x_range, 0.0, self._top)
-        set_range(self.figure.y_range, low - 0.08 * (high - low), high + 0.16 * (high - low))
-        self.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        self._hover.tooltips = told("F", unit)
+        room = high - low
+        self._label_height = high + 0.14 * room
+        self.chart.set_ranges((0.0, self.top), (low - 0.08 * room, high + 0.16 * room))
+        self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+        self._hover.tooltips = hover_tooltips("F", unit)
 
-    def _curves(self, view: View, found: Picture) -> None:
+    def _show_curve(self, view: View, curves: MuscleCurves) -> None:
         self._pressure.show(view.pressure, view.shown["pressure"], view.supply)
-        _, scale = self._force_unit(view)
-        parts = {name: getattr(found, name)[-1] / scale for name in PARTS}
-        self.chosen.data = {"strain": found.strain[-1], **parts}
-        self._tell_pressures(found, scale)
-        self._mark(view, found)
-        if self._other.data["xs"]:
-            self._ask_others(view)
-
-    def _tell_pressures(self, found: Picture, scale: float) -> None:
-        """Name the family's pressures, save where the chosen one's mark stands."""
-        held, chosen = found.blocked[:-1], found.blocked[-1]
-        shown = np.flatnonzero(np.abs(held - chosen) > 0.06 * np.ptp(held))
-        self._told.data = {
-            "x": [0.0] * len(shown),
-            "y": held[shown] / scale,
-            "label": [self._families.data["label"][i] for i in shown],
-        }
-
-    def _mark(self, view: View, found: Picture) -> None:
         unit, scale = self._force_unit(view)
-        ran = strips(found.strain[-1], found.regions)
-        fills = [(self._look.paper, 0.0), (self._look.curves[4], 0.14), (self._look.soft, 0.20),
-                 (self._look.curves[5], 0.14)]  # fmt: skip
-        self._strips.data = {
-            "left": [left for left, _, _ in ran], "right": [right for _, right, _ in ran],
-            "color": [fills[i][0] for _, _, i in ran], "alpha": [fills[i][1] for _, _, i in ran],
+        parts = {name: getattr(curves, name)[-1] / scale for name in PARTS}
+        self.chosen.data = {"strain": curves.strain[-1], **parts}
+        # pressures of the family, save where the chosen one's mark stands
+        held, blocked = curves.blocked[:-1], curves.blocked[-1]
+        named = np.flatnonzero(np.abs(held - blocked) > 0.06 * np.ptp(held))
+        self._family_names.data = {
+            "x": [0.0] * len(named),
+            "y": held[named] / scale,
+            "label": [self._family.data["label"][i] for i in named],
+        }
+        strips = region_strips(curves.strain[-1], curves.regions)
+        colors = self.colors
+        fills = [(colors.paper, 0.0), (colors.curves[4], 0.14), (colors.soft, 0.20),
+                 (colors.curves[5], 0.14)]  # fmt: skip
+        self.strips.data = {
+            "left": [left for left, _, _ in strips], "right": [right for _, right, _ in strips],
+            "color": [fills[i][0] for _, _, i in strips],
+            "alpha": [fills[i][1] for _, _, i in strips],
         }  # fmt: skip
-        self._names.data = {
-            "x": [(left + right) / 2 for left, right, _ in ran],
-            "y": [self._above] * len(ran),
-            # a strip too narrow for its name goes without, on a phone's 300 pixels too
+        self.region_names.data = {
+            "x": [(left + right) / 2 for left, right, _ in strips],
+            "y": [self._label_height] * len(strips),
+            # a strip too narrow for its name has none, on a phone's 300 pixels too
             "label": [
-                REGIONS[i] if right - left > _LETTER * len(REGIONS[i]) * self._top else ""
-                for left, right, i in ran
+                REGIONS[i] if right - left > _LETTER * len(REGIONS[i]) * self.top else ""
+                for left, right, i in strips
             ],
         }
-        self._marks.data = marks(found, self._top, scale, unit)
+        self._marks.data = curve_marks(curves, self.top, scale, unit)
 
-    def _point(self, view: View, found: Picture) -> None:
-        self._strain.show(view.strain, "", self._top)
+    def _show_point(self, view: View, curves: MuscleCurves) -> None:
+        self._strain.show(view.strain, "", self.top)
         unit, scale = self._force_unit(view)
-        self._here.data = {"x": [view.strain], "y": [found.force_here / scale]}
-        drawn = solid(view.muscle, found, view.strain)
+        self._here.data = {"x": [view.strain], "y": [curves.force_here / scale]}
+        solid = muscle_solid(view.muscle, curves, view.strain)
         length = float(view.muscle.length)
         # a stubby muscle is wider than long; what bows out is seen, too
-        reach = max(0.53 * length, 2.0 * drawn.radius), 2.0 * drawn.radius + 0.16 * length
-        colors = [(self._look.tube, self._look.fiber)]
-        self._scene.show([drawn], colors, [(0.0, 0.0, 0.0)], reach)
-        state = REGIONS[found.region] + (", other equilibria exist" if found.several else "")
+        reach = max(0.53 * length, 2.0 * solid.radius), 2.0 * solid.radius + 0.16 * length
+        colors = [(self.colors.tube, self.colors.fiber)]
+        self._scene.show([solid], colors, [(0.0, 0.0, 0.0)], reach)
         # the volume is a straight muscle's of this length: no law here knows a bent one's
-        fluid = "fluid" if found.region in _STRAIGHT else "fluid, if it were straight"
+        fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
+        unit_of_length = view.shown["length"]
+        to_length = unit_factor(unit_of_length, "length")
         rows = {
-            "force": f"{found.force_here / scale:.4g} {unit}",
-            "state": state,
-            fluid: volume(found.volume, view.shown["length"]),
-            "braid angle": pretty(drawn.angle, "angle"),
-            "radius": f"{drawn.radius / factor(view.shown['length'], 'length'):.4g}"
-            f" {view.shown['length']}",
-            "bows out": f"{found.deflection / factor(view.shown['length'], 'length'):.4g}"
-            f" {view.shown['length']}",
-            "bending moment": moment(found.moment, view.shown),
+            "force": f"{curves.force_here / scale:.4g} {unit}",
+            "state": REGIONS[curves.region]
+            + (", other equilibria exist" if curves.several else ""),
+            fluid: volume_text(curves.volume, unit_of_length),
+            "braid angle": pretty(solid.angle, "angle"),
+            "radius": f"{solid.radius / to_length:.4g} {unit_of_length}",
+            "bows out": f"{curves.deflection / to_length:.4g} {unit_of_length}",
+            "bending moment": moment_text(curves.moment, view.shown),
         }
-        if more := branches(found.strain[-1], found.branches):
-            rows["several equilibria"] = more
-        self._numbers.object = table(rows)
+        if branches := branches_text(curves.strain[-1], curves.branches):
+            rows["several equilibria"] = branches
+        self._numbers.object = heading("At this point") + readout_table(rows)
 
     # other laws
 
-    def _compared(self, event: Any) -> None:
-        if self._silent:
+    def _choose_compared(self, event: Any) -> None:
+        if self._updating:
             return
         try:
-            self._session.change(compared=check_compared(tuple(event.new)))
-            self._many.say("")
+            self.session.change(compared=check_compared(tuple(event.new)))
+            self.message.show("")
         except ValueError as error:
-            self._silent = True
-            self._compare.value = list(event.old)
-            self._silent = False
-            self._many.say(str(error))
+            self._updating = True
+            self.compare.value = list(event.old)
+            self._updating = False
+            self.message.show(error)
 
-    def _ask_others(self, view: View) -> None:
-        keys = [key for key in view.compared if key in alternatives(view.muscle)]
-        top = self._top
+    def _request_others(self, view: View) -> None:
+        keys = [key for key in view.compared if key in alternative_laws(view.muscle)]
+        top = self.top
 
-        def compute() -> list[tuple[str, np.ndarray, np.ndarray]]:
-            out = []
-            for key in keys:
-                other = alternative(view.muscle, key)
-                found = picture(other, view.pressure, view.strain, view.supply, top)
-                out.append((key, found.strain[-1], found.force[-1]))
-            return out
+        def compute() -> list[tuple[str, MuscleCurves]]:
+            others = {key: with_alternative(view.muscle, key) for key in keys}
+            return [
+                (key, muscle_curves(muscle, view.pressure, view.strain, view.supply, top))
+                for key, muscle in others.items()
+            ]
 
         if keys:
-            self._others.ask(compute)
+            self._others.request(compute)
         else:
             self._show_others([])
 
-    def _show_others(self, found: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
-        _, scale = self._force_unit(self._session.view)
-        self._other.data = {
-            "xs": [strain for _, strain, _ in found],
-            "ys": [force / scale for _, _, force in found],
-            "color": [self._look.curves[i] for i in _OTHERS[: len(found)]],
-            "dash": list(_DASHES[: len(found)]),
-            "label": [key.replace("_", " ").replace(":", ": ") for key, _, _ in found],
+    def _show_others(self, others: list[tuple[str, MuscleCurves]]) -> None:
+        _, scale = self._force_unit(self.session.view)
+        self.others.data = {
+            "xs": [curves.strain[-1] for _, curves in others],
+            "ys": [curves.force[-1] / scale for _, curves in others],
+            "color": [self.colors.curves[i] for i in _COMPARED_COLORS[: len(others)]],
+            "dash": list(_COMPARED_DASHES[: len(others)]),
+            "label": [_law_label(key) for key, _ in others],
         }
 
-    # pressure, a point that is clicked, and the sweep
+    # a point that is clicked, and the sweep
 
-    def _tapped(self, event: Any) -> None:
-        if event.x is not None and 0 <= event.x <= self._top:
-            self._session.change(strain=round(float(event.x), 4))
-
-    def _set_pressure(self, value: float) -> None:
-        self._session.change(pressure=value)
+    def _point_at(self, event: Any) -> None:
+        if event.x is not None and 0 <= event.x <= self.top:
+            self.session.change(strain=round(float(event.x), 4))
 
     def _force_unit(self, view: View) -> tuple[str, float]:
         unit = view.shown["force"]
-        return unit, factor(unit, "force")
+        return unit, unit_factor(unit, "force")
 
     def _step(self) -> bool:
-        view = self._session.view
-        if view.tab != "muscle":
+        view = self.session.view
+        if view.tab != self.name:
             return False
-        following = round(view.strain + self._top / STEPS, 4)
-        self._session.change(strain=0.0 if following > self._top else following)
+        following = round(view.strain + self.top / SWEEP_STEPS, 4)
+        self.session.change(strain=0.0 if following > self.top else following)
         return True
+
+
+def _law_label(key: str) -> str:
+    return key.replace("_", " ").replace(":", ": ")

@@ -1,30 +1,47 @@
 """The page: a header with the muscle, its file and the units, and a tab for each view."""
 
-import time
+import html
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 import panel as pn
+from bokeh.models import CustomJS
 
 from ..files import example, examples, loads
 from ..io.sanitize import sanitize_line
-from ..plot.theme import TITLE, css
+from ..plot.theme import TITLE, Colors
 from .bundle_tab import BundleView
 from .data_tab import DataView
 from .efficiency_tab import EfficiencyView
-from .exports import EXPORTS, downloads, output_stem
+from .exports import EXPORTS, download_buttons, output_stem
 from .link import to_query
+from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
 from .state import SHOWN, TABS, Session, View, changed, view_of
-from .theme import HEADED, NARROW, WRAPPED, Look, look_of, widget_css
-from .widgets import Message, button, choice
+from .theme import HEADER, NARROW, WIDGET_CSS, WRAPPED, page_colors, page_css
+from .widgets import Message, button, dropdown, pane, widget
 
 
-_TITLES = {"muscle": "Muscle", "bundle": "Bundle", "reversal": "Reversal",
-           "efficiency": "Efficiency", "data": "Data"}  # fmt: skip
+LARGEST_MUSCLE_FILE = 100_000  # bytes
+_QUIET = 400  # ms without a change until the address follows: browsers limit its changes
+_KEEP_MESSAGE = ("shown", "tab")  # after changes of these a message still holds
+_CUSTOM = "(own)"
+_PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
+_SCRIPT = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
+_LOST = (
+    "The connection to fascicle is lost: the page is no longer updated. Start it again and reload"
+    " this page; its address has the view."
+)
+_SET_THEME = """
+const address = new URL(location);
+address.searchParams.set("theme", "%s");
+location.assign(address);
+"""
 _VIEWS: dict[str, Callable[..., Any]] = {
     "muscle": MuscleView,
     "bundle": BundleView,
@@ -34,83 +51,210 @@ _VIEWS: dict[str, Callable[..., Any]] = {
 }
 
 
+class Header:
+    """Example, file, units and theme; keeps the address up to date."""
+
+    def __init__(self, session: Session, colors: Colors, theme_in_link: bool = False):
+        """**Arguments:**
+
+        - `session`: the visitor's.
+        - `colors`: the page's.
+        - `theme_in_link`: whether the address has the theme.
+        """
+        self._session, self._updating = session, False
+        self._theme = ("dark" if colors.dark else "default") if theme_in_link or colors.dark else ""
+        self._pending: Any = None
+        self._example = dropdown("Example", [*examples(), _CUSTOM], width=230)
+        self._example.param.watch(self._choose_example, "value")
+        self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=256)
+        # an empty file changes nothing but the name
+        self.file.param.watch(self._open_file, ["value", "filename"])
+        self.save = widget(
+            pn.widgets.FileDownload, "Save the file", callback=self._file_content, filename="",
+            width=130, margin=(22, 8, 4, 4),
+        )  # fmt: skip
+        self._units = {
+            kind: dropdown(kind.capitalize(), units, width=86) for kind, units in SHOWN.items()
+        }
+        for kind, select in self._units.items():
+            select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
+        self._title = pane((8, 16, 4, 16), sizing_mode="stretch_width")
+        theme = button(
+            "Use light page" if colors.dark else "Use dark page", None, width=120,
+            margin=(22, 8, 4, 4),
+        )  # fmt: skip
+        theme.js_on_click(code=_SET_THEME % ("default" if colors.dark else "dark"))
+        row = pn.Row(
+            self._example, self.file, self.save, *self._units.values(), theme,
+            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[HEADER],
+        )  # fmt: skip
+        self.panel = pn.Column(
+            self._title, row, margin=0, sizing_mode="stretch_width", stylesheets=[NARROW]
+        )
+        self.message = Message(self.panel)
+        session.watch(self._follow)
+        self._show(session.view)
+
+    def _follow(self, before: View, after: View) -> None:
+        if changed(before, after, "name", "shown", "muscle", "units"):
+            self._show(after)
+        # a message on a link or a file is past, once something else is shown
+        names = (field.name for field in fields(View) if field.name not in _KEEP_MESSAGE)
+        if changed(before, after, *names):
+            self.message.show("")
+        self._schedule_address()
+
+    def _show(self, view: View) -> None:
+        self._updating = True
+        self._title.object = (
+            '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
+            f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
+            f'<span style="color:var(--soft)">{_PURPOSE}</span><b style="margin-left:auto">'
+            f"{html.escape(sanitize_line(view.name, 60), quote=True)}</b></div>"
+        )
+        self.save.filename = self._file_name(view)
+        self._example.value = view.name if view.name in examples() else _CUSTOM
+        for kind, select in self._units.items():
+            select.value = view.shown[kind]
+        self._updating = False
+
+    def _file_name(self, view: View) -> str:
+        if view.name in examples():
+            return f"{view.name}.toml"
+        name, edited, _ = view.name.partition(", changed")
+        what = "changed" if edited else "copy"
+        return f"{output_stem(name, what, self._session.opened)}.toml"
+
+    def _choose_example(self, event: Any) -> None:
+        if self._updating or event.new == _CUSTOM:
+            return
+        self.message.show("")
+        self._session.show(view_of(example(event.new), event.new, self._session.view))
+
+    def _open_file(self, *_: Any) -> None:
+        raw = self.file.value or b""
+        name = str(self.file.filename or "file")[-60:]
+        try:
+            if not raw:
+                raise ValueError(f"{name}: the file is empty, 0 bytes.")
+            if len(raw) > LARGEST_MUSCLE_FILE:
+                limit = f"a muscle file may have {LARGEST_MUSCLE_FILE} bytes"
+                raise ValueError(f"{name}: {limit}, got {len(raw)}.")
+            target = loads(_decode(raw, name), source=name)
+            self._session.opened.add(name)
+            self._session.show(view_of(target, name, self._session.view))
+            self.message.show("")
+        except ValueError as error:
+            self.message.show(error)
+
+    def _file_content(self) -> io.BytesIO:
+        return io.BytesIO(self._session.view.text.encode())
+
+    def _set_unit(self, kind: str, unit: str) -> None:
+        if not self._updating:
+            self._session.change(shown={**self._session.view.shown, kind: unit})
+
+    def _schedule_address(self) -> None:
+        """Change the address once nothing has changed for a while."""
+        doc = pn.state.curdoc
+        if doc is None or not doc.session_context or pn.state.location is None:
+            return
+        if self._pending is not None:
+            doc.remove_timeout_callback(self._pending)
+        self._pending = doc.add_timeout_callback(self._set_address, _QUIET)
+
+    def _set_address(self) -> None:
+        self._pending = None
+        query = to_query(self._session.view)
+        if self._theme:
+            query["theme"] = self._theme
+        if pn.state.location is not None:
+            pn.state.location.search = "?" + urlencode(query)
+
+
+def _decode(raw: bytes, name: str) -> str:
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError(f"{name}: not a text file in UTF-8.") from None
+
+
 def build(
-    session: Session, theme: str = "default", refused: Sequence[str] = (), asked: bool = False
+    session: Session,
+    theme: str = "default",
+    errors: Sequence[str] = (),
+    theme_in_link: bool = False,
 ) -> Any:
-    """All of the explorer for one visitor.
+    """All of the explorer for one visitor, as a Panel layout.
 
     **Arguments:**
 
-    - `session`: what is shown [-].
-    - `theme`: "default" or "dark" [-].
-    - `refused`: what the address asked for in vain, a line each [-].
-    - `asked`: whether the address asks for the theme [-].
-
-    **Returns:** a Panel layout [-].
+    - `session`: what is shown.
+    - `theme`: "default" or "dark".
+    - `errors`: of the link, a line each.
+    - `theme_in_link`: whether the address has the theme.
     """
-    look = look_of(theme)
-    header = Header(session, look, asked)
-    header.message.say(" ".join(refused))
-    names = [name for name in TABS if name in _VIEWS]
+    colors = page_colors(theme)
+    header = Header(session, colors, theme_in_link)
+    header.message.show(" ".join(errors))
     views: dict[str, Any] = {}
-    narrow = {"sizing_mode": "stretch_width", "stylesheets": [NARROW]}
-    places = {name: pn.Column(margin=0, **narrow) for name in names}
+    places = {
+        name: pn.Column(margin=0, sizing_mode="stretch_width", stylesheets=[NARROW])
+        for name in TABS
+    }
     tabs = pn.Tabs(
-        *((_TITLES[name], places[name]) for name in names),
+        *((name.capitalize(), place) for name, place in places.items()),
         dynamic=True,
-        stylesheets=[widget_css(look), NARROW],
+        stylesheets=[WIDGET_CSS, NARROW],
         sizing_mode="stretch_width",
         margin=(0, 8),
-        active=names.index(session.view.tab) if session.view.tab in names else 0,
+        active=TABS.index(session.view.tab),
     )
 
-    def look_at(name: str) -> None:
-        # a tab is made when it is first looked at: most visitors never see most of them
+    def open_tab(name: str) -> None:
+        # made when it is first opened: most visitors never open most of them
         if name not in views:
-            views[name] = _VIEWS[name](session, look)
-            places[name].objects = [_with_downloads(session, look, name, views[name])]
+            views[name] = _VIEWS[name](session, colors)
+            places[name].objects = [views[name].panel, *_downloads(session, name)]
         views[name].refresh()
 
-    def switched(event: Any) -> None:
-        name = names[event.new]
+    def switch(event: Any) -> None:
+        name = TABS[event.new]
         if session.view.tab != name:
             session.change(tab=name)
 
     def follow(before: View, after: View) -> None:
-        if before.tab != after.tab and after.tab in names:
-            tabs.active = names.index(after.tab)
-            look_at(after.tab)
+        if before.tab != after.tab:
+            tabs.active = TABS.index(after.tab)
+            open_tab(after.tab)
 
-    tabs.param.watch(switched, "active")
+    tabs.param.watch(switch, "active")
     session.watch(follow)
-    look_at(names[tabs.active])
-    # inherited by all that is in it, in a notebook too
-    own = f":host {{ {css(look)} color: var(--ink); background: var(--paper); }}"
+    open_tab(session.view.tab)
     return pn.Column(
         header.panel, tabs, name="explorer", margin=0, sizing_mode="stretch_width",
-        stylesheets=[NARROW, own],
+        stylesheets=[NARROW, page_css(colors)],
     )  # fmt: skip
 
 
-def opening(look: Look) -> Any:
-    """What stands there until the rest does [-], in a `look` [-]."""
-    return pn.pane.HTML(
-        f'<div role="status" style="padding:24px;color:{look.ink};font-size:15px">'
-        "fascicle is drawing …</div>", margin=0,
-    )  # fmt: skip
+def _downloads(session: Session, name: str) -> list[Any]:
+    if name not in EXPORTS:  # the data tab has its own: they need a record
+        return []
+    buttons = download_buttons(lambda: EXPORTS[name](session.view, session.opened))
+    return [pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED])]
 
 
-def _with_downloads(session: Session, look: Look, name: str, view: Any) -> Any:
-    if name not in EXPORTS:  # the data's tab has its own: they need a record
-        return view.panel
-    buttons = downloads(look, name, lambda: EXPORTS[name](session.view))
-    return pn.Column(
-        view.panel,
-        pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED]),
-        sizing_mode="stretch_width",
-        margin=0,
-        stylesheets=[NARROW],
-    )
+def add_scripts(doc: Any, follow_preference: bool) -> None:
+    """Add the page's script to a Bokeh document, and notices of a lost connection.
+
+    **Arguments:** `doc`: the document; `follow_preference`: whether the page follows the system's
+    preference of a dark page.
+    """
+    options = {"largest": LARGEST_FILE, "preference": follow_preference}
+    doc.js_on_event("document_ready", CustomJS(args=options, code=_SCRIPT))
+    for event, text in (("connection_lost", _LOST), ("client_reconnected", "")):
+        notice = CustomJS(args={"text": text}, code="fascicleNotice('lost', text);")
+        doc.js_on_event(event, notice)
 
 
 def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any:
@@ -118,186 +262,16 @@ def panel(target: str | Any = "kim2021_figure_6", theme: str = "default") -> Any
 
     **Arguments:**
 
-    - `target`: a named example, a path, a `Muscle` or a `Bundle` [-].
-    - `theme`: "default" or "dark" [-].
-
-    **Returns:** the layout [-].
+    - `target`: a named example, a path, a `Muscle` or a `Bundle`.
+    - `theme`: "default" or "dark".
 
     **Raises:** `ValueError` or `OSError` where there is no such muscle.
     """
-    from ..files import example, examples
     from ..files.muscle_files import load_muscle
-    from .state import view_of
 
     name = target if isinstance(target, str) else "muscle"
-    found: Any = target
+    opened: Any = target
     if isinstance(target, str):
-        found = example(target) if target in examples() else load_muscle(target)
+        opened = example(target) if target in examples() else load_muscle(target)
     pn.extension()
-    return build(Session(view_of(found, name), pn.io.unlocked), theme)
-
-
-LARGEST_FILE = 100_000  # bytes of a muscle file
-_QUIET = 400  # ms without a change until the address follows: browsers ration its changes
-_KEPT = ("shown", "tab")  # a look at the same muscle: what was said of it stands
-_OTHER = "(own)"
-_PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
-_OTHER_THEME = """
-const there = new URL(location);
-there.searchParams.set("theme", "%s");
-location.assign(there);
-"""
-
-
-class Header:
-    """Example, file, units and theme; keeps the address up to date."""
-
-    def __init__(self, session: Session, look: Look, asked: bool = False):
-        """**Arguments:** `session` [-]; `look`: the page's [-]; `asked`: whether the address asks
-        for it [-].
-        """
-        self._asked = asked
-        self._session, self._look, self._silent = session, look, False
-        self._pending: Any = None
-        self._touched = 0.0  # when something changed last
-        css = [widget_css(look)]
-        self._example = choice(look, "Example", [*examples(), _OTHER], width=230, sizing_mode=None)
-        self._example.param.watch(self._choose, "value")
-        self._file = pn.widgets.FileInput(
-            label="Open a file", accept=".toml", stylesheets=css, width=256, margin=(2, 8)
-        )
-        # an empty file changes nothing but the name
-        self._file.param.watch(self._open, ["value", "filename"])
-        self._save = pn.widgets.FileDownload(
-            label="Save the file", callback=self._text, filename=_file_name(session.view),
-            stylesheets=css, width=130, margin=(22, 8, 4, 4),
-        )  # fmt: skip
-        self._units = {
-            kind: choice(look, kind.capitalize(), units, width=86, sizing_mode=None)
-            for kind, units in SHOWN.items()
-        }
-        for kind, widget in self._units.items():
-            widget.param.watch(self._showing(kind), "value")
-        self._name = pn.pane.HTML("", margin=(8, 16, 4, 16), sizing_mode="stretch_width")
-        self._theme = button(
-            look, "Light page" if look.dark else "Dark page", lambda: None, width=100,
-            margin=(22, 8, 4, 4),
-        )  # fmt: skip
-        self._theme.js_on_click(code=_OTHER_THEME % ("default" if look.dark else "dark"))
-        self.message = Message("file")
-        row = pn.Row(
-            self._example, self._file, self._save, *self._units.values(), self._theme,
-            sizing_mode="stretch_width", margin=(0, 8), stylesheets=[HEADED],
-        )  # fmt: skip
-        self.panel = pn.Column(
-            self._name,
-            row,
-            self.message.pane,
-            margin=0,
-            sizing_mode="stretch_width",
-            stylesheets=[NARROW],
-        )
-        session.watch(self._changed)
-        self._show(session.view)
-
-    def _changed(self, before: View, after: View) -> None:
-        if changed(before, after, "name", "shown", "muscle", "units"):
-            self._show(after)
-        # what a link or a file asked for in vain is past, once something else is shown
-        if changed(before, after, *(one.name for one in fields(View) if one.name not in _KEPT)):
-            self.message.say("")
-        self._later()
-
-    def _show(self, view: View) -> None:
-        self._silent = True
-        self._name.object = (
-            '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
-            f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
-            f'<span style="color:var(--soft)">{_PURPOSE}</span>'
-            f'<b style="margin-left:auto">{_safe(sanitize_line(view.name, 60))}</b></div>'
-        )
-        self._save.filename = _file_name(view)
-        self._example.value = view.name if view.name in examples() else _OTHER
-        for kind, widget in self._units.items():
-            widget.value = view.shown[kind]
-        self._silent = False
-
-    def _choose(self, event: Any) -> None:
-        if self._silent or event.new == _OTHER:
-            return
-        self.message.say("")
-        self._session.become(view_of(example(event.new), event.new, self._session.view))
-
-    def _open(self, *_: Any) -> None:
-        raw = self._file.value or b""
-        name = str(self._file.filename or "file")[-60:]
-        try:
-            if not raw:
-                raise ValueError(f"{name}: the file is empty, 0 bytes.")
-            if len(raw) > LARGEST_FILE:
-                raise ValueError(
-                    f"{name}: a muscle file may have {LARGEST_FILE} bytes, got {len(raw)}."
-                )
-            found = loads(_decoded(raw, name), source=name)
-            self._session.become(view_of(found, name, self._session.view))
-            self.message.say("")
-        except ValueError as error:
-            self.message.say(str(error))
-
-    def _text(self) -> Any:
-        import io
-
-        return io.BytesIO(self._session.view.text.encode())
-
-    def _showing(self, kind: str) -> Any:
-        def take(event: Any) -> None:
-            if not self._silent:
-                self._session.change(shown={**self._session.view.shown, kind: event.new})
-
-        return take
-
-    def _later(self) -> None:
-        """Change the address once nothing has changed for a while."""
-        doc = pn.state.curdoc
-        if doc is None or not doc.session_context or pn.state.location is None:
-            return
-        self._touched = time.monotonic()
-        if self._pending is None:
-            self._pending = doc.add_timeout_callback(self._follow, _QUIET)
-
-    def _follow(self) -> None:
-        doc, quiet = pn.state.curdoc, 1e3 * (time.monotonic() - self._touched)
-        if doc is not None and quiet < 0.9 * _QUIET:  # moved since: later
-            self._pending = doc.add_timeout_callback(self._follow, int(_QUIET - quiet))
-            return
-        self._pending = None
-        view = self._session.view
-        query = to_query(view)
-        if self._look.dark or self._asked:
-            query["theme"] = "dark" if self._look.dark else "default"
-        if pn.state.location is not None:
-            pn.state.location.search = "?" + urlencode(query)
-
-
-def _file_name(view: View) -> str:
-    """Name of the file that a `view` is saved in [-]: not the one that it was opened from."""
-    if view.name in examples():
-        return f"{view.name}.toml"
-    name, changes, _ = view.name.partition(", changed")
-    # without a suffix, nothing of a name is one
-    stem = output_stem(name if name.endswith(".toml") else f"{name}.toml",
-                       "changed" if changes else "copy")  # fmt: skip
-    return f"{stem}.toml"
-
-
-def _decoded(raw: bytes, name: str) -> str:
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ValueError(f"{name}: not a text file in UTF-8.") from None
-
-
-def _safe(text: str) -> str:
-    import html
-
-    return html.escape(text, quote=True)
+    return build(Session(view_of(opened, name), pn.io.unlocked), theme)

@@ -1,7 +1,7 @@
-"""What a session shows: one immutable `View`, and who is told when it changes.
+"""State of a session: one immutable `View`, and callbacks for its changes.
 
-Everything is in SI; the units that are shown are part of the view. Tabs never talk to one
-another: each changes the view and is told of changes, whoever made them.
+Values are in SI; the units shown are part of the view. Tabs never call one another: each changes
+the view, and hears of every change.
 """
 
 import math
@@ -12,10 +12,9 @@ from dataclasses import field as of_dataclass
 from types import MappingProxyType
 from typing import Any
 
-import equinox as eqx
-
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
+from ..core.module import with_fields
 from ..files import dumps
 from ..muscle import Muscle
 from ..muscle.fitted_length import copy_fit_info
@@ -33,8 +32,10 @@ _START = {"pressure": 137.9e3, "strain": 0.1}
 
 @dataclass(frozen=True)
 class Unit:
-    """A motor unit: `count` muscles [-], their radius and wall `size` times the shared
-    muscle's [-], or `own`, another muscle instead of it.
+    """A motor unit of `count` muscles.
+
+    Their radius and wall are `size` times [-] those of the view's muscle; or `own` is another
+    muscle instead of it.
     """
 
     count: int = 1
@@ -44,9 +45,11 @@ class Unit:
 
 @dataclass(frozen=True)
 class View:
-    """What is shown. `name` of the muscle; `supply`, `pressure` and the motor units'
-    `pressures` [Pa]; `strain` [-]; `distance` between the plates [m], where muscles are unlike;
-    `compared` laws, as `tension`-like keys and names; `shown` units by dimension.
+    """All that a session shows.
+
+    `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
+    `distance` between the plates [m], where muscles differ; `compared` laws, such as
+    `buckling:elastica`; `shown` units by dimension.
     """
 
     name: str
@@ -69,69 +72,67 @@ class View:
 
     @property
     def bundle(self) -> Bundle:
-        """The bundle of all motor units [-]."""
+        """Bundle of all motor units."""
         units = [MotorUnit(self.muscle_of(unit), unit.count) for unit in self.units]
         return Bundle(units, self.supply, self.scheme, self.distance)
 
     def muscle_of(self, unit: Unit) -> Muscle:
-        """The muscle [-] of one `unit` [-]."""
+        """Muscle of a `unit`."""
         return scaled(self.muscle, unit.size) if unit.own is None else unit.own
 
     @property
     def text(self) -> str:
-        """The muscle, or the bundle where there are several units, as a file [-]."""
-        alone = len(self.units) == 1 and self.units[0] == Unit()
-        return dumps(self.muscle if alone else self.bundle)
+        """Text of a file with the muscle, or with the bundle where there are several units."""
+        single = len(self.units) == 1 and self.units[0] == Unit()
+        return dumps(self.muscle if single else self.bundle)
 
 
 def scaled(muscle: Muscle, size: float) -> Muscle:
-    """A muscle `size` times as thick [-], as long, its wall in proportion."""
+    """A muscle of `size` times the radius and wall thickness [-] and the same length."""
     if size == 1:
         return muscle
-    sizes = (muscle.outer_radius * size, muscle.wall_thickness * size)
-    grown = eqx.tree_at(lambda m: (m.outer_radius, m.wall_thickness), muscle, sizes)
-    return copy_fit_info(muscle, grown)
+    radius, wall = muscle.outer_radius * size, muscle.wall_thickness * size
+    return copy_fit_info(muscle, with_fields(muscle, outer_radius=radius, wall_thickness=wall))
 
 
-def view_of(found: Muscle | Bundle, name: str, before: View | None = None) -> View:
-    """What is shown of a muscle or a bundle that was just opened.
+def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:
+    """View of a muscle or a bundle that is opened.
 
     **Arguments:**
 
-    - `found`: it [-].
-    - `name`: what it is called [-].
-    - `before`: the view it replaces, whose units and tab are kept [-].
-
-    **Returns:** the view [-].
+    - `target`: the muscle or bundle.
+    - `name`: of it, as the page shows it.
+    - `before`: the view it replaces, whose units, tab and options stay.
 
     **Raises:** `ValueError` for a bundle that is too large to show.
     """
-    base = View(name, found if isinstance(found, Muscle) else found.motor_units[0].muscle)
+    muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
+    view = View(name, muscle)
     if before is not None:
-        base = replace(base, shown=before.shown, tab=before.tab, resistance=before.resistance,
+        view = replace(view, shown=before.shown, tab=before.tab, resistance=before.resistance,
                        path=before.path, splits=before.splits)  # fmt: skip
-    if isinstance(found, Muscle):
-        return replace(base, units=(Unit(1), Unit(1)), pressures=(SUPPLY, SUPPLY))
-    # before anything is made of them
-    check_units(tuple(Unit(int(unit.count)) for unit in found.motor_units))
+    if isinstance(target, Muscle):
+        return replace(view, units=(Unit(1), Unit(1)), pressures=(SUPPLY, SUPPLY))
+    # checked before anything is computed of them
+    check_units(tuple(Unit(int(unit.count)) for unit in target.motor_units))
     units = tuple(
-        Unit(int(unit.count), own=None if unit.muscle == base.muscle else unit.muscle)
-        for unit in found.motor_units
+        Unit(int(unit.count), own=None if unit.muscle == muscle else unit.muscle)
+        for unit in target.motor_units
     )
-    supply = SUPPLY if found.supply_pressure is None else float(found.supply_pressure)
+    supply = SUPPLY if target.supply_pressure is None else float(target.supply_pressure)
     return replace(
-        base,
+        view,
         units=units,
         supply=supply,
-        scheme=found.scheme.name,
-        distance=None if found.plate_distance is None else float(found.plate_distance),
-        pressure=min(base.pressure, supply),
+        scheme=target.scheme.name,
+        distance=None if target.plate_distance is None else float(target.plate_distance),
+        pressure=min(view.pressure, supply),
         pressures=(supply,) * len(units),
     )
 
 
 def check_units(units: tuple[Unit, ...]) -> None:
-    """Refuse `units` [-] that are too many to show, or that can't be."""
+    """Raise `InvalidInputError` for `units` that are too many to show, or impossible."""
     if not 1 <= len(units) <= MOST_UNITS:
         raise InvalidInputError("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
     muscles = sum(unit.count for unit in units)
@@ -150,36 +151,35 @@ def check_units(units: tuple[Unit, ...]) -> None:
 
 
 class Session:
-    """The view of one visitor, and who is told when it changes."""
+    """View of one visitor, and the callbacks for its changes."""
 
-    def __init__(
-        self, view: View, together: Callable[[], AbstractContextManager[Any]] = nullcontext
-    ):
+    def __init__(self, view: View, batch: Callable[[], AbstractContextManager[Any]] = nullcontext):
         """**Arguments:**
 
-        - `view`: the first [-].
-        - `together`: what follows from a change happens inside it [-]; left out, nothing.
+        - `view`: the first one.
+        - `batch`: context that callbacks run in, such as one that sends all changes at once.
         """
-        self.view, self.together = view, together
-        self._watchers: list[Callable[[View, View], None]] = []
+        self.view, self._batch = view, batch
+        self.opened: set[str] = set()  # names of files that were read, which no output may bear
+        self._callbacks: list[Callable[[View, View], None]] = []
 
-    def watch(self, told: Callable[[View, View], None]) -> None:
-        """Call `told` [-] with the view before and after each change."""
-        self._watchers.append(told)
+    def watch(self, callback: Callable[[View, View], None]) -> None:
+        """Call `callback` with the views before and after each change."""
+        self._callbacks.append(callback)
 
     def change(self, **changes: Any) -> None:
-        """Replace some of the view's fields by `changes` [-]."""
-        self.become(replace(self.view, **changes))
+        """Replace some fields of the view."""
+        self.show(replace(self.view, **changes))
 
-    def become(self, view: View) -> None:
-        """Show another `view` [-]; all are told."""
+    def show(self, view: View) -> None:
+        """Replace the view."""
         before, self.view = self.view, view
-        with self.together():
-            for told in self._watchers:
-                told(before, view)
+        with self._batch():
+            for callback in self._callbacks:
+                callback(before, view)
 
 
 def changed(before: View, after: View, *names: str) -> bool:
-    """Whether one of the fields `names` [-] is another one in `after` than `before` [-]."""
+    """Whether one of the fields `names` differs between two views."""
     # by identity: two muscles are compared by their arrays, and any change makes a new one
     return any(getattr(before, name) is not getattr(after, name) for name in names)

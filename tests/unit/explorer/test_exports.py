@@ -12,17 +12,17 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.explorer.exports import EXPORTS, data, escaped
+from fascicle.explorer.exports import EXPORTS, data, escape_triple_quotes, output_stem
 from fascicle.explorer.measured import (
-    FOUND,
+    AUTOMATIC,
     LARGEST_FILE,
     MOST_ROWS,
     TUNING,
-    Reading,
-    beside,
-    fitted,
-    headers,
-    read,
+    ReadOptions,
+    fit_record,
+    measured_curves,
+    read_headers,
+    read_record,
 )
 from fascicle.explorer.state import view_of
 
@@ -44,8 +44,8 @@ def test_the_python_makes_the_same_data(name, tmp_path, monkeypatch):
         assert done.returncode == 0, done.stderr
     else:
         runpy.run_path(str(script), run_name="__main__")
-    assert (tmp_path / f"{name}.csv").read_bytes() == export.content("csv")
-    assert ET.parse(tmp_path / f"{name}.svg").getroot().tag.endswith("svg")  # noqa: S314 ours
+    assert (tmp_path / f"{export.stem}.csv").read_bytes() == export.content("csv")
+    assert ET.parse(tmp_path / f"{export.stem}.svg").getroot().tag.endswith("svg")  # noqa: S314 ours
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,14 @@ def test_columns_are_the_command_lines(name, command, capsys):
     assert ours == [*theirs, *extra] and (len(extra) == 1) == (name == "efficiency")
 
 
-@pytest.mark.parametrize("names", [(FOUND,), (TUNING,), ("c10", "outer_radius")], ids=str)
+@pytest.mark.parametrize("names", [(AUTOMATIC,), (TUNING,), ("c10", "outer_radius")], ids=str)
 @pytest.mark.parametrize("tuned", [None, fs.example("kim2021_slenderness_10")])
 def test_the_python_of_the_data_runs_beside_its_file(tuned, names, tmp_path, monkeypatch):
     (tmp_path / "mine.csv").write_bytes(CSV)
-    record = read(CSV, "mine.csv", 0.127)
-    export = data(VIEW.muscle, record, tuned, "mine.csv", Reading(), names)
+    record = read_record(CSV, "mine.csv", 0.127)
+    export = data(VIEW.muscle, record, tuned, "mine.csv", ReadOptions(), names)
     text = export.content("py").decode()
-    call = "select_model(record" if names == (FOUND,) else "fit(record"
+    call = "select_model(record" if names == (AUTOMATIC,) else "fit(record"
     assert (call in text) == (tuned is not None)
     if tuned is not None:  # a fit takes a minute: here its result
         made = SimpleNamespace(muscle=tuned)
@@ -100,7 +100,7 @@ NAMES = ("data.csv", "muscle.csv", "data_comparison.csv", "my data (2).csv", "..
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_script_writes_nothing_that_bears_the_name_of_its_record(name, tmp_path, monkeypatch):
-    export = data(VIEW.muscle, read(CSV, name, 0.127), None, name, Reading())
+    export = data(VIEW.muscle, read_record(CSV, name, 0.127), None, name, ReadOptions())
     folder = tmp_path / "in"
     folder.mkdir()
     at = folder / Path(name.replace("\n", "")).name  # no folder has a line break in a name
@@ -133,14 +133,14 @@ def test_pictures_and_datasets_parse(tmp_path):
 
 def test_a_files_text_cannot_leave_the_string_it_stands_in():
     nasty = 'a"""\nimport os\n\\"""'
-    assert eval(f'"""{escaped(nasty)}"""') == nasty  # noqa: S307 what is tested
+    assert eval(f'"""{escape_triple_quotes(nasty)}"""') == nasty  # noqa: S307 what is tested
 
 
 def test_readings_are_read_and_lie_beside_curves():
-    record = read(CSV, "d.csv", 0.127)
+    record = read_record(CSV, "d.csv", 0.127)
     assert len(record) == 20
     assert "rest length not given" in record.notes[-1]
-    found = beside(VIEW.muscle, record)
+    found = measured_curves(VIEW.muscle, record)
     assert found.pressure == pytest.approx([1e5, 2e5])
     assert found.force[1] == pytest.approx(
         np.asarray(VIEW.muscle.force(2e5, found.strain)), abs=1e-9
@@ -153,43 +153,53 @@ def test_readings_are_read_and_lie_beside_curves():
 )
 def test_what_is_too_large_is_refused_with_its_limit(raw, limit):
     with pytest.raises(ValueError, match=str(limit)):
-        read(raw, "d.csv", 0.127)
+        read_record(raw, "d.csv", 0.127)
 
 
 def test_a_name_is_never_opened():
     with pytest.raises(ValueError, match="passwd"):
-        read(b"a,b\n1,2\n", "/etc/passwd", 0.127)
+        read_record(b"a,b\n1,2\n", "/etc/passwd", 0.127)
 
 
 WORDLESS = b"A,B,C\n0,10,100\n5,8,100\n10,5,100\n"
 
 
 def test_columns_and_units_are_given_where_the_file_does_not_say_them():
-    assert headers(WORDLESS, "w.csv") == ("A", "B", "C")
+    assert read_headers(WORDLESS, "w.csv") == ("A", "B", "C")
     with pytest.raises(ValueError, match=r"w\.csv.*fields below, \w+ `[ABC]`"):
-        read(WORDLESS, "w.csv", 0.127)
+        read_record(WORDLESS, "w.csv", 0.127)
     columns = {"displacement": "A", "force": "B", "pressure": "C"}
-    said = Reading(False, 0.2, columns, {"displacement": "mm", "force": "N", "pressure": "kPa"})
-    record = read(WORDLESS, "w.csv", 0.127, said)
+    said = ReadOptions(False, 0.2, columns, {"displacement": "mm", "force": "N", "pressure": "kPa"})
+    record = read_record(WORDLESS, "w.csv", 0.127, said)
     np.testing.assert_allclose(record.strain, [0, 0.025, 0.05])
     np.testing.assert_allclose(record.pressure, 100e3)
     np.testing.assert_allclose(record.force, [10, 8, 5])
     # over the muscle's length, which is said, where nobody gives another
-    over = read(WORDLESS, "w.csv", 0.1, Reading(False, None, columns, said.units))
+    over = read_record(WORDLESS, "w.csv", 0.1, ReadOptions(False, None, columns, said.units))
     np.testing.assert_allclose(over.strain, [0, 0.05, 0.1])
     assert "taken over the muscle's, 100 mm" in over.notes[-1]
 
 
 def test_no_table_has_no_headers():
-    assert headers(b"", "e.csv") == ()
+    assert read_headers(b"", "e.csv") == ()
 
 
 def test_constants_by_name_are_what_is_fitted():
     strain = np.linspace(0, 0.15, 12)
     built = VIEW.muscle.replace(outer_radius=1.03 * VIEW.muscle.outer_radius)
     record = records.Record.of(2e5, strain, np.asarray(built.force(2e5, strain)), synthetic=True)
-    made = fitted(record, VIEW.muscle, lambda _: None, ("outer_radius",))
-    assert [one.name for one in made.made.parameters] == ["outer_radius"]
+    made = fit_record(record, VIEW.muscle, lambda _: None, ("outer_radius",))
+    (parameter,) = made.calibration.parameters
+    assert parameter.name == "outer_radius"
     # without noise the one constant is found; the search stops at a relative step of 1e-8
-    assert made.made.parameters[0].value == pytest.approx(float(built.outer_radius), rel=1e-5)
+    assert parameter.value == pytest.approx(
+        float(built.outer_radius), rel=1e-5
+    )
     assert made.candidates == ()
+
+
+def test_no_output_bears_the_name_of_a_file_that_was_read():
+    assert EXPORTS["muscle"](VIEW, ()).stem == "kim2021_bundle_1_1_force"
+    for opened in ("mine.toml", "mine_force.toml", "mine_force.csv"):
+        stem = output_stem("mine.toml", "force", [opened])
+        assert stem.startswith("mine_force") and f"{stem}.csv" != opened

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import fascicle as fs
-from fascicle.explorer.muscle_curves import marks, picture, widest
+from fascicle.explorer.muscle_curves import curve_marks, muscle_curves, strain_limit
 from fascicle.explorer.muscle_tab import MuscleView
 from fascicle.explorer.state import Session, view_of
 from fascicle.explorer.theme import LIGHT
@@ -20,15 +20,15 @@ LINE = 14
 
 def boxes(pressure):
     """Where each name stands in pixels: left, right, bottom, top; and the names."""
-    top = widest(SIX, SUPPLY)
-    found = picture(SIX, pressure, 0.1, SUPPLY, top)
-    shown = marks(found, top, 1.0, "N")
+    top = strain_limit(SIX, SUPPLY)
+    found = muscle_curves(SIX, pressure, 0.1, SUPPLY, top)
+    shown = curve_marks(found, top, 1.0, "N")
     per_newton = HIGH / (1.24 * float(found.force[:-1].max() - found.force[:-1].min()))
     out = []
-    for x, y, label, below, beside, align in zip(*shown.values(), strict=True):
+    for x, y, label, above, beside, align in zip(*shown.values(), strict=True):
         at, long = x / top * WIDE + beside, LETTER * len(label)
         left = at - long if align == "right" else at
-        out.append((left, left + long, y * per_newton + below, y * per_newton + below + LINE))
+        out.append((left, left + long, y * per_newton + above, y * per_newton + above + LINE))
     return out, shown["label"]
 
 
@@ -47,7 +47,7 @@ def test_the_forces_parts_are_in_the_picture_of_a_long_muscle():
     muscle = SIX.replace(length=10.0)
     tab = MuscleView(Session(view_of(muscle, "long")), LIGHT)
     tab.refresh()
-    shown = tab.figure.y_range
+    shown = tab.chart.figure.y_range
     for part in ("force", "mesh", "bladder", "bending"):
         assert shown.start <= min(tab.chosen.data[part]) <= max(tab.chosen.data[part]) <= shown.end
 
@@ -57,7 +57,7 @@ def test_regions_names_fit_into_their_strips(pressure):
     view = replace(view_of(SIX, "six"), pressure=pressure)
     tab = MuscleView(Session(view), LIGHT)
     tab.refresh()
-    strips, names = tab._strips.data, tab._names.data["label"]
+    strips, names = tab.strips.data, tab.region_names.data["label"]
     assert any(names)
     for left, right, name in zip(strips["left"], strips["right"], names, strict=True):
-        assert (right - left) / tab._top * WIDE >= 6.9 * len(name)  # in gray, it is no wider
+        assert (right - left) / tab.top * WIDE >= 6.9 * len(name)  # in gray, it is no wider

@@ -9,11 +9,22 @@ import pytest
 import fascicle as fs
 from fascicle.bundle.reversal import Reversal
 from fascicle.explorer.link import from_query
-from fascicle.explorer.muscle_curves import MOST_COMPARED, picture, strips, widest
+from fascicle.explorer.muscle_curves import (
+    MOST_COMPARED,
+    muscle_curves,
+    region_strips,
+    strain_limit,
+)
 from fascicle.explorer.muscle_tab import MuscleView
-from fascicle.explorer.reversal_tab import POINTS, Split, through
+from fascicle.explorer.reversal_tab import POINTS, SplitCurve
 from fascicle.explorer.state import TABS, Session, Unit, view_of
-from fascicle.explorer.tab import branches, doubts, equilibria, notes, tuned
+from fascicle.explorer.tab import (
+    branches_text,
+    equilibria_text,
+    notes,
+    tuning_note,
+    validity_warnings,
+)
 from fascicle.explorer.theme import LIGHT
 from fascicle.muscle.fitted_length import with_fitted_length
 
@@ -26,14 +37,14 @@ OTHER = fs.Muscle.from_dimensions(0.127, 9e-3, 2.25e-3, math.radians(28))
 @pytest.mark.parametrize("tab", TABS)
 def test_where_the_picture_is_all_there_is_nothing_is_said(tab):
     assert notes(SIX, tab) == []
-    assert doubts(SIX, tab) == doubts(TUNED, tab) == []
+    assert validity_warnings(SIX, tab) == validity_warnings(TUNED, tab) == []
 
 
 def test_a_radius_out_of_proportion_is_doubted_in_the_units_shown():
     with pytest.warns(UserWarning, match="unusual"):  # of the radius, and of the proportions
         wide = SIX.muscle.replace(outer_radius=1.0, wall_thickness=0.05)
     for tab in ("muscle", "bundle", "reversal", "efficiency"):
-        (told,) = doubts(replace(SIX, muscle=wide), tab)
+        (told,) = validity_warnings(replace(SIX, muscle=wide), tab)
         assert "127 mm" in told and "1000 mm" in told
 
 
@@ -42,42 +53,42 @@ def test_muscles_that_plates_stretch_are_doubted():
     units = (Unit(1), Unit(1, own=short))
     for distance, number in ((0.127, 1), (0.1201, 0)):
         view = replace(SIX, units=units, pressures=(1e5, 1e5), distance=distance)
-        assert len(doubts(view, "bundle")) == number
-        assert doubts(view, "muscle") == []
+        assert len(validity_warnings(view, "bundle")) == number
+        assert validity_warnings(view, "muscle") == []
 
 
 def test_a_fit_at_another_length_is_doubted():
     fitted = with_fitted_length(fs.example("kim2021_slenderness_10"), 0.127, ends=False)
-    assert doubts(replace(TUNED, muscle=fitted), "muscle") == []
+    assert validity_warnings(replace(TUNED, muscle=fitted), "muscle") == []
     with pytest.warns(UserWarning, match="fitted at"):
         longer = fitted.replace(length=0.2)
     for tab in ("muscle", "bundle", "reversal", "efficiency"):
         # thinner muscles of a bundle are of the same fit: it is said once
         view = replace(TUNED, muscle=longer, units=(Unit(1), Unit(2, 0.5)))
-        (told,) = doubts(view, tab)
+        (told,) = validity_warnings(view, tab)
         assert told.startswith(
             "The muscle was fitted at a length of 127 mm and its length is now 200 mm"
         )
     # a unit of its own is looked at where it is drawn
     view = replace(SIX, units=(Unit(1), Unit(2, own=longer)))
-    assert doubts(view, "muscle") == [] and len(doubts(view, "bundle")) == 1
+    assert validity_warnings(view, "muscle") == [] and len(validity_warnings(view, "bundle")) == 1
 
 
 def test_constants_of_another_muscle_are_doubted_also_where_they_are_only_compared():
     festo = replace(SIX, muscle=SIX.muscle.replace(tension="sarosi"))
     for tab in ("muscle", "bundle", "reversal", "efficiency"):
-        (told,) = doubts(festo, tab)
+        (told,) = validity_warnings(festo, tab)
         assert told.startswith("`sarosi` was fitted to a Festo DMSP-20-200N")
     compared = replace(SIX, compared=("tension:sarosi", "tension:ideal", "buckling:elastica"))
-    assert doubts(compared, "muscle") == [told]
-    assert doubts(compared, "bundle") == []
+    assert validity_warnings(compared, "muscle") == [told]
+    assert validity_warnings(compared, "bundle") == []
 
 
 def test_pressures_above_those_measured_are_doubted():
     tuning = fs.Tuning(pressures=[1e5, 3e5], c1=[0.0, 1.0], c2=[1.0, 1.1])
     view = replace(SIX, muscle=SIX.muscle.replace(tuning=tuning), supply=3e5)
-    assert doubts(view, "bundle") == []
-    (told,) = doubts(replace(view, supply=4e5), "bundle")
+    assert validity_warnings(view, "bundle") == []
+    (told,) = validity_warnings(replace(view, supply=4e5), "bundle")
     assert told.startswith("The tuning was measured up to 300 kPa and is held constant above it")
 
 
@@ -102,57 +113,57 @@ def test_a_tuning_for_another_size_is_named():
 
 
 def test_a_tuning_is_told_in_the_units_shown():
-    assert tuned(SIX.muscle, "kPa") == ""
-    told = tuned(fs.example("kim2021_bundle_1_4").motor_units[0].muscle, "kPa")
+    assert tuning_note(SIX.muscle, "kPa") == ""
+    told = tuning_note(fs.example("kim2021_bundle_1_4").motor_units[0].muscle, "kPa")
     for part in ("Young's modulus × 0.95", "collapse moment × 0.75", "transition rate β = 100",
                  "hinge stiffness × (0.83 + 0.0092 per kPa)"):  # fmt: skip
         assert part in told
     assert "C₁" not in told and "dead band" not in told
     rows = fs.Tuning(pressures=[1e5, 3e5], c1=[0.0, 1.0], c2=[1.0, 1.1], dead_band=2e4)
-    told = tuned(SIX.muscle.replace(tuning=rows), "bar")
+    told = tuning_note(SIX.muscle.replace(tuning=rows), "bar")
     assert "C₁ and C₂ in 3 rows up to 3 bar, dead band 0.2 bar." in told
     assert "modulus" not in told and "β" not in told
 
 
-def test_a_transition_rate_that_was_not_fitted_is_not_said_to_be_tuned():
+def test_a_transition_rate_that_was_not_fitted_is_not_said_to_be_tuning_note():
     """A fit writes the muscle's own rate into its tuning."""
     own = float(SIX.muscle.transition_rate)
     beside = fs.Tuning(collapse_moment_factor=0.8, transition_rate=own)
-    assert "β" not in tuned(SIX.muscle.replace(tuning=beside), "kPa")
-    assert "0.8" in tuned(SIX.muscle.replace(tuning=beside), "kPa")
+    assert "β" not in tuning_note(SIX.muscle.replace(tuning=beside), "kPa")
+    assert "0.8" in tuning_note(SIX.muscle.replace(tuning=beside), "kPa")
     alone = fs.Tuning(transition_rate=own)
-    assert tuned(SIX.muscle.replace(tuning=alone), "kPa") == ""
+    assert tuning_note(SIX.muscle.replace(tuning=alone), "kPa") == ""
     other = fs.Tuning(transition_rate=2 * own)
-    assert f"β = {2 * own:g}" in tuned(SIX.muscle.replace(tuning=other), "kPa")
+    assert f"β = {2 * own:g}" in tuning_note(SIX.muscle.replace(tuning=other), "kPa")
 
 
 def test_a_tuning_is_said_above_the_muscle():
     for name, there in (("kim2021_figure_6", False), ("kim2021_bundle_1_4", True)):
         tab = MuscleView(Session(view_of(fs.example(name), name)), LIGHT)
         tab.refresh()
-        assert ("This muscle is tuned: " in tab._notes.object) == there
+        assert ("This muscle is tuned: " in tab.notes.object) == there
 
 
 def test_a_handful_of_laws_is_compared_and_no_two_look_alike():
     names = ("buckling:elastica", "tension:ideal", "collapse:wood1958", "tension:bolen")
     tab = MuscleView(Session(replace(SIX, compared=names)), LIGHT)
     tab.refresh()
-    shown = tab._other.data
+    shown = tab.others.data
     taken = {*LIGHT.curves[:3], LIGHT.ink}
     assert len(set(shown["color"]) - taken) == len(set(shown["dash"])) == MOST_COMPARED
-    tab._compare.value = [*names, "ends:compliant"]
-    assert "`compare` must be 4 laws at most" in tab._many.text
-    assert tab._session.view.compared == names == tuple(tab._compare.value)
-    tab._compare.value = list(names[1:])
-    assert not tab._many.text and tab._session.view.compared == names[1:]
+    tab.compare.value = [*names, "ends:compliant"]
+    assert "Compare with must be 4 laws at most" in tab.message.text
+    assert tab.session.view.compared == names == tuple(tab.compare.value)
+    tab.compare.value = list(names[1:])
+    assert not tab.message.text and tab.session.view.compared == names[1:]
 
 
 def test_all_equilibria_are_told():
     strain, stable = np.array([0.186, 0.195, 0.230]), np.array([True, False, True])
-    told = equilibria(strain, stable)
+    told = equilibria_text(strain, stable)
     assert told == "0.1860; it also rests at 0.1950 (not stable), 0.2300"
-    assert equilibria(strain[:1], stable[:1]) == "0.1860"
-    assert "none" in equilibria(strain[:0], stable[:0])
+    assert equilibria_text(strain[:1], stable[:1]) == "0.1860"
+    assert "none" in equilibria_text(strain[:0], stable[:0])
 
 
 @pytest.mark.parametrize("pressure", [0.0, 34.5e3])
@@ -162,9 +173,9 @@ def test_the_strips_are_the_regions_of_the_law(pressure):
         0.03, 6.35e-3, 1.6e-3, math.radians(22), buckling="elastica",
         material=fs.materials.SILICONE_KIM2021,
     )  # fmt: skip
-    top = widest(muscle, 413.7e3)
-    found = picture(muscle, pressure, 0.2, 413.7e3, top)
-    ran = strips(found.strain[-1], found.regions)
+    top = strain_limit(muscle, 413.7e3)
+    found = muscle_curves(muscle, pressure, 0.2, 413.7e3, top)
+    ran = region_strips(found.strain[-1], found.regions)
     assert ran[0][0] == 0
     assert ran[-1][1] == top
     for left, right, region in ran:
@@ -173,9 +184,9 @@ def test_the_strips_are_the_regions_of_the_law(pressure):
 
 
 def test_strips_of_the_papers_law_begin_at_its_kinks():
-    top = widest(SIX.muscle, SIX.supply)
-    found = picture(SIX.muscle, 137.9e3, 0.1, SIX.supply, top)
-    ran = strips(found.strain[-1], found.regions)
+    top = strain_limit(SIX.muscle, SIX.supply)
+    found = muscle_curves(SIX.muscle, 137.9e3, 0.1, SIX.supply, top)
+    ran = region_strips(found.strain[-1], found.regions)
     assert [region for _, _, region in ran] == [0, 1, 2]
     assert ran[1][0] == pytest.approx(float(SIX.muscle.free_strain(137.9e3)), abs=1e-9)
     assert ran[2][0] == pytest.approx(float(SIX.muscle.collapse_strain(137.9e3)), abs=1e-9)
@@ -183,9 +194,9 @@ def test_strips_of_the_papers_law_begin_at_its_kinks():
 
 def test_other_branches_are_told_with_their_strains():
     strain = np.linspace(0, 0.4, 5)
-    assert branches(strain, np.zeros(5, bool)) == ""
+    assert branches_text(strain, np.zeros(5, bool)) == ""
     several = np.array([False, False, True, True, False])
-    assert branches(strain, several).startswith("ε 0.200 to 0.300; drawn is the one")
+    assert branches_text(strain, several).startswith("ε 0.200 to 0.300; the curve shows the branch")
 
 
 @pytest.mark.parametrize("jump", [False, True])
@@ -193,14 +204,14 @@ def test_other_branches_are_told_with_their_strains():
 def test_a_curve_goes_through_its_turning_point_and_breaks_where_it_jumps(jump, at):
     pressure = np.linspace(0.0, 96.0, POINTS)
     strain = np.where(pressure < at, 0.25, 0.2)
-    one = Split((1, 4), pressure, strain, strain, Reversal(at, 0.19, 0.06, 0.25, jump))
-    P, drawn = through(one)
+    one = SplitCurve((1, 4), pressure, strain, strain, Reversal(at, 0.19, 0.06, 0.25, jump))
+    P, drawn = one.drawn
     assert P.size == drawn.size == POINTS + 1 + jump
     assert np.all(np.diff(P) >= 0)
     assert np.nanmin(drawn) == 0.19
     assert np.isnan(drawn).sum() == jump
     flat = replace(one, turn=replace(one.turn, depth=0.0))
-    assert through(flat)[1] is flat.resisted
+    assert flat.drawn[1] is flat.resisted
 
 
 def test_a_link_cannot_ask_for_more_than_the_supply():

@@ -7,8 +7,8 @@ import fascicle as fs
 from fascicle.explorer.bundle_tab import BundleView, UnitRows
 from fascicle.explorer.muscle_inputs import MuscleInputs
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.theme import DARK, LIGHT, plain_figure, source_of, tags
-from fascicle.explorer.widgets import in_units
+from fascicle.explorer.theme import DARK, LIGHT, Chart
+from fascicle.explorer.widgets import message_in_units
 
 
 BUNDLE = view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4")
@@ -29,29 +29,29 @@ SHOWN = {"pressure": "psi", "length": "in", "force": "N"}
     ],
 )  # fmt: skip
 def test_amounts_are_told_in_the_units_shown(text, told):
-    assert in_units(text, SHOWN) == told
+    assert message_in_units(text, SHOWN) == told
 
 
 @pytest.mark.parametrize(("unit", "got"), [("mm", "8 mm and 6.35 mm"), ("in", "0.314961 in and")])
 def test_a_field_refuses_in_its_unit(unit, got):
-    inputs = MuscleInputs(session := Session(BUNDLE), LIGHT)
+    inputs = MuscleInputs(session := Session(BUNDLE))
     session.change(shown={**BUNDLE.shown, "length": unit})
     inputs.show(session.view)
-    field = inputs._fields["wall_thickness"]
+    field = inputs.fields["wall_thickness"]
     field.input.value = "8 mm"
-    assert got in field.message.text
+    assert got in field.error
 
 
 @pytest.mark.parametrize(
     ("count", "told"),
-    [(100, "got 104 in all"), (0, "got 0."), (-3, "got -3."), (None, "a whole number of muscles")],
+    [(100, "got 104 in all"), (0, "got 0."), (-3, "got -3."), (None, "must be a whole number")],
 )
 def test_counts_that_cannot_be_are_refused_with_the_rule(count, told):
     session = Session(BUNDLE)
-    rows = UnitRows(session, LIGHT)
+    rows = UnitRows(session)
     rows.show(session.view)
     session.watch(lambda _, after: rows.show(after))
-    number = rows._parts[0][0]
+    number = rows.rows[0][0]
     assert number.start is None and number.end is None  # with which the browser refuses silently
     number.value = count
     assert told in rows.message.text
@@ -64,18 +64,18 @@ def test_counts_that_cannot_be_are_refused_with_the_rule(count, told):
 
 def test_a_radius_out_of_reach_is_refused_by_its_own_name():
     session = Session(BUNDLE)
-    rows = UnitRows(session, LIGHT)
+    rows = UnitRows(session)
     rows.show(session.view)
-    radius = rows._parts[1][1]
+    radius = rows.rows[1][1]
     radius.input.value = "100"
-    assert "`radius` must be 0.635 mm to 63.5 mm" in radius.message.text
-    assert "got 100 mm" in radius.message.text
+    assert "Radius must be 0.635 mm to 63.5 mm" in radius.error
+    assert "got 100 mm" in radius.error
 
 
 def test_every_point_of_the_bundles_picture_is_in_its_legend():
     tab = BundleView(Session(BUNDLE), DARK)
     tab.refresh()
-    items = tab.figure.legend.items
+    items = tab.chart.figure.legend[0].items
     told = {
         one.label.value: one
         for one in items
@@ -83,13 +83,13 @@ def test_every_point_of_the_bundles_picture_is_in_its_legend():
     }
     for name in ("at rest (hollow: not stable)", "this contraction"):
         assert told[name].visible
-    asked = told["the point asked for"]
+    asked = told["the chosen point"]
     assert not asked.visible
-    tab._try_point()
+    tab.try_point()
     assert asked.visible
 
 
 def test_the_typeface_of_tags_is_no_column():
-    fig = plain_figure(LIGHT, "x", "y")
-    tags(fig, LIGHT, source_of({"x": [], "y": [], "label": []}))
-    assert fig.center[-1].text_font == value("DejaVu Sans")
+    chart = Chart(LIGHT, "x", "y", room=300)
+    chart.tags(chart.source("x", "y", "label"))
+    assert chart.figure.center[-1].text_font == value("DejaVu Sans")

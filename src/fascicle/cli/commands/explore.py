@@ -26,21 +26,17 @@ def run(
 ) -> None:
     """Explore a muscle or bundle interactively in the browser."""
     require("panel")
-    from ...explorer.stopping import Stop
+    _print("starting")
+    target = read_target(file)
+    from ...explorer.background import is_computing
+    from ...explorer.server import serve
+    from ...explorer.state import view_of
 
-    with Stop(_print):
-        _print("starting")
-        target = read_target(file)
-        from ...explorer.server import serve
-        from ...explorer.state import view_of
-
-        with user_errors():
-            view = view_of(target, Path(file).name[:60])
-            serve(view, host, port, show, _print, allow_host or [])
-    from ...explorer.background import working
-
-    if working():  # a fit that nobody will see: the interpreter would wait for its end
-        os._exit(0)
+    with user_errors():
+        view = view_of(target, Path(file).name[:60])
+        serve(view, host, port, show, _print, allow_host or [])
+    if is_computing():
+        os._exit(0)  # a fit that nobody will see: the interpreter would wait for its end
 
 
 def _print(line: str) -> None:

@@ -62,7 +62,7 @@ def test_the_length_of_a_fit_comes_back_too():
     view = replace(SIX, muscle=fitted.replace(outer_radius=7e-3), name="tuned")
     query = to_query(view)
     found, _ = from_query(query, SIX)
-    with pytest.warns(UserWarning, match="fitted at a length of 127 mm .*, its ends too"):
+    with pytest.warns(UserWarning, match="fitted at a length of 127 mm .*, with its ends"):
         found.muscle.replace(length=0.2)
     # as a bundle, which a file is where there are several units
     with pytest.warns(UserWarning, match="fitted at a length of 127 mm"):
@@ -175,8 +175,8 @@ def test_a_link_has_the_digits_that_were_typed(shown, pressure, supply):
 
 
 def test_a_link_is_refused_in_the_units_that_it_shows():
-    _, (told,) = from_query({"pressure": "9 MPa", "show": "psi,in,lbf"}, SIX)
-    assert told.endswith("psi (gauge), got 1305.34 psi.")
+    _, (message,) = from_query({"pressure": "9 MPa", "show": "psi,in,lbf"}, SIX)
+    assert message.endswith("psi (gauge), got 1305.34 psi.")
 
 
 def test_a_link_has_every_digit_where_no_unit_has_few():
@@ -184,11 +184,11 @@ def test_a_link_has_every_digit_where_no_unit_has_few():
     assert from_query(to_query(view), SIX)[0].pressure == view.pressure
 
 
-def test_all_watchers_are_told_of_a_change():
-    session, told = Session(SIX), []
-    session.watch(lambda before, after: told.append((before.strain, after.strain)))
+def test_callbacks_hear_of_a_change():
+    session, calls = Session(SIX), []
+    session.watch(lambda before, after: calls.append((before.strain, after.strain)))
     session.change(strain=0.2)
-    assert told == [(SIX.strain, 0.2)]
+    assert calls == [(SIX.strain, 0.2)]
 
 
 def test_a_bundle_opens_with_its_units_and_a_muscle_alone_as_two():

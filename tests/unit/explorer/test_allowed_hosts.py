@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 from tornado.httputil import HTTPHeaders
 
-from fascicle.explorer.allowed_hosts import names_of, refusal
+from fascicle.explorer.allowed_hosts import AllowedHosts, reject_reason
 from fascicle.explorer.link import LONGEST, to_query
 from fascicle.explorer.state import view_of
 
@@ -17,7 +17,7 @@ def status(host=OWN, path="/", query="", listens="127.0.0.1", allowed=(), **head
     """The status of a refusal; 0 where there is none."""
     given = HTTPHeaders({name.replace("_", "-"): value for name, value in headers.items()})
     request = SimpleNamespace(host=host, path=path, query=query, headers=given)
-    found = refusal(request, names_of(listens, allowed))
+    found = reject_reason(request, AllowedHosts.of(listens, allowed))
     if found is None:
         return 0
     assert "\n" not in found[1]

@@ -1,0 +1,106 @@
+// What the page does in the browser alone. Arguments: `largest` file in bytes, and whether it
+// follows the system's `preference` of a dark page.
+
+if (preference) {
+  const address = new URL(location);
+  if (matchMedia("(prefers-color-scheme: dark)").matches && !address.searchParams.has("theme")) {
+    address.searchParams.set("theme", "dark");
+    location.replace(address);
+  }
+}
+
+// the address follows every change as one entry of the history, so that Back leaves the page
+history.pushState = history.replaceState;
+
+// a line at the top of the page, or none for an empty text
+window.fascicleNotice = (id, text) => {
+  document.getElementById(id)?.remove();
+  if (!text) return;
+  const line = document.createElement("div");
+  line.id = id; line.textContent = text; line.setAttribute("role", "alert");
+  line.style.cssText = "position:fixed;inset:0 0 auto 0;z-index:9999;padding:8px 14px;"
+    + "font:14px/1.4 var(--sans);color:var(--bad);background:var(--alarm);"
+    + "border-bottom:2px solid var(--bad)";
+  document.body.append(line);
+};
+
+// a file that is larger than a message may be would break the connection without a word
+const read = FileReader.prototype.readAsDataURL;
+FileReader.prototype.readAsDataURL = function (file) {
+  fascicleNotice("size", "");
+  if (file.size <= largest) return read.call(this, file);
+  fascicleNotice("size", `${(file.name ?? "file").slice(-60)}: a file may have ${largest} bytes `
+    + `here, got ${file.size}: thin it out, or use the command line.`);
+};
+
+// the first Tab key goes to the tabs, and arrows from one to the next; from then on keys follow the
+// page as it reads: header, tabs, content
+const findActive = (root) => root.querySelector(".bk-tab.bk-active")
+  ?? [...root.querySelectorAll("*")].reduce(
+    (tab, node) => tab ?? (node.shadowRoot ? findActive(node.shadowRoot) : null), null);
+const deepest = (node) =>
+  node?.shadowRoot?.activeElement ? deepest(node.shadowRoot.activeElement) : node;
+const sibling = {ArrowRight: "nextElementSibling", ArrowLeft: "previousElementSibling"};
+let first = true;
+for (const kind of ["pointerdown", "focusin"])
+  addEventListener(kind, () => { first = false; }, {capture: true, once: true});
+addEventListener("keydown", (event) => {
+  const here = deepest(document.activeElement);
+  const there = event.key === "Enter" || event.key === " " ? here : here?.[sibling[event.key]];
+  if (here?.matches?.(".bk-tab") && there?.matches?.(".bk-tab")) {
+    event.preventDefault();
+    there.click();
+    there.focus();
+  }
+  if (!first || event.key !== "Tab" || event.shiftKey) return;
+  const tab = findActive(document);
+  if (!tab) return;
+  event.preventDefault();
+  tab.focus();
+});
+
+// roles and names for screen readers, which Bokeh's widgets show but don't expose
+const name = (node, text) => { if (text && !node.ariaLabel) node.ariaLabel = text.trim(); };
+const labelOf = (node) =>
+  node.closest(".bk-input-group")?.querySelector(".bk-slider-title, label");
+const annotate = (root) => {
+  for (const spin of root.querySelectorAll(".bk-spin-btn")) {
+    const verb = spin.matches(".bk-spin-btn-up") ? "Increase" : "Decrease";
+    name(spin, `${verb} ${labelOf(spin)?.textContent}`);
+  }
+  // a slider's label ends in a colon where its value isn't in it
+  for (const title of root.querySelectorAll(".bk-slider-title"))
+    if (!title.children.length && /:\s*$/.test(title.textContent))
+      title.textContent = title.textContent.replace(/:\s*$/, "");
+  for (const tab of root.querySelectorAll(".bk-tab")) {
+    const active = tab.matches(".bk-active");
+    tab.role = "tab"; tab.ariaSelected = active; tab.tabIndex = active ? 0 : -1;
+    tab.parentElement.role = "tablist";
+  }
+  // Bokeh has the tabs after their content: keys and readers meet them before it
+  const strip = [...root.children].find((node) => node.matches(".bk-header"));
+  const content = [...root.children].find((node) => node.shadowRoot);
+  if (strip && content
+      && content.compareDocumentPosition(strip) & Node.DOCUMENT_POSITION_FOLLOWING)
+    content.before(strip);
+  for (const handle of root.querySelectorAll(".noUi-handle")) {
+    name(handle, labelOf(handle)?.textContent.replace(/:.*/s, ""));
+    // noUiSlider exposes one decimal, whatever is shown
+    const value = Number(handle.closest(".noUi-target")?.noUiSlider?.get(true));
+    const text = String(Number(value.toPrecision(6)));
+    for (const attribute of ["aria-valuenow", "aria-valuetext"])
+      if (isFinite(value) && handle.getAttribute(attribute) !== text)
+        handle.setAttribute(attribute, text);
+  }
+  for (const box of root.querySelectorAll("input[type=checkbox]"))
+    name(box, box.nextElementSibling?.textContent);
+};
+const attach = Element.prototype.attachShadow;
+Element.prototype.attachShadow = function (...options) {
+  const root = attach.apply(this, options);
+  new MutationObserver(() => annotate(root)).observe(
+    root, {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["class", "aria-valuenow", "aria-valuetext"]});
+  return root;
+};
+document.querySelector("[data-root-id]")?.setAttribute("role", "main");
