@@ -192,9 +192,7 @@ def test_constants_by_name_are_what_is_fitted():
     (parameter,) = made.calibration.parameters
     assert parameter.name == "outer_radius"
     # without noise the one constant is found; the search stops at a relative step of 1e-8
-    assert parameter.value == pytest.approx(
-        float(built.outer_radius), rel=1e-5
-    )
+    assert parameter.value == pytest.approx(float(built.outer_radius), rel=1e-5)
     assert made.candidates == ()
 
 
