@@ -2,7 +2,7 @@
 
 13 pressures × 200 strains, synthetic, past the free strain four factors free (the hinge's
 is two numbers). Three ways, interleaved: the library's search from one start; SciPy's
-`least_squares` with finite differences on the very same compiled residuals; and on residuals
+`least_squares` with finite differences on the very same residuals; and on residuals
 as a good student would write them, in NumPy, the roots by `brentq` at each pressure.
 
     python benchmarks/fitting.py
@@ -13,30 +13,29 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from scipy.optimize import brentq, least_squares
 from timing import Measured, Row, run
 
 import fascicle as fs
-from fascicle.calibrate.data import grid
+from fascicle.calibrate.data import tabulate
 from fascicle.calibrate.least_squares import Problem, solve
 from fascicle.calibrate.parameters import FACTORS, coordinates, put, values
 from fascicle.records import VirtualDynamometer
 
 
 REPEATS = 5
-OWN = "fascicle, exact Jacobian"
+OWN = "fascicle"
 
 
 def problem(truth: fs.Muscle, untuned: fs.Muscle, samples: int = 200) -> Problem:
     """The factors' problem on a synthetic record, blocked force and free strain as they are."""
-    data = grid(VirtualDynamometer(samples=samples, both_ways=False).record(truth, seed=1))
+    record = VirtualDynamometer(samples=samples, both_ways=False).record(truth, seed=1)
+    data = tabulate(record).grid
     past = data.strain > truth.free_strain(data.pressure)
     return Problem(
-        untuned, data, past.astype(float), jnp.asarray(1.0), coordinates(FACTORS, untuned),
-        jnp.asarray([one.deviation for one in FACTORS]), None, None, FACTORS,
+        untuned, data, past.astype(float), 1.0, np.asarray(coordinates(FACTORS, untuned)),
+        np.array([one.deviation for one in FACTORS]), FACTORS,
     )  # fmt: skip
 
 
@@ -49,7 +48,7 @@ class Student:
     """The same residuals in NumPy, a loop over pressures and roots by `brentq`."""
 
     def __init__(self, problem: Problem):
-        muscle, data = problem.muscle, problem.data
+        muscle, data = problem.muscle, problem.grid
         self.L0, self.r0, self.t0, self.a0 = (
             float(x)
             for x in (muscle.length, muscle.outer_radius, muscle.wall_thickness, muscle.braid_angle)
@@ -145,47 +144,44 @@ def rows(small: bool = False) -> list[Row]:
     )
     task = problem(truth, untuned, 20 if small else 200)
     start = np.asarray(task.center)
-    force = eqx.filter_jit(lambda task, z: task.force(z))
     student = Student(task)
 
-    def compiled(z: np.ndarray) -> np.ndarray:
-        r = student.weight * (student.F - np.asarray(force(task, jnp.asarray(z))))
+    def own(z: np.ndarray) -> np.ndarray:
+        r = student.weight * (student.F - task.force(z))
         return np.concatenate([r.ravel(), (z - student.center) / student.deviation])
 
-    first = compiled(start)
+    first = own(start)
     apart = np.max(np.abs(first - student.residuals(start)))
     ways = {
-        OWN: lambda: solve(task, start[None]).coordinates[0],
-        "SciPy on the same compiled residuals": lambda: (
-            least_squares(compiled, start, xtol=1e-8, ftol=1e-8).x
-        ),
-        "SciPy on NumPy residuals": lambda: (
+        OWN: lambda: solve(task, start[None]).points[0],
+        "SciPy on the same residuals": lambda: least_squares(own, start, xtol=1e-8, ftol=1e-8).x,
+        "SciPy on residuals of a loop": lambda: (
             least_squares(student.residuals, start, xtol=1e-8, ftol=1e-8).x
         ),
     }
     if small:
-        del ways["SciPy on NumPy residuals"]
-    print(f"residuals differ by at most {apart:.1e} N between JAX and NumPy")
+        del ways["SciPy on residuals of a loop"]
+    print(f"residuals differ by at most {apart:.1e} N between both")
     times: dict[str, list[float]] = {name: [] for name in ways}
     for turn in range(1 + (1 if small else REPEATS)):
         for name, way in ways.items():
-            plain = name.endswith("NumPy residuals")
+            plain = name.endswith("loop")
             if plain and turn:
                 continue  # it takes a minute: once is enough
             begun = time.perf_counter()
             end = way()
-            if turn or plain:  # the others compile at first
+            if turn or plain:
                 times[name].append(time.perf_counter() - begun)
             if not turn:
-                cost = 0.5 * float(np.sum(compiled(end) ** 2))
-                fitted = np.asarray(values(FACTORS, put(FACTORS, untuned, jnp.asarray(end))))
+                cost = 0.5 * float(np.sum(own(end) ** 2))
+                fitted = np.asarray(values(FACTORS, put(FACTORS, untuned, end)))
                 numbers = ", ".join(f"{x:.5g}" for x in fitted)
                 print(f"{name:38s} cost {cost:.6f}  {numbers}")
-    own = statistics.median(times[OWN])
+    fastest = statistics.median(times[OWN])
     return [
         Row(
             "a fit of four factors, 13 pressures × 200 strains",
-            Measured.of(np.array(times[name]) / own),
+            Measured.of(np.array(times[name]) / fastest),
             "×",
             f"{name}, {statistics.median(times[name]):.2g} s",
         )

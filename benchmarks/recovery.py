@@ -38,9 +38,9 @@ import fascicle as fs
 from fascicle.calibrate import bootstrap
 from fascicle.calibrate.calibration import slope_of, value_of
 from fascicle.calibrate.fitting import fit
-from fascicle.calibrate.intervals import fitted, simulated
-from fascicle.calibrate.least_squares import NORMAL, linear
-from fascicle.calibrate.readings import tables
+from fascicle.calibrate.intervals import refit, simulate
+from fascicle.calibrate.least_squares import NORMAL, linearize
+from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
 from fascicle.plot.style import (
     BLACK,
@@ -86,7 +86,7 @@ def truth_of(name: str, quotient: tuple[float, ...], pressures: np.ndarray) -> A
     blocked = np.asarray(example.blocked_force(rows))
     line = np.polynomial.polynomial.polyfit(rows / top, blocked, 1)
     curves = np.concatenate([quotient, np.zeros(4 - len(quotient)), line])
-    c1, c2 = (np.asarray(x) for x in tables(example, curves, rows, top))
+    c1, c2 = SmoothCurves(example, rows, top).tables(curves)
     old = example.tuning
     factors = {name: getattr(old, name) for name in NAMES}
     return example.replace(tuning=Tuning(rows, c1, c2, **factors))
@@ -114,12 +114,12 @@ def recover(title: str, seeds: int, samples: int, draws: int, kept: Path | None)
         again = []
         rng = np.random.default_rng(_DRAWN + seed)
         for _ in range(draws):
-            data = simulated(made, rng)
+            data = simulate(made, rng)
             scatter = (
                 made.diagnosis.noise if made.diagnosis.significant else float(made.problem.noise)
             )
-            away = np.asarray(data.force) - made.conclusion.linear.force
-            z = fitted(made, data)
+            away = np.asarray(data.force) - made.force
+            z = refit(made, data)
             again.append([value_of(made.problem, z).tolist(), of_grid(influence, away, scatter)])
         noise = in_places(made, force - clean)
         row = {
@@ -148,8 +148,8 @@ def linear_errors(made: Any) -> tuple[np.ndarray, np.ndarray]:
     curves and coordinates; and how many readings each place averages. Taken at one record's fit:
     that the linear theory is a little off there makes it a worse control, not a wrong one.
     """
-    at = linear(made.problem, made.problem.whole(made.coordinates))
-    count = np.where(made.problem.data.uncensored, np.asarray(made.problem.data.count), 0.0)
+    at = linearize(made.problem, made.coordinates, by_curves=True)
+    count = np.where(made.grid.measured, made.grid.count, 0.0)
     root = np.sqrt(count.reshape(-1))
     slopes = at.force_slopes.reshape(root.size, -1) * root[:, None]
     K = np.linalg.pinv(slopes)[: len(NAMES)] * root
@@ -167,8 +167,8 @@ def of_grid(influence: tuple[np.ndarray, np.ndarray], noise: np.ndarray, sigma: 
 
 def in_places(made: Any, noise: np.ndarray) -> np.ndarray:
     """The readings' noise as the tables average it."""
-    of, shape = made.fit_data.gathered, np.shape(made.problem.data.count)
-    flat = of.level * shape[1] + of.place
+    of, shape = made.fit_data, made.grid.count.shape
+    flat = of.level * shape[1] + of.column
     size = shape[0] * shape[1]
     return np.bincount(flat, noise, size) / np.maximum(np.bincount(flat, minlength=size), 1)
 
