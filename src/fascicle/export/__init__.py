@@ -2,28 +2,30 @@
 laws themselves or as a table of them.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .c_code import c_code as c_code
-from .c_code import write_c as write_c
-from .table_code import table_code as table_code
-from .table_code import tabulated as tabulated
-from .table_code import write_table as write_table
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
+    from .c_source import c_code as c_code
+    from .c_source import write_c as write_c
+    from .c_table import table_code as table_code
+    from .c_table import tabulated as tabulated
+    from .c_table import write_table as write_table
     from .controlling import on_table as on_table
     from .fmu import write_fmu as write_fmu
 
 
-def __getattr__(name: str) -> Any:
-    # a controller's step needs JAX, which the others do without
-    if name == "on_table":
-        from .controlling import on_table
+# a controller's step and tables need JAX, which the law as C does without
+_HOMES = {
+    "c_code": "c_source",
+    "on_table": "controlling",
+    "table_code": "c_table",
+    "tabulated": "c_table",
+    "write_c": "c_source",
+    "write_fmu": "fmu",
+    "write_table": "c_table",
+}
 
-        return on_table
-    if name == "write_fmu":
-        from .fmu import write_fmu
-
-        return write_fmu
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES)

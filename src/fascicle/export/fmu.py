@@ -28,7 +28,7 @@ from ..core.validation import check_positive
 from ..io.atomic import write
 from ..muscle import Muscle
 from .c_files import checked_name
-from .table_code import Tabulated, filled, tabulated, written
+from .c_table import Tabulated, filled, tabulated, written
 
 
 _STEP = 1e-3  # s, that a host is told to take where no controller has its own

@@ -79,8 +79,8 @@ def bundle_function(bundle: Bundle) -> PointFunction:
     total, by_pressure, by_strain = ca.SX(0), [], ca.SX(0)
     for i, unit in enumerate(bundle.motor_units):
         ratio = None if bundle.ratios is None else float(bundle.ratios[i])
-        supply = strain if ratio is None else muscle_strain(ratio, strain)
-        force, slope = unit.muscle.law.at(pressures[i]).force(supply)
+        unit_strain = strain if ratio is None else muscle_strain(ratio, strain)
+        force, slope = unit.muscle.law.at(pressures[i]).force(unit_strain)
         count = float(unit.count)
         total = total + count * force
         by_pressure.append(count * ca.jacobian(force, pressures)[i])
