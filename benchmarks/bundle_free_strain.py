@@ -1,7 +1,6 @@
 """A bundle's free strain, each root counted in forces.
 
-8 unlike units at 20 000 pressure vectors, as `bundle.free_strain` answers them once it has
-searched a million times: compiled, and by NumPy where that isn't sure. One root's time is given
+8 unlike units at 20 000 pressure vectors, by NumPy. One root's time is given
 twice: in scattered forces of the whole bundle, (B1), each of which is 8 muscles' forces, and in
 scattered forces of one muscle by `muscle.compile()`. The reach is held against the bundle's.
 
@@ -13,8 +12,6 @@ import numpy as np
 from cases import LARGEST_STRAIN, done, muscle, scattered, unit_pressures, unlike_bundle
 from timing import Row, interleaved, run
 
-from fascicle.bundle.first import MANY
-
 
 UNITS = 8
 
@@ -23,8 +20,6 @@ def rows(small: bool = False) -> list[Row]:
     count, points = (8, 500) if small else (20_000, 1_000_000)
     bundle, pressures = unlike_bundle(UNITS), unit_pressures(count, UNITS)
     at_once = np.asarray(pressures)
-    for _ in range(0 if small else MANY // pressures.size + 1):  # searched so often it is compiled
-        bundle.free_strain(at_once)
     one_muscle, cloud = muscle().compile(), scattered(points)
     # as many muscles' forces as there are points
     vectors = pressures[: max(1, points // UNITS)]
@@ -40,10 +35,7 @@ def rows(small: bool = False) -> list[Row]:
         repeats=7,
         budget=40.0,
     )
-    question = (
-        f"free strain of a bundle of {UNITS} unlike units at {count:,} pressure vectors, a root"
-        " of a search compiled after a million"
-    )
+    question = f"free strain of a bundle of {UNITS} unlike units at {count:,} pressure vectors"
     spent = f"{times.median('root') / count * 1e6:.3g} µs a root"
     force, whole = times.median("muscle") / points, times.median("bundle") / len(vectors)
     return [

@@ -12,9 +12,9 @@ from numpy.testing import assert_allclose
 
 from fascicle import records
 from fascicle.bundle import recruitment
+from fascicle.bundle.efficiency import efficiency_map
 from fascicle.cli.inputs import cache_folder, read_bundle, read_states
 from fascicle.cli.outputs import print_table
-from fascicle.energetics.efficiency import efficiency_map
 from fascicle.files import example, example_text, examples, load, save
 from reproduction.claims import Claim, Criterion
 

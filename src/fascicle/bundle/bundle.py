@@ -19,7 +19,7 @@ each one's is, and the bundle is told the distance at rest.
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial, reduce
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -47,6 +47,7 @@ from ..core.validation import (
     check_count,
     check_finite,
     check_interval,
+    check_plausible,
     has_units,
     is_concrete,
     match_array_type,
@@ -56,13 +57,22 @@ from ..muscle import Muscle
 from ..muscle.muscle import BACKENDS
 from ..muscle.validation import check_strain, lowest_strain, strain_domain
 from ..repr_table import with_table_repr
-from .alike import stacked
-from .at import pressurized
-from .lanes import batch, laned
-from .plates import plate_distance, within_reach
+from .equilibria import attach_derivatives, equilibria, first_equilibrium
+from .pressurized import (
+    bundle_shape,
+    flatten_batch,
+    plate_distance,
+    plate_strain_in_domain,
+    pressurized,
+    stack_muscles,
+    unique_indices,
+)
 from .printing import equilibria_sheet, line, sheet, unit_line, unit_sheet
 from .schemes import AbstractScheme, scheme_of
-from .zeros import carried, first_zero, loaded, zeros
+
+
+if TYPE_CHECKING:
+    from .inverse import Recruited
 
 
 @with_table_repr(unit_sheet, unit_line)
@@ -157,9 +167,9 @@ class Bundle(Module):
         return _joined([unit.count for unit in self.motor_units])
 
     @cached_property
-    def rows(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
-        """The units of the same laws, their muscles as one [-], which are computed at once."""
-        return tuple(stacked([unit.muscle for unit in self.motor_units]))
+    def groups(self) -> tuple[tuple[tuple[int, ...], Muscle], ...]:
+        """Units of the same laws, with their muscles as one, evaluated together."""
+        return tuple(stack_muscles([unit.muscle for unit in self.motor_units]))
 
     def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
         """Pulling force of all units together, equation (B1).
@@ -211,7 +221,7 @@ class Bundle(Module):
         P = self._pressures(pressures)
         if not resistance:
             return evaluate(_free_strain, self, P, static=(False,))
-        return self._sought(_free_strain, P, static=(True,))
+        return self._search(_free_strain, P, static=(True,))
 
     def equilibria(self, pressures: Values, resistance: bool = True) -> Equilibria:
         """All strains at which the force vanishes, and whether they are stable.
@@ -229,7 +239,7 @@ class Bundle(Module):
         P = self._pressures(pressures)
         if not resistance:
             return evaluate(_equilibria, self, P, static=(False,))
-        return self._sought(_equilibria, P, static=(True,))
+        return self._search(_equilibria, P, static=(True,))
 
     def strain_at(self, force: Values, pressures: Values) -> Equilibria:
         """All strains at which the bundle pulls with a force: where a hanging load may rest.
@@ -249,72 +259,131 @@ class Bundle(Module):
             match_array_type(force, check_finite(force, "force", "N")),
             self._pressures(pressures),
         )
-        return self._sought(_strain_at, P, F)
+        return self._search(_strain_at, P, F)
 
-    def recruit(self, force: Values, strain: Values, **options: Any) -> Any:
-        """Which state and pressures give a force at a strain, equation (B9).
+    def recruit(
+        self,
+        force: Values,
+        strain: Values,
+        supply: Values = None,
+        scheme: AbstractScheme | str | None = None,
+        prefer: str = "efficiency",
+        *,
+        present: Values = None,
+        resistance: bool = True,
+    ) -> "Recruited":
+        """State and pressures that give a force at a strain, equation (B9).
 
         **Arguments:**
 
         - `force`: the demanded pulling force [N].
         - `strain`: the bundle's contraction [-]; broadcasts against `force`.
-        - `options`: as of `fascicle.recruitment.recruit`, such as `scheme` or `prefer` [-].
+        - `supply`: the supply's pressure [Pa], one for all; left out, the bundle's own.
+        - `scheme`: one of `fascicle.schemes`, by name or as an object; left out, the bundle's own.
+        - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
+          "nearest" for the one whose pressures are nearest to `present`.
+        - `present`: the pressures now [Pa], units on the last axis; the rest broadcasts.
+        - `resistance`: whether units past their own free strain push back.
 
         **Returns:** `Recruited`: pressures [Pa], state, force [N], status and all solutions.
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return import_late("bundle.recruitment.recruit")(self, force, strain, **options)
+        solve = import_late("bundle.recruitment.recruit")
+        options = {"present": present, "resistance": resistance}
+        return solve(self, force, strain, supply, scheme, prefer, **options)
 
-    def workspace(self, **options: Any) -> Any:
+    def workspace(
+        self,
+        supply_pressure: Values = None,
+        levels: Values = 7,
+        strain: Values = None,
+        resistance: bool = True,
+        scheme: AbstractScheme | str | None = None,
+    ) -> Any:
         """The force-strain region of every recruitment state.
 
-        **Arguments:** `options`: as of `fascicle.recruitment.space`, such as `levels` [Pa] or
-        `strain` [-].
+        **Arguments:**
+
+        - `supply_pressure`: [Pa]; left out, the bundle's own.
+        - `levels`: throttled pressures of the curves [Pa], or how many of them.
+        - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
+        - `resistance`: whether units past their own free strain push back.
+        - `scheme`: one of `fascicle.schemes`, by name or as an object; left out, the bundle's own.
 
         **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
 
         **Raises:** `ValueError` where no supply pressure is known or a value is off.
         """
-        return import_late("bundle.recruitment.space")(self, **options)
+        space = import_late("bundle.workspace.space")
+        return space(self, supply_pressure, levels, strain, resistance, scheme)
 
-    def reversal(self, unit: int = 2, **options: Any) -> Any:
-        """Where the free strain turns as a unit's pressure rises from zero to the supply's.
+    def reversal(
+        self, unit: int = 2, supply_pressure: Values = None, resistance: bool = True
+    ) -> Any:
+        """Turn of the free strain as a unit's pressure rises from zero to the supply's.
 
         **Arguments:**
 
-        - `unit`: which unit's pressure rises [-], counted from 1.
-        - `options`: as of `fascicle.reversal.reversal`: `supply_pressure` [Pa], `resistance` [-].
+        - `unit`: whose pressure rises, counted from 1.
+        - `supply_pressure`: of the units before it [Pa]; left out, the bundle's own.
+        - `resistance`: whether units past their own free strain push back.
 
         **Returns:** a `Reversal`: pressure [Pa], strains and depth [-].
 
         **Raises:** `ValueError` for a unit that doesn't exist, and for no supply pressure.
         """
-        return import_late("bundle.reversal.reversal")(self, unit, **options)
+        return import_late("bundle.reversal.reversal")(self, unit, supply_pressure, resistance)
 
-    def efficiency_map(self, *arguments: Any, **options: Any) -> Any:
+    def efficiency_map(
+        self,
+        supply_pressure: Values = None,
+        path: str = "isobaric",
+        force: Values = None,
+        strain: Values = None,
+        resistance: bool = True,
+        scheme: AbstractScheme | str | None = None,
+    ) -> Any:
         """Efficiency over the force-strain space.
 
-        **Arguments:** `arguments`, `options`: as of `fascicle.energetics.efficiency_map` after the
-        bundle, such as `path` [-].
+        **Arguments:**
 
-        **Returns:** its map: forces [N], strains and efficiencies [-].
+        - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
+        - `path`: "isobaric" or "isotonic".
+        - `force`: forces [N]; left out, 80 even ones up to the blocked force of all units.
+        - `strain`: positive strains [-]; left out, multiples of 1/375 to the free strain.
+        - `resistance`: whether units past their own free strain push back.
+        - `scheme`: one of `fascicle.schemes`, by name or as an object; left out, the bundle's own.
+
+        **Returns:** an `EfficiencyMap`: forces [N], strains and efficiencies [-].
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return import_late("energetics.efficiency.efficiency_map")(self, *arguments, **options)
+        efficiency_map = import_late("bundle.efficiency.efficiency_map")
+        return efficiency_map(self, supply_pressure, path, force, strain, resistance, scheme)
 
-    def average_efficiency(self, *arguments: Any, **options: Any) -> Any:
-        """Average efficiency over the force-strain space.
+    def average_efficiency(
+        self,
+        supply_pressure: Values = None,
+        path: str = "isobaric",
+        resistance: bool = True,
+        scheme: AbstractScheme | str | None = None,
+    ) -> float:
+        """Average efficiency over the force-strain space; arguments as of `efficiency_map`.
 
-        **Arguments:** `arguments`, `options`: as of `fascicle.energetics.average_efficiency` after
-        the bundle, such as `path` [-].
+        **Arguments:**
+
+        - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
+        - `path`: "isobaric" or "isotonic".
+        - `resistance`: whether units past their own free strain push back.
+        - `scheme`: one of `fascicle.schemes`, by name or as an object; left out, the bundle's own.
 
         **Returns:** efficiency [-].
 
         **Raises:** `ValueError` for values off the domain, and for no supply pressure.
         """
-        return import_late("energetics.efficiency.average_efficiency")(self, *arguments, **options)
+        average = import_late("bundle.efficiency.average_efficiency")
+        return average(self, supply_pressure, path, resistance, scheme)
 
     def plot(
         self, pressures: Values = None, strains: Values = None, resistance: bool = True
@@ -368,7 +437,7 @@ class Bundle(Module):
             return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
-            return within_reach(strain, self.plate_distance, muscles)
+            return plate_strain_in_domain(strain, self.plate_distance, muscles)
         # a muscle that stands for several units needn't be asked again
         once = {id(muscle): muscle for muscle in muscles}.values()
         return check_strain(
@@ -400,22 +469,21 @@ class Bundle(Module):
     @cached_property
     def _batch(self) -> tuple[int, ...]:
         """The shape of a row of bundles [-]."""
-        return batch(self)
+        return bundle_shape(self)
 
-    def _sought(self, law: Any, *arrays: Numbers, static: tuple = ()) -> Any:
-        """What a `law` finds by a search: at once, as compiled it is no faster, and so also where
-        derivatives are asked for, which the strains found then carry.
+    def _search(self, law: Any, *arrays: Numbers, static: tuple = ()) -> Any:
+        """The result of a `law` that searches. Where JAX traces for derivatives alone, NumPy
+        searches, and the strains get their derivatives afterwards.
         """
         self._shape(**dict(zip(("pressures", "force"), arrays, strict=False)))
-        rest = primal_numpy(self, *arrays)
-        if rest is None:
+        primal = primal_numpy(self, *arrays)
+        if primal is None:
             return evaluate(law, self, *arrays, static=static)
-        bundle, *at_once = rest
-        found = bundle._sought(law, *at_once, static=static)
-        many = isinstance(found, Equilibria)
-        strain = found.strain if many else found[..., None]
-        strain = evaluate(_carried, self, strain, *arrays)
-        return found._replace(strain=strain) if many else strain[..., 0]
+        bundle, *numbers = primal
+        result = bundle._search(law, *numbers, static=static)
+        if isinstance(result, Equilibria):
+            return result._replace(strain=evaluate(_with_derivatives, self, result.strain, *arrays))
+        return evaluate(_with_derivatives, self, result[..., None], *arrays)[..., 0]
 
 
 def _force(bundle: Bundle, pressures: PerUnit, strain: Numbers) -> Numbers:
@@ -430,32 +498,33 @@ def _free_strain(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Number
     if not resistance:
         free = pressurized(bundle, pressures).free_strains
         return array_namespace(free).max(free, axis=-1)
-    lanes, shape = laned(bundle, pressures)
-    return first_zero(lanes).reshape(shape)
+    batch, shape = flatten_batch(bundle, pressures)
+    return first_equilibrium(batch).reshape(shape)
 
 
 def _equilibria(bundle: Bundle, pressures: PerUnit, resistance: bool) -> Equilibria:
     if not resistance:
         strain = _free_strain(bundle, pressures, False)[..., None]
-        there = strain > -np.inf
-        return Equilibria(strain, there, array_namespace(there).sum(there, axis=-1))
-    lanes, shape = laned(bundle, pressures)
-    found = zeros(lanes)
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
+        exists = strain > -np.inf
+        return Equilibria(strain, exists, array_namespace(exists).sum(exists, axis=-1))
+    batch, shape = flatten_batch(bundle, pressures)
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in equilibria(batch)))
 
 
 def _strain_at(bundle: Bundle, pressures: PerUnit, force: Numbers) -> Equilibria:
-    lanes, shape = laned(bundle, pressures, force)
+    batch, shape = flatten_batch(bundle, pressures, force)
     load = array_namespace(force).broadcast_to(force, shape).reshape(-1)
-    found = loaded(lanes, load)
-    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in found))
+    return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in equilibria(batch, load)))
 
 
-def _carried(bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0) -> Numbers:
-    """Strains that were found without derivatives [-], zeros last, with them."""
-    lanes, shape = laned(bundle, pressures, force)
+def _with_derivatives(
+    bundle: Bundle, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0
+) -> Numbers:
+    """Equilibria [-] that were found without derivatives, with them."""
+    batch, shape = flatten_batch(bundle, pressures, force)
     load = array_namespace(force).broadcast_to(force, shape).reshape(-1, 1)
-    return carried(lanes.live, load, strain.reshape(*load.shape[:1], -1)).reshape(strain.shape)
+    roots = attach_derivatives(batch.pressurized(), load, strain.reshape(*load.shape[:1], -1))
+    return roots.reshape(strain.shape)
 
 
 def _joined(values: list[Any]) -> Any:
@@ -469,3 +538,69 @@ def _pressure(value: Values, name: str = "pressures") -> Batch:
     if not has_units(value):
         warn_pressure_units(checked)
     return match_array_type(value, checked)
+
+
+def resolve_scheme(bundle: Bundle, scheme: AbstractScheme | str | None) -> AbstractScheme:
+    """The scheme that is asked for, or the bundle's own.
+
+    **Arguments:** `bundle` [-]; `scheme`: by name or as an object [-], or `None`.
+
+    **Returns:** the scheme [-].
+
+    **Raises:** `ValueError` for an unknown name, and for a row of bundles.
+    """
+    check_single(bundle)
+    return bundle.scheme if scheme is None else scheme_of(scheme)
+
+
+def resolve_supply_pressure(bundle: Bundle, supply_pressure: Values = None) -> float:
+    """The supply pressure that holds: the one given, else the bundle's own.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: the one given [Pa], or None.
+
+    **Returns:** supply pressure [Pa].
+
+    **Raises:** `ValueError` where there is neither, and for a row of bundles.
+    """
+    check_single(bundle)
+    supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
+    if supply is None:
+        raise InvalidInputError(
+            "supply_pressure", "must be given in Pa", None, "the bundle has none of its own"
+        )
+    P = check_interval(
+        supply, 0.0, HIGHEST_PRESSURE, "supply_pressure", "Pa", "(gauge)", (False, True)
+    )
+    return float(check_plausible(P, "supply_pressure"))
+
+
+def check_single(bundle: Any) -> None:
+    """Refuse what is no `Bundle`, and batches of them."""
+    if not isinstance(bundle, Bundle):
+        remedy = "make one of it: fs.Bundle([fs.MotorUnit(muscle)])"
+        raise InvalidInputError(
+            "bundle", "must be a Bundle", bundle, remedy, shown=type(bundle).__name__
+        )
+    if shape := bundle._batch:
+        raise InvalidInputError(
+            "bundle",
+            "must be a single one here",
+            None,
+            "make a bundle of each row of its muscles",
+            shown=f"rows of the shape {shape}",
+        )
+
+
+def distinct_units(bundle: Bundle) -> tuple[Bundle, Int[np.ndarray, " unit"]]:
+    """The unlike units of a bundle, so that equal ones needn't be evaluated twice.
+
+    **Arguments:** `bundle`: the bundle [-].
+
+    **Returns:** a bundle of its unlike units alone, and which of them each unit is [-].
+    """
+    unique, inverse = unique_indices(bundle.motor_units)
+    units = [bundle.motor_units[i] for i in unique]
+    return Bundle(units, length=bundle.plate_distance), np.array(inverse)

@@ -31,7 +31,7 @@ import numpy as np
 
 from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from ..repr_table import with_table_repr
-from .plates import muscle_strain
+from .pressurized import muscle_strain
 from .printing import recruited_sheet, solutions_sheet
 from .states import States
 

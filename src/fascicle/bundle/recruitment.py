@@ -27,16 +27,13 @@ from ..core.validation import (
     match_array_type,
     to_si,
 )
-from .alike import unlike
-from .at import pressurized
-from .bundle import Bundle
-from .callback import called_back
+from .bundle import Bundle, resolve_scheme, resolve_supply_pressure
+from .efficiency import unit_volume_change
 from .inverse import PART, REACHED, ROOM, Curves, Recruited, Solutions, freed, recruited
-from .own import scheme_used, supply_of
+from .pressurized import pressurized, unique_indices
 from .schemes import AbstractScheme, scheme_of
-from .space import Overlap, Space, overlap, space
 from .states import States, states_of
-from .volumes import unit_volume_change
+from .workspace import Overlap, Space, overlap, space
 
 
 __all__ = [
@@ -117,7 +114,7 @@ def recruit(
     **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
     "nearest" without `present`.
     """
-    scheme = scheme_used(bundle, scheme)
+    scheme = resolve_scheme(bundle, scheme)
     check_choice(prefer, PREFERENCES, "prefer")
     F, eps = match_array_type(force, check_finite(force, "force", "N")), bundle._strain(strain)
     P = _supply(bundle, supply)
@@ -167,7 +164,7 @@ def _solved(bundle: Bundle, supply: Any, *arguments: Any) -> Recruited:
         search: Callable[..., Recruited] = partial(recruited, curves, states=states)
         step = PART
         if states.independent:
-            sets, owner = states.sets(unlike(bundle.motor_units)[1])
+            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
             search = partial(freed, curves, sets=sets, owner=owner)
             step = max(1, min(step, _SETS // sets.size))
         if states.independent or not states.nested:
@@ -246,7 +243,9 @@ def _traced(bundle: Bundle, supply: Any, *arrays: Any, static: tuple) -> Recruit
         Solutions(*(jax.ShapeDtypeStruct(rows[0], kind) for kind in (float, int, bool))),
         whole, whole,
     )  # fmt: skip
-    found = called_back(answer, shapes, *stop_gradient(((bundle, supply), force, strain, *present)))
+    found = numpy_callback(
+        answer, shapes, *stop_gradient(((bundle, supply), force, strain, *present))
+    )
     return _carry(*static)(bundle, force, strain, supply, found)
 
 
@@ -301,4 +300,50 @@ def _carried(
 def _supply(bundle: Bundle, supply: Values) -> Numbers:
     supply = bundle.supply_pressure if supply is None else supply
     # a traced one can't be looked at, nor made a float
-    return np.float64(supply_of(bundle, supply)) if is_concrete(supply) else supply
+    return np.float64(resolve_supply_pressure(bundle, supply)) if is_concrete(supply) else supply
+
+
+def numpy_callback(function: Callable[..., Any], shapes: Any, single: Any, *arrays: Any) -> Any:
+    """`function(single, *arrays)` by NumPy, without derivatives, also under `jit` and `vmap`.
+
+    **Arguments:**
+
+    - `function`: of modules and arrays of NumPy's; elementwise in `arrays`.
+    - `shapes`: a tree of `jax.ShapeDtypeStruct`, as the result is for these arguments.
+    - `single`: a tree of modules and arrays, one at a time.
+    - `arrays`: that may have more axes in front, where `vmap` adds them.
+
+    **Returns:** the result, JAX's.
+    """
+    import jax
+
+    leaves, structure = jax.tree.flatten(single)
+    # in single precision results are, too; the search itself is not
+    shapes = jax.tree.map(
+        lambda x: jax.ShapeDtypeStruct(x.shape, jax.dtypes.canonicalize_dtype(x.dtype)), shapes
+    )
+    own = [np.ndim(x) for x in (*leaves, *arrays)]
+
+    def answer(*values: Any) -> Any:
+        numbers = [np.asarray(x, float if x.dtype.kind == "f" else None) for x in values]
+        fronts = [x.shape[: x.ndim - n] for x, n in zip(numbers, own, strict=True)]
+        batch, several = (
+            np.broadcast_shapes(*some) for some in (fronts, fronts[: len(leaves)] or [()])
+        )
+        tails = [x.shape[len(front) :] for x, front in zip(numbers, fronts, strict=True)]
+        asked = [
+            np.broadcast_to(x, (*batch, *tail)) for x, tail in zip(numbers, tails, strict=True)
+        ]
+        if np.prod(several) == 1:  # one module, whatever it is asked
+            one = [x.reshape(tail) for x, tail in zip(numbers[: len(leaves)], tails, strict=False)]
+            found = function(jax.tree.unflatten(structure, one), *asked[len(leaves) :])
+            return jax.tree.map(lambda x, like: np.asarray(x, like.dtype), found, shapes)
+        rows = []
+        for i in np.ndindex(batch):
+            module = jax.tree.unflatten(structure, [x[i] for x in asked[: len(leaves)]])
+            rows.append(function(module, *(x[i] for x in asked[len(leaves) :])))
+        return jax.tree.map(
+            lambda like, *x: np.reshape(x, (*batch, *like.shape)).astype(like.dtype), shapes, *rows
+        )
+
+    return jax.pure_callback(answer, shapes, *leaves, *arrays, vmap_method="expand_dims")

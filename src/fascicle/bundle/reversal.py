@@ -19,9 +19,8 @@ from ..core.errors import InvalidInputError
 from ..core.types import Float, Values
 from ..core.validation import check_interval
 from ..repr_table import with_table_repr
-from .bundle import Bundle
-from .own import supply_of
-from .plates import muscle_strain
+from .bundle import Bundle, resolve_supply_pressure
+from .pressurized import muscle_strain
 from .printing import reversal_sheet
 from .recruitment import pressures_of
 
@@ -65,7 +64,7 @@ def free_strain_curve(
 
     **Raises:** `ValueError` for a unit that doesn't exist or a pressure off the domain.
     """
-    supply, unit = supply_of(bundle, supply_pressure), _counted(bundle, unit)
+    supply, unit = resolve_supply_pressure(bundle, supply_pressure), _counted(bundle, unit)
     all_pressures = pressures_of(unit, pressures, supply, len(bundle.motor_units))
     return np.asarray(bundle.free_strain(all_pressures, resistance))
 
@@ -85,7 +84,7 @@ def reversal(
     **Returns:** a `Reversal`: pressure [Pa], strains and depth [-]; a depth of zero where
     the free strain never falls.
     """
-    supply = supply_of(bundle, supply_pressure)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
 
     def curve(pressures: Values) -> Float[np.ndarray, " pressure"]:
         return free_strain_curve(bundle, unit, pressures, supply, resistance)
@@ -123,7 +122,7 @@ def onset_pressure(
 
     **Raises:** `ValueError` for a unit that doesn't exist or a strain off the domain.
     """
-    supply, unit = supply_of(bundle, supply_pressure), _counted(bundle, unit)
+    supply, unit = resolve_supply_pressure(bundle, supply_pressure), _counted(bundle, unit)
     muscle = bundle.motor_units[unit - 1].muscle
     eps = float(check_interval(strain, -np.inf, np.inf, "strain", "-"))
     if bundle.ratios is not None:

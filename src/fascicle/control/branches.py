@@ -21,8 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from jax import lax
 
-from ..bundle.bundle import Bundle
-from ..bundle.own import supply_of
+from ..bundle.bundle import Bundle, resolve_supply_pressure
 from ..core.array_namespace import array_namespace, maximum, minimum, sqrt, where
 from ..core.module import Module
 from ..core.roots import guarded
@@ -82,7 +81,7 @@ class Branches(Module):
 
         **Raises:** `ValueError` for a supply's pressure that can't be.
         """
-        supply = supply_of(bundle, supply_pressure)
+        supply = resolve_supply_pressure(bundle, supply_pressure)
         muscles = [unit.muscle for unit in bundle.motor_units]
         return cls.tabulated(Tables.of(muscles, supply, shape), supply)
 

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..bundle.bundle import Bundle
-from ..bundle.own import supply_of
+from ..bundle.bundle import Bundle, resolve_supply_pressure
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
 from ..core.validation import check_finite
@@ -125,7 +124,7 @@ def hand_over_time(
 
     **Raises:** `ValueError` as `transition` does, and for valves that don't fit.
     """
-    supply = supply_of(bundle, supply_pressure)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
     result = transition(bundle, strain, unit, supply)
     valve = for_each(valves, len(bundle.motor_units))[unit - 1]
     return _time(bundle, unit, valve, result.onset_pressure, strain)
@@ -157,7 +156,7 @@ def crossing(
     don't fit.
     """
     check_unit(bundle, unit)
-    supply = supply_of(bundle, supply_pressure)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
     per_unit = for_each(valves, len(bundle.motor_units))
     path = Path.of(*path)
     along = _HandOver(bundle, unit, supply, path, per_unit, slack)

@@ -27,9 +27,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bundle.bundle import Bundle
-from ..bundle.own import supply_of
-from ..bundle.plates import muscle_strain
+from ..bundle.bundle import Bundle, resolve_supply_pressure
+from ..bundle.pressurized import muscle_strain
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval
@@ -91,7 +90,8 @@ def transition(
     the domain.
     """
     check_unit(bundle, unit)
-    supply, eps = supply_of(bundle, supply_pressure), unit_strain(bundle, unit, strain)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
+    eps = unit_strain(bundle, unit, strain)
     flat = np.reshape(eps, -1)
     size = max(1, _AT_ONCE // _GRID)
     parts = [
@@ -129,7 +129,7 @@ def needed_reserve(
     """
     t_c = check_interval(time, 0.0, np.inf, "time", "s", closed=(True, False))
     rate = check_interval(force_rate, -np.inf, np.inf, "force_rate", "N/s")
-    supply = supply_of(bundle, supply_pressure)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
     roots = transition(bundle, strain, unit, supply)
     rising = rate * t_c
     onset = roots.onset_pressure[..., None]

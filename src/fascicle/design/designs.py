@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
-from ..bundle.volumes import told_by_strain
+from ..bundle.efficiency import check_volume_by_strain
 from ..core.array_namespace import array_namespace, maximum, sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
@@ -131,7 +131,7 @@ class Designs:
 
     def __post_init__(self):
         """Refuse drawings whose fluid isn't told by strain alone, or whose law is of one size."""
-        told_by_strain(self.drawings.values())
+        check_volume_by_strain(self.drawings.values())
         for muscle in self.drawings.values():
             if muscle.tension.made_for:
                 rule = f"has the numbers of {muscle.tension.made_for}, and a design has other sizes"

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..bundle.alike import stacked, unlike
+from ..bundle.pressurized import stack_muscles, unique_indices
 from ..core.array_namespace import absolute, maximum, minimum, where
 from ..core.module import Module, static
 from ..core.types import Numbers
@@ -76,7 +76,7 @@ class Tables(AbstractMuscles):
         """Of `muscles` [-], one for each unit, up to `highest_pressure` [Pa], with `shape` [-]
         nodes.
         """
-        unique, indices = unlike(muscles)
+        unique, indices = unique_indices(muscles)
         tables = [UnitSurface.tabulate(muscles[i], highest_pressure, shape=shape) for i in unique]
         per_unit = [tables[i] for i in indices]
         table = UnitSurface(
@@ -135,7 +135,7 @@ class Exact(AbstractMuscles):
         `ends` [-].
         """
         top = np.full(len(muscles), highest_pressure)
-        rows = stacked(list(muscles))
+        rows = stack_muscles(list(muscles))
         return cls(tuple(m for _, m in rows), tuple(indices for indices, _ in rows), ends, top)
 
     def at(self, pressure: Numbers, strain: Numbers) -> Surface:

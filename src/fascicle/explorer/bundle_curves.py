@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..bundle import Bundle, recruitment
-from ..bundle.plates import muscle_strain
-from ..bundle.space import Overlap, Space
+from ..bundle.pressurized import muscle_strain
+from ..bundle.workspace import Overlap, Space
 from ..core.errors import InvalidInputError
 from ..units import DIMENSIONS
 from .muscle_curves import muscle_curves

@@ -11,7 +11,7 @@ from bokeh.models.glyphs import Image, Line, Scatter
 from bokeh.palettes import Cividis256
 
 from ..bundle import Bundle
-from ..energetics import (
+from ..bundle.efficiency import (
     PATHS,
     EfficiencyMap,
     average_efficiency,

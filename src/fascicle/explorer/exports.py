@@ -17,10 +17,10 @@ import numpy as np
 import panel as pn
 
 from .. import plot
-from ..bundle.space import overlap, space
+from ..bundle.efficiency import efficiency_map
+from ..bundle.workspace import overlap, space
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
-from ..energetics import efficiency_map
 from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as plot_fit

@@ -13,10 +13,10 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+from ..bundle.efficiency import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_interval
-from ..energetics import PATHS
 from ..files import dumps, example, examples, loads
 from ..muscle import Muscle
 from ..units import exact, parse

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import panel as pn
 
-from ..bundle.plates import muscle_strain
+from ..bundle.pressurized import muscle_strain
 from ..core.validation import proportions_message
 from ..muscle import Muscle
 from ..muscle.fitted_length import fitted_length_mismatch

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..bundle import Bundle
-from ..bundle.alike import unlike
+from ..bundle.pressurized import unique_indices
 from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
@@ -42,7 +42,7 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
             rule = "can't be written in C"
             remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
             raise InvalidInputError("buckling", rule, muscle.buckling.name, remedy)
-    terms, kinds = unlike(muscles)
+    terms, kinds = unique_indices(muscles)
     written, room = _laws([muscles[i] for i in terms], name)
     ratios = [1.0] * len(muscles)
     if bundle.ratios is not None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
-from ..bundle.alike import unlike
+from ..bundle.pressurized import unique_indices
 from ..control import Cascade
 from ..core.errors import InvalidInputError
 from ..core.types import Values
@@ -133,7 +133,7 @@ def tabulated(
     if highest_pressure is None:
         supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
-    nodes_kept, kinds = unlike([unit.muscle for unit in units])
+    nodes_kept, kinds = unique_indices([unit.muscle for unit in units])
     muscles = [units[i].muscle for i in nodes_kept]
     surfaces = tuple(
         UnitSurface.tabulate(muscle, highest_pressure, shape=shape or SHAPES[precision])

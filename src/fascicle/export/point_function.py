@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..bundle import Bundle
-from ..bundle.plates import muscle_strain
+from ..bundle.pressurized import muscle_strain
 from ..core.errors import require
 from ..muscle import Muscle
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..bundle import Bundle, recruitment
-from ..bundle.space import overlap
+from ..bundle.workspace import overlap
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, to_si
 from ..muscle import Muscle

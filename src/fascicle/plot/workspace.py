@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..bundle.space import Overlap, Space
+from ..bundle.efficiency import EfficiencyMap
+from ..bundle.workspace import Overlap, Space
 from ..core.types import Bool, Float
-from ..energetics import EfficiencyMap
 from .style import (
     BLACK,
     CYCLE,

@@ -5,7 +5,7 @@ from html import escape
 
 import numpy as np
 
-from ..bundle.space import overlap, space
+from ..bundle.workspace import overlap, space
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
 from ..design.robust import Spread

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..bundle import Bundle, recruitment
+from ..bundle.efficiency import EfficiencyMap
 from ..core.types import Values
 from ..core.validation import to_si
-from ..energetics.efficiency import EfficiencyMap
 from ..muscle import Muscle
 from .labelled import Table, Variable
 from .run_tables import simulated as simulated  # noqa: PLC0414 a table as the others are

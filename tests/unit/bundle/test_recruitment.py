@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.bundle.bundle import distinct_units
 from fascicle.bundle.recruitment import overlap, pressures_of, space
-from fascicle.bundle.unit_tables import distinct
 
 
 SUPPLY = 413.7e3
@@ -87,7 +87,7 @@ def test_area_is_the_outline_s():
 
 
 def test_equal_units_are_found_to_be_equal():
-    few, places = distinct(three)
+    few, places = distinct_units(three)
     assert len(few.motor_units) == 2 and places.tolist() == [0, 0, 1]
 
 

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle.own import _single
+from fascicle.bundle.bundle import check_single
 from fascicle.bundle.reversal import _counted, free_strain_curve, onset_pressure, reversal
 
 
@@ -86,4 +86,4 @@ def test_refuses_a_pressure_where_a_unit_is_due():
 
 def test_refuses_a_muscle_where_a_bundle_is_due():
     with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: make one of it"):
-        _single(even.motor_units[0].muscle)
+        check_single(even.motor_units[0].muscle)

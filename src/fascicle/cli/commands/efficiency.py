@@ -45,7 +45,7 @@ def run(
     bundle = read_bundle(file, supply_pressure)
     units, paths = len(bundle.motor_units), _PATHS if path is None else (path,)
     check_grid(units, len(forces or range(80)), len(strains or range(225)))
-    from ...energetics.efficiency import efficiency_map
+    from ...bundle.efficiency import efficiency_map
     from ...results import tables
 
     with status("finding efficiencies"), user_errors():

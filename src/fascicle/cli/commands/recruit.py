@@ -48,7 +48,7 @@ def run(
     import numpy as np
 
     from ...bundle import recruitment
-    from ...bundle.own import scheme_used
+    from ...bundle.bundle import resolve_scheme
     from ...results.tables import recruited
 
     with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
@@ -61,7 +61,7 @@ def run(
             resistance=not no_resistance,
         )
         variables = recruited(result, np.array(forces), np.array(strains))
-    is_free = scheme_used(bundle, scheme).independent
+    is_free = resolve_scheme(bundle, scheme).independent
     outputs.write(variables, lambda: _print(variables, is_free), title=f"Recruitment of {file}")
     unreached = variables["status"].values
     if count := int((unreached != 0).sum()):

@@ -18,12 +18,10 @@ import numpy as np
 from ..core.types import Float, Values
 from ..core.validation import check_interval, has_units, to_si
 from ..repr_table import with_table_repr
-from .bundle import Bundle
-from .own import scheme_used, supply_of
+from .bundle import Bundle, distinct_units, resolve_scheme, resolve_supply_pressure
 from .printing import space_sheet
 from .schemes import AbstractScheme
 from .states import common, states_of
-from .unit_tables import unit_tables
 
 
 _LEVELS = 241  # pressures over which a region's edges are taken
@@ -107,8 +105,8 @@ def space(
 
     **Raises:** `ValueError` where no supply pressure is known or a value is off.
     """
-    supply = supply_of(bundle, supply_pressure)
-    scheme = scheme_used(bundle, scheme)
+    supply = resolve_supply_pressure(bundle, supply_pressure)
+    scheme = resolve_scheme(bundle, scheme)
     if has_units(levels):
         levels = np.atleast_1d(to_si(levels, "levels", "Pa"))
     if np.ndim(levels) == 0:
@@ -142,3 +140,28 @@ def overlap(space: Space) -> Overlap:
         low[row, there], high[row, there] = bottom[there], top[there]
     area = np.trapezoid(np.nan_to_num(high - low), space.strain, axis=1)
     return Overlap(pairs, space.strain, low, high, area)
+
+
+def unit_tables(
+    bundle: Bundle,
+    supply_pressure: float,
+    levels: Float[np.ndarray, " level"],
+    strain: Float[np.ndarray, " strain"],
+    resistance: bool,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force of every unit at every level, and at no and at full pressure, as `States` takes them.
+
+    **Arguments:**
+
+    - `bundle`: the bundle [-].
+    - `supply_pressure`: the supply's [Pa].
+    - `levels`: throttled pressures [Pa].
+    - `strain`: contractions [-].
+    - `resistance`: whether units past their own free strain push back [-].
+
+    **Returns:** forces [N], with level, strain and unit axes, the last two without levels.
+    """
+    few, inverse = distinct_units(bundle)
+    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None] * np.ones(len(few.motor_units))
+    table = np.asarray(few.unit_forces(pressures, strain, resistance))[..., inverse]
+    return table[:-2], table[-2], table[-1]

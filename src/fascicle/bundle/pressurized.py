@@ -1,0 +1,323 @@
+r"""Muscles between the plates of a bundle, at pressures that their kinks are solved for.
+
+Units whose muscles have the same laws are one batch of muscles, evaluated together.
+
+**Unlike lengths.** Plates at rest a distance $L$ apart, moved to $L (1 - \varepsilon)$, give a
+muscle of length $L_i$ at rest the strain
+
+$$\varepsilon_i = 1 - \frac{L}{L_i} (1 - \varepsilon), \tag{B7}$$
+
+so a longer muscle is slack, or buckled, where a shorter one is still at rest, and a muscle
+that is shorter than $L$ is stretched from the start. **Valid** while no muscle's fibers are
+straight as long as another one isn't pulled.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.array_namespace import add_table_axis, array_namespace
+from ..core.errors import InvalidInputError
+from ..core.module import Module, static, tree_leaves, tree_map, tree_replace, tree_structure
+from ..core.types import Batch, Numbers, PerUnit, Values, Whole
+from ..core.validation import (
+    LARGEST_STRAIN,
+    broadcast_shape,
+    check_size,
+    is_concrete,
+    traced_floats,
+)
+from ..muscle import Muscle
+from ..muscle.muscle import batch_shape, tuning_tables
+from ..muscle.piecewise import Pressurized as PressurizedMuscles
+from ..muscle.validation import check_strain, lowest_strain, strain_domain
+
+
+class Pressurized(Module):
+    """A bundle at given pressures: `groups` of its units' muscles, the `indices` of their units,
+    units last; how many muscles each unit has, and its $L/L_i$ [-] where lengths differ.
+    """
+
+    groups: tuple[PressurizedMuscles, ...]
+    indices: tuple[tuple[int, ...], ...] = static()
+    counts: Whole
+    ratios: Numbers | None
+
+    @property
+    def farthest(self) -> Numbers:
+        """Largest strain of the bundle [-] that all of its muscles' laws are made for."""
+        if self.ratios is None:
+            return LARGEST_STRAIN
+        strain = plate_strain(self.ratios, LARGEST_STRAIN)
+        return array_namespace(strain).min(strain, axis=-1)
+
+    @property
+    def nearest(self) -> Numbers:
+        """Strain of the bundle [-] at which the fibers of one of its muscles are straight."""
+        straight = self._of_plates(self.map_units(_straight_strain))
+        return array_namespace(straight).max(straight, axis=-1)
+
+    @property
+    def kinks(self) -> Numbers:
+        """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
+        return self._of_plates(self.map_units(lambda muscle: muscle.kinks))
+
+    @property
+    def free_strains(self) -> Numbers:
+        """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
+        return self._of_plates(self.map_units(lambda muscle: muscle.column.free_strain))
+
+    def take(self, index: Any) -> "Pressurized":
+        """Some bundles of a batch, where the batch is the last axis but two."""
+        return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
+
+    def map_units(self, function: Callable[[PressurizedMuscles], Any]) -> Any:
+        """`function` of one muscle of every unit, units on the last axis."""
+        return self._ordered([function(group) for group in self.groups])
+
+    def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
+        """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
+        units on the last axis.
+        """
+        values = []
+        for group, index in zip(self.groups, self.indices, strict=True):
+            own = [add_table_axis(strain) for strain in strains]
+            if self.ratios is not None:
+                own = [muscle_strain(self.ratios[..., np.array(index)], x) for x in own]
+            values.append(function(group, *own))
+        return self._ordered(values)
+
+    def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
+        force, slope = self.map_units_over_strain(lambda muscle, eps: muscle.force(eps), strain)
+        if self.ratios is not None:
+            slope = slope * self.ratios
+        return self.counts * force, self.counts * slope
+
+    def force(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+        """Force of all units [N] at `strain` [-], (B1), and its slope in strain [N]."""
+        forces, slopes = self.unit_forces(strain)
+        total = array_namespace(forces).sum
+        return total(forces, axis=-1), total(slopes, axis=-1)
+
+    def _of_plates(self, strains: Numbers) -> Numbers:
+        return strains if self.ratios is None else plate_strain(self.ratios, strains)
+
+    def _ordered(self, values: list[Any]) -> Any:
+        if isinstance(values[0], tuple):
+            return tuple(self._ordered(list(parts)) for parts in zip(*values, strict=True))
+        if len(values) == 1:
+            return values[0]
+        order = np.argsort([i for index in self.indices for i in index])
+        xp, shapes = array_namespace(*values), {np.shape(value)[:-1] for value in values}
+        if len(shapes) > 1:  # some units are batches of muscles, others aren't
+            shape = np.broadcast_shapes(*shapes)
+            values = [xp.broadcast_to(x, (*shape, x.shape[-1])) for x in values]
+        return xp.concatenate(values, axis=-1)[..., order]
+
+
+def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
+    """A `bundle` at `pressures` [Pa], one for each unit on the last axis."""
+    groups = tuple(
+        muscles.law.at(pressures[..., np.array(index)]) for index, muscles in bundle.groups
+    )
+    indices = tuple(index for index, _ in bundle.groups)
+    return Pressurized(groups, indices, bundle.counts, bundle.ratios)
+
+
+def _straight_strain(muscle: PressurizedMuscles) -> Numbers:
+    return muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain
+
+
+class BundleBatch(NamedTuple):
+    """A `bundle` whose numbers are those of all of a batch, or one for each on an axis ahead of an
+    axis of one; gauge `pressures` [Pa], the batch first.
+    """
+
+    bundle: Any
+    pressures: PerUnit
+
+    @property
+    def is_numpy(self) -> bool:
+        """Whether all of it is NumPy's."""
+        return array_namespace(self.pressures, *tree_leaves(self.bundle)) is np
+
+    def pressurized(self) -> Pressurized:
+        """The bundles at their pressures, with an axis of one ahead of units."""
+        return pressurized(self.bundle, self.pressures[:, None, :])
+
+    def take(self, index: Any) -> "BundleBatch":
+        """Some of them."""
+        bundle = tree_map(lambda x: x[index] if np.ndim(x) > 1 else x, self.bundle)
+        return BundleBatch(bundle, self.pressures[index])
+
+
+def bundle_shape(bundle: Any) -> tuple[int, ...]:
+    """Shape of a batch of bundles, `()` of a single one."""
+    shapes = {"length": np.shape(bundle.plate_distance)}
+    for i, unit in enumerate(bundle.motor_units, start=1):
+        shapes |= {f"motor unit {i}": batch_shape(unit.muscle), f"count {i}": np.shape(unit.count)}
+    return broadcast_shape(**shapes)
+
+
+def flatten_batch(
+    bundle: Any, pressures: PerUnit, *others: Numbers
+) -> tuple[BundleBatch, tuple[int, ...]]:
+    """A bundle at pressures, or a batch of bundles, with one axis for all points.
+
+    **Arguments:**
+
+    - `bundle`: one, or a batch of them.
+    - `pressures`: gauge pressures [Pa], units on the last axis, the rest broadcasts.
+    - `others`: whatever broadcasts against both.
+
+    **Returns:** the batch, and the shape that it had.
+    """
+    units, own_shape = np.shape(pressures)[-1], bundle_shape(bundle)
+    shape = np.broadcast_shapes(own_shape, np.shape(pressures)[:-1], *map(np.shape, others))
+    flat = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
+    if not own_shape:
+        return BundleBatch(bundle, flat), shape
+    tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
+
+    def flatten(leaf: Any) -> Any:
+        table = np.shape(leaf)[-1:] if id(leaf) in tables else ()
+        if np.ndim(leaf) == len(table):
+            return leaf
+        return array_namespace(leaf).broadcast_to(leaf, (*shape, *table)).reshape(-1, 1, *table)
+
+    return BundleBatch(tree_map(flatten, bundle), flat), shape
+
+
+def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
+    """Muscles of the same laws as one, with their indices among `muscles` on its last axis; several
+    that are one and the same stay that one, which broadcasts.
+    """
+    groups: dict[Any, list[int]] = {}
+    for i, muscle in enumerate(muscles):
+        key = tree_structure(muscle), tuple(map(np.shape, tree_leaves(muscle)))
+        groups.setdefault(key, []).append(i)
+    return [(tuple(index), _stack([muscles[i] for i in index])) for index in groups.values()]
+
+
+def _stack(muscles: list[Muscle]) -> Muscle:
+    first = muscles[0]
+    if all(muscle is first for muscle in muscles) and not batch_shape(first):
+        return first
+    leaves, tables = zip(*map(tree_leaves, muscles), strict=True), tuning_tables(first)
+    return tree_replace(
+        first,
+        [
+            array_namespace(*row).stack(row, axis=-2 if id(row[0]) in tables else -1)
+            for row in leaves
+        ],
+    )
+
+
+def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
+    """Indices of those `objects` that equal none before them, and for each object which of these
+    it equals.
+    """
+    unique: list[int] = []
+    inverse = []
+    for i, thing in enumerate(objects):
+        equal = (k for k, j in enumerate(unique) if thing == objects[j])
+        inverse.append(next(equal, len(unique)))
+        if inverse[-1] == len(unique):
+            unique.append(i)
+    return unique, tuple(inverse)
+
+
+def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
+    """A muscle's contraction [-] at the plates' `strain` [-]; `ratio`: $L/L_i$ [-], (B7)."""
+    return 1 - ratio * (1 - strain)
+
+
+def plate_strain(ratio: Batch, strain: Batch) -> Batch:
+    """The plates' contraction [-] at a muscle's `strain` [-]; `ratio`: $L/L_i$ [-]."""
+    return 1 - (1 - strain) / ratio
+
+
+def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
+    """The distance between the plates at rest, where it isn't simply the muscles' length.
+
+    **Arguments:**
+
+    - `length`: the distance [m], or `None` for the muscles' common length.
+    - `muscles`: between the plates [-].
+
+    **Returns:** the distance [m], or `None` where all muscles are as long.
+
+    **Raises:** `ValueError` for unlike lengths and no distance, and for muscles that no
+    plates can hold together.
+    """
+    lengths = [muscle.length for muscle in muscles]
+    if length is None:
+        if is_concrete(*lengths):
+            _check_equal(lengths)
+        return None
+    L = check_size(length, "length")
+    if not is_concrete(L, *lengths):
+        return L
+    if all(np.array_equal(np.broadcast_arrays(L, one)[0], one) for one in lengths):
+        return None
+    if is_concrete(*(muscle.braid_angle for muscle in muscles)):
+        _check_lengths(L, muscles)
+    return L
+
+
+def plate_strain_in_domain(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Batch:
+    """Return the plates' `strain` as a float array, refusing what leaves a muscle's domain.
+
+    **Arguments:**
+
+    - `strain`: the plates' contraction [-].
+    - `length`: their distance at rest [m].
+    - `muscles`: between them [-].
+
+    **Returns:** the strain [-].
+
+    **Raises:** `ValueError` for a concrete strain at which a muscle's own is off the domain.
+    """
+    if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
+        return traced_floats(strain)
+    low: Batch = np.float64(-np.inf)
+    high: Batch = np.float64(np.inf)
+    for muscle in muscles:
+        ratio = np.asarray(length / muscle.length)
+        straight = lowest_strain(*strain_domain(muscle))
+        low = np.maximum(low, plate_strain(ratio, straight))
+        high = np.minimum(high, plate_strain(ratio, LARGEST_STRAIN))
+    return check_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
+
+
+def _check_lengths(length: Batch, muscles: Sequence[Muscle]) -> None:
+    """Refuse muscles of which one is overstretched before another one is even taut."""
+    longest = reduce(np.maximum, [np.asarray(m.length) for m in muscles], np.asarray(length))
+    for i, muscle in enumerate(muscles, start=1):
+        straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
+        if np.any(longest >= straight):
+            raise InvalidInputError(
+                "length",
+                f"and the muscles' must stay below {float(np.min(straight)):g} m, where unit {i}'s"
+                " fibers are straight",
+                float(np.max(longest)),
+                "take lengths that are nearer to each other",
+                shown=f"{float(np.max(longest)):g} m",
+            )
+
+
+def _check_equal(lengths: Sequence[Batch]) -> None:
+    first = np.asarray(lengths[0])
+    for i, length in enumerate(lengths[1:], start=2):
+        if not np.allclose(length, first, rtol=1e-9, atol=0):
+            raise InvalidInputError(
+                "motor_units",
+                "must hold muscles of one length, or `length` say how far apart the plates are at"
+                " rest, in m",
+                float(np.max(np.asarray(length))),
+                shown=f"{float(np.max(first)):g} m in unit 1 and"
+                f" {float(np.max(np.asarray(length))):g} m in unit {i}",
+            )
