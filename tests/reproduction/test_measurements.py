@@ -71,7 +71,7 @@ def test_each_law_stands_with_its_errors_and_what_it_misses(made):
     assert [law["label"] for law in told["records"][0]["laws"]] == labels
     assert len(told["left_out"]) == 2
     page = (folder / "report.html").read_text(encoding="utf-8")
-    for words in ("not public", "untested", "lab/pull.csv", "Left out", "doesn&#39;t pay"):
+    for words in ("not public", "untested", "lab/pull.csv", "Left out", "does not pay"):
         assert words in page
     assert "&amp;#" not in page  # escaped once
 
@@ -84,7 +84,7 @@ def test_without_records_it_says_what_to_set(monkeypatch, tmp_path):
 
 def test_biases_are_mean_residuals(made):
     _, (one,) = made
-    made, law = one.choice.made, one.laws[0]
+    made, law = one.choice.calibration, one.laws[0]
     assert law.row.rmse > 0
     own = next(x for x in one.laws if x.row.label.endswith(", ".join(made.names)))
     rows = np.nanmean(made.residual, axis=1)
