@@ -81,8 +81,8 @@ def _started(workers: int) -> tuple[Any, Any]:
                 client = stack.enter_context(Client(cluster, timeout=20, set_as_default=False))
             except (RuntimeError, OSError, TimeoutError) as error:
                 if last:
-                    told = " ".join(str(error).split())[:120] or type(error).__name__
-                    raise ConnectionError(f"no worker can be started ({told})") from None
+                    reason = " ".join(str(error).split())[:120] or type(error).__name__
+                    raise ConnectionError(f"no worker can be started ({reason})") from None
             else:
                 stack.pop_all()
                 return cluster, client
@@ -91,7 +91,7 @@ def _started(workers: int) -> tuple[Any, Any]:
 
 @contextlib.contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Threads and processes begun inside don't see Ctrl-C: it is this process's to end them."""
+    """Threads and processes started inside don't see Ctrl-C: it is this process's to end them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -149,7 +149,7 @@ def remote(address: str) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Dask's own log off the screen: a killed worker is told by what follows."""
+    """Keep Dask's own log off the screen: what follows reports a killed worker."""
     before = {name: logging.getLogger(name).level for name in _LOGS}
     for name in _LOGS:
         logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -165,14 +165,14 @@ def _surroundings() -> dict[str, str]:
     import jax
 
     config: Any = jax.config
-    told = dict(_ONE_THREAD)
+    environment = dict(_ONE_THREAD)
     if config.jax_platforms:
-        told["JAX_PLATFORMS"] = str(config.jax_platforms)
+        environment["JAX_PLATFORMS"] = str(config.jax_platforms)
     if config.jax_compilation_cache_dir:
-        told["JAX_COMPILATION_CACHE_DIR"] = str(config.jax_compilation_cache_dir)
+        environment["JAX_COMPILATION_CACHE_DIR"] = str(config.jax_compilation_cache_dir)
         least = config.jax_persistent_cache_min_compile_time_secs
-        told["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = str(least)
-    return told
+        environment["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = str(least)
+    return environment
 
 
 def cores() -> int:

@@ -130,7 +130,7 @@ class Designs:
     angle: Float[np.ndarray, "design unit"]
 
     def __post_init__(self):
-        """Refuse drawings whose fluid isn't told by strain alone, or whose law is of one size."""
+        """Refuse drawings whose fluid depends on more than strain, or whose law is of one size."""
         check_volume_by_strain(self.drawings.values())
         for muscle in self.drawings.values():
             if muscle.tension.made_for:

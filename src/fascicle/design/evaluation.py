@@ -1,6 +1,6 @@
 r"""Objectives of designs: one evaluator, for whatever designs and arrays.
 
-Designs whose units have one muscle, and others whose states can be told by the largest force of
+Designs whose units have one muscle, and others whose states depend on the largest force of
 each unit alone, are evaluated together, on a table of all the muscles they are made of. Designs of
 several muscles whose curves are needed, or whose units share a throttled pressure, and all where a
 scheme leaves gaps between states, are evaluated one by one on tables of every level: so can a

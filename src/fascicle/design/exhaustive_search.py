@@ -126,7 +126,7 @@ class SearchResult:
 
     @property
     def reported(self) -> Int[np.ndarray, " listed"]:
-        """Places of the designs that are told: the front's, then the cheapest if it isn't
+        """Indices of the reported designs: the front's, then the cheapest if it isn't
         there.
         """
         if self.cheapest is None or self.cheapest in self.front:
@@ -135,7 +135,7 @@ class SearchResult:
 
     @cached_property
     def designs(self) -> Designs:
-        """The designs that are told."""
+        """The reported designs."""
         return self.all_designs(self.reported)
 
     @property
@@ -145,7 +145,7 @@ class SearchResult:
 
     @property
     def recommended(self) -> int | None:
-        """Which of the designs that are told is recommended; `None` if there is none."""
+        """Index of the recommended design among the reported ones; `None` if there is none."""
         if self.cheapest is None:
             return None
         return int(np.flatnonzero(self.reported == self.cheapest)[0])
@@ -209,7 +209,7 @@ def search(
     - `limits`: on objectives, by name [SI]; `not_reached` is the share of the task that may be
       missed, by weight and by points. Left out, all of it must be reached.
     - `extra`: objectives to record that don't make the front.
-    - `progress`: told how many designs are done, and of how many [-].
+    - `progress`: called with how many designs are done, and of how many [-].
     - `catalog`: products and prices [-]; left out, none is known.
     - `least_margin`: relative margin [-] below which the recommended one is warned of.
 

@@ -231,7 +231,7 @@ def evolve(
     - `seed`: of chance.
     - `continuous`: whether sizes may lie between those listed.
     - `checkpoint`: a file that is kept after each generation, and gone on from [-].
-    - `watch`: told how many generations are done [-].
+    - `watch`: called with how many generations are done [-].
     - `extra`: objectives to record that don't make the front.
     - `catalog`: products and prices [-]; left out, none is known.
     - `least_margin`: relative margin [-] below which the recommended one is warned of.
@@ -244,7 +244,10 @@ def evolve(
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
     senses = dict(senses)
-    names, told = recorded_objectives(senses, limits), recorded_objectives(senses, limits, extra)
+    names, reported = (
+        recorded_objectives(senses, limits),
+        recorded_objectives(senses, limits, extra),
+    )
     check_search(senses, limits)
     coding = Coding(space, continuous)
     # the digest is that of the numbers, `search` of how they are looked for
@@ -273,8 +276,8 @@ def evolve(
         if watch is not None and not resumed:
             watch(state.generation)
     designs = coding.designs(state.genomes)
-    # what is told in the end is told by the same means as an exhaustive search tells it
-    values = evaluate(designs, task, told)
+    # the end result has the resolution of an exhaustive search
+    values = evaluate(designs, task, reported)
     return conclude(
         space, task, senses, limits, np.full(len(designs), -1), values, extra, catalog, designs,
         state.judged, least_margin,

@@ -57,7 +57,7 @@ def objective(
     - `needs`: beyond the task's points: "size" or "curves".
 
     **Returns:** the decorator, which gives the function back; the first sentence of its
-    docstring, up to a unit in brackets, is how it is told.
+    docstring, up to a unit in brackets, describes it in reports.
 
     **Raises:** `ValueError` for a name that is taken, no docstring, an unknown sense or need.
     """
@@ -246,7 +246,7 @@ def objective_values(outcome: Outcome, names: Iterable[str]) -> Numbers:
 
 
 def _reference(outcome: Outcome) -> Numbers:
-    """What a share of a point's force is told of [N]."""
+    """Force that a share of a point's force refers to [N]."""
     F = outcome.force
     return where(F > 0, F, F.max())
 

@@ -82,11 +82,11 @@ def refine_sizes(
     one = one.take(np.array([0]), int(one.units[0]))
     counts, sizes = one.counts[0], one.sizes(0)
     low, high, first = _box(sizes, bounds)
-    begun = float(evaluate(one, task, [name])[name][0]) or 1.0
+    initial = float(evaluate(one, task, [name])[name][0]) or 1.0
     rng = np.random.default_rng(seed)
     others = rng.uniform(-2.0, 2.0, (starts - 1, first.size))
     z = jnp.asarray(np.concatenate([first[None], others]))
-    sign = (1.0 if sense == "min" else -1.0) / abs(begun)
+    sign = (1.0 if sense == "min" else -1.0) / abs(initial)
     adam: Any = optax.adam(_RATE)
     state, weight = jax.vmap(adam.init)(z), np.full(starts, penalty)
     # the best that reaches the task, and the nearest to it

@@ -67,7 +67,7 @@ def remedies(
     - `index`: which of them.
     - `task`: what is demanded.
     - `may_miss`: share of it that may be missed [-].
-    - `limits`: on objectives, by name [SI]: which of them the changed design breaks is told.
+    - `limits`: on objectives, by name [SI]: the result names those that the changed design breaks.
     - `product`: what its muscles are sold as, if they are: their radius can't be changed then.
 
     **Returns:** the changes, each by itself.

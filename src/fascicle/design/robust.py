@@ -248,8 +248,8 @@ def sensitivities(
             zeros = np.zeros(len(ranges))
             found[name] = dict.fromkeys(("S1", "S1_conf", "ST", "ST_conf"), zeros)
             continue
-        told: Any = analyze.analyze(problem, row, calc_second_order=False, seed=seed)
-        found[name] = {key: np.asarray(told[key]) for key in ("S1", "S1_conf", "ST", "ST_conf")}
+        indices: Any = analyze.analyze(problem, row, calc_second_order=False, seed=seed)
+        found[name] = {key: np.asarray(indices[key]) for key in ("S1", "S1_conf", "ST", "ST_conf")}
     return found
 
 

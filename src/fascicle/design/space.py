@@ -334,7 +334,7 @@ class Space:
 
 
 def _within(values: Floats, low: float, high: float, name: str, unit: str) -> Any:
-    """`values` [SI] in the interval, an angle that isn't told in degrees."""
+    """`values` [SI] in the interval, an angle's error in degrees."""
     try:
         return check_interval(values, low, high, name, unit)
     except InvalidInputError as error:

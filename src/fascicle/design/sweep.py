@@ -98,13 +98,13 @@ class Study:
     @cached_property
     def digest(self) -> str:
         """What tells this study from any other whose numbers could differ [-]."""
-        told = hashlib.sha256()
-        told.update(json.dumps([version("fascicle"), self.names, self.block]).encode())
+        sha = hashlib.sha256()
+        sha.update(json.dumps([version("fascicle"), self.names, self.block]).encode())
         for part in (self.task, self.space):
             for field in fields(part):
-                told.update(field.name.encode())
-                _feed(told, getattr(part, field.name))
-        return told.hexdigest()
+                sha.update(field.name.encode())
+                _feed(sha, getattr(part, field.name))
+        return sha.hexdigest()
 
     def index(self, block: int) -> np.ndarray:
         """Indices of a block's designs; `block` counts from 0 [-]."""
@@ -118,27 +118,27 @@ class Study:
 
 def bits(values: Values) -> str:
     """A digest of objectives' `values` [SI]: the same if, and only if, all bits are."""
-    told = hashlib.sha256()
+    sha = hashlib.sha256()
     for name, one in values.items():
-        told.update(name.encode())
-        told.update(np.ascontiguousarray(one, dtype="<f8").tobytes())
-    return told.hexdigest()
+        sha.update(name.encode())
+        sha.update(np.ascontiguousarray(one, dtype="<f8").tobytes())
+    return sha.hexdigest()
 
 
-def _feed(told: Any, value: Any) -> None:
+def _feed(sha: Any, value: Any) -> None:
     """Muscles by their laws and numbers, arrays by their bits, all else by its text."""
     if isinstance(value, np.ndarray):
-        told.update(np.ascontiguousarray(value).tobytes())
+        sha.update(np.ascontiguousarray(value).tobytes())
         return
     if isinstance(value, dict):
         for name, one in value.items():
-            told.update(str(name).encode())
+            sha.update(str(name).encode())
             leaves, structure = jax.tree.flatten(one)
-            told.update(str(structure).encode())
+            sha.update(str(structure).encode())
             for leaf in leaves:
-                told.update(np.asarray(leaf, float).tobytes())
+                sha.update(np.asarray(leaf, float).tobytes())
         return
-    told.update(repr(value).encode())
+    sha.update(repr(value).encode())
 
 
 DATA, MANIFEST, JOURNAL = "designs.zarr", "manifest.json", "finished.jsonl"
@@ -350,8 +350,12 @@ def _read_about(folder: Path) -> dict[str, Any]:
     manifest = _read(folder / MANIFEST)
     if isinstance(manifest.get("study"), str):
         return manifest
-    told = _read(folder / DATA / _META).get("attributes")
-    return told if isinstance(told, dict) and isinstance(told.get("study"), str) else {}
+    attributes = _read(folder / DATA / _META).get("attributes")
+    return (
+        attributes
+        if isinstance(attributes, dict) and isinstance(attributes.get("study"), str)
+        else {}
+    )
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -433,7 +437,7 @@ def sweep(
     - `folder`: where results are kept.
     - `client`: Dask's, of any deployment; left out, this process does all.
     - `resume`: whether results are there to go on from.
-    - `watch`: told about progress.
+    - `watch`: called with the progress.
     - `alone`: how long without any worker until it is given up [s].
 
     **Returns:** the store, complete.
@@ -444,7 +448,7 @@ def sweep(
     store = Store.begin(folder, study, resume)
     finished = store.finished() if resume else set()
     left = [block for block in range(study.blocks) if block not in finished]
-    begun, designs, done = time.perf_counter(), 0, len(finished)
+    start, designs, done = time.perf_counter(), 0, len(finished)
     if watch is not None:
         watch(Progress(done, study.blocks, 0, 0.0, None))
     if client is None:
@@ -455,7 +459,7 @@ def sweep(
         store.finish(one.block, one.digest)
         designs, done = designs + len(study.index(one.block)), done + 1
         if watch is not None:
-            seconds = time.perf_counter() - begun
+            seconds = time.perf_counter() - start
             watch(Progress(done, study.blocks, designs, seconds, one))
     store.tidy()
     return store
@@ -475,12 +479,12 @@ def run_block(study: Study, folder: str, block: int) -> BlockResult:
     if study.digest not in _KNOWN:
         _KNOWN.clear()
     study = _KNOWN.setdefault(study.digest, study)  # whose tables are made already
-    begun = time.perf_counter()
+    start = time.perf_counter()
     values = study.values(block)
     computed = time.perf_counter()
     digest = Store(Path(folder), study).write(block, values)
     written = time.perf_counter()
-    return BlockResult(block, digest, computed - begun, written - computed, _memory(), os.getpid())
+    return BlockResult(block, digest, computed - start, written - computed, _memory(), os.getpid())
 
 
 def _memory() -> int:

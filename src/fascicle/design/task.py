@@ -81,7 +81,7 @@ class Task:
         - `name`: what it is.
         - `source`: where the figures come from.
         - `stroke`: how much shorter the bundle is then [m], instead of `strain`.
-        - `fluid`: "air" or "liquid", of which its consumption is told.
+        - `fluid`: "air" or "liquid", whose consumption is computed.
 
         **Returns:** the task.
 
@@ -176,7 +176,7 @@ class Task:
 
     @property
     def reference(self) -> Points:
-        """What a shortfall is told as a share of [N]: the demanded force; the task's largest, where
+        """Force that a shortfall is a share of [N]: the demanded force; the task's largest, where
         none is.
         """
         return np.where(self.force > 0, self.force, self.force.max())

@@ -97,6 +97,7 @@ def test_more_points_than_one_call_takes(designs):
 
 def test_a_tuning_is_warned_of_once_and_not_while_trying(muscle):
     import fascicle as fs
+    from fascicle.design.objectives import with_reach_limits
     from fascicle.design.remedies import remedies
 
     tuned = fs.Muscle(
