@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import fascicle as fs
-from fascicle.export import c_source
+from fascicle.export import c_code
 from fascicle.muscle.buckling.oval_column import (
     Oval,
     interpolate_spline,
@@ -233,7 +233,7 @@ def test_force_and_energy_agree():
 
 def test_where_it_cannot_go():
     with pytest.raises(ValueError, match="can't be written in C"):
-        c_source(FIGURE_6)
+        c_code(FIGURE_6)
 
 
 def test_shape_ends_where_the_ends_are():

@@ -15,7 +15,7 @@ from fascicle.muscle.tension import ElasticBraid, Kothera2009, Meller2014, Tondu
 
 
 ca = pytest.importorskip("casadi", reason="C is written by CasADi, which isn't here")
-from fascicle.export import c_source, write_c  # noqa: E402 needs what was just looked for
+from fascicle.export import c_code, write_c  # noqa: E402 needs what was just looked for
 
 
 COMPILER = shutil.which("gcc")
@@ -164,7 +164,7 @@ def test_a_bundle_in_c_gives_the_librarys_numbers(plates, tmp_path):
 
 def test_what_has_no_c_is_refused():
     with pytest.raises(ValueError, match="`name` must be a name in C"):
-        c_source(muscle(), "2 muscles")
+        c_code(muscle(), "2 muscles")
     rows = fs.Muscle.from_dimensions(np.array([0.1, 0.2]), 6.35e-3, 1.6e-3, math.radians(33))
     with pytest.raises(ValueError, match="must hold numbers, one for each size"):
-        c_source(rows)
+        c_code(rows)

@@ -8,7 +8,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import control, dynamics, fluid
-from fascicle.export import c_table, on_table, write_table
+from fascicle.export import on_table, table_code, write_table
 
 
 SUPPLY = 413.7e3
@@ -118,6 +118,6 @@ def test_what_c_does_not_do_is_refused():
         (control.cascade(made, "orderly", delay=2e-3), "has a delay"),
     ):
         with pytest.raises(ValueError, match=f"can't be written as C.*{words}"):
-            c_table(controller)
+            table_code(controller)
     with pytest.raises(ValueError, match="`precision` must be double of a controller"):
-        c_table(control.cascade(made, "orderly"), precision="float")
+        table_code(control.cascade(made, "orderly"), precision="float")

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.export import c_source
+from fascicle.export import c_code
 from fascicle.muscle import LAWS
 
 
@@ -35,10 +35,10 @@ TOLD = rows()
 def test_c_is_written_where_the_table_says_so(kind, name):
     muscle = SIX.replace(**{kind: name})
     if TOLD[kind, name][0] == "yes":
-        assert "muscle_force" in c_source(muscle)[1]
+        assert "muscle_force" in c_code(muscle)[1]
         return
     with pytest.raises(ValueError, match=r"can't be written in C.*--table"):
-        c_source(muscle)
+        c_code(muscle)
 
 
 @pytest.mark.parametrize("name", LAWS["buckling"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.export import c_table, write_table
+from fascicle.export import table_code, write_table
 from fascicle.muscle.surface import UnitSurface
 
 
@@ -130,7 +130,7 @@ def test_a_bundles_table_in_c_is_that_of_its_units(plates, built):
 
 def test_single_precision_is_off_by_no_more_than_its_header_says(built):
     made = muscle()
-    header, source = c_table(made, "muscle", highest_pressure=TOP, precision="float")
+    header, source = table_code(made, "muscle", highest_pressure=TOP, precision="float")
     rounding = float(re.search(r"rounding adds up to ([\d.e+-]+) N", header)[1])
     assert "double" not in source
     table = UnitSurface.tabulate(made, TOP, shape=(33, 41))
@@ -151,7 +151,7 @@ def test_single_precision_is_off_by_no_more_than_its_header_says(built):
 
 def test_the_headers_error_is_the_tables():
     made = muscle()
-    header, _ = c_table(made, "muscle", highest_pressure=TOP)
+    header, _ = table_code(made, "muscle", highest_pressure=TOP)
     table = UnitSurface.tabulate(made, TOP, shape=(65, 81))
     rng = np.random.default_rng(7)
     low, high = map(float, table.strains)
@@ -188,4 +188,4 @@ def test_outside_of_the_table_it_says_so(built):
 )
 def test_what_can_not_be_is_refused(how, words):
     with pytest.raises(ValueError, match=words):
-        c_table(muscle(), **how)
+        table_code(muscle(), **how)

@@ -55,7 +55,7 @@ def run(
     if fmu is not None:
         check_file("--fmu", fmu, overwrite, [".fmu"])
     target = _read(file, c is not None)
-    from ...export import c_source, tabulated
+    from ...export import c_code, tabulated
     from ...export.c_files import checked_name
     from ...export.table_code import written
     from ...io.atomic import check_writable
@@ -70,7 +70,7 @@ def run(
                 check_file(flag, path, overwrite)
     if c is not None:
         with status("writing the law as C"), user_errors():
-            texts = c_source(target, name)
+            texts = c_code(target, name)
         _write("--c", paths["--c"], texts, overwrite)
     if table is not None:
         with status("computing the table"), user_errors():
