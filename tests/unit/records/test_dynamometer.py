@@ -2,13 +2,13 @@
 
 import math
 
-import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle import records
+from fascicle.core.module import with_fields
 from fascicle.records.dynamometer import VirtualDynamometer
 
 
@@ -105,7 +105,7 @@ def test_new_rubber_is_stiffer_and_softens_cycle_by_cycle():
         stiff = fs.MooneyRivlin(
             factor * rubber.c10, factor * rubber.c01, factor * rubber.youngs_modulus
         )
-        expected = eqx.tree_at(lambda m: m.material, muscle, stiff).force(pressure, strain)
+        expected = with_fields(muscle, material=stiff).force(pressure, strain)
         assert_allclose(row, expected, rtol=1e-10, atol=1e-10)
     worn = measured(mullins=0.4, preconditioning=200)
     assert_allclose(worn.force, measured().force, rtol=1e-12, atol=1e-12)
@@ -173,7 +173,7 @@ def test_refuses_settings_that_can_not_be(settings, message):
 
 
 def test_refuses_a_batch_and_many_tests_of_unlike_muscles():
-    batch = eqx.tree_at(lambda m: m.length, muscle, np.array([0.1, 0.2]))
+    batch = with_fields(muscle, length=np.array([0.1, 0.2]))
     with pytest.raises(ValueError, match="must be a single muscle"):
         VirtualDynamometer().record(batch)
     with pytest.raises(ValueError, match="`length_scatter` and `angle_scatter` must be 0"):

@@ -1,11 +1,11 @@
 """Pairs of unlike muscles against the bundle that they are."""
 
-import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
+from fascicle.core.module import with_fields
 from fascicle.records.dynamometer import Pairs, Scatter, agreements, fabricated_pairs
 
 
@@ -32,9 +32,7 @@ def test_a_pair_starts_where_it_neither_pulls_nor_pushes(found):
     made = SCATTER.draw(muscle, np.random.default_rng(4), (3, 2))
     for row, lengths, angles in zip(found.free_strain, made.length, made.braid_angle, strict=True):
         units = [
-            fs.MotorUnit(
-                eqx.tree_at(lambda m: (m.length, m.braid_angle), muscle, (lengths[i], angles[i]))
-            )
+            fs.MotorUnit(with_fields(muscle, length=lengths[i], braid_angle=angles[i]))
             for i in range(2)
         ]
         # from a distance of its own: only the pair's own rest counts
