@@ -57,7 +57,7 @@ def run(
     target = _read(file, c is not None)
     from ...export import c_code, tabulated
     from ...export.c_files import checked_name
-    from ...export.table_code import written
+    from ...export.c_table import written
     from ...io.atomic import check_writable
 
     with user_errors():
