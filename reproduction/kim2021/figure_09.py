@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fascicle.bundle.space import Overlap, Space, overlap, space
+from fascicle.bundle.workspace import Overlap, Space, overlap, space
 from fascicle.plot.workspace import workspaces
 from fascicle.results.labelled import Variable
 

@@ -137,13 +137,13 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
     assert "48 readings read, none left out" in out
     # one table, not a block for each column
     assert out.count("Tried on readings that pull") == 1 and " taken" in out
-    assert "Taken: " in out and "The paper's tuning (" in out
-    assert "Residuals follow strain" in out and "Intervals count a discrepancy" in out
+    assert "Selected: " in out and "The paper's tuning (" in out
+    assert "Residuals follow strain" in out and "Intervals include a discrepancy" in out
     page = (tmp_path / "calibrated-d/report.html").read_text(encoding="utf-8")
     for told in ("What was tried", "Are residuals noise?", "48 readings read", "Residuals follow"):
         assert told in page
     kept = provenance(tmp_path / "calibrated-d/muscle.toml")
-    assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Taken: ")
+    assert kept["readings"]["read"] == 48 and kept["reasons"][0].startswith("Selected: ")
     assert sum(one["taken"] for one in kept["candidate"]) == 1
     assert not kept["residuals"][0]["noise"] and max(kept["wider"]) > 1.1
 

@@ -178,7 +178,7 @@ def test_a_share_that_may_be_missed(fascicle, written):
     """One of three load cases, though it counts next to nothing."""
     for share, code in (("30 %", 3), ("34 %", 0)):
         written.write_text(PEAK.replace("3 }", f'3 }}\nnot_reached = {{ at_most = "{share}" }}'))
-        done, out, err = fascicle("design", "task.toml")
+        done, out, err = fascicle("design", "task.toml", "--overwrite")
         assert (done, err) == (code, "")
         assert f"miss no more than {share} of the load cases, by number and by weight" in out
         assert "MISSED" in out and "2 of 3 reached" in out
@@ -198,7 +198,7 @@ def test_one_design_reaches_the_task(fascicle, written):
     assert "stroke: 24 mm of 127 mm at rest" in out
     # two millimeters more, and it takes longer muscles
     written.write_text(text.replace("at_most = 3", "at_most = 1").replace("24 mm", "28 mm"))
-    code, out, _ = fascicle("design", "task.toml")
+    code, out, _ = fascicle("design", "task.toml", "--overwrite")
     assert code == 3 and re.search(r"\nlength: \d+(\.\d+)? mm instead of 127 mm", out)
 
 

@@ -24,7 +24,7 @@ from fascicle.muscle.muscle import Response
 # SI only: a [kPa] is not found, and so fails; [SI]: of values by name, each in its own
 UNITS = {
     "-", "1/Pa", "1/s", "J", "J/(kg·K)", "J/kg", "J/m³", "K", "N", "N/m", "N/s", "N·m", "N·m²",
-    "N·s", "Pa", "Pa·s", "Pa·s/kg", "Pa·s²/kg²", "SI", "W", "W/K", "kg", "kg/(s·Pa)", "kg/m³",
+    "N·s", "N²", "Pa", "Pa·s", "Pa·s/kg", "Pa·s²/kg²", "SI", "W", "W/K", "kg", "kg/(s·Pa)", "kg/m³",
     "kg/s", "m", "m²", "m³", "m³/(s·Pa)", "m³/Pa", "m³/s", "m⁴", "m/N", "m/s", "rad", "s",
 }  # fmt: skip
 UNIT = re.compile(r"\[(" + "|".join(re.escape(unit) for unit in sorted(UNITS)) + r")\]")

@@ -28,7 +28,7 @@ def drawn(seed):
 
 
 @pytest.mark.oracle
-@pytest.mark.filterwarnings("ignore:`elastic_braid` holds up to")
+@pytest.mark.filterwarnings("ignore:`elastic_braid` is valid up to")
 @pytest.mark.parametrize("seed", range(40))
 def test_the_least_energy_gives_stretch_radius_and_force(seed):
     muscle, tube, P, eps = drawn(seed)

@@ -105,7 +105,7 @@ def test_it_is_named_in_files(tmp_path):
 
 
 def test_stubby_muscles_are_warned_of_once(monkeypatch):
-    monkeypatch.setattr("fascicle.core.validation._said_to_be_stubby", [])
+    monkeypatch.setattr("fascicle.core.validation._SHOWN", set())
     with pytest.warns(UserWarning, match="beam theory does not apply"):
         SIX.replace(length=6 * 6.35e-3)
     with warnings.catch_warnings():

@@ -38,7 +38,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from .calibration import Bootstrap, Calibration, Profile, value_of
 from .data import Grid
-from .least_squares import KNOWN, NORMAL, solve, solve_with_noise
+from .least_squares import KNOWN, NORMAL, ROUGH, solve, solve_with_noise
 from .parameters import WEAK
 from .tuning import refit_tuning
 
@@ -108,7 +108,8 @@ def _profile(
     others = np.delete(np.arange(z.size), index)
     # along the fit's own correlations: the others begin where a linear problem has them
     away = steps[:, None] * C[index] / np.sqrt(C[index, index])
-    ends = solve(problem, z + away, others)
+    # a rise is asked to a thousandth, of a cost of some hundreds
+    ends = solve(problem, z + away, others, tolerance=ROUGH)
     least = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
     # the likelihood's rise: what the parameter's own prior adds is none of the data's
     own = np.append(ends.points[:, index], z[index]) - problem.center[index]

@@ -163,7 +163,7 @@ class MaxwellSlip(AbstractHysteresis):
 
         **Arguments:**
 
-        - `there`: way from the turn where contraction begins [m].
+        - `forward`: way from the turn where contraction begins [m].
         - `back`: way from the turn where it ends [m]; together they are the stroke.
         - `pressure`: $P$ [Pa], held.
 

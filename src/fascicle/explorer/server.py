@@ -89,6 +89,8 @@ async def _serve(
     if show:
         server.show("/")
     await stop.wait()
+    # connections of open pages end with the loop, which is no error
+    logging.getLogger("tornado.application").setLevel(logging.CRITICAL)
     server.stop()
 
 

@@ -139,6 +139,10 @@ def calibration_text(calibration: Mapping[str, Any]) -> str:
     import tomlkit  # loading takes as long as a whole file
 
     table = {key: _plain_entry(value, key) for key, value in calibration.items()}
+    if "intervals_of" in table:  # one line, so that the muscle's file stays short
+        intervals = tomlkit.inline_table()
+        intervals.update(table["intervals_of"])
+        table["intervals_of"] = intervals
     return tomlkit.dumps({_CALIBRATION: table})
 
 

@@ -67,7 +67,7 @@ def test_soft_braids_swell_and_lose_force_as_much_as_was_measured():
     assert free < STIFF.free_strain(4e5)
 
 
-@pytest.mark.filterwarnings("ignore:`elastic_braid` holds up to")
+@pytest.mark.filterwarnings("ignore:`elastic_braid` is valid up to")
 def test_held_fibers_leave_no_jump_and_no_slope_that_is_not_finite():
     muscle = elastic(2e7)
     top = float(muscle.tension.highest_pressure(muscle.bladder))
