@@ -125,30 +125,7 @@ _WENT = {"describe": "files"} | {
     }.items()
 }
 
-_found, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": ""}, _WENT)
-
-
-# names of the last release, and what they are called now
+# names of the last release
 _RENAMED = {"Refused": "InvalidInputError"}
 
-
-def __getattr__(name: str) -> object:
-    if name == "__version__":
-        return _version()
-    if name in _RENAMED:
-        import warnings
-
-        message = f"`fascicle.{name}` is now `fascicle.{_RENAMED[name]}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return _found(_RENAMED[name])
-    return _found(name)
-
-
-def _version() -> str:
-    """What was installed, which pyproject.toml says and nothing else does."""
-    from importlib import metadata  # a tenth of what the command line's help takes
-
-    try:
-        return metadata.version(__name__)
-    except metadata.PackageNotFoundError:  # run from a folder that was never installed
-        return "0+unknown"
+__getattr__, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": "version"}, _WENT, _RENAMED)

@@ -3,7 +3,7 @@
 Names are looked up when they are asked for, so that the command line's help loads little.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..core.lazy import attach_lazy
 
@@ -74,14 +74,4 @@ _WENT = {
     "profiling": "calibrate.intervals",
 }
 
-_get, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
-
-
-def __getattr__(name: str) -> Any:
-    if name in _RENAMED:
-        import warnings
-
-        new = _RENAMED[name]
-        warnings.warn(f"`{name}` is now `{new}`.", DeprecationWarning, stacklevel=2)
-        name = new
-    return _get(name)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _WENT, _RENAMED)

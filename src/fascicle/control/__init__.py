@@ -2,7 +2,7 @@
 controllers.
 """
 
-from ..core.lazy import deprecated_names
+from ..core.lazy import attach_lazy
 from .branches import Branches as Branches
 from .cascade import Cascade as Cascade
 from .cascade import Gains as Gains
@@ -34,9 +34,10 @@ from .valves import PlantValves as PlantValves
 
 
 # names of the last release
-__getattr__ = deprecated_names(
+__getattr__, __dir__ = attach_lazy(
     __name__,
-    {
+    {},
+    renamed={
         "Choice": "PolicyChoice",
         "Reach": "Reachability",
         "Sines": "FrequencyResponse",

@@ -143,8 +143,8 @@ def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
 
 
 def reachability(controller: Cascade, outputs: PlantOutputs, reference: Numbers) -> Reachability:
-    """Range that the bundles can reach at rest, beside the `reference` [SI] of the
-    `controller` [-] at each step of a run that was `outputs` [SI]: a `Reachability` [SI].
+    """Range that the bundles of a `controller` can reach at rest, beside the `reference` [SI], at
+    each step of a run with these `outputs` [SI].
     """
     plant, supply = controller.plant, np.asarray(outputs.supply_pressure)[:-1]
     position, target = np.asarray(outputs.position)[:-1], np.asarray(reference, float)

@@ -72,9 +72,7 @@ class SequentialPolicy(Module):
     def __call__(
         self, memory: SequentialState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[SequentialState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
-        can do `capability` [-].
-        """
+        """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
         indices = xp.arange(units.many)
         top = minimum(demand.supply, units.branches.top)

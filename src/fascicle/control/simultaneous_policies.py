@@ -41,9 +41,7 @@ class Batched(Module):
     def __call__(
         self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[PolicyState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
-        can do `capability` [-].
-        """
+        """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp, n = array_namespace(demand.strains, demand.force), units.counts
         indices = np.arange(units.many)
         top = minimum(demand.supply, units.branches.top)
@@ -80,9 +78,7 @@ class EnergyAware(Module):
     def __call__(
         self, memory: PolicyState, units: Units, demand: UnitDemand, capability: UnitCapability
     ) -> tuple[PolicyState, Numbers]:
-        """Next memory [-] and pressures [Pa] of `units` [-] for what is `demand` [-], of what they
-        can do `capability` [-].
-        """
+        """Next memory, and pressures [Pa] of `units` for a `demand`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
         top = minimum(demand.supply, units.branches.top)
         sets = np.array([[m >> i & 1 for i in range(units.many)] for m in range(1, 2**units.many)])

@@ -159,10 +159,11 @@ def share_demand(
     high: Numbers,
     felt: Numbers | None = None,
 ) -> tuple[Numbers, Whole]:
-    """Pressures of `units` [-] that are filled in turn between a `low` and a `high` pressure [Pa]
-    of each, so that together they pull as is `demand` [-]; and each one's status [-]. Where they
-    aren't there yet, what is `felt` of those that are throttled last is given instead of `low`
-    [Pa].
+    """Pressures [Pa] of `units` that are filled one after the other, and the status of each.
+
+    Each unit is filled from a `low` to a `high` pressure [Pa] until together they meet the
+    `demand`. `felt`: pressures [Pa] at which throttled units pull now, as long as they have not
+    reached `low`.
     """
     xp, n = array_namespace(demand.strains), units.counts
     at_low = n * units.branches.force(low if felt is None else felt, demand.strains)
@@ -180,8 +181,8 @@ def hand_over_times(
     capability: UnitCapability, before: Numbers, unit: Numbers
 ) -> tuple[Batch, Batch]:
     """How long [s] a hand-over to a `unit` [-] from the one `before` it [-], both as ones among
-    zeros, several in rows, takes to where the dip is deepest, and to its end, from what units can
-    do `capability` [SI].
+    zeros, several in rows, takes to where the dip is deepest, and to its end, by the units'
+    `capability` [SI].
 
     Where it is deepest the unit before must have come as near to the supply's pressure as it ever
     will: its valve, whose flow vanishes there, has until then, and no longer.

@@ -12,12 +12,15 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any, cast
 
 
 def attach_lazy(
-    package: str, homes: Mapping[str, str], moved: Mapping[str, str] | None = None
+    package: str,
+    homes: Mapping[str, str],
+    moved: Mapping[str, str] | None = None,
+    renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package.
 
@@ -26,9 +29,15 @@ def attach_lazy(
     - `package`: its name.
     - `homes`: its names, and in which of its modules each is; "" for a module.
     - `moved`: modules that it had, and where they are now in fascicle.
+    - `renamed`: present name of each name of the last release, which warns.
 
     **Returns:** the two functions.
+
+    **Raises:** `ValueError` for a name that its own module bears: importing that module would
+    replace the object.
     """
+    if twins := [name for name, home in homes.items() if name == home]:
+        raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
     old = {f"{package}.{name}": f"fascicle.{new}" for name, new in (moved or {}).items()}
     _MOVED.aliases.update(old)
     _BORROWED.aliases.update(
@@ -36,6 +45,10 @@ def attach_lazy(
     )
 
     def get_attribute(name: str) -> Any:
+        if name in renamed:
+            message = f"`{package}.{name}` is now `{package}.{renamed[name]}`."
+            warnings.warn(message, DeprecationWarning, stacklevel=2)
+            return getattr(sys.modules[package], renamed[name])
         if homes.get(name):
             return getattr(_import(f".{homes[name]}", package), name)
         if name in homes or f"{package}.{name}" in old:
@@ -43,27 +56,6 @@ def attach_lazy(
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return get_attribute, lambda: sorted({*vars(sys.modules[package]), *homes})
-
-
-def deprecated_names(package: str, names: Mapping[str, str]) -> Callable[[str], Any]:
-    """`__getattr__` of a package for names of the last release.
-
-    **Arguments:**
-
-    - `package`: name of the package.
-    - `names`: present name of each former one.
-
-    **Returns:** the function, which warns and returns the present object.
-    """
-
-    def attribute(name: str) -> Any:
-        if name not in names:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        message = f"`{package}.{name}` is now `{package}.{names[name]}`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return getattr(sys.modules[package], names[name])
-
-    return attribute
 
 
 def import_late(name: str) -> Any:

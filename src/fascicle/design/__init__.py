@@ -3,9 +3,9 @@
 Names are loaded on first use, so that the command line's help loads no JAX.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..core.lazy import attach_lazy, deprecated_names
+from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
@@ -80,12 +80,7 @@ _WENT = {  # modules of the last release
     "study": "design.sweep",
 }
 
-_FORMER = {"Found": "SearchResult", "refined": "refine_sizes", "summary_of": "summarize"}
+_RENAMED = {"Found": "SearchResult", "refined": "refine_sizes", "summary_of": "summarize"}
 
 __all__ = [*_HOMES]  # noqa: PLE0604 names alone
-_lazy, __dir__ = attach_lazy(__name__, _HOMES, _WENT)
-_former = deprecated_names(__name__, _FORMER)
-
-
-def __getattr__(name: str) -> Any:
-    return _former(name) if name in _FORMER else _lazy(name)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _WENT, _RENAMED)

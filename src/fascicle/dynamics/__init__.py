@@ -11,7 +11,7 @@ package before you compile anything.
 
 # ruff: noqa: E402, I001 the option comes before all that imports JAX
 from ..core.jax_settings import enable_whole_loops
-from ..core.lazy import deprecated_names
+from ..core.lazy import attach_lazy
 
 enable_whole_loops()
 
@@ -44,9 +44,10 @@ from .state import State as State
 
 
 # names of the last release
-__getattr__ = deprecated_names(
+__getattr__, __dir__ = attach_lazy(
     __name__,
-    {
+    {},
+    renamed={
         "Pace": "StepSizeEstimate",
         "Seen": "PlantOutputs",
         "pace": "estimate_substeps",

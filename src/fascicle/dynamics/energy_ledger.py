@@ -46,8 +46,9 @@ STORES = ("fluid", "muscles", "motion", "load", "stop", "friction")
 
 
 def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Numbers:
-    """How fast each number of the `LEDGER` of a `plant` [-] grows [W or kg/s], in a `state` [SI]
-    that is so `evaluation` [SI], but for what is `pressed` into its muscles.
+    """Rates of all entries of the `LEDGER` [W or kg/s], without their `pressure_volume_term`.
+
+    `plant`, its `state` [SI] and the `evaluation` of that state [SI].
     """
     load, P, flows = plant.load, evaluation.fluid.pressures, evaluation.flows
     V, V_dot, P_dot, v = (
@@ -130,8 +131,8 @@ def _fluid_powers(plant: Plant, flows: Flows, heat: Numbers) -> tuple[Numbers, .
 def stored_energies(
     plant: Plant, state: State, anchor: FrictionMemory, evaluation: PlantEvaluation
 ) -> Numbers:
-    """Energies [J] named in `STORES` of a `plant` [-] in a `state` [SI] with friction's `anchor`
-    [SI] that is so `evaluation` [SI].
+    """Energies [J] named in `STORES` of a `plant` in a `state` [SI], with friction's `anchor` [SI]
+    and the `evaluation` of that state [SI].
     """
     q, v, load, P, at = (
         evaluation.position,

@@ -4,6 +4,7 @@ All are modules whose numbers are fields, so that they are differentiated and ba
 elementwise, of NumPy or JAX. Pressures are gauge pressures save where a name says `absolute`.
 """
 
+from ..core.lazy import attach_lazy
 from .accumulator import Accumulator as Accumulator
 from .accumulator import PumpedAccumulator as PumpedAccumulator
 from .chamber import AbstractChamber as AbstractChamber
@@ -36,11 +37,5 @@ from .supply import ConstantSupply as ConstantSupply
 from .supply import Tank as Tank
 
 
-def __getattr__(name: str) -> object:
-    if name == "checked_commands":  # until the release after 0.1
-        import warnings
-
-        message = "`fascicle.fluid.checked_commands` is now `fascicle.fluid.validate_commands`."
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return validate_commands
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+# until the release after 0.1
+__getattr__, __dir__ = attach_lazy(__name__, {}, renamed={"checked_commands": "validate_commands"})

@@ -7,6 +7,7 @@ from types import ModuleType
 import pytest
 
 import fascicle
+from fascicle.core.lazy import attach_lazy
 
 
 # documented in version 0.1.0, and where they are now
@@ -32,7 +33,8 @@ def anew():
         for old in olds:
             sys.modules.pop(old, None)
             parent, _, name = old.rpartition(".")
-            vars(sys.modules.get(parent, fascicle)).pop(name, None)
+            if parent in sys.modules:
+                vars(sys.modules[parent]).pop(name, None)
 
     forget()
     yield
@@ -57,6 +59,33 @@ def test_old_modules_are_attributes_too(anew):
         fascicle.design.genes  # noqa: B018
     with pytest.raises(ModuleNotFoundError):
         importlib.import_module("fascicle.design.genes")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("Refused", "InvalidInputError"),
+        ("calibrate.find", "calibrate.select_model"),
+        ("control.worth", "control.control_metrics"),
+        ("design.refined", "design.refine_sizes"),
+        ("dynamics.rest", "dynamics.equilibrium_state"),
+        ("fluid.checked_commands", "fluid.validate_commands"),
+    ],
+)
+def test_a_renamed_object_warns_at_the_users_line(old, new):
+    package, _, name = f"fascicle.{old}".rpartition(".")
+    module = importlib.import_module(package)
+    with pytest.warns(
+        DeprecationWarning, match=f"`fascicle.{old}` is now `fascicle.{new}`"
+    ) as seen:
+        former = getattr(module, name)
+    assert former is getattr(module, new.rpartition(".")[2])
+    assert seen[0].filename == __file__
+
+
+def test_a_name_in_a_module_of_the_same_name_is_refused():
+    with pytest.raises(ValueError, match="can't be in a module of the same name"):
+        attach_lazy("fascicle.some", {"law": "law"})
 
 
 def test_packages_list_their_names():
