@@ -42,7 +42,7 @@ from fascicle.calibrate.intervals import refit, simulate
 from fascicle.calibrate.least_squares import NORMAL, linearize
 from fascicle.calibrate.readings import SmoothCurves
 from fascicle.muscle.tuning import Tuning
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     BLACK,
     BLUE,
     DOUBLE,

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from point_derivatives import ways
 from timing import Measured, Row, interleaved, options, save, short
 
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     BLACK,
     BLUE,
     DOUBLE,

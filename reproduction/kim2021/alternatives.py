@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from fascicle.muscle import Muscle
 from fascicle.muscle.laws import LAWS
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     BLACK,
     BLUE,
     DOUBLE,

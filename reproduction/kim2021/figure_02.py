@@ -3,7 +3,7 @@
 import numpy as np
 
 from fascicle.plot.shapes import draw_states
-from fascicle.plot.style import in_kilopascals
+from fascicle.plot.theme import in_kilopascals
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fascicle.plot.shapes import dimension
-from fascicle.plot.style import in_kilopascals, styled
+from fascicle.plot.theme import in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.plot.shapes import dimension, guide, label
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     BLACK,
     BLUE,
     DOUBLE,

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fascicle.plot.shapes import dimension, guide, label
-from fascicle.plot.style import BLACK, in_kilopascals, styled
+from fascicle.plot.theme import BLACK, in_kilopascals, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim

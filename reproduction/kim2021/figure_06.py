@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import Components, components_legend, draw_components
-from fascicle.plot.style import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
+from fascicle.plot.theme import DOUBLE, GRAY, in_kilopascals, letter, new_figure, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim, over

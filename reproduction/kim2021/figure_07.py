@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
-from fascicle.plot.style import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
+from fascicle.plot.theme import SINGLE, force_strain_axes, new_figure, pressure_colors, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fascicle.bundle.recruitment import pressures_of
-from fascicle.plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
+from fascicle.plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim

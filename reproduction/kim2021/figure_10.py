@@ -9,7 +9,7 @@ from fascicle.bundle import Bundle
 from fascicle.energetics import EfficiencyMap, constant_cross_section, efficiency_map
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import components_of
-from fascicle.plot.style import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
+from fascicle.plot.theme import BLUE, DOUBLE, GRAY, VERMILION, letter, new_figure, styled
 from fascicle.plot.workspace import draw_efficiency
 from fascicle.results.labelled import Variable
 

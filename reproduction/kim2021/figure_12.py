@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import Components, components_of
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     DOUBLE,
     GRAY,
     force_strain_axes,

@@ -15,7 +15,7 @@ from fascicle.calibrate.calibration import Calibration
 from fascicle.calibrate.fitting import fit
 from fascicle.muscle import Muscle
 from fascicle.plot.curves import Components
-from fascicle.plot.style import (
+from fascicle.plot.theme import (
     BLACK,
     DOUBLE,
     force_strain_axes,

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from fascicle.bundle import Bundle
 from fascicle.bundle.reversal import Reversal, free_strain_curve, reversal
-from fascicle.plot.style import BLACK, CYCLE, SINGLE, new_figure, styled
+from fascicle.plot.theme import BLACK, CYCLE, SINGLE, new_figure, styled
 from fascicle.results.labelled import Variable
 
 from ..claims import Claim, over

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fascicle.muscle import Muscle
 from fascicle.plot.shapes import Outline, dimension, draw_muscle, guide, name_row, outlines, stack
-from fascicle.plot.style import BLACK
+from fascicle.plot.theme import BLACK
 
 from . import setting
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fascicle.plot.style import DOUBLE
+from fascicle.plot.theme import DOUBLE
 from fascicle.reports.page import Picture, data_uri, downloads, render, screen_width
 
 from ..claims import KINDS, Claim, claims_data, remarks, summary

@@ -85,10 +85,9 @@ def test_contrast_is_what_the_standard_says():
 
 def test_every_face_has_the_theme():
     from fascicle.explorer.theme import DARK, LIGHT, page_css
-    from fascicle.plot.style import CYCLE
     from fascicle.reports.page import Page
 
-    assert set(CYCLE) <= set(theme.LIGHT.curves)
+    assert set(theme.CYCLE) <= set(theme.LIGHT.curves)
     assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)
     report = Page("A page").text("made by a test")
     for name, value in theme.variables(theme.LIGHT).items():

@@ -13,7 +13,7 @@ from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
 from ..plot import calibration as plot
-from ..plot.calibration import Profiled
+from ..plot.calibration import ProfilePlot
 from ..records.record import Record
 from ..units import DIMENSIONS
 from .calibration import Calibration, Profile
@@ -51,7 +51,7 @@ def figures(
     return plot.figures(fit_plot(calibration, posterior), read, profiled)
 
 
-def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> plot.Fitted:
+def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> plot.FitPlot:
     """Readings and curves, with the band that holds 90 % of readings, to first order.
 
     **Arguments:** as of `figures`.
@@ -68,7 +68,7 @@ def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> 
     if readings is not None:
         # where nothing could be read the curves' own uncertainty means nothing
         away[~readings.valid & (NO_PRESSURE * P.max() < P)] = np.nan
-    return plot.Fitted(
+    return plot.FitPlot(
         pressure=P,
         strain=strain,
         force=np.where(grid.used, grid.force, np.nan),
@@ -79,11 +79,11 @@ def fit_plot(calibration: Calibration, posterior: "Posterior | None" = None) -> 
         curve_force=force,
         low=force - away,
         high=force + away,
-        follows={trend.along: trend.share for trend in calibration.diagnosis.significant},
+        trends={trend.along: trend.share for trend in calibration.diagnosis.significant},
     )
 
 
-def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.Fitted:
+def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscle") -> plot.FitPlot:
     """Readings with the curves of any muscle, as its laws give them.
 
     **Arguments:**
@@ -98,7 +98,7 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     curve = np.linspace(np.nanmin(strain, axis=1), np.nanmax(strain, axis=1), _POINTS, axis=1)
     errors = force - np.asarray(muscle.force(P, np.where(grid.used, strain, 0.0)))
     residual = np.where(grid.measured, errors, np.nan)
-    return plot.Fitted(
+    return plot.FitPlot(
         pressure=P[:, 0],
         strain=strain,
         force=force,
@@ -151,7 +151,7 @@ def _variance(
     return np.maximum(variance, 0.0)
 
 
-def readings_plot(calibration: Calibration) -> plot.Read:
+def readings_plot(calibration: Calibration) -> plot.ReadingsPlot:
     """Readings at each pressure, and the curves through them.
 
     **Raises:** `InvalidInputError` for a calibration that has none.
@@ -174,7 +174,7 @@ def readings_plot(calibration: Calibration) -> plot.Read:
         away = NORMAL * np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", basis, C, basis), 0))
         return np.stack([basis @ mean - away, basis @ mean, basis @ mean + away])
 
-    return plot.Read(
+    return plot.ReadingsPlot(
         pressure=readings.pressure[good],
         blocked_force=readings.blocked_force[good],
         blocked_force_error=NORMAL * readings.blocked_force_deviation[good],
@@ -186,7 +186,7 @@ def readings_plot(calibration: Calibration) -> plot.Read:
     )
 
 
-def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list[Profiled]:
+def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list[ProfilePlot]:
     """Profiles in the units that they are shown in.
 
     **Arguments:**
@@ -199,7 +199,7 @@ def profiles_plot(calibration: Calibration, profiles: Sequence[Profile]) -> list
         kind = DIMENSIONS[estimate.dimension]
         scale = float(kind.factors[kind.shown])
         out.append(
-            Profiled(
+            ProfilePlot(
                 estimate.name, kind.shown, profile.value / scale, profile.rise,
                 estimate.value / scale, estimate.low / scale, estimate.high / scale,
                 (profile.low / scale, profile.high / scale), estimate.identifiable,

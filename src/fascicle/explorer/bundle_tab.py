@@ -12,7 +12,7 @@ from bokeh.models.glyphs import Line, MultiLine, Patches, Scatter
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_interval
-from ..plot.theme import BLACK, WHITE, Colors, mixed
+from ..plot.theme import BLACK, WHITE, Colors, mix
 from .background import LatestResult
 from .bundle_curves import (
     BundleState,
@@ -384,7 +384,7 @@ class BundleView(Tab):
         }  # fmt: skip
         self._here.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
         pale = 0.35 if self.colors.dark else 0.62  # fibers contrast with it
-        shades = [(mixed(c, WHITE, pale), mixed(c, BLACK, 0.35)) for c in colors]
+        shades = [(mix(c, WHITE, pale), mix(c, BLACK, 0.35)) for c in colors]
         length = float(view.bundle.length)
         extent = max(0.58 * length, 1.1 * reach), 1.05 * reach + 0.12 * length
         self._scene.show(solids, [shades[i] for i in owners], places, extent)

@@ -24,7 +24,7 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
 from ..muscle import Muscle
 from ..plot.calibration import fit as plot_fit
-from ..plot.style import to_bytes
+from ..plot.theme import to_bytes
 from ..plot.workspace import efficiency as draw_efficiency
 from ..plot.workspace import workspace as draw_space
 from ..records.record import Record

@@ -1,8 +1,8 @@
-"""Force over contraction, free strain over pressure: lines, labeled and with units.
+"""Force over contraction and free strain over pressure: curves, labeled and with units.
 
-A force can be taken apart, as in the paper's Fig. 6: mesh, bladder with bending, and their sum.
-Beside them, dashed, the tension law continued past the free strain: what a model without buckling
-would give. Curves of free strain that jump are open there, with the jump dotted.
+A force can be split into components, as in the paper's Fig. 6: mesh, bladder with bending, and
+their sum. Dashed beside them is the tension law continued past the free strain, as a model without
+buckling has it. Curves of free strain that jump are open there, with the jump dotted.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,7 @@ from ..core.types import Float
 from ..core.validation import to_si
 from ..muscle import Muscle
 from ..muscle.tuning import TunedTension
-from .style import (
+from .theme import (
     BLACK,
     BLUE,
     CYCLE,
@@ -31,7 +31,7 @@ from .style import (
     VERMILION,
     force_strain_axes,
     in_kilopascals,
-    letter,
+    letters,
     new_figure,
     pressure_colors,
     styled,
@@ -40,13 +40,14 @@ from .style import (
 
 Line = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]  # [Pa], [-]
 
-_MOST_PANELS = 4  # more are hard to read in one figure
-_MOST_LABELS = 12
-_POINTS = 301  # along a curve
+_MAX_PANELS = 4  # more are hard to read in one figure
+_MAX_LABELS = 12  # more hide the curves
+_POINTS = 301  # along a curve: smooth in print
 _VISIBLE = 1e-4  # of strain: a smaller step is no wider than the line
 _HALVINGS = 40  # of an interval of pressure: to its last bits
-_JUMP = 1e-6  # of strain: what a smooth curve can't rise in what is left of the interval
+_JUMP = 1e-6  # of strain: a smooth curve can't rise as much in the halved interval
 _DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 1.0}
+_DOTTED: dict[str, Any] = {"linestyle": ":", "linewidth": 1.0}
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Components:
 
     @property
     def straight_force(self) -> np.ndarray:
-        """The tension law's force [N], continued past the free strain."""
+        """Force of the tension law [N], continued past the free strain."""
         return self.straight_mesh + self.straight_bladder
 
     def at(self, rows: Sequence[int]) -> "Components":
@@ -80,7 +81,7 @@ class Components:
 
 
 def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
-    """Force and parts [N] of `muscle` at all `pressures` [Pa] and `strains` [-].
+    """Force and components [N] of `muscle` at all `pressures` [Pa] and `strains` [-].
 
     Free and collapse strains join the strains, so that kinks are drawn sharp.
     """
@@ -104,18 +105,16 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
 
 @styled
 def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool = False) -> Figure:
-    """A muscle's force over contraction, a curve for each pressure.
+    """Figure of a muscle's force over contraction, a curve for each pressure.
 
     **Arguments:**
 
-    - `muscle`: the muscle [-].
+    - `muscle`: the muscle.
     - `pressures`: gauge pressures [Pa].
     - `strains`: contractions [-], rising.
-    - `components`: a panel for each pressure with the force's parts [-].
+    - `components`: a panel for each pressure with mesh and bladder force.
 
-    **Returns:** the figure [-].
-
-    **Raises:** `ValueError` for more than four pressures with components.
+    **Raises:** `InvalidInputError` for more than four pressures with components.
     """
     P = np.atleast_1d(np.asarray(to_si(pressures, "pressures", "Pa"), float))
     eps = np.asarray(to_si(strains, "strain", "-"), float)
@@ -126,40 +125,40 @@ def force_strain(muscle: Muscle, pressures: Any, strains: Any, components: bool 
         for row, pressure, color in zip(force, P, pressure_colors(len(force)), strict=True):
             ax.plot(eps, row, color=color, label=in_kilopascals(pressure))
         ax.margins(x=0)
-        # highest pressure on top, as the curves lie
-        handles, labels = ax.get_legend_handles_labels()
-        ax.legend(handles[::-1], labels[::-1])
+        ax.legend(reverse=True)  # highest pressure on top, as the curves lie
         return figure
-    if P.size > _MOST_PANELS:
-        raise InvalidInputError("pressures", f": at most {_MOST_PANELS} with components", P.size)
+    if P.size > _MAX_PANELS:
+        raise InvalidInputError("pressures", f": at most {_MAX_PANELS} with components", P.size)
     columns = min(P.size, 2)
     rows = -(-P.size // columns)
     figure, axes = new_figure(rows, columns, DOUBLE if columns > 1 else SINGLE)
     for spare in axes.flat[P.size :]:
         spare.set_visible(False)
-    parts = components_of(muscle, P, eps)
-    for i, (ax, mark) in enumerate(zip(axes.flat[: P.size], "abcd", strict=False)):
-        draw_components(ax, parts, i)
-        letter(ax, mark, in_kilopascals(P[i]))
+    forces = components_of(muscle, P, eps)
+    for row, ax in enumerate(axes.flat[: P.size]):
+        draw_components(ax, forces, row)
+    letters(axes, map(in_kilopascals, P))
     components_legend(figure, axes.flat[0])
     return figure
 
 
-def draw_components(ax: Axes, parts: Components, row: int) -> None:
-    """Draw the curves at one pressure, a `row` of `parts`."""
-    eps = parts.strain
-    past = eps >= parts.free_strain[row]
+def draw_components(ax: Axes, components: Components, row: int) -> None:
+    """Draw the curves at one pressure, a `row` of `components`."""
+    eps = components.strain
+    past = eps >= components.free_strain[row]
     force_strain_axes(ax)
     for force, color, label in (
-        (parts.straight_mesh, BLUE, r"$F_{mesh}$, straight"),
-        (parts.straight_bladder, VERMILION, r"$F_{bladder}$, straight"),
-        (parts.straight_force, GRAY, r"$F_{mesh} + F_{bladder}$, straight"),
+        (components.straight_mesh, BLUE, r"$F_{mesh}$, straight"),
+        (components.straight_bladder, VERMILION, r"$F_{bladder}$, straight"),
+        (components.straight_force, GRAY, r"$F_{mesh} + F_{bladder}$, straight"),
     ):
         ax.plot(eps[past], force[row][past], color=color, label=label, **_DASHED)
-    wall = r"$F_{bladder}$ with bending $F'_b$"
-    ax.plot(eps, parts.mesh[row], color=BLUE, label=r"$F'_{mesh}$, along the bent arc")
-    ax.plot(eps, parts.wall[row], color=VERMILION, label=wall)
-    ax.plot(eps, parts.force[row], color=BLACK, linewidth=1.8, label=r"$F_{total}$")
+    for force, color, width, label in (
+        (components.mesh, BLUE, None, r"$F'_{mesh}$, along the bent arc"),
+        (components.wall, VERMILION, None, r"$F_{bladder}$ with bending $F'_b$"),
+        (components.force, BLACK, 1.8, r"$F_{total}$"),
+    ):
+        ax.plot(eps, force[row], color=color, linewidth=width, label=label)
     ax.set_xlim(eps[0], eps[-1])
 
 
@@ -173,16 +172,14 @@ def components_legend(figure: Figure, ax: Axes) -> None:
 def bundle_force_strain(
     bundle: Bundle, pressures: Any, strains: Any, resistance: bool = True
 ) -> Figure:
-    """A bundle's force over contraction: of one state with each unit's share, or of several states.
+    """Figure of a bundle's force over contraction: one state with its units, or several states.
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `pressures`: gauge pressures, one for each motor unit, or a row of them for each state [Pa].
     - `strains`: contractions [-], rising.
-    - `resistance`: whether units past their own free strain push back [-].
-
-    **Returns:** the figure [-].
+    - `resistance`: resisting force of units past their own free strain.
     """
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)
@@ -190,18 +187,18 @@ def bundle_force_strain(
     ax = axes[0, 0]
     force_strain_axes(ax)
     if P.ndim == 1:
-        each = np.asarray(bundle.unit_forces(P, eps, resistance))
+        forces = np.asarray(bundle.unit_forces(P, eps, resistance))
         for i, unit in enumerate(bundle.motor_units):
             label = f"unit {i + 1}: {int(unit.count)} × {in_kilopascals(P[i])}"
-            ax.plot(eps, each[:, i], color=CYCLE[i % len(CYCLE)], label=label, linewidth=1.0)
-        ax.plot(eps, each.sum(axis=-1), color=BLACK, label="bundle", linewidth=1.6)
+            ax.plot(eps, forces[:, i], color=CYCLE[i % len(CYCLE)], label=label, linewidth=1.0)
+        ax.plot(eps, forces.sum(axis=-1), color=BLACK, label="bundle", linewidth=1.6)
     else:
-        force = np.asarray(bundle.force(P[:, None, :], eps, resistance))
-        for i, (state, row) in enumerate(zip(P, force, strict=True)):
+        forces = np.asarray(bundle.force(P[:, None, :], eps, resistance))
+        for i, (state, row) in enumerate(zip(P, forces, strict=True)):
             label = ", ".join(f"{pressure / 1e3:.4g}" for pressure in state) + " kPa"
             ax.plot(eps, row, color=CYCLE[i % len(CYCLE)], label=label)
     ax.margins(x=0)
-    if len(P) <= _MOST_LABELS:
+    if len(P) <= _MAX_LABELS:
         ax.legend()
     return figure
 
@@ -213,17 +210,15 @@ def free_strain(
     pressure_of: str = "P",
     turns: Mapping[str, Reversal] | None = None,
 ) -> Figure:
-    """Free strain over pressure, a line for each entry of `strains`.
+    """Figure of free strain over pressure, a curve for each entry of `strains`.
 
     **Arguments:**
 
     - `pressures`: gauge pressures [Pa].
     - `strains`: free strains by label [-].
-    - `pressure_of`: the pressure's symbol [-].
-    - `turns`: reversal points of lines, by label [-]; a line that jumps there is open, with a
+    - `pressure_of`: the pressure's symbol.
+    - `turns`: reversal points of curves, by label; a curve that jumps there is open, with a
       dotted jump.
-
-    **Returns:** the figure [-].
     """
     figure, axes = new_figure(width=SINGLE)
     ax, P = axes[0, 0], np.asarray(pressures, float)
@@ -232,7 +227,7 @@ def free_strain(
         (line,) = (line for line in ax.get_lines() if line.get_label() == label)
         curve, jump = split_at_reversal(P, np.asarray(strains[label], float), turn)
         line.set_data(curve[0] / 1e3, curve[1])
-        _draw_jump(ax, jump, line.get_color())
+        ax.plot(jump[0] / 1e3, jump[1], color=line.get_color(), **_DOTTED)
     if len(strains) > 1:
         ax.legend()
     return figure
@@ -244,8 +239,7 @@ def draw_free_strain(
     """Draw free strains [-] by label over `pressures` [Pa]."""
     for (label, strain), color in zip(strains.items(), CYCLE * 3, strict=False):
         ax.plot(pressures / 1e3, np.asarray(strain), color=color, label=label)
-    ax.set_xlabel(f"Pressure {pressure_of} [kPa]")
-    ax.set_ylabel("Free strain $ε_f$ [–]")
+    ax.set(xlabel=f"Pressure {pressure_of} [kPa]", ylabel="Free strain $ε_f$ [–]")
     ax.margins(x=0)
 
 
@@ -253,27 +247,25 @@ def draw_free_strain(
 def free_strain_states(
     system: Muscle | Bundle, pressures: np.ndarray, strains: np.ndarray, resistance: bool = True
 ) -> Figure:
-    """Free strain over the pressure that varies most, a line for each state of the other units.
+    """Figure of free strain over the pressure that varies most, a curve for each state.
 
     **Arguments:**
 
-    - `system`: the muscle or bundle [-].
+    - `system`: the muscle or bundle.
     - `pressures`: of a muscle, or a row of all units' for each state [Pa].
-    - `strains`: free strains there [-].
-    - `resistance`: whether units past their own free strain push back [-].
-
-    **Returns:** the figure [-].
+    - `strains`: their free strains [-].
+    - `resistance`: resisting force of units past their own free strain.
     """
     rows = np.reshape(pressures, (len(strains), -1))
     unit = int(np.argmax(np.ptp(rows, axis=0)))
-    others = np.delete(rows, unit, axis=1)
+    constant = np.delete(rows, unit, axis=1)
+    states = np.unique(constant, axis=0)
+    names = [f"$P_{{{i + 1}}}$" for i in range(rows.shape[1]) if i != unit]
+    labeled = len(states) <= _MAX_LABELS
     figure, axes = new_figure(width=SINGLE)
-    ax = axes[0, 0]
-    states = np.unique(others, axis=0)
-    few = len(states) <= _MOST_LABELS
-    any_jump, turns = False, []
+    ax, jump_count, turns = axes[0, 0], 0, []
     for i, state in enumerate(states):
-        mask = (others == state).all(axis=1)
+        mask = (constant == state).all(axis=1)
         P, first = np.unique(rows[mask, unit], return_index=True)
         eps = np.asarray(strains)[mask][first]
 
@@ -283,43 +275,42 @@ def free_strain_states(
             points = np.insert(np.tile(state, (len(values), 1)), unit, values, axis=1)
             return np.asarray(system.free_strain(points, resistance))
 
-        points = smooth(P) if few else P
-        line, jumps = split_at_jumps(points, curve(points) if few else eps, curve)
+        points = smooth(P) if labeled else P
+        line, jumps = split_at_jumps(points, curve(points) if labeled else eps, curve)
         color = CYCLE[i % len(CYCLE)]
-        ax.plot(line[0] / 1e3, line[1], color=color, label=_state_label(state, unit))
+        levels = (f"{n} = {in_kilopascals(p)}" for n, p in zip(names, state, strict=True))
+        ax.plot(line[0] / 1e3, line[1], color=color, label=", ".join(levels) or "free strain")
         ax.plot(P / 1e3, eps, "o", color=color, markersize=2.4)
         for jump in jumps:
-            _draw_jump(ax, jump, color)
-        any_jump |= bool(jumps)
+            ax.plot(jump[0] / 1e3, jump[1], color=color, **_DOTTED)
+        jump_count += len(jumps)
         least = int(np.nanargmin(line[1]))
-        # a fall that nobody sees is no reversal
+        # an invisible fall is no reversal
         if min(line[1][0], np.nanmax(line[1][least:])) - line[1][least] > _VISIBLE:
             turns.append((line[0][least] / 1e3, line[1][least]))
     dot: dict[str, Any] = {"linestyle": "", "marker": "o"}
     signs = [Line2D([], [], color=GRAY, markersize=2.4, label="computed", **dot)]
-    if any_jump:
-        signs.append(Line2D([], [], color=GRAY, linestyle=":", linewidth=1.0, label="jump"))
+    if jump_count:
+        signs.append(Line2D([], [], color=GRAY, label="jump", **_DOTTED))
     if turns:
         ax.plot(*np.transpose(turns), "o", color=BLACK, markersize=4, zorder=6)
         signs.append(Line2D([], [], color=BLACK, markersize=4, label="reversal point", **dot))
-    symbol = "Pressure P" if isinstance(system, Muscle) else (
-        f"Pressure of unit {unit + 1}, $P_{{{unit + 1}}}$"
-    )  # fmt: skip
-    ax.set(xlabel=f"{symbol} [kPa]", ylabel="Free strain $ε_f$ [–]")
+    symbol = "P" if isinstance(system, Muscle) else f"of unit {unit + 1}, $P_{{{unit + 1}}}$"
+    ax.set(xlabel=f"Pressure {symbol} [kPa]", ylabel="Free strain $ε_f$ [–]")
     ax.margins(x=0.02)
-    ax.legend(handles=[*(ax.get_legend_handles_labels()[0] if few else []), *signs])
+    ax.legend(handles=[*(ax.get_legend_handles_labels()[0] if labeled else []), *signs])
     return figure
 
 
 def split_at_jumps(
     pressure: np.ndarray, strain: np.ndarray, curve: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[Line, list[Line]]:
-    """A curve of free strain, open wherever it jumps between two of its points.
+    """Split a curve of free strain wherever it jumps between two of its points.
 
     **Arguments:**
 
     - `pressure`: of the unit that varies [Pa], rising.
-    - `strain`: free strains there [-].
+    - `strain`: free strains [-] at these pressures.
     - `curve`: free strains [-] at any pressures [Pa].
 
     **Returns:** pressures [Pa] and strains [-] of the curve, NaN in each gap; and the two ends of
@@ -346,16 +337,16 @@ def split_at_jumps(
 def split_at_reversal(
     pressure: np.ndarray, strain: np.ndarray, turn: Reversal
 ) -> tuple[Line, Line]:
-    """A curve of free strain through its reversal point, open where it jumps there.
+    """Split a curve of free strain at its reversal point, if it jumps there.
 
     **Arguments:**
 
     - `pressure`: of the second unit [Pa], rising.
-    - `strain`: free strains there [-].
-    - `turn`: the reversal point [-].
+    - `strain`: free strains [-] at these pressures.
+    - `turn`: the reversal point.
 
     **Returns:** pressures [Pa] and strains [-] of the curve, NaN in the gap of a jump; and those
-    of the jump's two ends, or none.
+    of the jump's two ends, empty without a jump.
     """
     jump = (np.empty(0), np.empty(0))
     if turn.depth <= 0:
@@ -373,16 +364,5 @@ def split_at_reversal(
 
 
 def smooth(values: Any) -> np.ndarray:
-    """`values`, and enough between them for curves that look like curves."""
+    """`values`, and enough points between them for smooth curves."""
     return np.union1d(values, np.linspace(np.min(values), np.max(values), _POINTS))
-
-
-def _draw_jump(ax: Axes, jump: Line, color: Any) -> None:
-    ax.plot(jump[0] / 1e3, jump[1], color=color, linestyle=":", linewidth=1.0)
-
-
-def _state_label(state: np.ndarray, unit: int) -> str:
-    """Pressures [Pa] of a `state`'s units other than `unit` [-], in words."""
-    names = [i + 1 for i in range(len(state) + 1) if i != unit]
-    pairs = zip(names, state, strict=True)
-    return ", ".join(f"$P_{{{i}}}$ = {in_kilopascals(P)}" for i, P in pairs) or "free strain"

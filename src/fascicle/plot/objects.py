@@ -14,57 +14,50 @@ from .curves import bundle_force_strain, force_strain
 from .workspace import workspace
 
 
-_POINTS = 301  # along a curve
-_TOP = 400e3  # Pa, where no tuning says how far it was measured
-_PAST = 1.25  # strains go so far past the largest free strain
+_POINTS = 301  # along a curve: smooth in print
+_HIGHEST = 400e3  # Pa, a usual supply, for a muscle whose tuning has no range of pressure
 
 
 def of_muscle(
     muscle: Muscle, pressures: Any = None, strains: Any = None, components: bool = False
 ) -> Figure:
-    """A `muscle`'s forces, as `Muscle.plot` draws them.
+    """Figure of a muscle's forces, as `Muscle.plot` draws it.
 
     **Arguments:**
 
-    - `muscle`: one muscle [-].
+    - `muscle`: one muscle.
     - `pressures`: gauge pressures [Pa], or `None`.
     - `strains`: contractions [-], rising, or `None`.
-    - `components`: a panel for each pressure with the force's parts [-].
+    - `components`: a panel for each pressure with mesh and bladder force.
 
-    **Returns:** the figure [-].
-
-    **Raises:** `ValueError` for rows of muscles and values off the domain.
+    **Raises:** `InvalidInputError` for arrays of muscles and values off the domain.
     """
     if np.ndim(muscle.length + muscle.outer_radius + muscle.wall_thickness + muscle.braid_angle):
-        raise InvalidInputError(
-            "muscle", "must be a single one to be drawn, got rows of them", None
-        )
+        raise InvalidInputError("muscle", "must be a single one to be drawn, got an array", None)
     if pressures is None:
         rows = np.asarray(muscle.tuning.pressures)
         measured = float(np.max(rows)) + float(muscle.tuning.dead_band)
-        top = min(measured, HIGHEST_PRESSURE) if rows.size > 1 else _TOP
-        pressures = np.linspace(0.0, top, 4 if components else 5)
+        highest = min(measured, HIGHEST_PRESSURE) if rows.size > 1 else _HIGHEST
+        pressures = np.linspace(0.0, highest, 4 if components else 5)
     P = np.atleast_1d(np.asarray(to_si(pressures, "pressure", "Pa"), float))
     if strains is None:
-        strains = _strains(float(np.max(muscle.free_strain(P))))
+        strains = _strains(np.max(muscle.free_strain(P)))
     return force_strain(muscle, P, strains, components)
 
 
 def of_bundle(
     bundle: Bundle, pressures: Any = None, strains: Any = None, resistance: bool = True
 ) -> Figure:
-    """A `bundle`'s workspace, or its forces at `pressures`, as `Bundle.plot` draws them.
+    """Figure of a bundle's workspace, or of its forces at `pressures`, as `Bundle.plot` draws it.
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `pressures`: one for each motor unit [Pa], or `None`.
     - `strains`: contractions [-], rising, or `None`.
-    - `resistance`: whether units past their own free strain push back [-].
+    - `resistance`: resisting force of units past their own free strain.
 
-    **Returns:** the figure [-].
-
-    **Raises:** `ValueError` where there are neither pressures nor a supply's.
+    **Raises:** `InvalidInputError` without pressures and without a supply pressure.
     """
     if pressures is None and bundle.supply_pressure is None:
         raise InvalidInputError(
@@ -77,10 +70,10 @@ def of_bundle(
         space = recruitment.space(bundle, strain=strains, resistance=resistance)
         return workspace(space, overlap(space))
     if strains is None:
-        strains = _strains(float(bundle.free_strain(pressures, resistance=False)))
+        strains = _strains(bundle.free_strain(pressures, resistance=False))
     return bundle_force_strain(bundle, pressures, strains, resistance)
 
 
-def _strains(free_strain: float) -> np.ndarray:
-    """Strains [-] from rest to past the largest `free_strain` [-]."""
-    return np.linspace(0.0, min(max(_PAST * free_strain, 0.05), LARGEST_STRAIN), _POINTS)
+def _strains(free_strain: Any) -> np.ndarray:
+    """Strains [-] from rest to a quarter past the largest free strain, where resistance shows."""
+    return np.linspace(0.0, min(max(1.25 * float(free_strain), 0.05), LARGEST_STRAIN), _POINTS)

@@ -1,39 +1,87 @@
-"""Theme: typeface, spacing and palette of figures, reports, explorer and docs.
+"""Theme: colors, typeface and spacing of figures, reports, explorer and docs; style of figures.
 
-Colors stand here and nowhere else. Those of curves are told apart by the color-blind, too; text
-keeps a contrast of 4.5 : 1 to what it stands on, on light pages and dark ones, which a test
-computes. The typeface is the one that figures embed, DejaVu Sans; where a machine hasn't it,
-Verdana, of which it has the widths and nearly the shapes.
+Colors stand here and nowhere else. Curves can be told apart by the color-blind, too; text keeps a
+contrast of 4.5 : 1 on light and dark pages, which a test computes. The typeface is the one that
+figures embed, DejaVu Sans, or Verdana, which has its widths and nearly its shapes.
+
+Figures are matplotlib's own objects. Their style is switched on while one is built and while it is
+drawn, and touches no global state that outlives a call. Widths are those of a journal's columns,
+so that text has its printed size, 7 to 8 points.
 
 **Source:** colors of Okabe and Ito (2008); contrast as in WCAG 2.2, 1.4.3.
 """
 
+import io
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps, rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 
-# what is drawn
 BLACK, WHITE = "#000000", "#ffffff"
 ORANGE, SKY, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 BLUE, VERMILION, PURPLE, GRAY = "#0072b2", "#d55e00", "#cc79a7", "#767676"
 GRID = "#e4e7ea"
 CLEAR = "rgba(0, 0, 0, 0)"
+CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # of curves, in order
 
 SANS = '"DejaVu Sans", Verdana, "Bitstream Vera Sans", sans-serif'
 MONO = '"DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace'
 FIGURES = "DejaVu Sans"  # comes with matplotlib: the same on every machine
 
-# of a page, in pixels: text from small to the largest, room, and the roundness of corners
+# of a page, in pixels: sizes of text, widths of gaps, and the roundness of corners
 SMALL, TEXT, LARGE, TITLE = 13, 14, 16, 22
 NEAR, APART, WIDE, FAR = 4, 8, 16, 32
 ROUND = 6
 
+_INCH = 1 / 25.4  # of a millimeter: matplotlib's unit
+SINGLE, DOUBLE = 88 * _INCH, 180 * _INCH  # a journal's one and two columns
+
+_STYLE: Any = {
+    "font.family": FIGURES,
+    "font.size": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.labelsize": 7.5,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "legend.handlelength": 2.2,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "lines.linewidth": 1.3,
+    "lines.solid_capstyle": "round",
+    "figure.dpi": 200,
+    "savefig.dpi": 200,
+    "savefig.facecolor": WHITE,
+    "mathtext.fontset": "dejavusans",
+    "svg.hashsalt": "fascicle",  # the same drawing gives the same file
+}
+# neither the time of day nor matplotlib's version
+_METADATA = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": "fascicle"}}
+
+# decorator of functions that build a figure
+styled = rc_context(_STYLE)
+
 
 @dataclass(frozen=True)
 class Colors:
-    """A page's colors: `ink` and `soft` text, `edge` of what can be used, faint `line`s, `raised`
-    areas on `paper`; `accent` of links and `deep`, what white text stands on; `good`, `odd` and
-    `bad` news, with `alarm` behind them. `curves` in order. Of a muscle, its `tube`, `fiber`s
-    and `fitting`s.
+    """Colors of a page: `ink` and `soft` text, `edge` of controls, faint `line`s, `raised` areas on
+    `paper`; `accent` of links and `deep`, the ground of white text; `good`, `odd` and `bad` news,
+    with `alarm` behind them. `curves` in order. Of a muscle, its `tube`, `fiber`s and `fitting`s.
     """
 
     dark: bool
@@ -72,29 +120,37 @@ DARK = Colors(
 
 
 def red_green_blue(color: str) -> tuple[int, int, int]:
-    """Shares of red, green and blue [-], 0 to 255, of a `color` [-] such as `#0072b2`."""
+    """Red, green and blue, 0 to 255, of a `color` such as `#0072b2`."""
     red, green, blue = (int(color[i : i + 2], 16) for i in (1, 3, 5))
     return red, green, blue
 
 
-def mixed(color: str, other: str, share: float) -> str:
-    """A `color` [-] with a `share` [-] of an `other` [-]."""
-    pairs = zip(red_green_blue(color), red_green_blue(other), strict=True)
-    return "#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in pairs)
+def mix(first: str, second: str, fraction: float) -> str:
+    """Mixture of two colors with a `fraction` of the second [-]."""
+    channels = zip(red_green_blue(first), red_green_blue(second), strict=True)
+    return "#" + "".join(f"{round(a + (b - a) * fraction):02x}" for a, b in channels)
 
 
-def contrast(color: str, other: str) -> float:
-    """The ratio [-] in which two colors' [-] luminances stand, from 1 to 21."""
-    high, low = sorted((_luminance(color), _luminance(other)), reverse=True)
+def contrast(first: str, second: str) -> float:
+    """Contrast ratio of two colors [-], from 1 to 21."""
+
+    def luminance(color: str) -> float:
+        channels = [channel / 255 for channel in red_green_blue(color)]
+        red, green, blue = (
+            x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in channels
+        )
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    low, high = sorted((luminance(first), luminance(second)))
     return (high + 0.05) / (low + 0.05)
 
 
 def variables(colors: Colors) -> dict[str, str]:
-    """Theme of a page as CSS variables [-]: `--ink`, `--paper`, `--sans`, …"""
-    named = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
+    """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
+    names = ("ink", "soft", "edge", "line", "raised", "paper", "accent", "deep", "good", "odd",
              "bad", "alarm")  # fmt: skip
     return {
-        **{f"--{name}": getattr(colors, name) for name in named},
+        **{f"--{name}": getattr(colors, name) for name in names},
         "--sans": SANS,
         "--mono": MONO,
         "--round": f"{ROUND}px",
@@ -108,11 +164,72 @@ def variables(colors: Colors) -> dict[str, str]:
 
 
 def css(colors: Colors) -> str:
-    """`variables` as declarations [-] of a style sheet."""
+    """Declarations of `variables` in a style sheet."""
     return " ".join(f"{name}: {value};" for name, value in variables(colors).items())
 
 
-def _luminance(color: str) -> float:
-    parts = [channel / 255 for channel in red_green_blue(color)]
-    linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+class StyledFigure(Figure):
+    """A figure that is drawn in the style, whichever program saves it."""
+
+    def draw(self, renderer: Any) -> None:
+        """Draw onto any `renderer` (SVG's has no base class of matplotlib); ticks are made now."""
+        with rc_context(_STYLE):
+            super().draw(renderer)
+
+    def _repr_png_(self) -> bytes:
+        """PNG for notebooks: matplotlib shows none before pyplot has made a figure."""
+        return to_bytes(self, "png")
+
+
+@styled
+def new_figure(
+    rows: int = 1, columns: int = 1, width: float = SINGLE, height: float | None = None, **more: Any
+) -> tuple[Figure, np.ndarray]:
+    """Create a figure of `rows` × `columns` axes, `width` by `height` [inch], with a layout engine.
+
+    `more` goes to matplotlib's `subplots`. Axes come as a two-dimensional array.
+    """
+    height = 0.72 * width * rows / columns if height is None else height
+    figure = StyledFigure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, squeeze=False, **more)
+
+
+def force_strain_axes(axes: Axes) -> None:
+    """Label `axes` as force over contraction, with a line at zero force."""
+    axes.set_xlabel("Contraction ε [–]")
+    axes.set_ylabel("Force F [N]")
+    axes.axhline(0, color=GRAY, linewidth=0.6, zorder=1)
+
+
+def letter(axes: Axes, mark: str, title: str = "") -> None:
+    """Name a panel: a bold `mark` and a `title` above its left edge."""
+    bold = rf"$\bf{{({mark})}}$"
+    axes.set_title(f"{bold}  {title}" if title else bold, loc="left")
+
+
+def letters(axes: Any, titles: Any) -> None:
+    """Name panels "(a)", "(b)", … with `titles`."""
+    for ax, mark, title in zip(np.ravel(axes), "abcdefghijklmnopqrstuvwxyz", titles, strict=False):
+        letter(ax, mark, title)
+
+
+def pressure_colors(count: int) -> list[Any]:
+    """Colors for `count` rising pressures, dark to light and never too light to see."""
+    return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.82, count)]
+
+
+def in_kilopascals(pressure: float) -> str:
+    """Label of a pressure [Pa]."""
+    return f"{pressure / 1e3:.4g} kPa"
+
+
+def to_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
+    """Bytes of a figure's "png", "svg" or "pdf" file, the same each time.
+
+    `dpi`: dots per inch of raster images.
+    """
+    out = io.BytesIO()
+    with rc_context(_STYLE):
+        figure.savefig(out, format=kind, dpi=dpi, metadata=_METADATA[kind])
+    return out.getvalue()

@@ -10,38 +10,32 @@ from matplotlib.figure import Figure
 from ..bundle.efficiency import EfficiencyMap
 from ..bundle.workspace import Overlap, Space
 from ..core.types import Bool, Float
-from .style import (
+from .theme import (
     BLACK,
     CYCLE,
     DOUBLE,
     GRAY,
     SINGLE,
     VERMILION,
+    WHITE,
+    YELLOW,
     force_strain_axes,
     in_kilopascals,
     letter,
+    letters,
     new_figure,
     styled,
 )
-from .theme import WHITE, YELLOW
 
 
-_THIN, _THICK = 0.4, 2.2  # lines of the lowest and the highest pressure
+_THIN, _THICK = 0.4, 2.2  # points, lines of the lowest and the highest pressure
 _SMALLEST, _LARGEST = 2.0, 6.0  # points, of a demand's mark
 _CONTOURS = np.arange(0.1, 1.0, 0.1)  # of efficiency
 
 
 @styled
 def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
-    """A bundle's workspace, a color for each recruitment state.
-
-    **Arguments:**
-
-    - `space`: its curves and regions [-].
-    - `overlap`: the points that two states reach, shaded [-]; left out, none.
-
-    **Returns:** the figure [-].
-    """
+    """Figure of a bundle's workspace, a color for each recruitment state, its `overlap` shaded."""
     figure, axes = new_figure(width=DOUBLE, height=0.45 * DOUBLE)
     ax = axes[0, 0]
     for state in range(1, len(space.force) + 1):
@@ -56,35 +50,34 @@ def workspace(space: Space, overlap: Overlap | None = None) -> Figure:
 
 @styled
 def workspaces(
-    titled: Mapping[str, tuple[Space, Overlap | None]],
+    spaces: Mapping[str, tuple[Space, Overlap | None]],
     near: tuple[tuple[float, float], tuple[float, float]],
     labeled_state: int = 2,
 ) -> Figure:
-    """Workspaces side by side, and below each its part `near` the largest strain.
+    """Figure of workspaces side by side, and below each its region near the largest strain.
 
     **Arguments:**
 
-    - `titled`: workspaces and overlaps by title [-], at most three.
+    - `spaces`: workspaces and overlaps by title, at most three.
     - `near`: limits of strain [-] and force [N] of the lower row.
-    - `labeled_state`: the state whose curves bear their pressures there [-].
-
-    **Returns:** the figure [-].
+    - `labeled_state`: state whose curves are labeled with their pressures in the lower row.
     """
-    figure, axes = new_figure(2, len(titled), DOUBLE, 0.8 * DOUBLE)
-    marks = iter("abcdef")
-    for row, more in zip(axes, ("", ", near the largest strain"), strict=True):
-        for ax, (title, (space, overlap)) in zip(row, titled.items(), strict=True):
+    figure, axes = new_figure(2, len(spaces), DOUBLE, 0.8 * DOUBLE)
+    for row in axes:
+        for ax, (space, overlap) in zip(row, spaces.values(), strict=True):
             draw_workspace(ax, space, overlap)
-            letter(ax, next(marks), title + more)
-    for ax, (space, _) in zip(axes[1], titled.values(), strict=True):
+    letters(axes, [*spaces, *(f"{title}, near the largest strain" for title in spaces)])
+    for ax, (space, _) in zip(axes[1], spaces.values(), strict=True):
         ax.set(xlim=near[0], ylim=near[1])
         _label_pressures(ax, space, labeled_state)
     for ax in axes[:, 1:].flat:
         ax.set_ylabel("")
-    handles, labels = axes[0, -1].get_legend_handles_labels()
-    order = sorted(range(len(labels)), key=lambda i: labels[i].startswith("overlap"))
-    handles, labels = [handles[i] for i in order], [labels[i] for i in order]
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    # the overlap last, behind the states
+    entries = sorted(
+        zip(*axes[0, -1].get_legend_handles_labels(), strict=True),
+        key=lambda entry: entry[1].startswith("overlap"),
+    )
+    figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=len(entries))
     return figure
 
 
@@ -93,44 +86,43 @@ def draw_workspace(
 ) -> None:
     """Draw curves [N] of all states over strain [-], thicker for higher pressures, and overlap."""
     force_strain_axes(ax)
-    for pair in range(0 if overlap is None else len(overlap.states)):
-        assert overlap is not None
-        strain, force = overlap.outline(pair)
+    label: str | None = "overlap of the states"
+    outlines = [] if overlap is None else map(overlap.outline, range(len(overlap.states)))
+    for strain, force in outlines:
         if strain.size:
-            label = "overlap of the states" if pair == 0 else None
             ax.fill(strain, force, color=YELLOW, alpha=0.6, linewidth=0, label=label)
+        label = None
     widths = np.linspace(_THIN, thick, space.level.size)
     for state, curves in enumerate(space.force, start=1):
         color = CYCLE[(state - 1) % len(CYCLE)]
-        for i, (curve, width) in enumerate(zip(curves, widths, strict=True), start=1):
-            label = f"recruitment state {state}" if i == len(curves) else None
-            ax.plot(space.strain, curve, color=color, linewidth=width, label=label)
+        for curve, width in zip(curves, widths, strict=True):
+            ax.plot(space.strain, curve, color=color, linewidth=width)
+        ax.lines[-1].set_label(f"recruitment state {state}")
     ax.set_xlim(space.strain[0], space.strain[-1])
     ax.set_ylim(bottom=0)
 
 
 def _label_pressures(ax: Axes, space: Space, state: int) -> None:
-    """Write the throttled pressures along the curves of a `state`, in one label for one line."""
+    """Write the throttled pressures along the curves of a `state`, one label for close curves."""
     (left, right), (_, top) = ax.get_xlim(), ax.get_ylim()
     inside = (space.strain >= left) & (space.strain <= right)
     strain, curves = space.strain[inside], space.force[state - 1][:, inside]
-    lines: list[tuple[np.ndarray, list[str]]] = []
+    labels: list[tuple[np.ndarray, str]] = []
     for level, curve in zip(space.level, curves, strict=True):
-        words = f"{level / 1e3:.4g}"
-        if lines and np.abs(lines[-1][0] - curve).max() < 0.01 * top:
-            lines[-1][1].append(words)
+        text = f"{level / 1e3:.4g}"
+        if labels and np.abs(labels[-1][0] - curve).max() < 0.01 * top:
+            labels[-1] = labels[-1][0], f"{labels[-1][1]}, {text}"
         else:
-            lines.append((curve, [words]))
+            labels.append((curve, text))
     box = {"facecolor": WHITE, "edgecolor": "none", "alpha": 0.85, "pad": 0.2}
-    for i, (curve, words) in enumerate(lines):
-        # the lowest beneath its line and further on, where no other crosses it
-        height = (0.7 if i == 0 else 0.87) * top
-        low = strain[curve <= height]
-        place = max(float(low[0]) if low.size else right, left + 0.06 * (right - left))
-        step = 0.01 * (right - left)
-        ends = np.interp([place, place + step], strain, curve)
+    step = 0.01 * (right - left)
+    for i, (curve, text) in enumerate(labels):
+        # the lowest beneath its line and further on, where no other curve crosses it
+        low = strain[curve <= (0.7 if i == 0 else 0.87) * top]
+        x = max(float(low[0]) if low.size else right, left + 0.06 * (right - left))
+        ends = np.interp([x, x + step], strain, curve)
         ax.text(
-            place, ends[0], f"{', '.join(words)} kPa", ha="center", fontsize=6,
+            x, ends[0], f"{text} kPa", ha="center", fontsize=6,
             rotation=np.degrees(np.arctan2(ends[1] - ends[0], step)), rotation_mode="anchor",
             transform_rotates_text=True, va="top" if i == 0 else "center", bbox=box,
         )  # fmt: skip
@@ -145,24 +137,21 @@ def task(
     weight: Float[np.ndarray, " point"],
     reached: Bool[np.ndarray, " point"],
 ) -> Figure:
-    """A bundle's workspace, and the points of a task in it.
+    """Figure of a bundle's workspace with the demands of a task.
 
     **Arguments:**
 
-    - `space`: its curves and regions [-].
-    - `overlap`: points that two states reach [-]; or none.
-    - `force`: demanded [N].
-    - `strain`: of each demand [-].
-    - `weight`: how much each point counts [-]; larger marks count more.
-    - `reached`: demands that the bundle meets [-]; the others are crosses, of one size.
-
-    **Returns:** the figure [-].
+    - `space`: its curves and regions.
+    - `overlap`: its overlap, or none.
+    - `force`, `strain`: of each demand [N], [-].
+    - `weight`: of each demand [-]; larger marks count more.
+    - `reached`: demands that the bundle meets; the others are crosses, of one size.
     """
     figure, axes = new_figure(width=1.4 * SINGLE, height=SINGLE)
     ax = axes[0, 0]
     draw_workspace(ax, space, overlap)
     sizes = _SMALLEST + (_LARGEST - _SMALLEST) * np.sqrt(weight / weight.max())
-    sizes = np.where(reached, sizes, _LARGEST)  # a missed peak isn't to be overlooked
+    sizes = np.where(reached, sizes, _LARGEST)  # a missed peak must not be overlooked
     for mask, mark, color, label in (
         (reached, "o", BLACK, "demanded, reached"),
         (~reached, "x", VERMILION, "demanded, not reached"),
@@ -180,12 +169,7 @@ def task(
 
 @styled
 def efficiency(*maps: EfficiencyMap) -> Figure:
-    """Efficiency over force and strain, a panel for each map, with its average in the title.
-
-    **Arguments:** `maps`: one or two of them [-].
-
-    **Returns:** the figure [-].
-    """
+    """Figure of efficiency over force and strain, a panel for each of one or two maps."""
     figure, axes = new_figure(1, len(maps), SINGLE * len(maps), 0.72 * SINGLE)
     for ax, mark, result in zip(axes[0], "ab", maps, strict=False):
         highest = float(np.nanmax(result.efficiency)) if result.state.any() else 1.0
@@ -202,7 +186,7 @@ def efficiency(*maps: EfficiencyMap) -> Figure:
 def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float) -> Any:
     """Draw a map with contour lines, colors from zero to `highest` [-]; returns the image."""
     strain, force, eta = result.strain, result.force, result.efficiency
-    # cividis reads alike to all eyes; a picture inside the vector file, or it is megabytes
+    # cividis reads alike to all eyes; a raster image, or a vector file would be megabytes
     image = ax.pcolormesh(
         strain, force, eta, cmap="cividis", vmin=0, vmax=highest, rasterized=True, shading="nearest"
     )
@@ -210,11 +194,11 @@ def draw_efficiency(ax: Axes, result: EfficiencyMap, highest: float) -> Any:
         # state by state: lines must not crowd where efficiency jumps
         inside = result.state == state
         if min(eta.shape) > 1:  # a single row or column has no lines
-            lines = ax.contour(
+            contours = ax.contour(
                 strain, force, np.where(inside, eta, np.nan), _CONTOURS, colors=BLACK,
                 linewidths=0.5,
             )  # fmt: skip
-            ax.clabel(lines, fmt="%.1f", fontsize=6)
+            ax.clabel(contours, fmt="%.1f", fontsize=6)
         if state < result.state.max():
             columns = inside.any(axis=0)
             edge = force[len(force) - 1 - np.argmax(inside[::-1], axis=0)]

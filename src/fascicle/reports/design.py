@@ -11,7 +11,7 @@ from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
 from ..design.robust import Spread
 from ..design.summary import Summary
 from ..files import dumps
-from ..plot.style import to_bytes
+from ..plot.theme import to_bytes
 from ..plot.workspace import task as draw_task
 from ..units import pretty
 from .design_summary import (

@@ -15,8 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from ..io.sanitize import escape_invisible
-from ..plot.style import to_bytes
-from ..plot.theme import LIGHT, css
+from ..plot.theme import LIGHT, css, to_bytes
 
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Figures of a calibration: what they draw, and that they draw no more than was measured."""
+"""Figures of a calibration: they draw no more than was measured."""
 
 import itertools
 from dataclasses import replace
@@ -7,66 +7,55 @@ import numpy as np
 import pytest
 
 from fascicle.plot import calibration, to_bytes
-from fascicle.plot.calibration import Profiled, profiles
+from fascicle.plot.calibration import FitPlot, ProfilePlot, ReadingsPlot, profiles
 
 
 P = np.array([0.0, 100e3, 200e3])
 STRAIN = np.tile(np.linspace(0, 0.3, 100), (3, 1))
 FORCE = (P[:, None] / 2e3) * (1 - 4 * STRAIN) - 1.0
-
-
-def fitted(**changes):
-    made = calibration.Fitted(
-        pressure=P,
-        strain=STRAIN,
-        force=FORCE,
-        censored=np.zeros(STRAIN.shape, bool),
-        residual=0.1 * np.sin(40 * STRAIN),
-        noise=0.1,
-        curve_strain=STRAIN,
-        curve_force=FORCE,
-        low=FORCE - 0.2,
-        high=FORCE + 0.2,
-    )
-    return replace(made, **changes)
+FIT = FitPlot(
+    pressure=P,
+    strain=STRAIN,
+    force=FORCE,
+    censored=np.zeros(STRAIN.shape, bool),
+    residual=0.1 * np.sin(40 * STRAIN),
+    noise=0.1,
+    curve_strain=STRAIN,
+    curve_force=FORCE,
+    low=FORCE - 0.2,
+    high=FORCE + 0.2,
+)
+X = np.linspace(-3, 3, 11)
+PROFILE = ProfilePlot("c10", "kPa", 90 + 2 * X, X**2, 90.0, 86.7, 93.3, (86.7, 93.3), True)
 
 
 def points(ax, marker):
     return [line for line in ax.lines if line.get_marker() == marker and len(line.get_xdata())]
 
 
-def test_a_push_that_was_measured_is_drawn_larger_beside():
-    assert fitted().resists
-    # the color bar has axes of its own
-    _, zoom, _ = calibration.fit(fitted()).axes
+def test_a_measured_push_is_enlarged_in_a_second_panel():
+    assert FIT.resists
+    _, zoom, _ = calibration.fit(FIT).axes  # the color bar has axes of its own
     low, high = zoom.get_ylim()
-    push = -FORCE.min()
-    assert low < -push < 0 < high < push
-
-
-def test_a_muscle_that_only_pulled_has_no_second_panel():
-    pulled = fitted(force=np.abs(FORCE))
-    assert not pulled.resists
-    assert len(calibration.fit(pulled).axes) == 2
+    assert low < FORCE.min() < 0 < high < -FORCE.min()
+    pull = replace(FIT, force=np.abs(FORCE))
+    assert not pull.resists and len(calibration.fit(pull).axes) == 2
 
 
 def test_clipped_readings_have_their_own_mark_and_are_no_push():
     clipped = FORCE < 0
-    made = fitted(force=np.where(clipped, 0.0, FORCE), censored=clipped)
-    assert not made.resists
-    figure = calibration.fit(made)
-    (ax, *_) = figure.axes
-    assert points(ax, "v") and points(ax, "o")
-    for line in points(ax, "v"):
-        assert np.all(line.get_ydata() == 0)
+    data = replace(FIT, force=np.where(clipped, 0.0, FORCE), censored=clipped)
+    assert not data.resists
+    figure = calibration.fit(data)
+    assert points(figure.axes[0], "v") and points(figure.axes[0], "o")
+    assert all(np.all(line.get_ydata() == 0) for line in points(figure.axes[0], "v"))
     assert "clipped" in " ".join(text.get_text() for text in figure.legends[0].texts)
 
 
 def test_many_points_are_thinned_and_none_is_drawn_twice():
-    (ax, *_) = calibration.fit(fitted()).axes
-    drawn = points(ax, "o")
-    assert len(drawn) == len(P)
-    for line in drawn:
+    lines = points(calibration.fit(FIT).axes[0], "o")
+    assert len(lines) == len(P)
+    for line in lines:
         strain = line.get_xdata()
         assert len(strain) == len(set(strain)) == 40
         assert (strain.min(), strain.max()) == (0, 0.3)
@@ -75,23 +64,20 @@ def test_many_points_are_thinned_and_none_is_drawn_twice():
 def test_rows_that_are_filled_up_are_left_out():
     strain, force = STRAIN.copy(), FORCE.copy()
     strain[0, 5:], force[0, 5:] = np.nan, np.nan
-    (ax, *_) = calibration.fit(fitted(strain=strain, force=force)).axes
+    ax = calibration.fit(replace(FIT, strain=strain, force=force)).axes[0]
     assert min(len(line.get_xdata()) for line in points(ax, "o")) == 5
 
 
 def test_one_pressure_without_a_band_can_be_drawn():
-    one = {
-        name: getattr(fitted(), name)[:1]
-        for name in ("pressure", "strain", "force", "censored", "residual", "curve_strain",
-                     "curve_force")
-    }  # fmt: skip
-    made = fitted(**one, low=None, high=None)
+    names = ("pressure", "strain", "force", "censored", "residual", "curve_strain", "curve_force")
+    first = {name: getattr(FIT, name)[:1] for name in names}
+    data = replace(FIT, **first, low=None, high=None)
     for draw in (calibration.fit, calibration.residuals):
-        assert to_bytes(draw(made), "png").startswith(b"\x89PNG")
+        assert to_bytes(draw(data), "png").startswith(b"\x89PNG")
 
 
 def test_residuals_stand_between_lines_of_twice_the_noise():
-    left, right, _ = calibration.residuals(fitted()).axes
+    left, right, _ = calibration.residuals(FIT).axes
     for ax in (left, right):
         flat = {line.get_ydata()[0] for line in ax.lines if line.get_linestyle() == "--"}
         assert flat == {-0.2, 0.2}
@@ -103,7 +89,7 @@ def test_residuals_stand_between_lines_of_twice_the_noise():
 
 def test_readings_are_drawn_with_their_errors():
     curve = np.stack([np.linspace(0, 2, 9) + shift for shift in (-0.1, 0, 0.1)])
-    read = calibration.Read(
+    read = ReadingsPlot(
         P[1:], np.array([50.0, 100.0]), np.array([1.0, 2.0]), np.array([0.1, 0.2]),
         np.array([0.01, 0.02]), np.linspace(2e3, 200e3, 9), 50 * curve, 0.1 * curve,
     )  # fmt: skip
@@ -114,28 +100,17 @@ def test_readings_are_drawn_with_their_errors():
         np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, half)
 
 
-def profiled(**changes):
-    x = np.linspace(-3, 3, 11)
-    made = Profiled("c10", "kPa", 90 + 2 * x, x**2, 90.0, 86.7, 93.3, (86.7, 93.3), True)
-    return replace(made, **changes)
-
-
 @pytest.mark.parametrize("count", [1, 4, 5])
 def test_each_parameter_has_its_panel(count):
-    figure = profiles([profiled(name=f"p_{i}") for i in range(count)])
-    shown = [ax for ax in figure.axes if ax.get_visible()]
-    assert len(shown) == count
-    assert "p 0" in shown[0].get_title(loc="left")
+    figure = profiles([replace(PROFILE, name=f"p_{i}") for i in range(count)])
+    panels = [ax for ax in figure.axes if ax.get_visible()]
+    assert len(panels) == count
+    assert "p 0" in panels[0].get_title(loc="left")
 
 
 def test_an_unidentifiable_parameter_is_named_so_over_decades():
-    x = np.linspace(-3, 3, 11)
-    lost = profiled(value=90 * np.exp(3 * x), identifiable=False, crosses=(-np.inf, np.inf))
-    known, unknown = profiles([profiled(), lost]).axes
-    assert [text.get_text() for text in unknown.texts] == ["unidentifiable"] and not known.texts
-    assert (known.get_xscale(), unknown.get_xscale()) == ("linear", "log")
-
-
-def test_the_same_figure_gives_the_same_file():
-    first, second = (to_bytes(calibration.fit(fitted()), "svg") for _ in range(2))
-    assert first == second
+    lost = replace(PROFILE, value=90 * np.exp(3 * X), identifiable=False, crosses=(-np.inf, np.inf))
+    first, second = profiles([PROFILE, lost]).axes
+    assert [text.get_text() for text in second.texts] == ["unidentifiable"] and not first.texts
+    assert (first.get_xscale(), second.get_xscale()) == ("linear", "log")
+    assert to_bytes(calibration.fit(FIT), "svg") == to_bytes(calibration.fit(FIT), "svg")

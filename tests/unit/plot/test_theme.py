@@ -1,0 +1,61 @@
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from fascicle import plot
+from fascicle.core.errors import InvalidInputError
+from fascicle.files import example
+from fascicle.plot.theme import SINGLE, in_kilopascals, new_figure
+
+
+MUSCLE = example("kim2021_figure_6")
+PRESSURES, STRAINS = np.array([0.0, 34.5e3, 137.9e3]), np.linspace(0.0, 0.3, 31)
+
+
+def test_a_figure_has_its_printed_sizes_outside_of_the_style():
+    figure, axes = new_figure(width=SINGLE)
+    figure.canvas.draw()
+    assert {label.get_fontsize() for label in axes[0, 0].get_xticklabels()} == {7.0}
+    assert figure.get_figwidth() * 25.4 == pytest.approx(88)
+
+
+@pytest.mark.parametrize("kind", ["svg", "png"])
+def test_a_drawing_is_reproducible_and_leaves_the_global_style_alone(kind):
+    before = dict(mpl.rcParams)
+    files = [plot.to_bytes(plot.free_strain([0.0, 1e5], {"a": [0.0, 0.1]}), kind) for _ in range(2)]
+    assert files[0] == files[1] and len(files[0]) > 1000
+    assert dict(mpl.rcParams) == before
+
+
+def test_a_former_module_warns():
+    with pytest.warns(DeprecationWarning, match="plot.theme"):
+        from fascicle.plot.style import letter  # noqa: F401
+
+
+def test_force_over_strain_shows_the_law():
+    axes = plot.force_strain(MUSCLE, PRESSURES, STRAINS).axes[0]
+    curves = {line.get_label(): line.get_ydata() for line in axes.lines}
+    for P in PRESSURES:
+        np.testing.assert_allclose(curves[in_kilopascals(P)], MUSCLE.force(P, STRAINS), rtol=1e-12)
+    assert "34.5 kPa" in curves
+
+
+def test_components_add_up_to_the_force():
+    figure = plot.force_strain(MUSCLE, PRESSURES, STRAINS, components=True)
+    panels = [axes for axes in figure.axes if axes.get_visible()]
+    assert len(panels) == len(PRESSURES)
+    for axes in panels:
+        mesh, wall, total = (line.get_ydata() for line in axes.lines[-3:])
+        np.testing.assert_allclose(mesh + wall, total, atol=1e-12)
+
+
+def test_too_many_panels_are_refused():
+    with pytest.raises(InvalidInputError) as error:
+        plot.force_strain(MUSCLE, np.linspace(0, 1e5, 5), STRAINS, components=True)
+    assert (error.value.argument, error.value.value) == ("pressures", 5)
+
+
+def test_a_notebook_shows_a_figure_before_pyplot_made_one():
+    formatters = pytest.importorskip("IPython.core.formatters", reason="no IPython: make setup")
+    data, _ = formatters.DisplayFormatter().format(MUSCLE.plot())
+    assert data["image/png"].startswith(b"\x89PNG")
