@@ -6,8 +6,7 @@ fascicle switches JAX to float64, which roots and collapse need; set `JAX_ENABLE
 it, and be warned once.
 """
 
-from .core.jax_settings import enable_float64
-from .core.lazy import attach_lazy
+from .core.lazy import attach_lazy, enable_float64
 
 
 enable_float64()

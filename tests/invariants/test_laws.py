@@ -359,9 +359,11 @@ def test_finite_slopes_at_a_hundred_thousand_points(
 def thrust_and_load(muscles, pressure, strain):
     """Whether a muscle is bent, its push, and the elastica's end load $2 M/y$ [N]."""
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        state = muscles.buckling.buckled(muscles.law.at(pressure).column, strain)
+        column = muscles.law.at(pressure).column
+        state = muscles.buckling.push(column, strain)
+        deflection, moment = muscles.buckling.bow(column, strain)
     thrust = -(state.mesh + state.bladder + state.bending)
-    load = 2 * state.moment / np.where(state.straight, 1.0, state.deflection)
+    load = 2 * moment / np.where(state.straight, 1.0, deflection)
     return ~state.straight, thrust, load
 
 

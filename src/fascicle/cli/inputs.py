@@ -9,8 +9,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.jax_settings import enable_whole_loops
-from ..core.lazy import call_on_import
+from ..core.lazy import call_on_import, enable_whole_loops
 from ..units import parse, parse_list
 from .errors import UserError, user_errors
 from .outputs import status

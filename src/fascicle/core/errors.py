@@ -6,11 +6,11 @@ from typing import Any
 
 
 class InvalidInputError(ValueError):
-    """A value that breaks a rule, for people in a line, for programs in its fields.
+    """A value that breaks a rule: one line for people, fields for programs.
 
     - `argument`: name of the argument.
     - `rule`: broken rule, in words.
-    - `value`: it, the first one of many, in the line's unit; `None` where there is none to show.
+    - `value`: the value, the first bad one of an array, in the line's unit; or `None`.
     - `remedy`: what to do, in words; empty where the rule says it.
     """
 
@@ -20,24 +20,22 @@ class InvalidInputError(ValueError):
         """**Arguments:**
 
         - `argument`, `rule`, `value`, `remedy`: the fields.
-        - `shown`: the value in the line, with its unit; left out, as Python writes it; empty
-          where the rule has it already.
+        - `shown`: text of the value with its unit; left out, as Python writes it; empty to omit it.
         """
         self.argument, self.rule, self.value, self.remedy = argument, rule, value, remedy
-        if shown is None:
+        if (value_text := shown) is None and value is not None:
             # a number without NumPy's name around it
-            text = str(value) if isinstance(value, Number) else repr(value)
-            shown = "" if value is None else text
+            value_text = str(value) if isinstance(value, Number) else repr(value)
+        self._value_text = value_text or ""
         space = "" if rule.startswith((",", ":")) else " "
-        got = f", got {shown}" if shown else ""
-        then = f": {remedy}" if remedy else ""
-        text = f"`{argument}`{space}{rule}{got}{then}"
-        super().__init__(text if text.endswith("?") else f"{text}.")
-        self._shown = shown
+        line = f"`{argument}`{space}{rule}"
+        line += f", got {value_text}" if value_text else ""
+        line += f": {remedy}" if remedy else ""
+        super().__init__(line if line.endswith("?") else f"{line}.")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # a worker's refusal comes back whole
-        return type(self), (self.argument, self.rule, self.value, self.remedy, self._shown)
+        # the error of a worker process arrives with its fields
+        return type(self), (self.argument, self.rule, self.value, self.remedy, self._value_text)
 
 
 _EXTRAS = {
@@ -54,11 +52,8 @@ class MissingExtraError(ImportError):
 
 
 def missing_extra(error: BaseException) -> MissingExtraError | None:
-    """Error for an import that failed; `None` for a library of no extra.
-
-    **Arguments:** `error`: the exception of the import.
-
-    **Returns:** an error in one line, with the command that installs the library.
+    """Error for a failed import, with the command that installs the library; `None` for a library
+    of no extra.
     """
     library = (getattr(error, "name", None) or "").split(".")[0]
     if not isinstance(error, ModuleNotFoundError) or library not in _EXTRAS:
@@ -68,11 +63,6 @@ def missing_extra(error: BaseException) -> MissingExtraError | None:
 
 
 def require(library: str) -> None:
-    """Refuse, in one line, where a library is not installed.
-
-    **Arguments:** `library`: what it is imported as.
-
-    **Raises:** `MissingExtraError` with the command that installs it.
-    """
+    """Raise `MissingExtraError` where a `library`, by its import name, is not installed."""
     if find_spec(library) is None:
         raise missing_extra(ModuleNotFoundError(name=library)) or ImportError(library)

@@ -1,4 +1,4 @@
-"""The JAX side of the core: compilation, loops and derivatives; loaded where JAX's arrays come.
+"""The JAX side of the core: compilation, loops and derivatives.
 
 No other module of the core, of muscles, bundles and energetics imports JAX at its top.
 """
@@ -9,17 +9,17 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax import eval_shape, jit, lax  # noqa: F401 others take them from here
+from jax import eval_shape, jit, lax  # noqa: F401 imported from here
 
 from .array_namespace import where
-from .roots import STEPS, Residual, has_slope, init_search, newton_step, search_step
+from .roots import STEPS, Residual, init_search, newton_step, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
 
 
 @cache
 def compile_law(law: Callable[..., Any], static: tuple = ()) -> Any:
     """A `law` compiled by JAX, with its `static` arguments bound."""
-    return jax.jit(lambda part, *arrays: law(part, *arrays, *static))
+    return jax.jit(lambda module, *arrays: law(module, *arrays, *static))
 
 
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
@@ -29,7 +29,7 @@ def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
 
 
 def cummax(x: Any, axis: int) -> Any:
-    """The largest of `x` so far along an axis [any unit]."""
+    """Running maximum of `x` along an axis [any unit]."""
     return lax.cummax(x, axis)
 
 
@@ -41,27 +41,26 @@ def stop_gradient(x: Any) -> Any:
 def search_root(
     residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
-    """The root of an elementwise `residual`, as `roots.searched` finds it, in a compiled loop."""
+    """Root of an elementwise `residual`, as `roots.find_root` finds it, in a compiled loop."""
     shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
     low, high, start = (
         jnp.broadcast_to(jnp.asarray(x, float), shape.shape) for x in (low, high, start)
     )
-    state = init_search(low, high, start)
 
     def step(state: tuple) -> tuple:
         n, search = state
         return n + 1, search_step(search, *residual(theta, search.x))
 
-    def keep_going(state: tuple) -> BoolBatch:
+    def is_unfinished(state: tuple) -> BoolBatch:
         n, search = state
-        return (n < STEPS) & ~jnp.all(search.ended)
+        return (n < STEPS) & ~jnp.all(search.done)
 
-    return lax.while_loop(keep_going, step, (0, state))[1].x
+    return lax.while_loop(is_unfinished, step, (0, init_search(low, high, start)))[1].x
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
-    """The root of a residual near `x`, with its implicit derivatives by `theta`."""
+    """Root of a residual near `x`, with its implicit derivatives by `theta`."""
     return newton_step(*residual(theta, x), x)
 
 
@@ -69,10 +68,10 @@ def implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
 def _implicit_derivative(residual: Residual, primals: tuple, tangents: tuple) -> tuple:
     root = implicit_root(residual, *primals)
 
-    def at_root(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:
+    def value_and_slope(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:
         value, slope = residual(theta, root)
         return value, (value, slope)
 
-    _, change, (value, slope) = jax.jvp(at_root, primals[:1], tangents[:1], has_aux=True)
-    moves, slope = has_slope(value, slope, root)
-    return root, where(moves, -change / slope, 0.0)
+    _, change, (value, slope) = jax.jvp(value_and_slope, primals[:1], tangents[:1], has_aux=True)
+    regular, slope = safe_slope(value, slope, root)
+    return root, where(regular, -change / slope, 0.0)

@@ -1,13 +1,14 @@
-"""Imports: packages that load their names when they are first used, names that moved, and hooks.
+"""Imports: packages that load their names at first use, former names, and settings of JAX.
 
 The command line's help needs no JAX, laws need no pint: a package says in which module each of its
-names is, and imports nothing for it. A module that moved is found under its old name, by `import`
-and as an attribute, and warns with the new one until a later version drops it. `call_on_import`
-acts when a library is imported, by whomever.
+names is, and imports nothing for it. A module that moved can be imported by its old name, and warns
+with the new one until a later version drops it. `call_on_import` acts when a library is imported,
+by whomever: JAX is then switched to float64, without which roots lose digits.
 """
 
 import importlib
 import importlib.util
+import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -19,7 +20,7 @@ from typing import Any, cast
 def attach_lazy(
     package: str,
     homes: Mapping[str, str],
-    moved: Mapping[str, str] | None = None,
+    moved: Mapping[str, str] = MappingProxyType({}),
     renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package.
@@ -27,8 +28,8 @@ def attach_lazy(
     **Arguments:**
 
     - `package`: its name.
-    - `homes`: its names, and in which of its modules each is; "" for a module.
-    - `moved`: modules that it had, and where they are now in fascicle.
+    - `homes`: module of each of its names; "" for a name that is a module.
+    - `moved`: former modules, and their present names in fascicle.
     - `renamed`: present name of each name of the last release, which warns.
 
     **Returns:** the two functions.
@@ -38,10 +39,10 @@ def attach_lazy(
     """
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
-    old = {f"{package}.{name}": f"fascicle.{new}" for name, new in (moved or {}).items()}
-    _MOVED.aliases.update(old)
+    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in moved.items()}
+    _MOVED.aliases.update(former)
     _BORROWED.aliases.update(
-        {f"{package}.{n}": f"{package}.{h}.{n}" for n, h in homes.items() if h}
+        {f"{package}.{name}": f"{package}.{home}.{name}" for name, home in homes.items() if home}
     )
 
     def get_attribute(name: str) -> Any:
@@ -51,7 +52,7 @@ def attach_lazy(
             return getattr(sys.modules[package], renamed[name])
         if homes.get(name):
             return getattr(_import(f".{homes[name]}", package), name)
-        if name in homes or f"{package}.{name}" in old:
+        if name in homes or f"{package}.{name}" in former:
             return _import(f".{name}", package)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
@@ -59,9 +60,7 @@ def attach_lazy(
 
 
 def import_late(name: str) -> Any:
-    """Import an object of a higher layer, such as "plot.objects.of_muscle", for a method that
-    calls it.
-    """
+    """Import an object of a higher layer, such as "plot.objects.of_muscle", when it is needed."""
     module, _, attribute = name.rpartition(".")
     return getattr(_import(f".{module}", "fascicle"), attribute)
 
@@ -86,7 +85,7 @@ class _AliasFinder:
     def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
         """Spec of an alias, or of a module inside of one; `None` for other names."""
         target, loader = self._target(name), cast(Any, self)
-        if self.moved:  # a package without a path, whose modules nobody else finds
+        if self.moved:  # a package without a path, whose modules no other finder knows
             return ModuleSpec(name, loader, is_package=True) if target else None
         spec = importlib.util.find_spec(target) if target else None
         if spec is None or spec.loader is None:  # a function, or a folder of data
@@ -98,7 +97,7 @@ class _AliasFinder:
         del spec
 
     def exec_module(self, module: ModuleType) -> None:
-        """Replace the empty `module`, or let one that moved hand on to its successor and warn."""
+        """Replace the empty `module`, or forward it to its successor and warn."""
         name, target = module.__name__, self._target(module.__name__)
         if self.moved:  # the import system's own frames are skipped: the caller's line is shown
             module.__getattr__ = lambda name: getattr(importlib.import_module(target), name)
@@ -113,12 +112,33 @@ class _AliasFinder:
         return ""
 
 
-_BORROWED, _MOVED = _AliasFinder(moved=False), _AliasFinder(moved=True)
-sys.meta_path.insert(0, _BORROWED)  # first: others would load a borrowed module twice
-sys.meta_path.append(_MOVED)  # last: a module that exists under an old name is another one
+class _HookFinder:
+    """Finds a module by the other finders, and calls actions after it has been imported."""
+
+    def __init__(self) -> None:
+        self.actions: dict[str, list[Callable[[ModuleType], None]]] = {}
+
+    def find_spec(self, name: str, *arguments: Any) -> ModuleSpec | None:
+        if name not in self.actions:
+            return None
+        specs = (f.find_spec(name, *arguments) for f in sys.meta_path if f is not self)
+        spec = next((spec for spec in specs if spec is not None), None)
+        if spec is not None and spec.loader is not None:
+            execute = spec.loader.exec_module
+
+            def exec_module(module: ModuleType) -> None:
+                execute(module)
+                for action in self.actions.pop(name, []):
+                    action(module)
+
+            cast(Any, spec.loader).exec_module = exec_module
+        return spec
 
 
 # wrapt has such hooks, too, and takes as long to import as all laws of a muscle
+_BORROWED, _MOVED, _HOOKS = _AliasFinder(moved=False), _AliasFinder(moved=True), _HookFinder()
+sys.meta_path[:0] = [_HOOKS, _BORROWED]  # first: others would load a borrowed module twice
+sys.meta_path.append(_MOVED)  # last: a module that exists under an old name is another one
 
 
 def call_on_import(name: str, action: Callable[[ModuleType], None]) -> None:
@@ -129,35 +149,25 @@ def call_on_import(name: str, action: Callable[[ModuleType], None]) -> None:
         _HOOKS.actions.setdefault(name, []).append(action)
 
 
-class _HookFinder:
-    def __init__(self) -> None:
-        self.actions: dict[str, list[Callable[[ModuleType], None]]] = {}
-
-    def find_spec(self, name: str, *arguments: Any) -> ModuleSpec | None:
-        if name not in self.actions:
-            return None
-        for finder in sys.meta_path:
-            spec = None if finder is self else finder.find_spec(name, *arguments)
-            if spec is not None and spec.loader is not None:
-                spec.loader = _HookLoader(spec.loader, self.actions)  # type: ignore[assignment]
-                return spec
-        return None
+def enable_float64() -> None:
+    """Switch JAX to float64, now or on its import; warn where the environment forbids it."""
+    if os.environ.get("JAX_ENABLE_X64", "1").lower() in {"0", "false"}:
+        message = "JAX_ENABLE_X64 is off: JAX computes in float32, and roots lose digits."
+        warnings.warn(message, stacklevel=3)
+    else:
+        call_on_import("jax", lambda jax: cast(Any, jax).config.update("jax_enable_x64", True))
 
 
-class _HookLoader:
-    def __init__(self, loader: Any, actions: dict[str, list[Callable]]):
-        self._loader, self._actions = loader, actions
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._loader, name)
-
-    def exec_module(self, module: ModuleType) -> None:
-        if module.__spec__ is not None:
-            module.__spec__.loader = module.__loader__ = self._loader
-        self._loader.exec_module(module)
-        for action in self._actions.pop(module.__name__, []):
-            action(module)
+# XLA compiles a small loop as one function of machine code, and runs a larger one as a task for
+# each of its operations: 10 s of a bundle take 1 s instead of 0.06. This says what is small [byte]
+_LOOP_SIZE = "xla_cpu_small_while_loop_byte_threshold"
+_XLA_OPTION = "--xla_backend_extra_options"
 
 
-_HOOKS = _HookFinder()
-sys.meta_path.insert(0, _HOOKS)
+def enable_whole_loops() -> None:
+    """Add the loops' option to `XLA_FLAGS`, which XLA reads when it first compiles, unless they
+    have one of its kind.
+    """
+    flags = os.environ.get("XLA_FLAGS", "")
+    if _LOOP_SIZE not in flags and _XLA_OPTION not in flags:  # a second one would replace the first
+        os.environ["XLA_FLAGS"] = f"{flags} {_XLA_OPTION}={_LOOP_SIZE}=100000000".strip()

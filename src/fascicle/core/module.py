@@ -25,53 +25,60 @@ from .array_namespace import (
     is_jax_array,
     is_numpy,
     jax_backend,
+    only_numpy_loaded,
 )
 from .lazy import call_on_import
 from .validation import check_choice, is_concrete
 
 
-def tree_leaves(tree: Any) -> list[Any]:
-    """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
-    leaves: list[Any] = []
-    _collect_leaves(tree, leaves)
+def tree_leaves(tree: Any, leaves: list[Any] | None = None) -> list[Any]:
+    """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order, after `leaves`."""
+    leaves = [] if leaves is None else leaves
+    if isinstance(tree, dict):
+        children = dict(sorted(tree.items())).values()
+    elif hasattr(tree, "leaf_names"):
+        children = map(vars(tree).__getitem__, tree.leaf_names)
+    elif isinstance(tree, tuple | list):
+        children = tree
+    else:
+        if tree is not None:
+            leaves.append(tree)
+        return leaves
+    for child in children:
+        if type(child) in NUMPY_TYPES:
+            leaves.append(child)
+        else:
+            tree_leaves(child, leaves)
     return leaves
 
 
-def tree_map(function: Callable[..., Any], tree: Any, *others: Any) -> Any:
-    """Apply a `function` to each leaf of a tree.
-
-    **Arguments:**
-
-    - `function`: of a leaf of each tree.
-    - `tree`: modules, tuples, lists, dictionaries and leaves [any unit].
-    - `others`: trees of the same structure [any unit].
-
-    **Returns:** a tree of that structure [any unit].
+def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+    """Apply a `function` to the leaves of a `tree` [any unit] of modules, tuples, lists and
+    dictionaries, and of other `trees` of its structure; returns such a tree [any unit].
     """
     if tree is None:
         return None
     if isinstance(tree, dict):
         return {
-            key: tree_map(function, value, *(other[key] for other in others))
+            key: tree_map(function, value, *(other_tree[key] for other_tree in trees))
             for key, value in sorted(tree.items())
         }
     if isinstance(tree, tuple | list):
-        parts = [tree_map(function, *entries) for entries in zip(tree, *others, strict=True)]
-        return type(tree)(*parts) if hasattr(tree, "_fields") else type(tree)(parts)
-    if not is_module(tree):
-        return function(tree, *others)
-    kind = type(tree)
-    parts = {
-        name: tree_map(function, getattr(tree, name), *(getattr(x, name) for x in others))
-        for name in kind.leaf_names
+        entries = [tree_map(function, *entry) for entry in zip(tree, *trees, strict=True)]
+        return type(tree)(*entries) if hasattr(tree, "_fields") else type(tree)(entries)
+    if not hasattr(tree, "leaf_names"):
+        return function(tree, *trees)
+    values = {
+        name: tree_map(function, *(getattr(module, name) for module in (tree, *trees)))
+        for name in tree.leaf_names
     }
-    return rebuild(kind, parts | {name: getattr(tree, name) for name in kind.static_names})
+    return _rebuild(type(tree), values | {name: getattr(tree, name) for name in tree.static_names})
 
 
 def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
     """Replace the leaves of a `tree` by other `leaves`, in order [any unit]."""
-    rest = iter(leaves)
-    return tree_map(lambda _: next(rest), tree)
+    leaf = iter(leaves)
+    return tree_map(lambda _: next(leaf), tree)
 
 
 def tree_structure(tree: Any) -> Any:
@@ -80,43 +87,21 @@ def tree_structure(tree: Any) -> Any:
         return dict, tuple((key, tree_structure(value)) for key, value in sorted(tree.items()))
     if isinstance(tree, tuple | list):
         return type(tree), tuple(map(tree_structure, tree))
-    if not is_module(tree):
+    if not hasattr(tree, "leaf_names"):
         return tree is None
-    kind = type(tree)
-    parts = (tree_structure(getattr(tree, name)) for name in kind.leaf_names)
-    return kind, tuple(getattr(tree, name) for name in kind.static_names), tuple(parts)
+    static_values = tuple(getattr(tree, name) for name in tree.static_names)
+    children = tuple(tree_structure(getattr(tree, name)) for name in tree.leaf_names)
+    return type(tree), static_values, children
 
 
-def is_module(value: Any) -> bool:
-    """True for a module of fascicle's."""
-    return getattr(type(value), "is_fascicle_module", False)
-
-
-def rebuild(kind: Any, values: dict[str, Any]) -> Any:
-    """A module of a `kind` with `values` [any unit] that are not checked again."""
+def _rebuild(kind: Any, values: dict[str, Any]) -> Any:
+    """A module of a `kind` with `values` that are not checked again."""
     module = object.__new__(kind)
     module.__dict__.update(values)
     return module
 
 
-def _collect_leaves(tree: Any, leaves: list[Any]) -> None:
-    if tree is None:
-        return
-    if isinstance(tree, dict):
-        tree = dict(sorted(tree.items())).values()
-    elif getattr(type(tree), "is_fascicle_module", False):  # a call fewer than `is_module`
-        tree = map(vars(tree).__getitem__, type(tree).leaf_names)
-    elif not isinstance(tree, tuple | list):
-        leaves.append(tree)
-        return
-    for child in tree:
-        if type(child) in NUMPY_TYPES:
-            leaves.append(child)
-        else:
-            _collect_leaves(child, leaves)
-
-
-_FEW = 8  # numbers that a line shows
+_MAX_SHOWN = 8  # numbers of an array that a line has room for
 _CLASSES: list[type[Any]] = []
 
 
@@ -130,7 +115,7 @@ def record(*, default: Any = MISSING, converter: Callable | None = None, **metad
 
     **Arguments:**
 
-    - `default`: its value where it is left out [any unit].
+    - `default`: value of a field that is left out [any unit].
     - `converter`: function that checks a value as it is set, and returns it as numbers.
     - `metadata`: other properties of the field.
 
@@ -161,26 +146,23 @@ class Module(ABC):
     """A frozen record of numbers, arrays and other modules."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
-    is_fascicle_module: ClassVar[bool] = True
     leaf_names: ClassVar[tuple[str, ...]]
     static_names: ClassVar[tuple[str, ...]]
     _converters: ClassVar[dict[str, Callable]] = {}
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        inherited = next(k for k in cls.__mro__ if "__init__" in vars(k))
-        written = inherited is not object and not vars(inherited).get("_generated_init", False)
-        dataclass(eq=False, repr=False, init=not written)(cls)
-        cls._generated_init = not written
+        owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
+        cls._has_generated_init = owner is object or vars(owner).get("_has_generated_init", False)
+        dataclass(eq=False, repr=False, init=cls._has_generated_init)(cls)
         # a class variable that a subclass makes a field must not keep its place among the fields
-        names = {field.name for field in fields(cls)}
-        for name in set(cls.__dataclass_fields__) - names:
+        metadata = {x.name: x.metadata for x in fields(cls)}
+        for name in set(cls.__dataclass_fields__) - set(metadata):
             del cls.__dataclass_fields__[name]
-        metadata = {field.name: field.metadata for field in fields(cls)}
-        cls.leaf_names = tuple(n for n, data in metadata.items() if not data.get("static"))
-        cls.static_names = tuple(n for n, data in metadata.items() if data.get("static"))
+        cls.leaf_names = tuple(name for name, data in metadata.items() if not data.get("static"))
+        cls.static_names = tuple(name for name, data in metadata.items() if data.get("static"))
         cls._converters = {
-            name: data["converter"] for name, data in metadata.items() if data.get("converter")
+            name: data["converter"] for name, data in metadata.items() if "converter" in data
         }
         _CLASSES.append(cls)
         if (jax := imported_jax()) is not None:
@@ -193,15 +175,13 @@ class Module(ABC):
                 vars(kind)["__check_init__"](self)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Fields are set once, as it is made."""
+        """Fields are set once, by the constructor."""
         if name in self.__dict__ or name not in type(self).__dataclass_fields__:
             kind = type(self).__name__
-            remedy = "make another one"
+            remedy = "construct another one"
             if hasattr(self, "replace") and name in signature(type(self)).parameters:
                 remedy = f"write {kind.lower()} = {kind.lower()}.replace({name}=…)"
-            raise FrozenInstanceError(
-                f"`{name}` can't be set, a {kind} stays as it was made: {remedy}."
-            )
+            raise FrozenInstanceError(f"`{name}` can't be set, a {kind} is immutable: {remedy}.")
         converter = self._converters.get(name)
         vars(self)[name] = value if converter is None else converter(value)
 
@@ -215,20 +195,27 @@ class Module(ABC):
 
     def __getstate__(self) -> dict:
         """Fields, which are copied and pickled; caches aren't."""
-        return {field.name: self.__dict__[field.name] for field in fields(self)}
+        return {name: vars(self)[name] for name in _field_names(self)}
 
     def __setstate__(self, state: dict) -> None:
         vars(self).update(state)
 
-    def __eq__(self, other: object) -> bool:
-        """True for the same structure and numbers, NumPy's or JAX's. A traced module equals itself
+    def __eq__(self, other_module: object) -> bool:
+        """True for equal structures and numbers, NumPy's or JAX's. A traced module equals itself
         alone.
         """
-        return self is other or _equal(self, other)
+        return self is other_module or (
+            tree_structure(self) == tree_structure(other_module)
+            and all(map(_equal_leaves, tree_leaves(self), tree_leaves(other_module)))
+        )
 
     def __hash__(self) -> int:
-        """Equal for equal modules."""
-        return hash((tree_structure(self), *map(_key, tree_leaves(self))))
+        """Equal for equal modules: of its numbers, or of the identity of traced ones."""
+        leaves = (
+            tuple(np.ravel(leaf).tolist()) if is_concrete(leaf) else id(leaf)
+            for leaf in tree_leaves(self)
+        )
+        return hash((tree_structure(self), *leaves))
 
     def __repr__(self) -> str:
         """Fields with their numbers; traced ones have none."""
@@ -240,10 +227,14 @@ class Module(ABC):
         return is_numpy(*tree_leaves(self))
 
 
+def _field_names(module: Module) -> list[str]:
+    return [x.name for x in fields(module)]
+
+
 def repr_fields(module: Module) -> str:
     """Fields of a `module` with their numbers, in one line."""
-    shown = (f"{field.name}={_shown(getattr(module, field.name))}" for field in fields(module))
-    return f"{type(module).__name__}({', '.join(shown)})"
+    values = (f"{name}={_value_text(getattr(module, name))}" for name in _field_names(module))
+    return f"{type(module).__name__}({', '.join(values)})"
 
 
 def _register_all(jax: ModuleType) -> None:
@@ -255,50 +246,37 @@ call_on_import("jax", _register_all)
 
 
 def _register(kind: type[Module], jax: Any) -> None:
-    dynamic, structure = kind.leaf_names, kind.static_names
-    keys = [jax.tree_util.GetAttrKey(name) for name in dynamic]
+    leaf_names, static_names = kind.leaf_names, kind.static_names
+    keys = [jax.tree_util.GetAttrKey(name) for name in leaf_names]
 
     def flatten(module: Any) -> tuple[tuple, tuple]:
         values = module.__dict__
-        return tuple(values.get(n) for n in dynamic), tuple(values.get(n) for n in structure)
+        return tuple(map(values.get, leaf_names)), tuple(map(values.get, static_names))
 
     def flatten_with_keys(module: Any) -> tuple[tuple, tuple]:
-        leaves, aux = flatten(module)
-        return tuple(zip(keys, leaves, strict=True)), aux
+        leaves, static_values = flatten(module)
+        return tuple(zip(keys, leaves, strict=True)), static_values
 
-    def unflatten(aux: tuple, leaves: Any) -> Any:
+    def unflatten(static_values: tuple, leaves: Any) -> Any:
         # leaves may be tracers, so nothing is checked again
-        return rebuild(
-            kind, dict(zip(dynamic, leaves, strict=True)) | dict(zip(structure, aux, strict=True))
-        )
+        values = dict(zip(leaf_names, leaves, strict=True))
+        return _rebuild(kind, values | dict(zip(static_names, static_values, strict=True)))
 
     jax.tree_util.register_pytree_with_keys(kind, flatten_with_keys, unflatten, flatten)
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if is_jax_array(value) and not is_concrete(value):
         return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
     if not (is_numpy(value) or is_jax_array(value)):
         return repr(value)
     x = np.asarray(value)
-    if x.size > _FEW:
-        return f"<{' × '.join(map(str, x.shape))} numbers>"
-    return repr(x.tolist())
+    return f"<{' × '.join(map(str, x.shape))} numbers>" if x.size > _MAX_SHOWN else repr(x.tolist())
 
 
-def _equal(module: Any, other: Any) -> bool:
-    return tree_structure(module) == tree_structure(other) and all(
-        map(_equal_leaves, tree_leaves(module), tree_leaves(other))
-    )
-
-
-def _equal_leaves(leaf: Any, other: Any) -> bool:
-    return leaf is other or (is_concrete(leaf, other) and np.array_equal(leaf, other))
-
-
-def _key(leaf: Any) -> Any:
-    """Hashable key of a leaf: its numbers, or its identity where it is traced."""
-    return tuple(np.ravel(leaf).tolist()) if is_concrete(leaf) else id(leaf)
+def _equal_leaves(leaf: Any, other_leaf: Any) -> bool:
+    equal = leaf is other_leaf
+    return equal or (is_concrete(leaf, other_leaf) and np.array_equal(leaf, other_leaf))
 
 
 Tree = TypeVar("Tree")
@@ -312,72 +290,66 @@ def to_numpy(tree: Tree) -> Tree:
 
 def with_fields(module: Kind, **values: Any) -> Kind:
     """Replace `values` of some fields of a `module` [SI], without checks."""
-    current = {field.name: getattr(module, field.name) for field in fields(module)}
-    return rebuild(type(module), current | values)
+    current = {name: getattr(module, name) for name in _field_names(module)}
+    return _rebuild(type(module), current | values)
 
 
-def replace_checked(thing: Kind, changes: dict[str, Any], **held: Any) -> Kind:
+def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kind:
     """Replace arguments of an object, checked as those of a new one are.
 
     **Arguments:**
 
-    - `thing`: an object with an attribute for each of its arguments.
-    - `changes`: other values of arguments, by name [SI].
-    - `held`: values of arguments that no attribute is named for [SI].
+    - `module`: an object with an attribute for each of its arguments.
+    - `changes`: new values of arguments, by name [SI].
+    - `values`: current values of arguments that have no attribute of their name [SI].
 
     **Returns:** a new object.
 
     **Raises:** `ValueError` for an unknown name and for invalid values.
     """
-    names = list(signature(type(thing)).parameters)
+    names = list(signature(type(module)).parameters)
     for name in changes:
         check_choice(name, names, "argument")
-    current = {name: getattr(thing, name) for name in names if name not in held}
-    return type(thing)(**current | held | changes)
+    current = {name: getattr(module, name) for name in names if name not in values}
+    return type(module)(**current | values | changes)
 
 
-def evaluate(law: Callable[..., Any], part: Module, *arrays: Any, static: tuple = ()) -> Any:
-    """Evaluate `law(part, *arrays, *static)` by NumPy, or compiled by JAX.
+def evaluate(law: Callable[..., Any], module: Module, *arrays: Any, static: tuple = ()) -> Any:
+    """Evaluate `law(module, *arrays, *static)` by NumPy, or compiled by JAX.
 
     **Arguments:**
 
     - `law`: a pure function of a module.
-    - `part`: the muscle or bundle that it is evaluated for.
+    - `module`: the muscle or bundle that it is evaluated for.
     - `arrays`: numbers or arrays that broadcast [SI].
     - `static`: hashable arguments that decide the result's shape.
 
     **Returns:** the law's result [SI]: NumPy's where all arguments are NumPy's, else JAX's.
     """
-    if not (part.is_numpy and is_numpy(*arrays)):
-        return jax_backend().compile_law(law, static)(part, *arrays)
+    if not (module.is_numpy and is_numpy(*arrays)):
+        return jax_backend().compile_law(law, static)(module, *arrays)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        return _numpy(law(part, *arrays, *static))
+        return _as_numpy(law(module, *arrays, *static))
 
 
-def primal_numpy(*things: Any) -> tuple | None:
-    """Values as NumPy's where they are traced for their derivatives alone, else `None`.
-
-    **Arguments:** `things`: modules and arrays [SI].
-
-    **Returns:** their values without derivatives [SI].
-    """
-    if is_concrete(things) or not is_concrete(stopped := stop_gradient(things)):
+def primal_numpy(*trees: Any) -> tuple | None:
+    """NumPy's values of `trees` [SI] that are traced for their derivatives alone, else `None`."""
+    if is_concrete(trees) or not is_concrete(primal := stop_gradient(trees)):
         return None
-    return to_numpy(stopped)
+    return to_numpy(primal)
 
 
-def _numpy(result: Any) -> Any:
-    """Convert a `result` to NumPy's arrays and scalars."""
+def _as_numpy(result: Any) -> Any:
     if isinstance(result, tuple):
-        return type(result)(*map(_numpy, result))
+        return type(result)(*map(_as_numpy, result))
     return np.asarray(result)[()]
 
 
-def stop_gradient(values: Any) -> Any:
-    """A tree of arrays without derivatives."""
-    if type(values) in NUMPY_TYPES or is_numpy(*tree_leaves(values)):
-        return values
-    return tree_map(_stop_leaf, values)
+def stop_gradient(tree: Any) -> Any:
+    """A `tree` of arrays [any unit] without derivatives."""
+    if type(tree) in NUMPY_TYPES or only_numpy_loaded() or is_numpy(*tree_leaves(tree)):
+        return tree
+    return tree_map(_stop_leaf, tree)
 
 
 def _stop_leaf(x: Any) -> Any:

@@ -1,7 +1,7 @@
-"""A constant of a law, declared once, for all who read it.
+"""Constants of laws, each declared once, beside its law's equation.
 
 Constructors check it, files read and write it, fits move it, the explorer has a field for it and
-the docs a row in a table: all from one declaration beside the law's equation,
+the docs a row in a table, all from one declaration:
 
     force_factor: Batch = Constant(
         "force_factor", "f_F", "number", (1e-4, 0.1, 10.0, 1e4), POSITIVE, 1.0,
@@ -23,8 +23,8 @@ from .validation import Range, check_choice, check_finite, check_plausible, chec
 
 
 class Transform(NamedTuple):
-    """The scale on which a fit moves a constant: the `coordinate` of a value, and the `value`
-    back; whether its interval is `even` about the value, not in the coordinate.
+    """Scale of a constant in a fit: the `coordinate` of a value, and the `value` of a coordinate;
+    `even`: true where its interval is even about the value, not in the coordinate.
     """
 
     coordinate: Callable[[Batch], Batch]
@@ -36,33 +36,29 @@ POSITIVE = Transform(log, exp)
 
 
 def symmetric_scale(scale: float) -> Transform:
-    """The scale of a constant of either sign, on which `scale` [SI] is a large step."""
+    """Scale of a constant of either sign, on which `scale` [SI] is a large step."""
     return Transform(lambda value: value / scale, lambda z: z * scale, even=True)
 
 
-_BEYOND = 0.1  # past 0 and 1 goes a logistic curve, so that a fit can begin at either
+def log1p_scale(scale: float) -> Transform:
+    """Scale of a constant that is zero or more, even below `scale` [SI], logarithmic above."""
+    return Transform(
+        lambda value: log1p(value / scale), lambda z: where(z >= 0, scale * expm1(z), 0.0)
+    )
 
 
-def _coordinate_of_share(share: Batch) -> Batch:
-    return log((1 + _BEYOND) * (_BEYOND + share) / (_BEYOND * (1 + _BEYOND - share)))
+_MARGIN = 0.1  # the logistic curve passes 0 and 1 by this much, so that a fit can begin at either
 
 
-def _share(z: Batch) -> Batch:
-    value = _BEYOND * (1 + _BEYOND) * expm1(z) / (1 + _BEYOND * (1 + exp(z)))
+def _fraction(z: Batch) -> Batch:
+    value = _MARGIN * (1 + _MARGIN) * expm1(z) / (1 + _MARGIN * (1 + exp(z)))
     return where(z >= 0, where(value < 1, value, 1.0), 0.0)
 
 
 # of a constant from 0 to 1, both of which it can be
-SHARE = Transform(_coordinate_of_share, _share)
-
-
-def log1p_scale(scale: float) -> Transform:
-    """The scale of a constant that is zero or more, even below `scale` [SI], logarithmic above."""
-
-    def value(z: Batch) -> Batch:
-        return where(z >= 0, scale * expm1(z), 0.0)
-
-    return Transform(lambda value: log1p(value / scale), value)
+SHARE = Transform(
+    lambda x: log((1 + _MARGIN) * (_MARGIN + x) / (_MARGIN * (1 + _MARGIN - x))), _fraction
+)
 
 
 @dataclass(frozen=True)
@@ -72,11 +68,11 @@ class Constant:
     - `name`: of the argument and of the key in files.
     - `symbol`: in TeX.
     - `dimension`: a key of `units.DIMENSIONS`.
-    - `bounds`: the least that can be, the low and high ends of what is usual, the largest that
-      can be [SI]; it must be positive where the least one is.
-    - `transform`: for fits; `None` where none moves it.
-    - `default`: where it is left out [SI]; `None` where it can't be.
-    - `about`: what it is, in a few words.
+    - `bounds`: the least possible, the low and high ends of the usual, the largest possible [SI];
+      a constant whose least one is positive must be positive.
+    - `transform`: scale in fits; `None` for a constant that no fit moves.
+    - `default`: value of a constant that is left out [SI]; `None` for a required one.
+    - `about`: meaning, in a few words.
     - `source`: author and year.
     """
 
@@ -103,14 +99,14 @@ class Constant:
 
         **Raises:** `ValueError`, one line, for an impossible value; an unusual one warns.
         """
-        known = self.range
-        check = check_positive if known.least > 0 else check_finite
-        return check_plausible(check(value, self.name, known.unit), self.name, known)
+        limits = self.range
+        check = check_positive if limits.least > 0 else check_finite
+        return check_plausible(check(value, self.name, limits.unit), self.name, limits)
 
     def field(self) -> Any:
-        """Field of a law that is checked when set, and holds the constant in its metadata."""
-        left_out: dict[str, Any] = {} if self.default is None else {"default": self.default}
-        return record(converter=self.validate, constant=self, **left_out)
+        """Field of a law that is checked when set, and has the constant in its metadata."""
+        default = {} if self.default is None else {"default": self.default}
+        return record(converter=self.validate, constant=self, **default)
 
     def plain_field(self) -> Any:
         """Field that its class checks itself, with the constant in its metadata."""
@@ -119,8 +115,8 @@ class Constant:
 
 @dataclass(frozen=True)
 class Switch:
-    """An option of a law, chosen by name: `name` of the argument, its `options`, the first of them
-    where it is left out, what it is `about` and its `source`.
+    """An option of a law, chosen by name: `name` of the argument, its `options`, of which the first
+    is the default, what it is `about` and its `source`.
     """
 
     name: str
@@ -133,5 +129,5 @@ class Switch:
         return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
-        """Field of a law that is checked when set, and holds the switch in its metadata."""
+        """Field of a law that is checked when set, and has the switch in its metadata."""
         return static(default=self.options[0], converter=self.validate, switch=self)

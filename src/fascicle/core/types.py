@@ -1,11 +1,11 @@
-"""Shape vocabulary. `*#batch`: any batch shape, broadcasting like NumPy.
+"""Shapes of arrays in words: a `Batch` is of any shape and broadcasts as NumPy's arrays do.
 
 An `AnyArray` is NumPy's or JAX's, as are single numbers, or a symbol of a library that writes code.
-`Numbers`, `Whole` and `Marks` are of any shape. `Values` is what a caller hands in: a
-number, an array or nested lists; `checks` looks at it.
+`Numbers`, `Whole` and `Marks` are of any shape. `Values` is input: a number, an array, nested lists
+or text with units, which `validation` checks.
 """
 
-# a shape in words, for people: no type checker knows what arrays of several libraries share
+# for people: no type checker knows what arrays of several libraries have in common
 from typing import Annotated as Bool
 from typing import Annotated as Float
 from typing import Annotated as Int

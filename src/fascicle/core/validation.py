@@ -6,9 +6,9 @@ where it entered, or is the caller's own affair.
 Text and pint quantities, `"2 bar"` and `2 * ureg.bar`, become SI numbers here. A bare number is in
 the SI unit that the argument's docstring gives.
 
-A number without a sense of scale is a slip: millimeters read as meters, a prefix too many. What no
-muscle can be is refused; what is possible, but not usual, gets a warning. Between the limits every
-law has a finite value. The limits are wide of what is built:
+An impossible size is refused: millimeters read as meters, a prefix too many. A possible, but
+unusual one gets a warning. Between the limits every law has a finite value. The limits are wide of
+what is built:
 
 - *small*: De Volder, Moers and Reynaerts (2011) made muscles of 1.5 mm in diameter and 22 mm in
   length; thinner ones, of half a millimeter, have been tried;
@@ -31,9 +31,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..units import DIMENSIONS, sample
-from ..units import parse as parsed
-from .array_namespace import FLOATS, as_jax, imported_jax, is_jax_array
+from ..units import DIMENSIONS, parse, sample
+from .array_namespace import FLOATS, NUMPY_SCALARS, as_jax, imported_jax, is_jax_array
 from .errors import InvalidInputError
 from .types import Batch, Values
 
@@ -55,27 +54,25 @@ def check_interval(
 ) -> Batch:
     """Return `value` as floats, NumPy's, refusing anything outside the interval.
 
-    The interval is open unless `closed` says otherwise for its low or high end. Ends may be
-    arrays, which broadcast against the value. `why` completes the rule in words: "to
-    contract"; `remedy` says what to do.
+    Its low and high end are open or `closed`. Ends may be arrays, which broadcast against the
+    value. `why` completes the rule in words: "to contract"; `remedy` says what to do.
     """
     single = type(value) in FLOATS and type(low) is not np.ndarray
     if single and type(high) is not np.ndarray and low < value < high:
-        return np.float64(value + 0.0)  # a single good one, soon
+        return np.float64(value + 0.0)  # no negative zero
     value = to_si(value, name, unit)
     if not is_concrete(value):
         return traced_floats(value)
-    x = _numeric(value, name, unit)
+    x = _as_floats(value, name, unit)
     # written so that NaN is refused too
-    above = (x >= low) if closed[0] else (x > low)
-    below = (x <= high) if closed[1] else (x < high)
-    good = above & below
+    good = ((x >= low) if closed[0] else (x > low)) & ((x <= high) if closed[1] else (x < high))
     if not np.all(good):
         bad, low, high = (float(np.broadcast_to(x, good.shape)[~good][0]) for x in (x, low, high))
-        ends = f"{_number(low)}, {_number(high)}"
+        ends = f"{_number_text(low)}, {_number_text(high)}"
         interval = f"{'[' if closed[0] else '('}{ends}{']' if closed[1] else ')'}"
-        rule = " ".join(part for part in (interval, _shown(unit), why) if part)
-        raise InvalidInputError(name, f"must lie in {rule}", bad, remedy, shown=_amount(bad, unit))
+        rule = f"must lie in {_with_unit(interval, unit)} {why}".rstrip()
+        text = _with_unit(_number_text(bad), unit)
+        raise InvalidInputError(name, rule, bad, remedy, shown=text)
     return x[()]
 
 
@@ -86,13 +83,12 @@ def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Bat
     value = to_si(value, name, unit)
     if not is_concrete(value):
         return traced_floats(value)
-    x = _numeric(value, name, unit)
+    x = _as_floats(value, name, unit)
     good = (x > 0) & np.isfinite(x)
     if not np.all(good):
         bad = float(x[~good].flat[0])
-        raise InvalidInputError(
-            name, "must be positive and finite", bad, remedy, shown=_amount(bad, unit)
-        )
+        text = _with_unit(_number_text(bad), unit)
+        raise InvalidInputError(name, "must be positive and finite", bad, remedy, shown=text)
     return x[()]
 
 
@@ -106,15 +102,15 @@ def match_array_type(value: Values, checked: Batch) -> Batch:
     return as_jax(checked) if is_jax_array(value) else checked
 
 
-def check_choice(name: str, choices: Iterable[str], what: str) -> str:
+def check_choice(name: str, choices: Iterable[str], argument: str) -> str:
     """Return `name` if it is a choice; else refuse it and suggest the nearest."""
     if name in (choices := list(choices)):
         return name
-    known = sorted(choices)
-    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.4)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    remedy = f"{hint}choose one of {', '.join(known)}"
-    raise InvalidInputError(what, f"{name!r} is unknown", name, remedy, shown="")
+    names = sorted(choices)
+    similar = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
+    hint = f"did you mean {similar[0]!r}? " if similar else ""
+    remedy = f"{hint}choose one of {', '.join(names)}"
+    raise InvalidInputError(argument, f"{name!r} is unknown", name, remedy, shown="")
 
 
 def is_concrete(*values: Values) -> bool:
@@ -130,100 +126,92 @@ def traced_floats(value: Values) -> Batch:
     return imported_jax().numpy.asarray(value, dtype=float)
 
 
-def _shown(unit: str) -> str:
-    return "" if unit == "-" else unit
+def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape to which arguments of these `shapes` broadcast, each by its name."""
+    if not any(shapes.values()):
+        return ()
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        for pair in itertools.combinations(shapes, 2):
+            try:
+                np.broadcast_shapes(*(shapes[name] for name in pair))
+            except ValueError:
+                first, second = pair
+                raise InvalidInputError(
+                    second,
+                    f"must broadcast against `{first}`",
+                    None,
+                    "to combine each with each add an axis to one, x[:, None]",
+                    shown=f"the shapes {shapes[second]} and {shapes[first]}",
+                ) from None
+        raise
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     return f"{value:g}".replace("e+0", "e")
 
 
-def _amount(value: float | str, unit: str) -> str:
-    text = value if isinstance(value, str) else _number(value)
-    return " ".join(part for part in (text, _shown(unit)) if part)
+def _with_unit(text: str, unit: str) -> str:
+    return text if unit == "-" else f"{text} {unit}"
 
 
-def _numeric(value: Values, name: str, unit: str) -> np.ndarray:
+def _as_floats(value: Values, name: str, unit: str) -> np.ndarray:
     try:
         x = np.asarray(value)
         if x.dtype.kind not in "fiu":  # a bool or a string is no measurement
             raise TypeError
         return np.asarray(x.astype(float) + 0.0)  # no negative zero
     except (TypeError, ValueError):
-        what = f"numbers in {unit}" if _shown(unit) else "dimensionless numbers"
-        raise InvalidInputError(name, f"takes {what}", value, shown=repr(value)) from None
+        rule = "takes dimensionless numbers" if unit == "-" else f"takes numbers in {unit}"
+        raise InvalidInputError(name, rule, value, shown=repr(value)) from None
 
 
-def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape to which arguments of these `shapes` broadcast, each by its name."""
-    if not any(shapes.values()):
-        return ()  # single numbers, soon
-    try:
-        return np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        one, other = next(
-            pair for pair in itertools.combinations(shapes, 2) if _apart(shapes, pair)
-        )
-    raise InvalidInputError(
-        other,
-        f"must broadcast against `{one}`",
-        None,
-        "for each with each give one an axis more, x[:, None]",
-        shown=f"the shapes {shapes[other]} and {shapes[one]}",
-    )
-
-
-def _apart(shapes: dict[str, tuple[int, ...]], names: tuple[str, str]) -> bool:
-    sizes = zip(*(reversed(shapes[name]) for name in names), strict=False)
-    return any(x != y and 1 not in (x, y) for x, y in sizes)
-
-
-_PLAIN = frozenset({float, int, bool, np.float64, np.int64, np.bool_, np.float32})
-_SPELLED = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
-# of several with one unit, the first
+_SYMBOLS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
+# the first of several with one unit
 _DIMENSIONS = {
     kind.si: name for name, kind in reversed(list(DIMENSIONS.items())) if not kind.unitless
 }  # fmt: skip
 
 
 def to_si(value: Any, name: str, unit: str) -> Any:
-    """A value as SI numbers, where it is written with its unit; anything else as it is.
+    """Convert a value with units to SI numbers; a value without units is returned as it is.
 
     **Arguments:**
 
     - `value`: text such as `"34.5 kPa"`, a pint quantity, or lists and arrays of them.
-    - `name`: what to call it in an error.
-    - `unit`: the SI unit that bare numbers have.
+    - `name`: of the argument, for errors.
+    - `unit`: the SI unit of bare numbers.
 
     **Returns:** numbers [SI].
 
     **Raises:** `ValueError`, one line, for another kind of quantity and for no quantity.
     """
-    if type(value) in _PLAIN:
+    if type(value) in NUMPY_SCALARS:
         return value
-    dimension = "strain" if name == "strain" else _DIMENSIONS.get(unit.translate(_SPELLED))
+    dimension = "strain" if name == "strain" else _DIMENSIONS.get(unit.translate(_SYMBOLS))
     if dimension is None or not has_units(value):
         return value
-    return _numbers(value, name, dimension)
+    return _convert(value, name, dimension)
 
 
 def has_units(value: Any) -> bool:
     """True for text or a pint quantity, and for lists and arrays of them."""
     if isinstance(value, list | tuple):
-        # the kinds first: a long list of numbers is passed over in a glance
-        return not {type(one) for one in value} <= _PLAIN and any(map(has_units, value))
+        # types first: a long list of numbers takes no time
+        return not {type(entry) for entry in value} <= NUMPY_SCALARS and any(map(has_units, value))
     if isinstance(value, np.ndarray):
         return value.dtype.kind in "UO" and any(map(has_units, value.flat))
     return isinstance(value, str) or hasattr(value, "m_as")
 
 
-def _numbers(value: Any, name: str, dimension: str) -> Any:
+def _convert(value: Any, name: str, dimension: str) -> Any:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, str):
-        return parsed(value, dimension, name)
+        return parse(value, dimension, name)
     if isinstance(value, list | tuple):
-        return [_numbers(one, name, dimension) for one in value]
+        return [_convert(entry, name, dimension) for entry in value]
     if not hasattr(value, "m_as"):
         return value
     kind = DIMENSIONS[dimension]
@@ -235,8 +223,8 @@ def _numbers(value: Any, name: str, dimension: str) -> Any:
 
 
 class Range(NamedTuple):
-    """In `unit`, the `least` and the `largest` that can be, and between `low` and `high` what
-    is usual, all in SI.
+    """In `unit`, the `least` and `largest` possible values, and the `low` and `high` end of the
+    usual ones, all in SI.
     """
 
     unit: str
@@ -274,28 +262,11 @@ RANGES: Mapping[str, Range] = MappingProxyType({
 
 
 FAINT_PRESSURE = 1e3  # Pa: 10 cm of water, at which no muscle moves
-_SHOWN: set[str] = set()  # warnings that are shown once
+_WARNED_ONCE: set[str] = set()  # kinds of warnings that aren't repeated
 _BEAM = 7.0  # length over radius, below which beams' theory ends: sections don't stay plane
 # length over radius of a muscle as long as wide. It is warned about, not refused: fits and designs
 # pass through such sizes, and every law is finite there
 _DISK = 2.0
-
-
-def warn_pressure_units(pressure: Any) -> None:
-    """Warn, once, of a `pressure` [Pa] so low that it may be in bar or kPa without a unit.
-
-    A range that begins so low is none of these, nor are zeros.
-    """
-    if "low pressure" in _SHOWN or not is_concrete(pressure) or not np.size(pressure):
-        return
-    highest = float(np.max(np.asarray(pressure)))
-    if 0 < highest < FAINT_PRESSURE:
-        _SHOWN.add("low pressure")
-        meant = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
-        warn_user(
-            f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean"
-            f' "{meant}"? (shown once)'
-        )
 
 
 def warn_user(message: str) -> None:
@@ -306,40 +277,46 @@ def warn_user(message: str) -> None:
     warnings.warn(message, stacklevel=levels)
 
 
+def warn_pressure_units(pressure: Any) -> None:
+    """Warn, once, of a `pressure` [Pa] so low that it may be in bar or kPa without a unit.
+
+    Zeros, and ranges that begin so low, don't warn.
+    """
+    if "low pressure" in _WARNED_ONCE or not is_concrete(pressure) or not np.size(pressure):
+        return
+    highest = float(np.max(np.asarray(pressure)))
+    if 0 < highest < FAINT_PRESSURE:
+        _WARNED_ONCE.add("low pressure")
+        guess = f"{highest:g} {'bar' if highest <= HIGHEST_PRESSURE / 1e5 else 'kPa'}"
+        warn_user(
+            f"Pressure {highest:g} Pa is very low. Bare numbers are in Pa: did you mean"
+            f' "{guess}"? (shown once)'
+        )
+
+
 def disable_pressure_unit_warning() -> None:
     """Switch off the warning of low pressures, where all pressures came with their units."""
-    _SHOWN.add("low pressure")
+    _WARNED_ONCE.add("low pressure")
 
 
 def check_size(value: Values, name: str) -> Batch:
-    """Return `value` as a float array, if it is positive and of a size that can be.
-
-    **Arguments:**
-
-    - `value`: it [SI].
-    - `name`: what it is called, a key of `RANGES`.
-
-    **Returns:** the array [SI].
-
-    **Raises:** `ValueError`, one line, for what can't be; for the unusual there is a warning.
+    """Return a `value` [SI] as floats if it is positive and in the range of its `name`, a key of
+    `RANGES`; warn of an unusual one.
     """
     return check_plausible(check_positive(value, name, RANGES[name].unit), name)
 
 
 def check_signed(value: Values, name: str) -> Batch:
-    """As `size`, for what needn't be positive; `value` [SI], `name`."""
+    """As `check_size`, for a `value` [SI] of either sign."""
     return check_plausible(check_finite(value, name, RANGES[name].unit), name)
 
 
-def check_plausible(value: Any, name: str, known: Range | None = None) -> Any:
-    """Return a `value` [SI], numbers already, if it can be what its `name` says, or what is
-    `known` of it.
-    """
-    known = RANGES[name] if known is None else known
-    if isinstance(value, float) and known.low <= value <= known.high:
-        return value  # a single usual one, soon
-    if is_concrete(value):
-        _within(value, known, name)
+def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
+    """Return a number or array [SI] if it is in `limits`, or else in the range of its `name`."""
+    limits = RANGES[name] if limits is None else limits
+    usual = isinstance(value, float) and limits.low <= value <= limits.high
+    if not usual and is_concrete(value):
+        _check_range(value, limits, name)
     return value
 
 
@@ -355,25 +332,25 @@ def check_count(value: Values, name: str) -> None:
 
 
 def check_braid_angle(braid_angle: Batch) -> None:
-    """Refuse and warn of a `braid_angle` [rad] as `plausible` does, in degrees."""
+    """Refuse an impossible `braid_angle` [rad], warn of an unusual one, in degrees."""
     if is_concrete(braid_angle):
-        _within(np.degrees(np.asarray(braid_angle)), _ANGLE, "braid_angle")
+        _check_range(np.degrees(np.asarray(braid_angle)), _ANGLE, "braid_angle")
 
 
-def _within(value: Values, known: Range, name: str) -> None:
-    x = np.asarray(value, dtype=float)
+def _check_range(value: Values, limits: Range, name: str) -> None:
+    x, unit = np.asarray(value, dtype=float), limits.unit
     # written so that NaN is refused too
-    good = (x >= known.least) & (x <= known.largest)
+    good = (x >= limits.least) & (x <= limits.largest)
     if not np.all(good):
-        rule = _interval(known.least, known.largest, known.unit)
+        rule = f"must lie in {_with_unit(f'[{limits.least:g}, {limits.largest:g}]', unit)}"
         bad = float(x[~good].flat[0])
-        got = _amount(bad, known.unit)
-        raise InvalidInputError(name, f"must lie in {rule}", bad, "check its unit", shown=got)
-    usual = (x >= known.low) & (x <= known.high)
+        text = _with_unit(_number_text(bad), unit)
+        raise InvalidInputError(name, rule, bad, "check its unit", shown=text)
+    usual = (x >= limits.low) & (x <= limits.high)
     if not np.all(usual):
-        rule = _interval(known.low, known.high, known.unit)
-        got = _amount(x[~usual].flat[0], known.unit)
-        warnings.warn(f"`{name}` of {got} is unusual, most lie in {rule}.", stacklevel=5)
+        interval = _with_unit(f"[{limits.low:g}, {limits.high:g}]", unit)
+        text = _with_unit(_number_text(x[~usual].flat[0]), unit)
+        warn_user(f"`{name}` of {text} is unusual, most lie in {interval}.")
 
 
 def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
@@ -381,16 +358,16 @@ def warn_slenderness(length: Batch, outer_radius: Batch) -> None:
 
     **Arguments:** `length`, `outer_radius`: of the muscle [m].
     """
-    message, ratio = _proportions(length, outer_radius)
-    if ratio < _DISK:
-        warn_user(message)
-    elif message and "slenderness" not in _SHOWN:
-        _SHOWN.add("slenderness")
-        warn_user(f"{message} (shown once)")
+    if message := proportions_message(length, outer_radius):
+        if np.min(np.asarray(length) / np.asarray(outer_radius)) < _DISK:
+            warn_user(message)
+        elif "slenderness" not in _WARNED_ONCE:
+            _WARNED_ONCE.add("slenderness")
+            warn_user(f"{message} (shown once)")
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
-    """Warning of a muscle that is too short for its radius; empty where there is nothing to say.
+    """Warning of a muscle that is too short for its radius; empty for others.
 
     **Arguments:**
 
@@ -399,32 +376,18 @@ def proportions_message(length: Batch, outer_radius: Batch) -> str:
 
     **Returns:** one sentence or two.
     """
-    return _proportions(length, outer_radius)[0]
-
-
-def _proportions(length: Batch, outer_radius: Batch) -> tuple[str, float]:
-    """Message, and the least length over radius [-]."""
     if not is_concrete(length, outer_radius):
-        return "", math.inf
+        return ""
     lengths, radii = np.broadcast_arrays(np.asarray(length), np.asarray(outer_radius))
     worst = np.argmin(lengths / radii)
-    ratio = lengths.flat[worst] / radii.flat[worst]
-    if not ratio < _BEAM:
-        return "", ratio
-    sizes = (
-        f"`length` {lengths.flat[worst]:g} m is {ratio:.3g} times `outer_radius`"
-        f" {radii.flat[worst]:g} m:"
-    )
-    if ratio < _DISK:
-        return (
-            f"{sizes} a muscle shorter than it is wide is unusual, and the laws ignore end effects."
-            " Check both units."
-        ), ratio
-    return (
-        f"{sizes} below {_BEAM:g}, beam theory does not apply; results past the free strain are"
+    L0, r0 = lengths.flat[worst], radii.flat[worst]
+    if not L0 / r0 < _BEAM:
+        return ""
+    effect = (
+        "a muscle shorter than it is wide is unusual, and the laws ignore end effects."
+        " Check both units."
+        if L0 / r0 < _DISK
+        else f"below {_BEAM:g}, beam theory does not apply; results past the free strain are"
         " unreliable."
-    ), ratio
-
-
-def _interval(low: float, high: float, unit: str) -> str:
-    return _amount(f"[{low:g}, {high:g}]", unit)
+    )
+    return f"`length` {L0:g} m is {L0 / r0:.3g} times `outer_radius` {r0:g} m: {effect}"

@@ -10,7 +10,7 @@ package before you compile anything.
 """
 
 # ruff: noqa: E402, I001 the option comes before all that imports JAX
-from ..core.jax_settings import enable_whole_loops
+from ..core.lazy import enable_whole_loops
 from ..core.lazy import attach_lazy
 
 enable_whole_loops()

@@ -11,9 +11,9 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..core.errors import InvalidInputError
-from ..core.schema import location_message, validation_message, value_at
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
+from .table_model import location_message, validation_message, value_at
 
 
 # keys of a constructor's arguments, where they differ from the arguments' names

@@ -14,7 +14,6 @@ from ..bundle import Bundle, MotorUnit
 from ..bundle.schemes import name_of
 from ..core.errors import InvalidInputError
 from ..core.parameters import Constant
-from ..core.schema import TableModel, did_you_mean, location_message
 from ..core.validation import check_choice
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
@@ -41,6 +40,7 @@ from .schema import (
     MuscleSection,
     TuningSection,
 )
+from .table_model import TableModel, did_you_mean, location_message
 
 
 _LARGEST_FILE = 1_000_000  # bytes; a muscle takes 500

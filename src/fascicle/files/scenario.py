@@ -11,7 +11,6 @@ from pydantic import BaseModel
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.schema import did_you_mean
 from ..core.validation import check_choice
 from ..dynamics import (
     AntagonisticJoint,
@@ -47,6 +46,7 @@ from .errors import FileLocation, check_kind, validate
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
 from .scenario_schema import PARTS, PUMPED, choose_schema, pump_class
 from .shipped_files import shipped_names, shipped_text
+from .table_model import did_you_mean
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it

@@ -11,7 +11,6 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
-from ..core.schema import Quantity, TableModel, did_you_mean
 from ..dynamics import (
     AntagonisticJoint,
     Coulomb,
@@ -44,6 +43,7 @@ from ..fluid import (
 )
 from ..units import sample
 from .errors import FileLocation
+from .table_model import Quantity, TableModel, did_you_mean
 
 
 _CONTROL_DIMENSIONS = {

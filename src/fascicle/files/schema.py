@@ -22,11 +22,11 @@ from pydantic import (
 )
 
 from ..core.errors import InvalidInputError
-from ..core.schema import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..units import parse, parse_list
+from .table_model import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
 
 
 Length = Annotated[float, Quantity("length")]

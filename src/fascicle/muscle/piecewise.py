@@ -112,7 +112,7 @@ class Piecewise(Module):
         they aren't known.
         """
         E, bladder = self.youngs_modulus, self.tension.bladder
-        column = self.buckling.solved(
+        column = self.buckling.solve(
             Column(
                 tension=self.tension,
                 pressure=pressure,

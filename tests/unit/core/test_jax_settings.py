@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from fascicle.core.jax_settings import enable_whole_loops
+from fascicle.core.lazy import enable_whole_loops
 
 
 OPTION = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=100000000"

@@ -22,7 +22,7 @@ SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3}
 
 @pytest.fixture
 def unwarned(monkeypatch):
-    monkeypatch.setattr(limits, "_SHOWN", set())
+    monkeypatch.setattr(limits, "_WARNED_ONCE", set())
 
 
 @pytest.mark.parametrize(

@@ -94,8 +94,8 @@ def test_traced_ones_print_without_numbers():
         (lambda: setattr(MUSCLE, "wall_thickness", 1e-3), "muscle.replace(wall_thickness=…)"),
         (lambda: setattr(fs.example("kim2021_bundle_1_4"), "scheme", "batch"),
          "bundle.replace(scheme=…)"),
-        (lambda: setattr(MUSCLE.material, "c10", 1e5), "make another one"),
-        (lambda: setattr(MUSCLE, "color", "red"), "a Muscle stays as it was made"),
+        (lambda: setattr(MUSCLE.material, "c10", 1e5), "construct another one"),
+        (lambda: setattr(MUSCLE, "color", "red"), "a Muscle is immutable"),
     ],
 )  # fmt: skip
 def test_an_assignment_says_what_to_write(assign, words):

@@ -29,6 +29,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ...core.array_namespace import add_table_axis, cos
 from ...core.parameters import SHARE, Constant, Switch
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..law import AbstractLaw
@@ -40,22 +41,18 @@ BRAID_SHARE = Constant(
     "braid_share", r"\chi", "number", (0.0, 0.0, 1.0, 1.0), SHARE, 0.0,
     "of the braid's bending stiffness under pressure", "derived here",
 )  # fmt: skip
-
-
 SHEAR = Switch(
     "shear", ("none", "engesser"), "whether the column shears as it bends", "Engesser (1889)"
 )
 _KAPPA = 0.5  # of a thin tube, whose shear flow goes as the sine around it; a solid rod has 6/7
-
-
-# of a strain: a kink found in another compilation may differ in its last bits, and strains that
+# of a strain: a kink computed in another compilation may differ in its last bits, and strains that
 # are meant to be at the kink belong below it
 ROUNDING = 1e-15
 
 
 class Column(NamedTuple):
-    """A muscle at a pressure, as buckling laws see it; `branch`: what the law itself
-    solves for at the pressure, before any strain.
+    """A muscle at a pressure, as buckling laws see it; `branch`: the state of the law that depends
+    on pressure alone.
     """
 
     tension: TunedTension
@@ -100,21 +97,9 @@ class Push(NamedTuple):
     straight: BoolBatch
 
 
-class Buckled(NamedTuple):
-    """A state past the free strain: forces [N], deflection [m], largest moment [N·m]."""
-
-    mesh: Batch
-    bladder: Batch
-    bending: Batch
-    deflection: Batch
-    moment: Batch
-    arc_strain: Batch
-    straight: BoolBatch
-
-
 class AbstractBuckling(AbstractLaw):
-    """A law for the muscle between its free strain and its collapse; `braid_share` [-] is how much
-    of the braid's bending stiffness it counts. One that may shear has a `shear` among its fields.
+    """A law for the muscle between its free strain and its collapse; `braid_share` [-]: counted
+    share of the braid's bending stiffness. A law of columns that may shear has a `shear` field.
 
     `collapses`: whether it asks the collapse law; `symbolic`: whether it can be written as symbols.
     """
@@ -124,18 +109,20 @@ class AbstractBuckling(AbstractLaw):
 
     braid_share: ClassVar[Batch]
 
-    def solved(self, column: Column) -> Column:
+    def solve(self, column: Column) -> Column:
         """The `column` with its stiffness, (B2) and (S1), and its `branch` [-]."""
-        tension, free = column.tension, column.free_strain
-        # what of the pressure reaches the braid
+        tension, EI = column.tension, column.bending_stiffness
+        bladder, free = tension.bladder, column.free_strain * tension.stretch
+        # the pressure that reaches the braid
         P = tension.tuning.effective_pressure(column.pressure)
-        braid = self.braid_share * tension.bladder.braid.bending_stiffness(
-            P, free * tension.stretch
-        )
-        stiffer = column._replace(bending_stiffness=column.bending_stiffness + braid)
+        EI = EI + self.braid_share * bladder.braid.bending_stiffness(P, free)
         if getattr(self, SHEAR.name, SHEAR.options[0]) == "engesser":
-            stiffer = _sheared(stiffer)
-        return stiffer._replace(branch=self.branch(stiffer))
+            G_A = column.axial_stiffness / (2 * (1 + bladder.material.poisson_ratio))
+            S = _KAPPA * G_A + np.pi * bladder.braid.radius_at(free) ** 2 * column.pressure
+            euler = 4 * np.pi**2 * EI / column.free_length**2
+            EI = EI / (1 + euler / S)
+        column = column._replace(bending_stiffness=EI)
+        return column._replace(branch=self.branch(column))
 
     @abc.abstractmethod
     def branch(self, column: Column) -> Any:
@@ -153,11 +140,12 @@ class AbstractBuckling(AbstractLaw):
     def onset(self, column: Column) -> Batch:
         """Strain [-] at which a `column` bows out; inf where it never does."""
 
-    @abc.abstractmethod
     def folds(self, column: Column) -> tuple[Batch, ...]:
-        """Strains [-] past the onset at which the force of a `column` may jump; inf where it
-        doesn't.
+        """Strains [-] past the onset at which the force of a `column` may jump, inf where it
+        doesn't; none for a law of one state.
         """
+        del column
+        return ()
 
     @abc.abstractmethod
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
@@ -167,25 +155,16 @@ class AbstractBuckling(AbstractLaw):
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], `points` points on a new last axis."""
 
-    @abc.abstractmethod
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """True where other equilibria exist at `strain` [-] beside the one followed."""
-
-    def buckled(self, column: Column, strain: BatchLike) -> Buckled:
-        """Forces [N], deflection [m] and moment [N·m] at `strain` [-], at or past free strain."""
-        push, (deflection, moment) = self.push(column, strain), self.bow(column, strain)
-        return Buckled(
-            push.mesh, push.bladder, push.bending, deflection, moment,
-            push.arc_strain, push.straight,
-        )  # fmt: skip
+        """True where other equilibria exist at `strain` [-] beside the one followed; never for a
+        law of one state.
+        """
+        return (strain + 0.0 * column.free_strain) < -np.inf
 
 
-def _sheared(column: Column) -> Column:
-    """A `column` that bends as much more easily as shear makes it, (S1)."""
-    tension, EI = column.tension, column.bending_stiffness
-    bladder = tension.bladder
-    G_A = column.axial_stiffness / (2 * (1 + bladder.material.poisson_ratio))
-    r = bladder.braid.radius_at(column.free_strain * tension.stretch)
-    S = _KAPPA * G_A + np.pi * r**2 * column.pressure
-    euler = 4 * np.pi**2 * EI / column.free_length**2
-    return column._replace(bending_stiffness=EI / (1 + euler / S))
+def cosine_shape(column: Column, strain: BatchLike, y_max: Batch, points: int) -> Centerline:
+    """Centerline [m] of equation (8) [R4] at `strain` [-], with the deflection `y_max` [m]."""
+    along = np.linspace(0.0, 1.0, points)
+    chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
+    y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
+    return Centerline(z=chord * along, y=y)

@@ -47,22 +47,12 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ...core import array_namespace as xp
 from ...core.array_namespace import (
-    add_table_axis,
-    cos,
-    elliptic,
     expand_nodes,
-    isfinite,
-    jacobi,
     logical_and,
-    logical_not,
-    max_nodes,
-    maximum,
     min_nodes,
-    minimum,
     node_axis,
-    polynomial,
-    sqrt,
     sum_nodes,
     where,
 )
@@ -71,13 +61,14 @@ from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Centerline, Column, Push
+from .elliptic import elliptic, jacobi
 
 
 _ENDS_MEET = 0.8261147659879693  # m where 2E = K: the elastica's ends touch
 _EULER = np.pi**2 / 4  # G where it begins to bend
 _ONSET_CELLS = 32  # cells in which the first onset is looked for
-_CURVE_CELLS = 24  # of the curve, in which it is looked for where it turns back
-_SECANT_STEPS = 4  # to where the curve, or its load, turns: known to 1e-12 by then
+_CURVE_CELLS = 24  # of the curve, in which its folds are looked for
+_SECANT_STEPS = 4  # to the extremum of strain or load in a cell: known to 1e-12 by then
 _DEGREE = 16  # of the polynomials: right to 2e-15
 
 
@@ -93,24 +84,24 @@ class Elastica(AbstractBuckling):
     def branch(self, column: Column) -> "_Branch":
         """The onset [-], and the curve (E6) from there down to the free strain."""
         onset = _onset(column)
-        here = stop_gradient(column)
-        return _Branch(onset, _curve(here, _branch_start(stop_gradient(onset)), here.free_strain))
+        fixed = stop_gradient(column)
+        return _Branch(onset, _curve(fixed, _branch_start(stop_gradient(onset)), fixed.free_strain))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
-        at = _bent_state(column, arc)
-        T, chord = at.pull.force, at.chord
+        state = _bent_state(column, arc)
+        pull, T, chord = state.pull, state.pull.force, state.chord
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
-        steep = (at.pull.slope - T * at.chord_slope / chord) / chord
-        slope = steep / guarded(at.strain_slope != 0, at.strain_slope)
+        slope = (pull.slope - T * state.chord_slope / chord) / chord
+        slope = slope / guarded(state.strain_slope != 0, state.strain_slope)
         return Push(
-            mesh=at.pull.mesh,
-            bladder=at.pull.bladder + 0.0 * T,
+            mesh=pull.mesh,
+            bladder=pull.bladder + 0.0 * T,
             bending=where(bent, T / chord - T, 0.0),
-            slope=where(bent, slope, at.pull.slope),
+            slope=where(bent, slope, pull.slope),
             arc_strain=arc,
-            straight=logical_not(bent),
+            straight=xp.logical_not(bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -128,13 +119,11 @@ class Elastica(AbstractBuckling):
         """The strain [-] at which the curve turns back past its onset; inf where it doesn't."""
         onset, curve = column.branch
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
-        half = _first_bracket(curve, cut < curve.start.strain, end < cut)
-        # where it turns the strain is flat over the arc, which needs no slope of its own
-        fold = _bent_state(column, half.start).strain
-        turns = logical_and(
-            logical_and(half.found, isfinite(onset)), half.start < stop_gradient(onset)
-        )
-        return (where(turns, fold, np.inf),)
+        bracket = _first_bracket(curve, cut < curve.start.strain, end < cut)
+        # the strain is flat over the arc at a fold, which needs no slope of its own
+        fold = _bent_state(column, bracket.start).strain
+        exists = logical_and(bracket.exists, xp.isfinite(onset))
+        return (where(logical_and(exists, bracket.start < stop_gradient(onset)), fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which the largest moment is `moment` [N·m]; inf if never.
@@ -142,29 +131,30 @@ class Elastica(AbstractBuckling):
         The moment fixes $m$ alone, $m$ the arc's load on the branch, and both the strain. A
         moment that is jumped over, at the onset or at a fold, is reached where the jump begins.
         """
-        begun, curve = column.branch
-        ever, fits = isfinite(begun), _fits()
-        onset = guarded(ever, begun, 0.0)
+        onset, curve = column.branch
+        buckles, fits = xp.isfinite(onset), _fits()
+        onset = guarded(buckles, onset, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
-        reached = logical_and(bend <= fits.largest_bend, ever)
-        load = fits.load(guarded(reached, bend, 0.5)) + 0.0 * onset
-        held = stop_gradient(load)
-        half = _first_bracket(curve, *(expand_nodes(end.load, held) <= held for end in curve[1:]))
-        arc = root(_load_residual, (column, load), half.stop, half.start, half.middle)
+        reachable = logical_and(bend <= fits.largest_bend, buckles)
+        load = fits.load(guarded(reachable, bend, 0.5)) + 0.0 * onset
+        fixed = stop_gradient(load)
+        bracket = _first_bracket(
+            curve, *(expand_nodes(points.load, fixed) <= fixed for points in curve[1:])
+        )
+        arc = root(_load_residual, (column, load), bracket.stop, bracket.start, bracket.middle)
         strain = 1 - (1 - arc) * fits.chord(load)[0]
-        return where(reached, maximum(strain, maximum(onset, half.farthest)), np.inf)
+        return where(reachable, xp.maximum(strain, xp.maximum(onset, bracket.farthest)), np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _bent_arc(column, strain)
-        k, _ = _modulus(bent, _bent_state(column, arc).load)
-        k = add_table_axis(k)
+        k = xp.add_table_axis(_modulus(bent, _bent_state(column, arc).load)[0])
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
-        scale = add_table_axis(column.rest_length * (1 - arc)) / (4 * integrals.K)
+        scale = xp.add_table_axis(column.rest_length * (1 - arc)) / (4 * integrals.K)
         # below the axis, as (8) is drawn
-        return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - cos(phase)))
+        return Centerline(z=scale * (2 * epsilon - u), y=-2 * k * scale * (1 - xp.cos(phase)))
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """True where other equilibria exist at `strain` [-] beside the one followed.
@@ -173,23 +163,21 @@ class Elastica(AbstractBuckling):
         an equilibrium while $G < \\pi^2/4$. Where $G$ is larger (E6) is taken on as
         $\\varepsilon = \\varepsilon_a$, which crosses `strain` once, as it must.
         """
-        here, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
-        crossed = 0.0 * eps
-        for curve in (
-            here.branch.curve,
-            _curve(here, _branch_start(here.branch.onset), LARGEST_STRAIN),
-        ):
-            past = [expand_nodes(end.strain, eps) > eps for end in curve]
-            for one, other in pairwise(past):
-                crossed = crossed + sum_nodes(where(one != other, 1.0, 0.0))
-        straight = where(_bent_state(here, eps).load < _EULER, 1.0, -1.0)
+        fixed, eps = stop_gradient(column), stop_gradient(strain + 0.0 * column.free_strain)
+        domain_end = _curve(fixed, _branch_start(fixed.branch.onset), LARGEST_STRAIN)
+        count = 0.0 * eps
+        for curve in (fixed.branch.curve, domain_end):
+            is_past = [expand_nodes(points.strain, eps) > eps for points in curve]
+            for first, second in pairwise(is_past):
+                count = count + sum_nodes(where(first != second, 1.0, 0.0))
+        straight = where(_bent_state(fixed, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
-        return logical_and(crossed + straight > 1.5, eps > here.free_strain)
+        return logical_and(count + straight > 1.5, eps > fixed.free_strain)
 
 
 class _State(NamedTuple):
-    """A bent state by its arc: what the tension law says, the load $G$, the chord $c$ and the
-    strain [-], with slopes by the arc's strain.
+    """A bent state by its arc: pull of the tension law, load $G$, chord $c$ and strain [-], with
+    slopes in the arc's strain.
     """
 
     pull: Pull
@@ -215,19 +203,19 @@ def _bent_state(column: Column, arc: Batch) -> _State:
 
 def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Residual of an arc's load [-], and its slope."""
-    column, wanted = theta
-    at = _bent_state(column, arc)
-    return wanted - at.load, -at.load_slope
+    column, target = theta
+    state = _bent_state(column, arc)
+    return target - state.load, -state.load_slope
 
 
 def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Residual of the strain of a bent state [-], and its slope."""
-    column, wanted = theta
-    at = _bent_state(column, arc)
-    return at.strain - wanted, at.strain_slope
+    column, target = theta
+    state = _bent_state(column, arc)
+    return state.strain - target, state.strain_slope
 
 
-class _End(NamedTuple):
+class _Points(NamedTuple):
     """Starts, cuts or ends of the curve's cells: arc, strain and load [-], cells first."""
 
     arc: Batch
@@ -236,13 +224,11 @@ class _End(NamedTuple):
 
 
 class _Curve(NamedTuple):
-    """A stretch of (E6) in cells. Each half of a cell is monotone: where the curve turns back
-    in a cell, that is where it is cut.
-    """
+    """A stretch of (E6) in cells, each cut at its extremum: each half of a cell is monotone."""
 
-    start: _End
-    cut: _End
-    end: _End
+    start: _Points
+    cut: _Points
+    end: _Points
 
 
 class _Branch(NamedTuple):
@@ -253,14 +239,14 @@ class _Branch(NamedTuple):
 
 
 class _Bracket(NamedTuple):
-    """Half a cell, by the arc's strain at its `start` and `stop` [-], and the `farthest` strain
-    [-] at the ends of those before it; whether it is what was looked for.
+    """Half a cell, from arc `start` to `stop` [-]; the `farthest` strain [-] at the ends of those
+    before it; whether it `exists`.
     """
 
     start: Batch
     stop: Batch
     farthest: Batch
-    found: BoolBatch
+    exists: BoolBatch
 
     @property
     def middle(self) -> Batch:
@@ -270,73 +256,71 @@ class _Bracket(NamedTuple):
 
 def _onset(column: Column) -> Batch:
     """First strain [-] at which the straight muscle buckles; inf where it never does."""
-    here = stop_gradient(column)
-    free = here.free_strain
+    fixed = stop_gradient(column)
+    free = fixed.free_strain
     # a free strain past the domain's end would leave cells of no length
-    span = maximum(LARGEST_STRAIN - free, 1e-3)
+    span = xp.maximum(LARGEST_STRAIN - free, 1e-3)
     # squares: a slender muscle buckles just past its free strain
     rank = node_axis(np.arange(float(_ONSET_CELLS)), free)
-    one, other = (free + span * ((rank + i) / _ONSET_CELLS) ** 2 for i in (0.0, 1.0))
+    low, high = (free + span * ((rank + i) / _ONSET_CELLS) ** 2 for i in (0.0, 1.0))
     # a load that rises and falls again within a cell may be large enough in between
-    curve = _subdivide(here, one, other, lambda at: at.load_slope)
-    half = _first_bracket(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
-    ever = logical_and(half.found, free < LARGEST_STRAIN)
-    target = where(ever, _EULER, 0.0)
-    strain = root(_load_residual, (column, target), half.start, half.stop, half.middle)
-    return where(ever, strain, np.inf)
+    curve = _subdivide(fixed, low, high, lambda state: state.load_slope)
+    bracket = _first_bracket(curve, curve.cut.load >= _EULER, curve.end.load >= _EULER)
+    buckles = logical_and(bracket.exists, free < LARGEST_STRAIN)
+    theta = (column, where(buckles, _EULER, 0.0))
+    strain = root(_load_residual, theta, bracket.start, bracket.stop, bracket.middle)
+    return where(buckles, strain, np.inf)
 
 
 def _curve(column: Column, top: Batch, bottom: BatchLike) -> _Curve:
     """(E6) from the arc strain `top` [-] to `bottom` [-]."""
     rank = node_axis(np.arange(float(_CURVE_CELLS)), top)
-    one, other = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
-    return _subdivide(column, one, other, lambda at: at.strain_slope)
+    low, high = (top - (top - bottom) * ((rank + i) / _CURVE_CELLS) for i in (0.0, 1.0))
+    return _subdivide(column, low, high, lambda state: state.strain_slope)
 
 
 def _branch_start(onset: Batch) -> Batch:
     """Arc strain at which the branch begins [-]; the end of the domain where it doesn't."""
-    return guarded(isfinite(onset), onset, LARGEST_STRAIN)
+    return guarded(xp.isfinite(onset), onset, LARGEST_STRAIN)
 
 
-def _subdivide(
-    column: Column, one: Batch, other: Batch, slope: Callable[[_State], Batch]
-) -> _Curve:
-    """Cells from `one` to `other` arc [-], cut where a `slope` vanishes, by secants; else in the
-    middle. What turns there is known to the square of the place's error.
+def _subdivide(column: Column, low: Batch, high: Batch, slope: Callable[[_State], Batch]) -> _Curve:
+    """Cells from `low` to `high` arc [-], cut where a `slope` vanishes, by secants, else in the
+    middle. The error of the extremum is the square of the cut's.
     """
-    start, end = _bent_state(column, one), _bent_state(column, other)
-    a, b = (one, slope(start)), (other, slope(end))
-    turns = a[1] * b[1] < 0
-    place = 0.5 * (one + other)
-    at = _bent_state(column, place)
+    start, end = _bent_state(column, low), _bent_state(column, high)
+    a, b = (low, slope(start)), (high, slope(end))
+    crosses = a[1] * b[1] < 0
+    cut = 0.5 * (low + high)
+    state = _bent_state(column, cut)
     for _ in range(_SECANT_STEPS):
-        here = (place, slope(at))
-        same = (here[1] > 0) == (a[1] > 0)
-        a, b = (
-            tuple(where(moves, new, old) for new, old in zip(here, side, strict=True))
-            for moves, side in ((same, a), (logical_not(same), b))
-        )
-        share = guarded(turns, a[1]) / guarded(turns, a[1] - b[1], 2.0)
-        place = where(turns, a[0] + share * (b[0] - a[0]), place)
-        at = _bent_state(column, place)
-    ends = ((one, start), (place, at), (other, end))
-    return _Curve(*(_End(arc, state.strain, state.load) for arc, state in ends))
+        point = (cut, slope(state))
+        beside_a = (point[1] > 0) == (a[1] > 0)
+        beside_b = xp.logical_not(beside_a)
+        a = tuple(where(beside_a, new, old) for new, old in zip(point, a, strict=True))
+        b = tuple(where(beside_b, new, old) for new, old in zip(point, b, strict=True))
+        fraction = guarded(crosses, a[1]) / guarded(crosses, a[1] - b[1], 2.0)
+        cut = where(crosses, a[0] + fraction * (b[0] - a[0]), cut)
+        state = _bent_state(column, cut)
+    ends = ((low, start), (cut, state), (high, end))
+    return _Curve(*(_Points(arc, point.strain, point.load) for arc, point in ends))
 
 
-def _first_bracket(curve: _Curve, cut: BoolBatch, end: BoolBatch) -> _Bracket:
-    """The first half cell at whose end something holds; the last one where it never does."""
-    rank = node_axis(np.arange(float(curve.start.arc.shape[0])), min_nodes(where(end, 0.0, 0.0)))
-    half, whole = (min_nodes(where(holds, rank, np.inf)) for holds in (cut, end))
-    cell = minimum(minimum(half, whole), curve.start.arc.shape[0] - 1.0)
-    early = half <= cell  # it ends at the cut
-    here = rank == cell
-    start, middle, stop = (sum_nodes(where(here, expand_nodes(x.arc, cell), 0.0)) for x in curve)
-    at_cut, at_end = (expand_nodes(x.strain, cell) for x in curve[1:])
-    behind = where(logical_and(here, logical_not(early)), at_cut, -np.inf)
-    farthest = max_nodes(where(rank < cell, maximum(at_cut, at_end), behind))
+def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Bracket:
+    """The first half cell at whose end a condition holds; the last one where it never does."""
+    count = curve.start.arc.shape[0]
+    rank = node_axis(np.arange(float(count)), min_nodes(where(at_end, 0.0, 0.0)))
+    first_cut, first_end = (min_nodes(where(x, rank, np.inf)) for x in (at_cut, at_end))
+    cell = xp.minimum(xp.minimum(first_cut, first_end), count - 1.0)
+    ends_at_cut = first_cut <= cell
+    is_cell = rank == cell
+    start, cut, end = (sum_nodes(where(is_cell, expand_nodes(x.arc, cell), 0.0)) for x in curve)
+    cut_strain, end_strain = (expand_nodes(x.strain, cell) for x in curve[1:])
+    previous = where(logical_and(is_cell, xp.logical_not(ends_at_cut)), cut_strain, -np.inf)
+    farthest = xp.max_nodes(where(rank < cell, xp.maximum(cut_strain, end_strain), previous))
     return _Bracket(
-        where(early, start, middle), where(early, middle, stop), farthest,
-        isfinite(minimum(half, whole)),
+        where(ends_at_cut, start, cut), where(ends_at_cut, cut, end), farthest,
+        xp.isfinite(xp.minimum(first_cut, first_end)),
     )  # fmt: skip
 
 
@@ -345,9 +329,11 @@ def _bent_arc(column: Column, strain: BatchLike) -> tuple[BoolBatch, Batch]:
     onset, curve = column.branch
     bent = strain > onset + ROUNDING
     eps = guarded(bent, strain, LARGEST_STRAIN)
-    wanted = stop_gradient(eps)
-    half = _first_bracket(curve, *(expand_nodes(end.strain, wanted) >= wanted for end in curve[1:]))
-    arc = root(_strain_residual, (column, eps), half.stop, half.start, half.middle)
+    fixed = stop_gradient(eps)
+    bracket = _first_bracket(
+        curve, *(expand_nodes(points.strain, fixed) >= fixed for points in curve[1:])
+    )
+    arc = root(_strain_residual, (column, eps), bracket.stop, bracket.start, bracket.middle)
     return bent, where(bent, arc, strain)
 
 
@@ -375,17 +361,17 @@ class _Fits:
     def chord(self, load: Batch) -> tuple[Batch, Batch]:
         """$c$ [-] and its slope at a load $G$ [-]; 1 and 0 where it doesn't bend."""
         bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
-        inside = maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
-        chord, slope = polynomial(self._chord, _scale_to_unit(inside, _EULER))
+        inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
+        chord, slope = _polynomial(self._chord, _scale_to_unit(inside, _EULER))
         return where(bends, chord, 1.0), where(bends, slope * 2 / _EULER, 0.0)
 
     def parameter(self, load: Batch) -> Batch:
         """$m$ [-] at a load $G$ [-]."""
-        return polynomial(self._m, _scale_to_unit(load, _EULER))[0]
+        return _polynomial(self._m, _scale_to_unit(load, _EULER))[0]
 
     def load(self, bend: Batch) -> Batch:
         """$G$ [-] at $kK$ of `bend` [-]."""
-        return polynomial(self._load, _scale_to_unit(bend**2, self.largest_bend**2))[0]
+        return _polynomial(self._load, _scale_to_unit(bend**2, self.largest_bend**2))[0]
 
 
 @cache
@@ -394,8 +380,16 @@ def _fits() -> _Fits:
 
 
 def _scale_to_unit(x: Batch, end: float) -> Batch:
-    """0 to `end` as -1 to 1 [-]."""
+    """Map 0 to `end` to -1 to 1."""
     return x * (2 / end) - 1
+
+
+def _polynomial(coefficients: tuple[float, ...], x: Batch) -> tuple[Batch, Batch]:
+    """Polynomial of `x`, lowest power first, and its slope, by Horner's scheme."""
+    value, slope = coefficients[-1] + 0.0 * x, 0.0 * x
+    for term in coefficients[-2::-1]:
+        value, slope = value * x + term, slope * x + value
+    return value, slope
 
 
 def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
@@ -403,5 +397,5 @@ def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     m = _fits().parameter(guarded(bent, load, _EULER))
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
     curved = logical_and(bent, m > 0)
-    k = where(curved, sqrt(guarded(curved, m)), 0.0)
+    k = where(curved, xp.sqrt(guarded(curved, m)), 0.0)
     return k, elliptic(k**2).K

@@ -50,26 +50,28 @@ times too stiff at $\xi = 0.1$, twice at 0.2. **Source:** Kim, Mazzoleni and Bry
 from typing import ClassVar
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval
 
-from ...core.array_namespace import (
-    add_table_axis,
-    array_namespace,
-    chebyshev_sum,
-    cos,
-    sqrt,
-    where,
-)
+from ...core.array_namespace import array_namespace, sqrt, where
 from ...core.roots import root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, SHEAR, AbstractBuckling, Centerline, Column, Push
+from .buckling_law import (
+    BRAID_SHARE,
+    SHEAR,
+    AbstractBuckling,
+    Centerline,
+    Column,
+    Push,
+    cosine_shape,
+)
 
 
-_LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak is taken where it is at the end
+_LEAST, _MOST = 0.1, 1e5  # slenderness c: outside, the peak of the nearer end is taken
 _NOTHING = 1e-100  # no moment, no compression: but still their ratio
 _EARLY = 0.25  # a compression well before any peak
-# Chebyshev series of the peak's place in 1/(1 + c^(1/4)), fitted to a search on ever finer grids:
-# the place to 6e-6, and so its height to 1e-8 of itself (a test holds it)
+# Chebyshev series of the peak's compression in 1/(1 + c^(1/4)), fitted to a search on ever finer
+# grids: right to 6e-6, and so the peak's height to 1e-8 of itself (a test checks it)
 _PEAK_SERIES = (
     0.64266812, -0.21418739, 0.08224031, -0.00212971, -0.01147222, 0.00214270, 0.00213243,
     -0.00074331, -0.00045913, 0.00024879, 0.00010188, -0.00008287, -0.00002187, 0.00002835,
@@ -93,24 +95,24 @@ class Kim2021(AbstractBuckling):
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (16) and (27)."""
         eps_f, EA, c = column.free_strain, column.axial_stiffness, _slenderness(column)
-        # a quotient by what all strains share would be a division for each of them
+        # a quotient of numbers that all strains have in common would be a division for each strain
         xi = (strain - eps_f) * (1 / (1 - eps_f))
         v = bow_ratio(c, xi)
         shortening = xi * (1 - xi * v)  # ξ w = 2l/L_fs
         arc = eps_f + shortening * (1 - eps_f)
-        taut, free = column.pull(arc), column.branch
+        pull = column.pull(arc)
         bending = -EA * shortening * (1 - xi) / (1 - shortening)
         # slopes in ξ, v's from the equation that it solves
         per_xi = c * (1 - xi) ** 4 / (1 + xi)
-        fall = -c * (1 - xi) ** 3 * (5 + 3 * xi) / (1 + xi) ** 2
-        v_slope = -bow_residual_slope(per_xi, fall, xi, v) / bow_residual(per_xi, xi, v)[1]
-        growth = 1 - xi * (2 * v + xi * v_slope)
+        per_xi_slope = -c * (1 - xi) ** 3 * (5 + 3 * xi) / (1 + xi) ** 2
+        _, by_v, by_xi = bow_residual(per_xi, per_xi_slope, xi, v)
+        growth = 1 - xi * (2 * v + xi * (-by_xi / by_v))
         stiffening = growth * (1 - xi) / (1 - shortening) ** 2 - shortening / (1 - shortening)
         return Push(
-            mesh=taut.mesh,
-            bladder=free.bladder + 0.0 * shortening,
+            mesh=pull.mesh,
+            bladder=column.branch.bladder + 0.0 * shortening,
             bending=bending,
-            slope=taut.mesh_slope * growth - EA * stiffening / (1 - eps_f),
+            slope=pull.mesh_slope * growth - EA * stiffening / (1 - eps_f),
             arc_strain=arc,
             straight=shortening < -np.inf,  # never
         )
@@ -127,27 +129,14 @@ class Kim2021(AbstractBuckling):
         """The free strain [-]: the law lets the bladder bow at once."""
         return column.free_strain
 
-    def folds(self, column: Column) -> tuple[Batch, ...]:
-        """No strains [-] for any `column`: one state follows the other."""
-        del column
-        return ()
-
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if its peak is lower [R7]."""
-        xi, reached = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
-        return where(reached, column.free_strain + xi * (1 - column.free_strain), np.inf)
+        xi, exists = compression_at_moment(_slenderness(column), moment / _moment_unit(column))
+        return where(exists, column.free_strain + xi * (1 - column.free_strain), np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
-        y_max, _ = self.bow(column, strain)
-        along = np.linspace(0.0, 1.0, points)
-        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
-        y = add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
-        return Centerline(z=chord * along, y=y)
-
-    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Never: the law gives one state at each strain [-]."""
-        return (strain + 0.0 * column.free_strain) < -np.inf
+        return cosine_shape(column, strain, self.bow(column, strain)[0], points)
 
 
 def _slenderness(column: Column) -> Batch:
@@ -167,63 +156,50 @@ def bow_ratio(c: BatchLike, xi: BatchLike) -> Batch:
     To rounding for $\\xi \\le 0.9$, to 1e-13 up to 0.999.
     """
     per = 1 / ((1 + xi) * (2 - xi))
-    per_xi, share = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
+    per_xi, inverse = c * (1 - xi) ** 4 * (2 - xi) * per, (1 + xi) * per
     # h is 1/ρ where b = 0, and 1 where b is large; between, the numbers are fitted to 2.4 % of
     # y = u/b, of which one step of Halley's leaves 3e-5, two rounding
     b, x = stop_gradient(xi * per_xi), stop_gradient(xi)
     rho = sqrt(0.5 * (1 - x) * (2 - x))
-    under = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
-    y = under / (b * under + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
-    for _ in range(2):  # here derivatives go along, right up to the third
-        y = _halley_step(xi * per_xi, xi, share, y)
+    denominator = rho + b * (0.51 + 0.755 * rho + 2.293 * b)
+    y = denominator / (b * denominator + 1 + b * (1.825 - 0.615 * rho + 2.293 * b))
+    for _ in range(2):  # these have derivatives, right up to the third
+        y = _halley_step(xi * per_xi, xi, inverse, y)
     return per_xi * y
 
 
-def _halley_step(b: BatchLike, xi: BatchLike, share: BatchLike, y: BatchLike) -> Batch:
+def _halley_step(b: BatchLike, xi: BatchLike, inverse: BatchLike, y: BatchLike) -> Batch:
     """One step of Halley's from $y = u/b$ [-] for the squares of both sides of (16a), over $b^2$:
-    without $h$ there is no root to draw, and one division. `share` is $1/(2 - \\xi)$ [-].
+    without $h$ there is no root to draw, and one division. `inverse` is $1/(2 - \\xi)$ [-].
     """
     w = 1 - b * y
     g, bend = xi * w, b * xi
-    opens, squared = (1 - g) * w, 1 - g * share
-    rise, turn = b * (2 * g - 1), share * bend  # slopes in y of `opens` and `squared`
-    value = opens**2 - y**2 * squared
-    slope = opens * rise - y * (squared + 0.5 * y * turn)  # half of it, and of its own slope
-    curve = rise**2 - 2 * b * bend * opens - squared - 2 * y * turn
-    return y - 2 * value * slope / (4 * slope**2 - value * curve)
+    bow, squared = (1 - g) * w, 1 - g * inverse
+    bow_slope, squared_slope = b * (2 * g - 1), inverse * bend  # in y
+    value = bow**2 - y**2 * squared
+    slope = bow * bow_slope - y * (squared + 0.5 * y * squared_slope)  # half of it and of its slope
+    curvature = bow_slope**2 - 2 * b * bend * bow - squared - 2 * y * squared_slope
+    return y - 2 * value * slope / (4 * slope**2 - value * curvature)
 
 
-def bow_residual(per_xi: BatchLike, xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch]:
-    """Residual of (16a) times its denominators at $v = u/\\xi$ [-], and its slope in $v$ [-].
-
-    `per_xi` is $b/\\xi$ [-], at compression `xi` [-].
+def bow_residual(
+    per_xi: BatchLike, per_xi_slope: BatchLike, xi: BatchLike, v: BatchLike
+) -> tuple[Batch, Batch, Batch]:
+    """Residual of (16a) times its denominators at $v = u/\\xi$ [-], and its slopes in $v$ [-] and,
+    at constant $v$, in `xi` [-]. `per_xi` is $b/\\xi$ [-], `per_xi_slope` its slope in `xi`.
     """
-    w, g, share, squared = _shape_terms(xi, v)
-    per_h = 1 / sqrt(squared)
-    h = squared * per_h
-    return per_xi * (1 - g) * w - v * h, (
-        per_xi * xi * (g - (1 - g)) - h - 0.5 * share * v * xi**2 * per_h
-    )
-
-
-def bow_residual_slope(per_xi: BatchLike, fall: BatchLike, xi: BatchLike, v: BatchLike) -> Batch:
-    """Slope of that residual [-] in `xi` [-], at constant $v$ [-] and $b/\\xi$ of `per_xi` [-]
-    whose slope is `fall` [-].
-    """
-    w, g, share, squared = _shape_terms(xi, v)
-    g_slope = 1 - 2 * xi * v
-    return (
-        fall * (1 - g) * w
-        - per_xi * (g_slope * w + (1 - g) * v)
-        + (0.5 * v * share * (g_slope + g * share) * (1 / sqrt(squared)))
-    )
-
-
-def _shape_terms(xi: BatchLike, v: BatchLike) -> tuple[Batch, Batch, Batch, Batch]:
-    """$w$, $w \\xi$, $1/(2 - \\xi)$, and the square of $h$ times $1 - w \\xi$ [-]."""
     w = 1 - xi * v
-    g, share = xi * w, 1 / (2 - xi)
-    return w, g, share, 1 - g * share
+    g, inverse = xi * w, 1 / (2 - xi)
+    squared = 1 - g * inverse  # of h times 1 - w ξ
+    per_h, g_slope = 1 / sqrt(squared), 1 - 2 * xi * v
+    h = squared * per_h
+    by_v = per_xi * xi * (g - (1 - g)) - h - 0.5 * inverse * v * xi**2 * per_h
+    by_xi = (
+        per_xi_slope * (1 - g) * w
+        - per_xi * (g_slope * w + (1 - g) * v)
+        + (0.5 * v * inverse * (g_slope + g * inverse) * per_h)
+    )
+    return per_xi * (1 - g) * w - v * h, by_v, by_xi
 
 
 def reduced_moment(c: BatchLike, xi: BatchLike) -> Batch:
@@ -232,75 +208,75 @@ def reduced_moment(c: BatchLike, xi: BatchLike) -> Batch:
 
 
 def compression_at_moment(c: BatchLike, target: BatchLike) -> tuple[Batch, BoolBatch]:
-    """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether
-    there is one; where there is none, that of half the peak.
+    """First $\\xi$ [-] whose $\\hat m$ is `target` [-] at slenderness `c` [-], and whether it
+    exists; where it doesn't, that of half the peak.
     """
-    xp = array_namespace(c, target)
     fixed_c, fixed_target = stop_gradient(c), stop_gradient(target)
-    root_c = xp.sqrt(fixed_c)
+    xp = array_namespace(c, target)
+    root_c = sqrt(fixed_c)
     peak = _peak_compression(fixed_c)
-    # at the peak's place (16c) says whether the moment there is larger than the target
+    # at the peak's compression (16c) says whether the moment there is larger than the target
     scale = xp.maximum(fixed_target, _NOTHING) / root_c
-    reached = _moment_residual((fixed_c, scale), peak / scale)[0] <= 0
-    m = xp.where(reached, target, _reachable_moment(fixed_c))
-    kappa = m / xp.sqrt(c)
-    fixed_m = stop_gradient(m)
-    scale = xp.maximum(fixed_m, _NOTHING) / root_c
+    exists = _moment_residual((fixed_c, scale), peak / scale)[0] <= 0
+    # else of a compression before the peak, and too low: 1.5 is more than h, which is at most
+    # 1/(1 - ξ), and so leaves too little that bows
+    per_xi = fixed_c * (1 - _EARLY) ** 4 / (1 + _EARLY)
+    reachable = 0.5 * _EARLY * sqrt(per_xi / (1.5 + _EARLY * per_xi) / (1 - _EARLY) ** 3)
+    m = where(exists, target, reachable)
+    kappa = m / sqrt(c)
+    fixed_m = xp.maximum(stop_gradient(m), _NOTHING)
+    scale = fixed_m / root_c
     start = _start_compression(fixed_c, fixed_m, peak) / scale
-    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / scale, start), reached
+    return kappa * root(_moment_residual, (c, kappa), 1.0, peak / scale, start), exists
 
 
 def _moment_residual(theta: tuple, tau: Batch) -> tuple[Batch, Batch]:
     """Residual of (16c) at $\\tau$, and its slope, both times $h$: divisions count."""
     c, kappa = theta
     xi = kappa * tau
-    free, share = 1 - xi, 1 / (2 - xi)
-    bowed = c * kappa * free**2
-    g_hat, g_slope = tau - bowed * free, 1 + 3 * kappa * bowed
+    free, inverse = 1 - xi, 1 / (2 - xi)
+    bow = c * kappa * free**2
+    g_hat, g_slope = tau - bow * free, 1 + 3 * kappa * bow
     g = kappa * g_hat
-    squared = 1 - g * share
-    h, held = sqrt(squared), tau * g_hat
-    rise = (1 - g) * (free * (g_hat + tau * g_slope) - kappa * held) - g_slope * kappa * free * held
-    turn = squared - 0.5 * (1 + xi) * share * (g_slope + g * share)
-    return (1 + xi) * squared - free * (1 - g) * held * h, kappa * turn - rise * h
+    squared = 1 - g * inverse
+    h, product = sqrt(squared), tau * g_hat
+    rise = (1 - g) * (free * (g_hat + tau * g_slope) - kappa * product)
+    rise = rise - g_slope * kappa * free * product
+    fall = squared - 0.5 * (1 + xi) * inverse * (g_slope + g * inverse)
+    return (1 + xi) * squared - free * (1 - g) * product * h, kappa * fall - rise * h
 
 
 def _start_compression(c: Batch, m: Batch, peak: Batch) -> Batch:
     """Approximate $\\xi$ [-]: the limit of small $\\xi$, then Newton steps of (16a) times its
-    denominators, with $h$ as it is for $b$ at the place before; near the peak they are kept short.
+    denominators, with $h$ of the previous $b$; near the peak they are short.
     """
     xp = array_namespace(c, m, peak)
-    g = xp.maximum(m, _NOTHING) ** 2
-    small = 0.5 * (g + xp.sqrt(g * (g + 4 / c)))
+    g = m**2
+    small = 0.5 * (g + sqrt(g * (g + 4 / c)))
     xi = xp.minimum(small / (1 + 2 * small), peak)  # of 1 - 1/cbrt(1 + 3 small)
     for _ in range(2):
         free = 1 - xi
         cubed = c * free**3
         b = cubed * free * xi
-        held = xi * (1 + xi) / (1 + xi + b)  # w ξ
-        h = (1 - 0.5 * held / (2 - xi)) / (1 - held)
+        shortening = xi * (1 + xi) / (1 + xi + b)  # w ξ
+        h = (1 - 0.5 * shortening / (2 - xi)) / (1 - shortening)
         value = c * xi**2 * free - g * (h * (1 + xi) + b)
         slope = c * xi * (2 - 3 * xi) - g * (h + cubed * (1 - 5 * xi))
-        step = value / xp.where(slope > 0, slope, 1.0)
+        step = value / where(slope > 0, slope, 1.0)
         new = xp.minimum(xp.maximum(xi - step, 0.3 * xi), xp.minimum(1.5 * xi, peak))
-        xi = xp.where(slope > 0, new, peak)
+        xi = where(slope > 0, new, peak)
     return xi
 
 
-def _reachable_moment(c: Batch) -> Batch:
-    """A moment that is surely reached [-]: of a compression before the peak, and too low."""
-    xi, per_xi = _EARLY, c * (1 - _EARLY) ** 4 / (1 + _EARLY)
-    # 1.5 is more than h, which is at most 1/(1 - ξ), and so leaves too little that bows
-    return 0.5 * xi * sqrt(per_xi / (1.5 + xi * per_xi) / (1 - xi) ** 3)
+def _peak_coordinate(c: BatchLike) -> Batch:
+    return 1 / (1 + c**0.25)
+
+
+_LOW, _HIGH = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
 
 
 def _peak_compression(c: BatchLike) -> Batch:
     """The $\\xi$ [-] at which $\\hat m$ is largest at slenderness `c` [-]."""
     xp = array_namespace(c)
-    low, high = _peak_coordinate(_MOST), _peak_coordinate(_LEAST)
     z = _peak_coordinate(xp.minimum(xp.maximum(c, _LEAST), _MOST))
-    return chebyshev_sum(_PEAK_SERIES, (2 * z - low - high) / (high - low))
-
-
-def _peak_coordinate(c: BatchLike) -> Batch:
-    return 1 / (1 + c**0.25)
+    return chebval((2 * z - _LOW - _HIGH) / (_HIGH - _LOW), _PEAK_SERIES)

@@ -22,8 +22,6 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ...core.array_namespace import (
-    add_table_axis,
-    cos,
     isfinite,
     logical_and,
     logical_not,
@@ -37,10 +35,19 @@ from ...core.roots import guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
 from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
-from .buckling_law import BRAID_SHARE, ROUNDING, SHEAR, AbstractBuckling, Centerline, Column, Push
+from .buckling_law import (
+    BRAID_SHARE,
+    ROUNDING,
+    SHEAR,
+    AbstractBuckling,
+    Centerline,
+    Column,
+    Push,
+    cosine_shape,
+)
 
 
-_LARGEST_STRAIN = 0.95  # of strains that are looked at
+_FARTHEST_STRAIN = 0.95  # of the search for an onset or a moment: past the domain
 _CELLS = 96  # cells in which an onset, or a moment, is first looked for
 
 
@@ -65,44 +72,39 @@ class Kim2021Series(AbstractBuckling):
 
     def branch(self, column: Column) -> Batch:
         """The onset [-]: inf where it never bows."""
-        here = stop_gradient(column)
-        free = here.free_strain + 0.0 * here.bending_stiffness
-        ever, low, high = _first_cell(_load_reserve, here, free)
-        found = root(_load_reserve, column, low, high, 0.5 * (low + high))
-        return where(logical_and(ever, found < LARGEST_STRAIN), found, np.inf)
+        fixed = stop_gradient(column)
+        free = fixed.free_strain + 0.0 * fixed.bending_stiffness
+        bows, low, high = _first_cell(_load_reserve, fixed, free)
+        onset = root(_load_reserve, column, low, high, 0.5 * (low + high))
+        return where(logical_and(bows, onset < LARGEST_STRAIN), onset, np.inf)
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (12s)."""
-        at, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
-        T = at.pull.force
-        by_arc = at.pull.slope - 8 * np.pi**2 * EI * L0 / at.chord**3
-        by_strain = 8 * np.pi**2 * EI * L0 * (3 * at.arc - at.chord) / at.chord**4
-        moves = -by_strain / guarded(by_arc != 0, by_arc)
+        state, EI, L0 = _bow_state(column, strain), column.bending_stiffness, column.rest_length
+        T = state.pull.force
+        by_arc = state.pull.slope - 8 * np.pi**2 * EI * L0 / state.chord**3
+        by_strain = 8 * np.pi**2 * EI * L0 * (3 * state.arc - state.chord) / state.chord**4
+        arc_slope = -by_strain / guarded(by_arc != 0, by_arc)
         return Push(
-            mesh=at.pull.mesh,
-            bladder=at.pull.bladder + 0.0 * T,
+            mesh=state.pull.mesh,
+            bladder=state.pull.bladder + 0.0 * T,
             bending=0.0 * T,
-            slope=where(at.bent, at.pull.slope * moves, at.pull.slope),
-            arc_strain=at.arc_strain,
-            straight=logical_not(at.bent),
+            slope=where(state.bent, state.pull.slope * arc_slope, state.pull.slope),
+            arc_strain=state.arc_strain,
+            straight=logical_not(state.bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m], (10) with the shortened arc, and moment [N·m] at `strain` [-]."""
-        at = _bow_state(column, strain)
-        x = at.arc - at.chord
-        bends = logical_and(at.bent, x > 0)
-        y_max = where(bends, 2 / np.pi * sqrt(guarded(bends, x) * at.chord), 0.0)
-        return y_max, 2 * np.pi**2 * column.bending_stiffness * y_max / at.chord**2
+        state = _bow_state(column, strain)
+        x = state.arc - state.chord
+        bends = logical_and(state.bent, x > 0)
+        y_max = where(bends, 2 / np.pi * sqrt(guarded(bends, x) * state.chord), 0.0)
+        return y_max, 2 * np.pi**2 * column.bending_stiffness * y_max / state.chord**2
 
     def onset(self, column: Column) -> Batch:
         """Strain [-] at which the straight muscle bows; inf where it never does."""
         return column.branch
-
-    def folds(self, column: Column) -> tuple[Batch, ...]:
-        """No strains [-] for any `column`: one state follows the other."""
-        del column
-        return ()
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """First strain [-] at which $M_b$ reaches `moment` [N·m]; inf if it never does.
@@ -110,34 +112,25 @@ class Kim2021Series(AbstractBuckling):
         The moment says by how much the arc is longer than each chord, and so its strain.
         """
         theta = (column, (moment / (4 * np.pi * column.bending_stiffness)) ** 2)
-        here, more = stop_gradient(theta)
-        free = here.free_strain + 0.0 * here.bending_stiffness + 0.0 * more
-        ever, low, high = _first_cell(_moment_residual, (here, more), free)
+        fixed, fixed_square = stop_gradient(theta)
+        free = fixed.free_strain + 0.0 * fixed.bending_stiffness + 0.0 * fixed_square
+        exists, low, high = _first_cell(_moment_residual, (fixed, fixed_square), free)
         strain = root(_moment_residual, theta, low, high, 0.5 * (low + high))
-        return where(logical_and(ever, isfinite(column.branch)), strain, np.inf)
+        return where(logical_and(exists, isfinite(column.branch)), strain, np.inf)
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of equation (8) [R4] at `strain` [-]."""
-        y_max, _ = self.bow(column, strain)
-        along = np.linspace(0.0, 1.0, points)
-        chord = add_table_axis(column.rest_length * (1 - strain) + 0.0 * y_max)
-        return Centerline(
-            z=chord * along, y=add_table_axis(y_max) / 2 * (cos(2 * np.pi * along) - 1)
-        )
-
-    def several(self, column: Column, strain: BatchLike) -> BoolBatch:
-        """Never: the law gives one state at each strain [-]."""
-        return (strain + 0.0 * column.free_strain) < -np.inf
+        return cosine_shape(column, strain, self.bow(column, strain)[0], points)
 
 
 def _first_cell(function: Callable, theta: Any, free: Batch) -> tuple[BoolBatch, Batch, Batch]:
-    """Mask where a `function` of `theta` and strain falls below 0 past the `free` one [-], and the
-    ends [-] of the first of `_CELLS` cells at whose end it is; all in the shape of `free`.
+    """Mask of a `function` of `theta` and strain that falls below 0 past the `free` strain [-], and
+    the first of `_CELLS` cells at whose end it has, in the shape of `free`.
     """
     rank = node_axis(np.arange(float(_CELLS)), free)
-    step = (_LARGEST_STRAIN - free) / _CELLS
-    ahead, _ = function(theta, free + step * (rank + 1))
-    cell = min_nodes(where(ahead <= 0, rank, np.inf))
+    step = (_FARTHEST_STRAIN - free) / _CELLS
+    end_value, _ = function(theta, free + step * (rank + 1))
+    cell = min_nodes(where(end_value <= 0, rank, np.inf))
     low = free + step * minimum(cell, _CELLS - 1.0)
     return isfinite(cell), low, low + step
 
@@ -150,7 +143,7 @@ def _load_reserve(column: Column, strain: Batch) -> tuple[Batch, Batch]:
 
 
 def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
-    """By how much the bow holds more than presses the arc [N], and its slope [N]."""
+    """Excess of the bow's force over the compression of the arc [N], and its slope [N]."""
     column, chord = theta
     pull, EI, L0 = column.pull(arc_strain), column.bending_stiffness, column.rest_length
     unit = 4 * np.pi**2 * EI / chord**3
@@ -160,32 +153,24 @@ def _arc_residual(theta: tuple, arc_strain: Batch) -> tuple[Batch, Batch]:
 def _bow_state(column: Column, strain: BatchLike) -> _BowState:
     """The state at `strain` [-]."""
     L0 = column.rest_length
-    # past the onset, and where it doesn't hold straight what presses it
-    presses = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
-    bent = logical_and(strain > column.branch + ROUNDING, presses)
-    eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
-    low = stop_gradient(column.free_strain + 0.0 * eps)
-    arc = root(
-        _arc_residual,
-        (column, L0 * (1 - eps)),
-        low,
-        stop_gradient(eps),
-        0.5 * (low + stop_gradient(eps)),
-    )
-    own = where(bent, arc, strain)
-    return _BowState(bent, own, column.pull(own), L0 * (1 - own), L0 * (1 - strain) + 0.0 * own)
+    # past the onset, where the straight muscle would give way
+    overloaded = _load_reserve(column, strain + 0.0 * column.free_strain)[0] < 0
+    bent = logical_and(strain > column.branch + ROUNDING, overloaded)
+    eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain
+    low, high = stop_gradient((column.free_strain + 0.0 * eps, eps))
+    arc = root(_arc_residual, (column, L0 * (1 - eps)), low, high, 0.5 * (low + high))
+    arc = where(bent, arc, strain)
+    return _BowState(bent, arc, column.pull(arc), L0 * (1 - arc), L0 * (1 - strain) + 0.0 * arc)
 
 
 def _moment_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
-    """Excess of the bow's force over the compression of the arc [N], at a moment, and its slope
-    [N].
-    """
-    column, share = theta
+    """Excess of the bow's force over the compression of the arc at a moment [N], and its slope."""
+    column, square = theta
     EI, L0 = column.bending_stiffness, column.rest_length
     d = L0 * (1 - strain)
-    own, free = 1 - (d + share * d**3) / L0, column.free_strain
-    # a moment that asks for an arc longer than the free one isn't reached there
-    pull = column.pull(where(own > free, own, free))
-    value = pull.force + 4 * np.pi**2 * EI * (1 / d**2 + 2 * share)
-    pressed = where(own > free, pull.slope * (1 + 3 * share * d**2), 0.0)
-    return value, pressed + 8 * np.pi**2 * EI * L0 / d**3
+    arc, free = 1 - (d + square * d**3) / L0, column.free_strain
+    # a moment whose arc is longer than the free one isn't reached there
+    pull = column.pull(where(arc > free, arc, free))
+    value = pull.force + 4 * np.pi**2 * EI * (1 / d**2 + 2 * square)
+    slope = where(arc > free, pull.slope * (1 + 3 * square * d**2), 0.0)
+    return value, slope + 8 * np.pi**2 * EI * L0 / d**3

@@ -1,4 +1,4 @@
-r"""A column whose section ovalizes as it bends: its end load over its shortening, once and for all.
+r"""A column whose section ovalizes as it bends: its end load over its shortening.
 
 A clamped-clamped column of length 1 and bending stiffness 1 has the slope $\theta(\sigma)$ and
 the ovality $\zeta(\sigma)$, both even about its middle, the latter none at its ends. They make
@@ -11,9 +11,8 @@ stationary at a given shortening $w$; the multiplier of the chord is the load $n
 sines and ovality is cosines, each state is found by Newton's method from the one before, and the
 load is a spline over $w$. Walls that touch are held by a spring $10^4$ times $\alpha$.
 
-What it depends on is $\alpha, \beta, \gamma, \zeta_t$. Derivatives by them go along with the
-numbers: compiled, two more of Newton's steps carry those up to the third; at once, first ones come
-from the same equations.
+It depends on $\alpha, \beta, \gamma, \zeta_t$ alone. Compiled, two more of Newton's steps carry
+derivatives by them up to the third.
 
 **Resolved** are layers of ovality some $1/40$ of the length thick. **Source:** derived here.
 """
@@ -31,16 +30,16 @@ from ...core.types import Batch
 _SINES, _COSINES, _POINTS = 24, 40, 112
 _FARTHEST, _NODES = 0.66, 45  # past all strains of the domain
 STEP = _FARTHEST / (_NODES - 1)  # of w, from node to node
-_STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch place after place
+_STEPS = 100  # at most: a few do, and a dozen to fifty where walls touch one after the other
 _TOLERANCE = 1e-9  # of the largest number of a state
 _WALL_PENALTY = 1e4  # times α: the load is some 1e-4 off that of walls that don't sink
 _LARGEST_SLOPE_STEP = 0.25  # of a slope, in a step
 # columns that are followed; more are interpolated between these, which leaves some 1e-6 of a state,
 # and corrected, each time to a tenth of the error or less. Twice as many take twice as long
 _FOLLOWED = 24
-_TOGETHER = 48
-_CORRECTIONS = 6  # at most: where walls touch in other places than a neighbor's do, none converges
-_CORRECTED = 0.1  # of a correction is left
+_GROUP_SIZE = 48  # products this small are done by one thread, sooner than by several
+_CORRECTIONS = 6  # at most: where the touching walls are not the neighbor's, none converges
+_ERROR_RATIO = 0.1  # of a correction, that remains after it
 
 
 class Oval(NamedTuple):
@@ -53,8 +52,8 @@ class Oval(NamedTuple):
 
 
 class States(NamedTuple):
-    """Of the column at each node of $w$, nodes first [-]: its load $n$; over $\\sqrt w$ how far its
-    middle is off, its curvature at the end, and its sines.
+    """Column at each node of $w$, nodes first [-]: its load $n$; over $\\sqrt w$ its
+    deflection in the middle, its curvature at the end, and its sines.
     """
 
     load: Batch
@@ -64,6 +63,8 @@ class States(NamedTuple):
 
 
 class _Basis(NamedTuple):
+    """Sines S and 1 - cosines Z at the points, their slopes, and the weight of a point."""
+
     S: np.ndarray
     S1: np.ndarray
     Z: np.ndarray
@@ -77,10 +78,10 @@ def _basis() -> _Basis:
     """Functions and slopes at points of half the column."""
     sigma = (np.arange(_POINTS) + 0.5)[:, None] / (2 * _POINTS)
     k, j = np.arange(1, _SINES + 1), np.arange(1, _COSINES + 1)
-    at, around = 2 * np.pi * k * sigma, 2 * np.pi * j * sigma
+    s, z = 2 * np.pi * k * sigma, 2 * np.pi * j * sigma
     return _Basis(
-        np.sin(at) / k, 2 * np.pi * np.cos(at),
-        (1 - np.cos(around)) / j**2, 2 * np.pi * np.sin(around) / j, 4 * np.pi**2 * np.cos(around),
+        np.sin(s) / k, 2 * np.pi * np.cos(s),
+        (1 - np.cos(z)) / j**2, 2 * np.pi * np.sin(z) / j, 4 * np.pi**2 * np.cos(z),
         0.5 / _POINTS,
     )  # fmt: skip
 
@@ -92,11 +93,11 @@ def shortenings() -> np.ndarray:
 
 def states(oval: Oval) -> States:
     """All states of columns with that `oval` section [-], nodes first."""
-    here = Oval(*(stop_gradient(x) for x in oval))
-    xp: Any = array_namespace(*here)
-    shape = np.broadcast_shapes(*(np.shape(x) for x in here))
-    numbers = [xp.broadcast_to(xp.asarray(x, dtype=float), shape) for x in here]
-    P = xp.stack(numbers, axis=-1)[..., None]  # parameter, then a place for points
+    fixed = Oval(*(stop_gradient(x) for x in oval))
+    xp: Any = array_namespace(*fixed)
+    shape = np.broadcast_shapes(*(np.shape(x) for x in fixed))
+    numbers = [xp.broadcast_to(xp.asarray(x, dtype=float), shape) for x in fixed]
+    P = xp.stack(numbers, axis=-1)[..., None]  # the four numbers, then an axis of points
     w = shortenings()[1:].reshape(-1, *(1,) * (len(shape) + 1))
     if xp is np:
         x = _solve_states(P.tobytes()).reshape(_NODES - 1, *shape, -1)
@@ -106,157 +107,143 @@ def states(oval: Oval) -> States:
         for _ in range(2):  # each doubles the order to which derivatives are right
             value, slopes = _gradient(xp, P, x, w), _jacobian(xp, P, x)
             x = x - xp.linalg.solve(slopes, value[..., None])[..., 0]
-    rows = _kept(xp, x, w)
+    # load, bow, bend and sines on the last axis
+    basis, root_w = _basis(), np.sqrt(w)
+    slopes = x[..., :_SINES]
+    bow = basis.weight * xp.sum(xp.sin(slopes @ basis.S.T), axis=-1, keepdims=True)
+    rows = xp.concatenate([
+        -x[..., -1:], bow / root_w, 2 * np.pi * xp.sum(slopes, axis=-1, keepdims=True) / root_w,
+        slopes / np.arange(1, _SINES + 1) / root_w,
+    ], axis=-1)  # fmt: skip
     # the straight column: Euler's load, and bows that grow as the root of w
-    first = np.zeros(3 + _SINES)
-    first[:3] = 4 * np.pi**2, 2 / np.pi, 4 * np.pi
-    first[3] = 2.0
-    begun = xp.broadcast_to(xp.asarray(first), (1, *shape, 3 + _SINES))
-    rows = xp.concatenate([begun, rows])
-    sines = xp.moveaxis(rows[..., 3:], -1, 1)
-    return States(rows[..., 0], rows[..., 1], rows[..., 2], sines)
+    straight = np.zeros(3 + _SINES)
+    straight[:4] = 4 * np.pi**2, 2 / np.pi, 4 * np.pi, 2.0
+    first = xp.broadcast_to(xp.asarray(straight), (1, *shape, 3 + _SINES))
+    rows = xp.concatenate([first, rows])
+    return States(rows[..., 0], rows[..., 1], rows[..., 2], xp.moveaxis(rows[..., 3:], -1, 1))
 
 
 @lru_cache(maxsize=8)  # of 12 MB for 500 columns: a search asks for the same pressures again
 def _solve_states(numbers: bytes) -> np.ndarray:
     """States at all nodes but the first, of many columns on the second axis; `numbers`: the four
-    of each column, as bytes.
-
-    Some columns, evenly spread along the line of all, are followed from node to node; the others
-    are found between them.
+    of each column, as bytes. Some columns are followed, the others interpolated between them.
     """
     P = np.frombuffer(numbers).reshape(-1, 4, 1)
     order = np.argsort(P[:, 0, 0], kind="stable")
     P = P[order]
     steps = np.linalg.norm(np.diff(np.log(P[..., 0]), axis=0), axis=-1)
-    place = np.append(0.0, np.cumsum(steps))
-    even = np.searchsorted(place, np.linspace(0.0, place[-1], _FOLLOWED)[:-1])
-    some = np.unique(np.append(even, len(P) - 1)) if len(P) > _FOLLOWED else np.arange(len(P))
-    x, by = _follow(np, P[some])
-    if len(some) < len(P):
+    distance = np.append(0.0, np.cumsum(steps))
+    even = np.searchsorted(distance, np.linspace(0.0, distance[-1], _FOLLOWED)[:-1])
+    many = len(P) > _FOLLOWED
+    indices = np.unique(np.append(even, len(P) - 1)) if many else np.arange(len(P))
+    x, slopes = _follow(np, P[indices])
+    if len(indices) < len(P):
         with np.errstate(all="ignore"):  # of corrections that diverge, after which Newton's begins
-            x = _fill(P, place, some, x, by)
+            x = _interpolate(P, distance, indices, x, slopes)
     x = x[:, np.argsort(order, kind="stable")]
     x.setflags(write=False)  # it is cached
     return x
 
 
-def _fill(
-    P: np.ndarray, place: np.ndarray, some: np.ndarray, x: np.ndarray, by: np.ndarray
+def _interpolate(
+    P: np.ndarray, distance: np.ndarray, indices: np.ndarray, x: np.ndarray, slopes: np.ndarray
 ) -> np.ndarray:
-    """States of all columns, at their `place` on a line, from the states `x` of `some` of them and
-    their slopes `by`: by cubics along the straight line between the numbers of two neighbors, and
-    off it by slopes; then corrected with the inverse Jacobian of the nearer neighbor.
+    """States of all columns, at a `distance` along a line, from the states `x` and `slopes` of
+    those at `indices`: cubics along the line between two neighbors, linear off it; then corrected
+    with the inverse Jacobian of the nearer neighbor.
     """
-    numbers, every = P[..., 0], np.arange(len(P))
-    left = np.minimum(np.searchsorted(some, every, "right"), len(some) - 1) - 1
-    along, length = np.diff(numbers[some], axis=0), np.diff(place[some])[left]
-    u = ((place - place[some][left]) / np.where(length > 0, length, 1.0))[:, None]
-    near = left + (u[:, 0] > 0.5)
-    off = numbers - numbers[some][left] - u * along[left]
+    numbers, columns = P[..., 0], np.arange(len(P))
+    left = np.minimum(np.searchsorted(indices, columns, "right"), len(indices) - 1) - 1
+    along, length = np.diff(numbers[indices], axis=0), np.diff(distance[indices])[left]
+    u = ((distance - distance[indices][left]) / np.where(length > 0, length, 1.0))[:, None]
+    neighbor = left + (u[:, 0] > 0.5)
+    off = numbers - numbers[indices][left] - u * along[left]
     weights = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2, u**2 * (3 - 2 * u), u**2 * (u - 1)
-    # products this small are done by one thread, sooner than by several
-    edges = (np.diff(near) > 0) | (every[1:] % _TOGETHER == 0)
-    groups = np.split(every, np.flatnonzero(edges) + 1)
+    edges = (np.diff(neighbor) > 0) | (columns[1:] % _GROUP_SIZE == 0)
+    groups = np.split(columns, np.flatnonzero(edges) + 1)
     rows, error = [], np.zeros((2, len(P), x.shape[-1]))
-    for x_w, by_w, w in zip(x, by[..., :4], shortenings()[1:], strict=True):
-        first, last = ((slope @ along[..., None])[..., 0] for slope in (by_w[:-1], by_w[1:]))
+    for x_w, slopes_w, w in zip(x, slopes[..., :4], shortenings()[1:], strict=True):
+        first, last = ((s @ along[..., None])[..., 0] for s in (slopes_w[:-1], slopes_w[1:]))
         ends = x_w[left], first[left], x_w[left + 1], last[left]
         guess = sum(weight * end for weight, end in zip(weights, ends, strict=True))
-        guess = guess + (by_w[near] @ off[..., None])[..., 0]
-        found = guess + 2 * error[0] - error[1]  # cubics err alike from node to node
-        inverse = np.linalg.inv(_jacobian(np, P[some], x_w))
+        guess = guess + (slopes_w[neighbor] @ off[..., None])[..., 0]
+        state = guess + 2 * error[0] - error[1]  # cubics err alike from node to node
+        inverse = np.linalg.inv(_jacobian(np, P[indices], x_w))
         for group in groups:
-            rest = group
+            active = group
             for _ in range(_CORRECTIONS):
-                move = _gradient(np, P[rest], found[rest], w) @ inverse[near[group[0]]].T
-                found[rest] -= move
-                rest = rest[_moves(np, _CORRECTED * move, found[rest])[:, 0]]
-                if not len(rest):
+                step = _gradient(np, P[active], state[active], w) @ inverse[neighbor[group[0]]].T
+                state[active] -= step
+                active = active[_is_large(np, _ERROR_RATIO * step, state[active])[:, 0]]
+                if not len(active):
                     break
             else:
-                found[rest], _ = _newton(np, P[rest], guess[rest], w)
-        rows.append(found)
-        error = np.stack([found - guess, error[0]])
+                state[active], _ = _newton(np, P[active], guess[active], w)
+        rows.append(state)
+        error = np.stack([state - guess, error[0]])
     return np.stack(rows)
 
 
 def _follow(xp: Any, P: Any) -> tuple[Any, Any]:
-    """The states at all nodes but the first, and how they move with the four numbers of `P` and
-    with the shortening.
+    """States at all nodes but the first, and their slopes in the four numbers of `P` and in the
+    shortening.
     """
+
+    def advance(x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
+        x, jacobian = _newton(xp, P, x, w)
+        slopes = xp.linalg.solve(jacobian, _gradient_by_numbers(xp, P, x))
+        return x + slopes[..., -1] * STEP, (x, slopes)
+
     w = shortenings()[1:]
-    shape = P.shape[:-2]
     start = np.zeros(_SINES + _COSINES + 1)
     start[0], start[-1] = 2 * np.sqrt(w[0]), -4 * np.pi**2 * (1 + w[0] / 2)
-    x = xp.broadcast_to(xp.asarray(start), (*shape, start.size))
+    x = xp.broadcast_to(xp.asarray(start), (*P.shape[:-2], start.size))
     if xp is not np:
         from ...core.jax_backend import lax
 
-        done = lax.scan(lambda x, w: _next(xp, P, x, w), x, xp.asarray(w))[1]
-        return done[0], done[1]
+        return lax.scan(advance, x, xp.asarray(w))[1]
     rows = []
     for shortening in w:
-        x, row = _next(np, P, x, shortening)
+        x, row = advance(x, shortening)
         rows.append(row)
-    return tuple(np.stack(part) for part in zip(*rows, strict=True))  # type: ignore[return-value]
+    all_states, all_slopes = (np.stack(field) for field in zip(*rows, strict=True))
+    return all_states, all_slopes
 
 
-def _next(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, tuple[Any, Any]]:
-    """The state at a shortening `w` from one nearby, moved on to the next; itself, and how it
-    moves.
-    """
-    x, slopes = _newton(xp, P, x, w)
-    by = xp.linalg.solve(slopes, _gradient_by_numbers(xp, P, x))
-    return x + by[..., -1] * STEP, (x, by)
-
-
-def _moves(xp: Any, move: Any, x: Any) -> Any:
-    """True where a `move` of a state `x` is larger than rounding."""
+def _is_large(xp: Any, step: Any, x: Any) -> Any:
+    """True where a `step` of a state `x` is larger than rounding."""
     size = xp.max(xp.abs(x), axis=-1, keepdims=True)
-    return ~xp.all(xp.abs(move) < _TOLERANCE * size, axis=-1, keepdims=True)  # NaN moves
+    return ~xp.all(xp.abs(step) < _TOLERANCE * size, axis=-1, keepdims=True)  # NaN is large
 
 
 def _newton(xp: Any, P: Any, x: Any, w: Any) -> tuple[Any, Any]:
-    """The state at a shortening `w`, by Newton's method from one nearby; and the Jacobian."""
+    """State at a shortening `w`, by Newton's method from a close one, and its Jacobian."""
 
     def step(i: Any, x: Any) -> Any:
-        slopes = _jacobian(xp, P, x)
-        move = xp.linalg.solve(slopes, _gradient(xp, P, x, w)[..., None])[..., 0]
-        long = xp.max(xp.abs(move[..., :_SINES]), axis=-1, keepdims=True)
-        short = move * xp.minimum(1.0, _LARGEST_SLOPE_STEP / xp.maximum(long, 1e-300))
-        return i + 1, x - short, short, slopes
+        jacobian = _jacobian(xp, P, x)
+        step = xp.linalg.solve(jacobian, _gradient(xp, P, x, w)[..., None])[..., 0]
+        longest = xp.max(xp.abs(step[..., :_SINES]), axis=-1, keepdims=True)
+        step = step * xp.minimum(1.0, _LARGEST_SLOPE_STEP / xp.maximum(longest, 1e-300))
+        return i + 1, x - step, step, jacobian
 
-    def on(state: Any) -> Any:
-        i, x, move, _ = state
-        return (i < _STEPS) & xp.any(_moves(xp, move, x))
+    def is_unfinished(state: Any) -> Any:
+        i, x, last_step, _ = state
+        return (i < _STEPS) & xp.any(_is_large(xp, last_step, x))
 
     state = step(0, x)
     if xp is not np:
         from ...core.jax_backend import lax
 
-        state = lax.while_loop(on, lambda state: step(*state[:2]), state)
+        state = lax.while_loop(is_unfinished, lambda state: step(*state[:2]), state)
     else:
-        while on(state):
+        while is_unfinished(state):
             state = step(*state[:2])
     return state[1], state[3]
 
 
-def _kept(xp: Any, x: Any, w: Any) -> Any:
-    """Load, bow, bend and sines of states `x` at shortenings `w`, on the last axis."""
-    basis, root = _basis(), np.sqrt(w)
-    theta = x[..., :_SINES] @ basis.S.T
-    bow = basis.weight * xp.sum(xp.sin(theta), axis=-1, keepdims=True)
-    return xp.concatenate([
-        -x[..., -1:], bow / root,
-        2 * np.pi * xp.sum(x[..., :_SINES], axis=-1, keepdims=True) / root,
-        x[..., :_SINES] / np.arange(1, _SINES + 1) / root,
-    ], axis=-1)  # fmt: skip
-
-
 class _Section(NamedTuple):
-    """A state at the points: slope, curvature, ovality, how soft that makes the section and its
-    slope, and how far touching walls have sunk.
+    """A state at the points: slope, curvature, ovality, relative bending stiffness and its slope in
+    ovality, and how far touching walls have sunk.
     """
 
     theta: Any
@@ -279,42 +266,38 @@ def _section(xp: Any, P: Any, x: Any) -> _Section:
 
 def _gradient(xp: Any, P: Any, x: Any, w: Any) -> Any:
     """The gradient of (O1) for half the column, with its multiplier."""
-    b, here = _basis(), _section(xp, P, x)
+    b, section = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     z, load = x[..., _SINES:-1], x[..., -1:]
-    squashing = 0.5 * here.kappa**2 * here.soft_slope
-    pressed = squashing + 2 * alpha * (here.oval + _WALL_PENALTY * here.sunk)
+    bending = 0.5 * section.kappa**2 * section.soft_slope
+    pressure = bending + 2 * alpha * (section.oval + _WALL_PENALTY * section.sunk)
     return xp.concatenate([
-        h * ((here.soft * here.kappa) @ b.S1 + load * (xp.sin(here.theta) @ b.S)),
-        h * (pressed @ b.Z + 2 * (beta * (z @ b.Z1.T) @ b.Z1 + gamma * (z @ b.Z2.T) @ b.Z2)),
-        (1 - w) / 2 - h * xp.sum(xp.cos(here.theta), axis=-1, keepdims=True),
+        h * ((section.soft * section.kappa) @ b.S1 + load * (xp.sin(section.theta) @ b.S)),
+        h * (pressure @ b.Z + 2 * (beta * (z @ b.Z1.T) @ b.Z1 + gamma * (z @ b.Z2.T) @ b.Z2)),
+        (1 - w) / 2 - h * xp.sum(xp.cos(section.theta), axis=-1, keepdims=True),
     ], axis=-1)  # fmt: skip
 
 
 def _jacobian(xp: Any, P: Any, x: Any) -> Any:
     """The slopes of the gradient."""
-    b, here = _basis(), _section(xp, P, x)
+    b, section = _basis(), _section(xp, P, x)
     h, alpha, beta, gamma = b.weight, *(P[..., i, :] for i in range(3))
     load = x[..., -1:]
-    sine = h * xp.sin(here.theta) @ b.S
+    sine = (h * xp.sin(section.theta) @ b.S)[..., None]
     stiff = 2 * h * (beta[..., None] * (b.Z1.T @ b.Z1) + gamma[..., None] * (b.Z2.T @ b.Z2))
-    cos, cross = load * xp.cos(here.theta), here.soft_slope * here.kappa
-    tt = h * (b.S1.T @ (here.soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
+    cos, cross = load * xp.cos(section.theta), section.soft_slope * section.kappa
+    tt = h * (b.S1.T @ (section.soft[..., None] * b.S1) + b.S.T @ (cos[..., None] * b.S))
     tz = h * b.S1.T @ (cross[..., None] * b.Z)
-    own = 0.625 * here.kappa**2 + 2 * alpha * (1 + _WALL_PENALTY * (here.sunk > 0))
-    zz = h * b.Z.T @ (own[..., None] * b.Z) + stiff
-    none = xp.zeros((*x.shape[:-1], _COSINES, 1))
-    last, corner = sine[..., None], xp.zeros((*x.shape[:-1], 1, 1))
-    flip = xp.swapaxes
-    return xp.concatenate([
-        xp.concatenate([tt, tz, last], axis=-1),
-        xp.concatenate([flip(tz, -1, -2), zz, none], axis=-1),
-        xp.concatenate([flip(last, -1, -2), flip(none, -1, -2), corner], axis=-1),
-    ], axis=-2)  # fmt: skip
+    local = 0.625 * section.kappa**2 + 2 * alpha * (1 + _WALL_PENALTY * (section.sunk > 0))
+    zz = h * b.Z.T @ (local[..., None] * b.Z) + stiff
+    zero, corner = (xp.zeros((*x.shape[:-1], size, 1)) for size in (_COSINES, 1))
+    zt, sine_row, zero_row = (xp.swapaxes(block, -1, -2) for block in (tz, sine, zero))
+    blocks = ((tt, tz, sine), (zt, zz, zero), (sine_row, zero_row, corner))
+    return xp.concatenate([xp.concatenate(row, axis=-1) for row in blocks], axis=-2)
 
 
 def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
-    """Negative slopes of the gradient by each of the four numbers, and by the shortening, last."""
+    """Negative slopes of the gradient in each of the four numbers, and in the shortening, last."""
     b = _basis()
     h, alpha, touch = b.weight, P[..., 0, :], P[..., 3, :]
     z = x[..., _SINES:-1]
@@ -326,21 +309,19 @@ def _gradient_by_numbers(xp: Any, P: Any, x: Any) -> Any:
         2 * h * (z @ b.Z2.T) @ b.Z2,
         -2 * h * (_WALL_PENALTY * alpha * (sunk > 0)) @ b.Z,
     ]
-    at_rest = xp.zeros((*x.shape[:-1], _SINES))
-    none = xp.zeros((*x.shape[:-1], 1))
-    every = [xp.concatenate([at_rest, -row, none], axis=-1) for row in rows]
-    shorter = xp.zeros_like(every[0]) + np.eye(1, x.shape[-1], x.shape[-1] - 1)[0] * 0.5
-    return xp.stack([*every, shorter], axis=-1)
+    sines, multiplier = (xp.zeros((*x.shape[:-1], size)) for size in (_SINES, 1))
+    columns = [xp.concatenate([sines, -row, multiplier], axis=-1) for row in rows]
+    shortening = xp.zeros_like(columns[0]) + np.eye(1, x.shape[-1], x.shape[-1] - 1)[0] * 0.5
+    return xp.stack([*columns, shortening], axis=-1)
 
 
 @cache
 def _spline() -> np.ndarray:
     """Slopes of a spline through numbers at the nodes, as a matrix: numbers first."""
-    from scipy.interpolate import CubicSpline  # which other laws needn't wait for
+    from scipy.interpolate import CubicSpline  # which other laws don't need
 
-    return np.ascontiguousarray(
-        CubicSpline(shortenings(), np.eye(_NODES), axis=0)(shortenings(), 1).T
-    )
+    spline = CubicSpline(shortenings(), np.eye(_NODES), axis=0)
+    return np.ascontiguousarray(spline(shortenings(), 1).T)
 
 
 def spline_slopes(values: Batch) -> Batch:

@@ -35,31 +35,17 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ...core.array_namespace import (
-    absolute,
-    add_table_axis,
-    cos,
-    expand_nodes,
-    isfinite,
-    logical_and,
-    logical_not,
-    maximum,
-    min_nodes,
-    minimum,
-    node_axis,
-    sin,
-    sqrt,
-    sum_nodes,
-    where,
-)
+from ...core import array_namespace as xp
+from ...core.array_namespace import expand_nodes, logical_and, node_axis, sqrt, sum_nodes, where
 from ...core.roots import find_root, guarded, root, stop_gradient
 from ...core.types import Batch, BatchLike, BoolBatch
+from ...core.validation import LARGEST_STRAIN
 from ..tension.tension_law import Pull
 from .buckling_law import BRAID_SHARE, ROUNDING, AbstractBuckling, Centerline, Column, Push
 from .oval_column import STEP, Oval, States, interpolate_spline, shortenings, spline_slopes, states
 
 
-_LARGEST_STRAIN = 0.95  # of an arc's strain: past all that can be asked for
+_FARTHEST_STRAIN = 0.95  # of the search for an arc: past the domain
 
 
 class _Branch(NamedTuple):
@@ -75,7 +61,7 @@ class _Branch(NamedTuple):
 
 class _State(NamedTuple):
     """Mask of the bent muscle, the cell and the shortening $w$ of its bent arc, the arc's
-    $1 - \\varepsilon_a$ [-], and what the tension law says of it.
+    $1 - \\varepsilon_a$ [-], and its pull by the tension law.
     """
 
     bent: BoolBatch
@@ -83,6 +69,12 @@ class _State(NamedTuple):
     w: Batch
     arc: Batch
     pull: Pull
+
+    @property
+    def root_w(self) -> Batch:
+        """$\\sqrt w$ [-], without a slope where it vanishes."""
+        bends = logical_and(self.bent, self.w > 0)
+        return where(bends, sqrt(guarded(bends, self.w)), 0.0)
 
 
 class Ovalising(AbstractBuckling):
@@ -97,55 +89,51 @@ class Ovalising(AbstractBuckling):
 
     def branch(self, column: Column) -> _Branch:
         """The onset [-], and all bent states of the column."""
-        found = states(_oval(column))
-        load, bow, bend, sines = found
-        slopes = States(spline_slopes(load), spline_slopes(bow), spline_slopes(bend), sines)
-        free = column.free_strain
+        nodes = states(_oval(column))
+        n, bow, bend = (spline_slopes(x) for x in nodes[:3])
+        slopes = States(n, bow, bend, nodes.sines)
+        free, end = column.free_strain, _FARTHEST_STRAIN
         theta = (column, 4 * np.pi**2 * _unit(column))
-        onset = root(_arc_residual, theta, free, _LARGEST_STRAIN + 0.0 * free, free + 1e-3)
-        here, w = stop_gradient(column), node_axis(shortenings(), stop_gradient(found.load[0]))
-        wanted = stop_gradient(found.load) * (1 - w) * _unit(here)
-        low = here.free_strain + 0.0 * wanted
-        arc = find_root(_arc_residual, (here, wanted), low, _LARGEST_STRAIN + 0.0 * low, low + 1e-3)
-        ever = where(onset < 0.999 * _LARGEST_STRAIN, onset, np.inf)
-        return _Branch(ever, found, slopes, 1 - (1 - arc) * (1 - w))
+        onset = root(_arc_residual, theta, free, end + 0.0 * free, free + 1e-3)
+        fixed, load = stop_gradient(column), stop_gradient(nodes.load)
+        w = node_axis(shortenings(), load[0])
+        target = load * (1 - w) * _unit(fixed)
+        low = fixed.free_strain + 0.0 * target
+        arc = find_root(_arc_residual, (fixed, target), low, end + 0.0 * low, low + 1e-3)
+        onset = where(onset < 0.999 * end, onset, np.inf)
+        return _Branch(onset, nodes, slopes, 1 - (1 - arc) * (1 - w))
 
     def push(self, column: Column, strain: BatchLike) -> Push:
         """Force in its components at `strain` [-], (O4)."""
-        at, unit, branch = _bent_state(column, strain), _unit(column), column.branch
-        n, rising = interpolate_spline(branch.states.load, branch.slopes.load, at.cell, at.w)
-        chord, T = 1 - at.w, at.pull.force
+        bent, _, w, arc, pull = state = _bent_state(column, strain)
+        unit, chord, T = _unit(column), 1 - w, pull.force
+        n, n_slope = _interpolate_load(column, state.cell, w)
         # h(w, ε) = -T (1 - ε_a) - n (1 - w) u is zero: how w and the arc move with strain
-        by_arc = at.pull.slope * at.arc - T
-        by_w = by_arc * at.arc / chord - unit * (rising * chord - n)
+        by_arc = pull.slope * arc - T
+        by_w = by_arc * arc / chord - unit * (n_slope * chord - n)
         w_slope = by_arc / chord / guarded(by_w != 0, by_w)
-        arc_slope = (at.arc * w_slope - 1) / chord
-        F = -n * unit / at.arc
+        arc_slope = (arc * w_slope - 1) / chord
+        F = -n * unit / arc
+        slope = -unit * n_slope * w_slope / arc - F * arc_slope / arc
         return Push(
-            mesh=at.pull.mesh,
-            bladder=at.pull.bladder + 0.0 * F,
-            bending=where(at.bent, F - T, 0.0),
-            slope=where(
-                at.bent,
-                -unit * rising * w_slope / at.arc - F * arc_slope / at.arc,
-                at.pull.slope,
-            ),
-            arc_strain=1 - at.arc,
-            straight=logical_not(at.bent),
+            mesh=pull.mesh,
+            bladder=pull.bladder + 0.0 * F,
+            bending=where(bent, F - T, 0.0),
+            slope=where(bent, slope, pull.slope),
+            arc_strain=1 - arc,
+            straight=xp.logical_not(bent),
         )
 
     def bow(self, column: Column, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection [m] and the larger of the moments at the ends and in the middle [N·m]."""
-        at, branch = _bent_state(column, strain), column.branch
-        bends = logical_and(at.bent, at.w > 0)
-        root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
-        n, off, bend = (
-            interpolate_spline(x, slope, at.cell, at.w)[0]
+        state, branch = _bent_state(column, strain), column.branch
+        n, bow, bend = (
+            interpolate_spline(x, slope, state.cell, state.w)[0]
             for x, slope in zip(branch.states[:3], branch.slopes[:3], strict=True)
         )
-        moment = maximum(bend, n * off - bend) * root_w
-        length = column.rest_length * at.arc
-        return length * off * root_w, moment * column.bending_stiffness / column.free_length
+        moment = xp.maximum(bend, n * bow - bend) * state.root_w
+        length = column.rest_length * state.arc
+        return length * bow * state.root_w, moment * column.bending_stiffness / column.free_length
 
     def onset(self, column: Column) -> Batch:
         """Strain [-] at which the straight muscle buckles; inf where it never does."""
@@ -153,13 +141,12 @@ class Ovalising(AbstractBuckling):
 
     def folds(self, column: Column) -> tuple[Batch, ...]:
         """The strain [-] at which the branch first turns back, to a node; inf where it doesn't."""
-        strain = column.branch.strain
-        ahead, behind = strain[1:], strain[:-1]
-        rank = node_axis(np.arange(float(ahead.shape[0])), ahead[0])
-        first = min_nodes(where(ahead < behind, rank, np.inf))
-        fold = sum_nodes(where(rank == first, behind, 0.0))
-        turns = logical_and(isfinite(first), fold > stop_gradient(column.branch.onset))
-        return (where(turns, fold, np.inf),)
+        start, end = column.branch.strain[:-1], column.branch.strain[1:]
+        rank = node_axis(np.arange(float(end.shape[0])), end[0])
+        first = xp.min_nodes(where(end < start, rank, np.inf))
+        fold = sum_nodes(where(rank == first, start, 0.0))
+        exists = logical_and(xp.isfinite(first), fold > stop_gradient(column.branch.onset))
+        return (where(exists, fold, np.inf),)
 
     def strain_at_moment(self, column: Column, moment: BatchLike) -> Batch:
         """Never, whatever `moment` [N·m] a collapse law has: the section softens instead."""
@@ -167,33 +154,28 @@ class Ovalising(AbstractBuckling):
 
     def shape(self, column: Column, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], evenly spaced on the arc, by its sines."""
-        at = _bent_state(column, strain)
-        sines = column.branch.states.sines
-        bends = logical_and(at.bent, at.w > 0)
-        root_w = where(bends, sqrt(guarded(bends, at.w)), 0.0)
-        place = at.w / STEP
+        state, sines = _bent_state(column, strain), column.branch.states.sines
+        root_w, node = state.root_w, state.w / STEP
+        # linear between nodes
+        weight = xp.maximum(1 - xp.absolute(node - node_axis(np.arange(len(sines)), node)), 0.0)
         middle = (np.arange(points - 1) + 0.5) / (points - 1)
-        theta = add_table_axis(0.0 * root_w)
+        theta = xp.add_table_axis(0.0 * root_w)
         for k in range(sines.shape[1]):
-            own = expand_nodes(sines[:, k], place)
-            share = maximum(1 - absolute(place - node_axis(np.arange(len(sines)), place)), 0.0)
-            theta = theta + add_table_axis(root_w * sum_nodes(share * own)) * np.sin(
-                2 * np.pi * (k + 1) * middle
-            )
+            sine = root_w * sum_nodes(weight * expand_nodes(sines[:, k], node))
+            theta = theta + xp.add_table_axis(sine) * np.sin(2 * np.pi * (k + 1) * middle)
         # from point to point: sums of all steps before
         before = np.arange(points)[:, None] > np.arange(points - 1)
-        length = add_table_axis(column.rest_length * at.arc) / (points - 1)
-        z, y = ((length * part) @ before.T for part in (cos(theta), sin(theta)))
-        return Centerline(
-            z=z * add_table_axis(column.rest_length * (1 - strain)) / z[..., -1:], y=-y
-        )
+        length = xp.add_table_axis(column.rest_length * state.arc) / (points - 1)
+        z, y = ((length * x) @ before.T for x in (xp.cos(theta), xp.sin(theta)))
+        chord = xp.add_table_axis(column.rest_length * (1 - strain))
+        return Centerline(z=z * chord / z[..., -1:], y=-y)
 
     def several(self, column: Column, strain: BatchLike) -> BoolBatch:
         """True where other bent states exist at `strain` [-] beside the one followed."""
         eps = stop_gradient(strain + 0.0 * column.free_strain)
-        past = expand_nodes(column.branch.strain, eps) > eps
-        crossed = sum_nodes(where(past[1:] != past[:-1], 1.0, 0.0))
-        return logical_and(crossed > 1.5, eps > stop_gradient(column.free_strain))
+        is_past = expand_nodes(column.branch.strain, eps) > eps
+        count = sum_nodes(where(is_past[1:] != is_past[:-1], 1.0, 0.0))
+        return logical_and(count > 1.5, eps > stop_gradient(column.free_strain))
 
 
 def _unit(column: Column) -> Batch:
@@ -201,15 +183,16 @@ def _unit(column: Column) -> Batch:
     return column.bending_stiffness / (column.free_length * column.rest_length)
 
 
+def _interpolate_load(column: Column, cell: Batch, w: Batch) -> tuple[Batch, Batch]:
+    """Load $n$ [-] and its slope at a shortening `w` [-] in a `cell`."""
+    return interpolate_spline(column.branch.states.load, column.branch.slopes.load, cell, w)
+
+
 def _oval(column: Column) -> Oval:
     """Coefficients of the section's ovality, (O3), over those of the column [-]."""
     bladder, EI, L = column.tension.bladder, column.bending_stiffness, column.free_length
-    E, t, nu = (
-        column.axial_stiffness / bladder.area,
-        bladder.wall_thickness,
-        (bladder.material.poisson_ratio),
-    )
-    r = bladder.braid.radius - t / 2
+    E, t = column.axial_stiffness / bladder.area, bladder.wall_thickness
+    nu, r = bladder.material.poisson_ratio, bladder.braid.radius - t / 2
     D = E * t**3 / (12 * (1 - nu**2))
     a = 3 * np.pi * E * t**3 / (8 * (1 - nu**2) * r) + 1.5 * np.pi * column.pressure * r**2
     b = 9 / 4 * np.pi * r * D * (1 - nu)
@@ -219,36 +202,35 @@ def _oval(column: Column) -> Oval:
 
 def _arc_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Load [N] beyond the compression of the arc, and its slope [N]."""
-    column, wanted = theta
+    column, target = theta
     pull = column.pull(arc)
-    return wanted + pull.force * (1 - arc), pull.slope * (1 - arc) - pull.force
+    return target + pull.force * (1 - arc), pull.slope * (1 - arc) - pull.force
 
 
 def _equilibrium_residual(theta: tuple, w: Batch) -> tuple[Batch, Batch]:
-    """By how much more the arc is compressed than the bent column holds [N] at a shortening `w`
-    [-], (O4), and its slope [N].
+    """Excess of the arc's compression over the column's load [N] at a shortening `w` [-], (O4), and
+    its slope [N].
     """
     column, strain, cell = theta
-    chord = 1 - w
+    chord, unit = 1 - w, _unit(column)
     arc = (1 - strain) / chord
     pull = column.pull(1 - arc)
-    branch, unit = column.branch, _unit(column)
-    n, rising = interpolate_spline(branch.states.load, branch.slopes.load, cell, w)
+    n, n_slope = _interpolate_load(column, cell, w)
     by_arc = pull.slope * arc - pull.force
-    return -pull.force * arc - n * chord * unit, (
-        by_arc * arc / chord - unit * (rising * chord - n)
-    )
+    slope = by_arc * arc / chord - unit * (n_slope * chord - n)
+    return -pull.force * arc - n * chord * unit, slope
 
 
 def _bent_state(column: Column, strain: BatchLike) -> _State:
     """The state that is followed from the free strain to `strain` [-]."""
     branch = column.branch
     bent = strain > branch.onset + ROUNDING
-    eps = guarded(bent, strain, 0.6) + 0.0 * column.free_strain
-    wanted = stop_gradient(eps)
-    ends = expand_nodes(branch.strain, wanted)[1:]
-    rank = node_axis(np.arange(float(ends.shape[0])), wanted)
-    cell = minimum(min_nodes(where(ends >= wanted, rank, np.inf)), ends.shape[0] - 1.0)
+    eps = guarded(bent, strain, LARGEST_STRAIN) + 0.0 * column.free_strain
+    target = stop_gradient(eps)
+    ends = expand_nodes(branch.strain, target)[1:]
+    rank = node_axis(np.arange(float(ends.shape[0])), target)
+    first = xp.min_nodes(where(ends >= target, rank, np.inf))
+    cell = xp.minimum(first, ends.shape[0] - 1.0)
     low = STEP * cell
     w = root(_equilibrium_residual, (column, eps, cell), low, low + STEP, low + 0.5 * STEP)
     arc = where(bent, (1 - eps) / (1 - w), 1 - strain)

@@ -5,8 +5,8 @@ class Section(TableModel):
     length: Annotated[float, Quantity("length")]
 ```
 
-Pydantic reports every fault of a file at once. One is enough to act on, so the most telling one
-is shown: an unknown key before the missing one that it probably misspells.
+Pydantic reports every fault of a file at once. The first error shows one of them: an unknown key
+before the missing one that it probably misspells.
 """
 
 import difflib
@@ -22,9 +22,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandle
 from ..units import parse
 
 
-# marks of a value that is either plain or a table in pydantic's paths: no key of a file
+# marks in pydantic's paths of a value that is either plain or a table: no key of a file
 PLAIN, TABLE = "\0plain", "\0table"
-_ORDER = ("extra_forbidden", "missing")  # the most telling faults first
+_ORDER = ("extra_forbidden", "missing")  # kinds of faults that are shown first
 _RULES = {
     "model_type": "must be a table of keys",
     "dict_type": "must be a table of keys",
@@ -76,7 +76,7 @@ def plain_or_table(value: Any) -> str:
 def validation_message(
     error: ValidationError, source: str, data: Any, model: type[BaseModel]
 ) -> str:
-    """One line for the most telling fault of a file: path, key, value and rule.
+    """First fault of a file in one line: path, key, value and rule.
 
     **Arguments:**
 
@@ -91,42 +91,42 @@ def validation_message(
         error.errors(include_url=False),
         key=lambda fault: _ORDER.index(fault["type"]) if fault["type"] in _ORDER else len(_ORDER),
     )
-    fault, more = faults[0], len(faults) - 1
-    kind = fault["type"]
-    path = [part for part in fault["loc"] if part not in (PLAIN, TABLE)]
-    # a lone muscle's name is empty
-    keys = [part for i, part in enumerate(path) if part != "" or i != 1 or path[0] != "muscle"]
+    fault = faults[0]
+    kind, location = fault["type"], fault["loc"]
+    path = [key for key in location if key not in (PLAIN, TABLE)]
+    # a single muscle's name is empty
+    keys = [key for i, key in enumerate(path) if key != "" or i != 1 or path[0] != "muscle"]
     if kind == "extra_forbidden":
-        section = _section(model, fault["loc"][:-1])
+        field = _field(model, location[:-1])
+        section: Any = next(iter(_models(getattr(field, "annotation", None))), model)
         hint = did_you_mean(str(keys[-1]), section.known_keys(value_at(data, path[:-1])))
         return location_message(source, keys, f"unknown key{hint}")
     if kind == "missing":
-        examples = getattr(_field(model, fault["loc"]), "examples", None) or [""]
+        examples = getattr(_field(model, location), "examples", None) or [""]
         example = examples[0] if examples[0][:1] == "[" else f"{keys[-1]} = {examples[0]}"
         remedy = f", write {example}" if examples[0] else ""
         return location_message(source, keys, f"missing{remedy}.")
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
-    others = f" ({more} more after it)" if more else ""
-    return location_message(source, keys, f"{rule.rstrip('.')}.{others}", value_at(data, path))
+    count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
+    return location_message(source, keys, f"{rule.rstrip('.')}.{count}", value_at(data, path))
 
 
 def location_message(source: str, keys: Iterable[Any], rule: str, value: Any = None) -> str:
     """`source: dotted.key = value: rule`, on one line; a table or `None` isn't shown as value."""
-    key = re.sub(r"\.(\d+)", lambda index: f"[{index[1]}]", ".".join(map(_toml_key, keys)))
-    shown = ""
+    path = re.sub(r"\.(\d+)", lambda index: f"[{index[1]}]", ".".join(map(_toml_key, keys)))
+    value_text = ""
     if isinstance(value, str | int | float | bool):
         text = json.dumps(value, ensure_ascii=False)
-        shown = f" = {text if len(text) <= 60 else text[:50] + '…'}"
-    return " ".join(f"{source}: {key}{shown}: {rule}".split())
+        value_text = f" = {text if len(text) <= 60 else text[:50] + '…'}"
+    return " ".join(f"{source}: {path}{value_text}: {rule}".split())
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """The end of a sentence: `, did you mean "length"?` if a name is similar, else the choices."""
-    choices = sorted(known)
-    near = difflib.get_close_matches(name, choices, n=1, cutoff=0.6)
-    if near:
-        return f', did you mean "{near[0]}"?'
-    return f", choose one of {', '.join(choices)}." if choices else "."
+def did_you_mean(name: str, choices: Iterable[str]) -> str:
+    """End of a sentence: `, did you mean "length"?` if a name is similar, else the choices."""
+    names = sorted(choices)
+    if similar := difflib.get_close_matches(name, names, n=1, cutoff=0.6):
+        return f', did you mean "{similar[0]}"?'
+    return f", choose one of {', '.join(names)}." if names else "."
 
 
 def value_at(data: Any, keys: Iterable[Any]) -> Any:
@@ -139,29 +139,24 @@ def value_at(data: Any, keys: Iterable[Any]) -> Any:
     return data
 
 
-def _toml_key(part: Any) -> str:
-    """A key as TOML writes it: in quotes where it isn't a bare one."""
-    text = str(part)
-    if isinstance(part, int) or re.fullmatch(r"[\w-]{1,40}", text, re.ASCII):
+def _toml_key(key: Any) -> str:
+    """A key as TOML writes it, in quotes if necessary."""
+    text = str(key)
+    if isinstance(key, int) or re.fullmatch(r"[\w-]{1,40}", text, re.ASCII):
         return text
     quoted = json.dumps(text, ensure_ascii=False)
     return quoted if len(quoted) <= 42 else quoted[:40] + "…"
 
 
-def _field(model: type[BaseModel], loc: Sequence[Any]) -> Any:
+def _field(model: type[BaseModel], location: Sequence[Any]) -> Any:
     """The model's field at a path; names and indices that aren't fields are passed over."""
     field = None
-    for part in loc:
+    for key in location:
         fields: Mapping[Any, Any] = model.model_fields
-        if part in fields:
-            field = fields[part]
+        if key in fields:
+            field = fields[key]
             model = next(iter(_models(field.annotation)), model)
     return field
-
-
-def _section(model: Any, loc: Sequence[Any]) -> Any:
-    field = _field(model, loc)
-    return next(iter(_models(getattr(field, "annotation", None))), model)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
