@@ -35,7 +35,7 @@ READY = """name => window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].
 # resolves with the milliseconds from the key to the data, and paints once more
 WATCH = """() => {
   window.times = []; window.pressed = 0;
-  const source = Bokeh.documents[0].get_model_by_name('chosen');
+  const source = Bokeh.documents[0].get_model_by_name('curve');
   document.addEventListener('keydown', () => { window.pressed = performance.now(); }, true);
   source.properties.data.change.connect(() => {
     if (!window.pressed) return;
@@ -112,7 +112,7 @@ def measure(clients: int, sessions: int, keys: int) -> dict:
                 browser = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
                 page = browser.new_page(viewport={"width": 1280, "height": 800})
                 page.goto(url)
-                page.wait_for_function(READY, arg="chosen", timeout=120_000)
+                page.wait_for_function(READY, arg="curve", timeout=120_000)
                 found["slider_ms"] = spread(keyed(page, keys))
                 page.close()
                 found["first_picture_s"], found["errors"] = first_pictures(browser)

@@ -23,7 +23,7 @@ READY = {
 }
 _LARGEST = 2**27  # bytes of a message
 # of each tab, the source that holds its first picture
-SHOWN = {"muscle": "chosen", "bundle": "regions", "reversal": "reversal_resisted",
+SHOWN = {"muscle": "curve", "bundle": "regions", "reversal": "reversal_resisted",
          "efficiency": "efficiency", "data": "untuned"}  # fmt: skip
 
 
@@ -98,7 +98,7 @@ class Visitor:
             self.slider = self.slider or model["id"]
             if self.slider == model["id"]:
                 self.at, self.step = float(given.get("value", 0)), float(given.get("step", 1))
-        if _called(model, "chosen"):
+        if _called(model, "curve"):
             self.curve = model["id"]
 
     async def _send(self, kind: str, content: dict[str, Any]) -> None:

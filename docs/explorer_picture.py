@@ -57,7 +57,7 @@ def frames(url: str) -> list[Image.Image]:
         page = browser.new_page(viewport=VIEW)
         page.set_default_timeout(120_000)
         muscle = swept(
-            page, f"{url}?pressure=69kPa&strain=0.01", "Contraction ε, typed", ["here", "x"],
+            page, f"{url}?pressure=69kPa&strain=0.01", "Contraction ε, typed", ["point", "x"],
             [f"{strain:.4g}" for strain in STRAINS],
         )  # fmt: skip
         bundle = swept(

@@ -164,18 +164,18 @@ MUSCLE = fs.example("kim2021_figure_6")
 
 def test_a_slider_by_keyboard_changes_the_curve_to_what_the_law_gives(visit):
     page = visit()
-    source(page, "chosen")
+    source(page, "curve")
     slider = handle(page, "Pressure P")
     slider.focus()
     for _ in range(3):
         slider.press("ArrowRight")
     # 137.9 kPa at first, a step of 1 kPa: when all three have come
     third = float(MUSCLE.force(140.4e3, 0.0))
-    until(page, f"least => ({SOURCE})('chosen').force[0] > least", arg=third)
+    until(page, f"least => ({SOURCE})('curve').force[0] > least", arg=third)
     typed = page.locator("input[type=text]").evaluate_all("all => all.map(x => x.value)")
     pressure = float(next(x for x in typed if x.endswith("kPa")).split()[0]) * 1e3
     assert pressure > 140.4e3
-    after = source(page, "chosen")
+    after = source(page, "curve")
     strain = np.array(after["strain"])
     np.testing.assert_allclose(after["force"], MUSCLE.force(pressure, strain), rtol=1e-9, atol=1e-9)
     assert len(source(page, "marks")["label"]) == 3
@@ -186,12 +186,12 @@ def test_units_convert_what_is_shown_and_nothing_else(visit):
     from playwright.sync_api import expect
 
     page = visit("?pressure=137.9kPa&strain=0.1")
-    in_newtons = np.array(source(page, "chosen")["force"])
+    in_newtons = np.array(source(page, "curve")["force"])
     field(page, "Force").select_option("lbf")
     field(page, "Pressure").select_option("psi")
     field(page, "Length").select_option("in")
-    until(page, f"old => ({SOURCE})('chosen').force[0] < old / 4", arg=in_newtons[0])
-    in_pounds = np.array(source(page, "chosen")["force"])
+    until(page, f"old => ({SOURCE})('curve').force[0] < old / 4", arg=in_newtons[0])
+    in_pounds = np.array(source(page, "curve")["force"])
     np.testing.assert_allclose(in_pounds * 4.4482216152605, in_newtons, rtol=1e-12)
     expect(field(page, "Length at rest")).to_have_value("5 in", timeout=SLOW)
 
@@ -200,7 +200,7 @@ def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
     from fascicle.explorer.widgets import page_message
 
     page = visit()
-    before = source(page, "chosen")
+    before = source(page, "curve")
     angle = field(page, "Braid angle")
     angle.fill("60 deg")
     angle.press("Enter")
@@ -210,10 +210,10 @@ def test_a_bad_number_is_said_at_its_field_and_the_picture_stays(visit):
         fs.Muscle.from_dimensions(0.127, 6.35e-3, 1.6e-3, np.radians(60))
     assert message.inner_text() == page_message(refused.value)
     assert abs(message.bounding_box()["y"] - angle.bounding_box()["y"]) < 60
-    assert source(page, "chosen") == before
+    assert source(page, "curve") == before
     angle.fill("25")  # a bare number is in the unit shown
     angle.press("Enter")
-    until(page, f"old => ({SOURCE})('chosen').force[0] > 1.1 * old", arg=before["force"][0])
+    until(page, f"old => ({SOURCE})('curve').force[0] > 1.1 * old", arg=before["force"][0])
     message.wait_for(state="hidden")
 
 
@@ -225,7 +225,7 @@ def test_a_link_reproduces_a_view(visit):
     until(page, "() => location.search.includes('file=')")
     again = visit(page.evaluate("() => location.search"))
     assert field(again, "Length at rest").input_value() == "150 mm"
-    assert source(again, "chosen") == source(page, "chosen")
+    assert source(again, "curve") == source(page, "curve")
 
 
 def test_a_file_opens_and_saves(visit, tmp_path):
@@ -299,7 +299,7 @@ def test_the_bundles_tab_shows_its_space_and_the_way_back(visit):
     figure.click(position={"x": 0.35 * box["width"], "y": 0.6 * box["height"]})
     way = page.get_by_role("button", name=re.compile(r"^Set state \d"))
     way.first.wait_for()
-    asked = source(page, "asked")
+    asked = source(page, "target")
     # slider, field and address have gone there, too
     pointed = field(page, "Contraction ε, typed")
     assert float(pointed.input_value()) == pytest.approx(asked["x"][0], abs=1e-4)
@@ -339,7 +339,7 @@ def test_reversal_and_efficiency_show_what_the_library_gives(visit):
 
 def test_what_is_compared_is_there_after_a_reload(visit):
     page = visit()
-    source(page, "chosen")
+    source(page, "curve")
     field(page, "Compare with").select_option(["buckling: elastica", "tension: ideal"])
     both = "d => d.xs && d.xs.length === 2"
     shown = source(page, "compared", both)
@@ -353,7 +353,7 @@ def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
     page = visit()
     source(page, "solid")
     stage = page.locator(".bk-Figure").nth(1)
-    slider = handle(page, "Turn or drag it")
+    slider = handle(page, "Turn the view")
     value = "element => Number(element.getAttribute('aria-valuenow'))"
     assert slider.evaluate(value) == 30
     box = stage.bounding_box()
@@ -377,12 +377,12 @@ def test_a_solid_turns_by_pointer_and_slider_alike_and_back(visit):
 def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
     page = visit("?strain=0.2&pressure=137.9kPa")
     field(page, "Force").select_option("lbf")
-    source(page, "chosen")
+    source(page, "curve")
     figure = page.locator(".bk-Figure").first
     box = figure.bounding_box()
     figure.click(position={"x": 0.4 * box["width"], "y": 0.3 * box["height"]})
-    until(page, f"() => ({SOURCE})('here').x[0] < 0.19")
-    pointed = source(page, "here")
+    until(page, f"() => ({SOURCE})('point').x[0] < 0.19")
+    pointed = source(page, "point")
     typed = float(field(page, "Contraction ε, typed").input_value())
     assert typed == pytest.approx(pointed["x"][0], abs=1e-9)
     force = float(MUSCLE.force(137.9e3, typed)) / 4.4482216152605
@@ -393,7 +393,7 @@ def test_a_point_of_the_muscles_picture_is_clicked_and_told(visit):
     assert unit == "lbf" and float(number) == pytest.approx(force, abs=0.02)
     # so it is where the button is held down for a while
     figure.click(position={"x": 0.7 * box["width"], "y": 0.3 * box["height"]}, delay=600)
-    until(page, f"() => ({SOURCE})('here').x[0] > 0.2")
+    until(page, f"() => ({SOURCE})('point').x[0] > 0.2")
 
 
 def test_a_bundles_last_pressure_can_be_swept(visit):
@@ -406,17 +406,15 @@ def test_a_bundles_last_pressure_can_be_swept(visit):
 
 
 def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
-    from fascicle.explorer.background import LatestResult
     from fascicle.explorer.efficiency_tab import EfficiencyView
     from fascicle.explorer.state import Session, view_of
-    from fascicle.explorer.theme import page_colors
+    from fascicle.explorer.tab import LatestResult
+    from fascicle.plot.theme import LIGHT
 
     asked = []
     monkeypatch.setattr(LatestResult, "request", lambda *call: asked.append(call))
     bundle = fs.example("kim2021_bundle_1_1")
-    tab = EfficiencyView(
-        Session(view_of(bundle, "b"), contextlib.nullcontext), page_colors("default")
-    )
+    tab = EfficiencyView(Session(view_of(bundle, "b"), contextlib.nullcontext), LIGHT)
     tab.refresh()
     cards, figures = tab.cards, tab.figures
     told = [(card.visible, figure.visible) for card, figure in zip(cards, figures, strict=True)]
@@ -430,7 +428,7 @@ def test_a_map_that_is_computed_is_announced_in_its_place(monkeypatch):
 
 def test_tabs_come_first_for_the_keyboard(visit):
     page = visit()
-    source(page, "chosen")
+    source(page, "curve")
     page.keyboard.press("Tab")
     deepest = """() => { let at = document.activeElement;
       while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
@@ -479,7 +477,7 @@ def test_back_leaves_the_page(visit, server):
     page = visit("?tab=reversal")
     page.goto(f"{server}?strain=0.1")
     until(page, READY)
-    source(page, "chosen")
+    source(page, "curve")
     for strain in ("0.11", "0.12"):
         typed = field(page, "Contraction ε, typed")
         typed.fill(strain)
@@ -493,22 +491,22 @@ def test_back_leaves_the_page(visit, server):
 def test_the_five_minutes_go_by_keyboard_alone(visit):
     page, press = visit(), None
     press = page.keyboard.press
-    source(page, "chosen")
+    source(page, "curve")
     # resistance: pressure and contraction by arrows
     press("Tab")
     move_to(page, "Pressure P")
-    before = source(page, "chosen")["force"][0]
+    before = source(page, "curve")["force"][0]
     press("ArrowLeft")
-    until(page, f"old => ({SOURCE})('chosen').force[0] < old", arg=before)
+    until(page, f"old => ({SOURCE})('curve').force[0] < old", arg=before)
     move_to(page, "Contraction ε")
-    at = source(page, "here")["x"][0]
+    at = source(page, "point")["x"][0]
     press("PageUp")
-    until(page, f"old => ({SOURCE})('here').x[0] > old", arg=at)
+    until(page, f"old => ({SOURCE})('point').x[0] > old", arg=at)
     # buckling: the sweep, and another law
     move_to(page, "Sweep the strain")
     press("Space")
-    at = source(page, "here")["x"][0]
-    until(page, f"old => ({SOURCE})('here').x[0] !== old", arg=at)
+    at = source(page, "point")["x"][0]
+    until(page, f"old => ({SOURCE})('point').x[0] !== old", arg=at)
     press("Space")
     move_to(page, "Compare with", "Shift+Tab")
     press("ArrowDown")
@@ -818,7 +816,7 @@ def test_a_link_that_lies_too_deep_is_refused_and_the_page_is_there(visit):
 
     page = visit(f"?file={pack('a.' * 15_000 + 'a = 1')}&strain=0.2")
     assert "nested too deep" in page.get_by_role("alert").first.inner_text()
-    assert source(page, "here")["x"] == [0.2]
+    assert source(page, "point")["x"] == [0.2]
 
 
 def test_a_name_is_shown_with_every_sign(visit):
@@ -835,7 +833,7 @@ def test_a_file_that_is_too_large_to_send_is_refused_in_the_browser(visit, tmp_p
     page.get_by_text("large.csv: a file may have 5000000 bytes here, got 20000000").wait_for()
     # the page still follows: its connection would have been lost
     page.get_by_text("Muscle", exact=True).first.click()
-    assert len(source(page, "chosen")["force"]) > 0
+    assert len(source(page, "curve")["force"]) > 0
 
 
 def test_a_fit_that_runs_does_not_keep_ctrl_c_waiting(browser, tmp_path):

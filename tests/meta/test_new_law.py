@@ -187,7 +187,7 @@ assert own.fields["friction"].input.value == "-0.3 kPa", own.fields["friction"].
 own.fields["friction"].input.value = "2 kPa"
 assert float(session.view.muscle.tension.friction) == 2000.0
 own.fields["loss"].input.value = "-2"
-assert "must be positive" in own.fields["loss"].error
+assert "must be positive" in own.fields["loss"].message.text
 """,
     "docs": """
 import importlib.util

@@ -2,18 +2,17 @@
 
 Bokeh checks the `Origin` of a websocket and nothing else. But a browser sends requests for any
 page, also to a server that listens on its own machine alone, and pages of strangers can't forge
-three headers: `Host`, the name in the address, which stays the stranger's where that name is made
-to point at this machine (DNS rebinding); `Origin`, of the page that opens a websocket; and
-`Sec-Fetch-…`, where a request comes from and what for. Links that no explorer made are rejected,
+three headers: `Host`, the name in the address, which stays the stranger's if that name is made to
+point at this machine (DNS rebinding); `Origin`, of the page that opens a websocket; and
+`Sec-Fetch-…`, the source and the purpose of a request. Links that no explorer made are rejected,
 too: Panel would fail on them, or read them as its own.
 """
 
-import contextlib
 import ipaddress
 import re
 import socket
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import parse_qsl
 
@@ -31,54 +30,49 @@ _MOST_KEYS, _LONGEST_VALUE = 64, 1000  # of a link; only a packed file is longer
 _MOST_DIGITS = 15  # Panel converts digits to numbers, and fails where Python does
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 _FRAMES = ("iframe", "frame", "embed", "object")
-# of Panel, to embed the page elsewhere and to serve files of modules: nothing here uses them
+# of Panel, to embed the page elsewhere and to serve files of modules: the explorer needs none
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
+Reason = tuple[int, str]  # status and sentence of a rejected request
 
 
 @dataclass(frozen=True)
 class AllowedHosts:
-    """Names that a server answers to.
+    """Names that a server answers to: its `own`, and `allowed` ones.
 
-    `own` names and `allowed` ones; `addresses` where any IP address is fine: no stranger's name is
-    an address.
+    `addresses`: also to any IP address, which no stranger can make to point elsewhere.
     """
 
     own: frozenset[str]
-    allowed: frozenset[str] = field(default_factory=frozenset)
+    allowed: frozenset[str] = frozenset()
     addresses: bool = False
 
     @classmethod
     def of(cls, host: str, allowed: Iterable[str] = ()) -> "AllowedHosts":
         """Names of a server that listens on `host`, and `allowed` ones."""
-        own = {host.lower(), "localhost", "127.0.0.1", "::1"}
-        if host not in LOOPBACK:
-            own |= {socket.gethostname().lower(), socket.getfqdn().lower()} | _own_addresses()
-        names = frozenset(_host_name(name) for name in allowed)
-        return cls(frozenset(own - set(ANY_ADDRESS)), names, addresses=host in ANY_ADDRESS)
+        own, local = {"localhost", "127.0.0.1", "::1"}, host in LOOPBACK
+        if not local:
+            own |= {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
+        return cls(frozenset(own), frozenset(map(_host_name, allowed)), addresses=not local)
 
     def matches(self, host: str) -> bool:
-        """Whether a `Host` header names this server, with any port: it may be forwarded."""
+        """True for a `Host` header with a name of this server, and any port, as one forwarded."""
         name = _host_name(host)
-        return name in self.own or name in self.allowed or (self.addresses and _is_address(name))
+        return name in self.own | self.allowed or (self.addresses and _is_address(name))
 
 
-def reject_reason(request: Any, hosts: AllowedHosts) -> tuple[int, str] | None:
-    """Status and sentence of a rejected request, or `None`.
-
-    **Arguments:** `request`: tornado's `host`, `path`, `query` and `headers`; `hosts`: names of the
-    server.
-    """
+def reject_reason(request: Any, hosts: AllowedHosts) -> Reason | None:
+    """Reason to reject a tornado `request` to a server of these `hosts`, or `None`."""
     if not hosts.matches(request.host):
         shown = sanitize_line(request.host, 80)
         return 403, (
             f"This explorer isn't called `{shown}`: this request may come from the page of a"
             f" stranger. If the name is yours, start it with `--allow-host {_host_name(shown)}`."
         )
-    return (
-        _reject_other_page(request.host, request.headers, hosts)
-        or ((404, "There is nothing here.") if request.path.startswith(_CLOSED) else None)
-        or _reject_link(request.path, request.query)
-    )
+    if reason := _reject_other_page(request.host, request.headers, hosts):
+        return reason
+    if request.path.startswith(_CLOSED):
+        return 404, "This page doesn't exist."
+    return _reject_link(request.path, request.query)
 
 
 def guard(app: Any, hosts: AllowedHosts) -> None:
@@ -105,22 +99,20 @@ class _RejectedRequests(Matcher):
 class _RejectPage(RequestHandler):
     """A page with the reason."""
 
-    def initialize(self, reason: tuple[int, str]) -> None:
-        self._status, self._text = reason
+    def initialize(self, reason: Reason) -> None:
+        self._reason = reason
 
     def prepare(self) -> None:
+        status, text = self._reason
         page = Page("This explorer can't be opened like that")
-        page.paragraph(self._text)
+        page.paragraph(text)
         page.html('<p><a href="/" target="_blank">Open the explorer</a></p>')
-        self.set_status(self._status)
-        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.set_status(status)
         self.set_header("Cache-Control", "no-store")
         self.finish(page.text("fascicle"))
 
 
-def _reject_other_page(
-    host: str, headers: Mapping[str, str], hosts: AllowedHosts
-) -> tuple[int, str] | None:
+def _reject_other_page(host: str, headers: Mapping[str, str], hosts: AllowedHosts) -> Reason | None:
     origin = headers.get("Origin")
     if origin is not None:
         # same name and port; a name that was allowed may stand before another server's port
@@ -135,7 +127,7 @@ def _reject_other_page(
     return None
 
 
-def _reject_link(path: str, query: str) -> tuple[int, str] | None:
+def _reject_link(path: str, query: str) -> Reason | None:
     try:
         pairs = parse_qsl(query, keep_blank_values=True, max_num_fields=_MOST_KEYS)
     except ValueError:
@@ -165,13 +157,3 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _own_addresses() -> set[str]:
-    addresses = set()
-    with contextlib.suppress(OSError):
-        addresses |= {str(entry[4][0]) for entry in socket.getaddrinfo(socket.gethostname(), None)}
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, contextlib.suppress(OSError):
-        probe.connect(("192.0.2.1", 9))  # reserved for documentation: nothing is sent
-        addresses.add(str(probe.getsockname()[0]))
-    return addresses

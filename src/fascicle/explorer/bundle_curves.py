@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,15 +11,15 @@ from ..bundle import Bundle, recruitment
 from ..bundle.pressurized import muscle_strain
 from ..bundle.workspace import Overlap, Space
 from ..core.errors import InvalidInputError
-from ..units import DIMENSIONS
 from .muscle_curves import muscle_curves
 from .solid import AROUND, RINGS, Solid, muscle_solid
 from .state import View
+from .widgets import unit_factor
 
 
-LEVELS, POINTS = 5, 161
+LEVELS, POINTS = 5, 161  # curves of each state, and points of each
 _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
-_SPACING = 2.7  # of the largest radius: from axis to axis at rest
+_SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
 
 @dataclass(frozen=True)
@@ -30,32 +31,39 @@ class DrawnSpace:
     top: float
 
 
-@dataclass(frozen=True)
-class BundleState:
+class BundleState(NamedTuple):
     """A bundle at given pressures.
 
-    Forces of its `units` [N], a row each, over `strain` [-]; its equilibria without load, `zeros`
-    [-], and whether each is `stable`.
+    Forces of its `units` [N], a row each, and of all of them, over `strain` [-]; its `equilibria`
+    without load [-], and True for each that is `stable`.
     """
 
     strain: np.ndarray
     units: np.ndarray
-    zeros: np.ndarray
+    force: np.ndarray
+    equilibria: np.ndarray
     stable: np.ndarray
 
-    @property
-    def force(self) -> np.ndarray:
-        """Force of all units [N]."""
-        return self.units.sum(axis=0)
 
-
-@dataclass(frozen=True)
-class Solution:
+class Solution(NamedTuple):
     """Recruitment `state` and `pressures` [Pa] of all units that reach a point."""
 
     state: int
     pressures: tuple[float, ...]
     stable: bool
+
+
+class BundleSolids(NamedTuple):
+    """Muscles of a bundle between its plates.
+
+    The motor unit of each (`owners`), their `positions` (angle [rad], x and y [m]), and the radius
+    [m] of their `envelope`.
+    """
+
+    solids: list[Solid]
+    owners: list[int]
+    positions: list[tuple[float, float, float]]
+    envelope: float
 
 
 @lru_cache(maxsize=16)  # visitors share it
@@ -68,115 +76,88 @@ def drawn_space(bundle: Bundle, resistance: bool) -> DrawnSpace:
 def bundle_state(
     bundle: Bundle, pressures: tuple[float, ...], top: float, resistance: bool
 ) -> BundleState:
-    """State of a bundle.
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `pressures`: one for each motor unit [Pa].
-    - `top`: the largest strain [-].
-    - `resistance`: whether units past their own free strain push back.
-    """
-    strain = np.linspace(0.0, top, POINTS)
-    units = np.asarray(bundle.unit_forces(np.array(pressures), strain, resistance))
-    equilibria = bundle.equilibria(np.array(pressures), resistance)
-    zeros, stable = np.asarray(equilibria.strain), np.asarray(equilibria.stable)
-    exists = np.isfinite(zeros)
-    return BundleState(strain, units.T, zeros[exists], stable[exists])
+    """State of a bundle at its units' `pressures` [Pa], up to the strain `top` [-]."""
+    strain, P = np.linspace(0.0, top, POINTS), np.array(pressures)
+    units = np.asarray(bundle.unit_forces(P, strain, resistance)).T
+    roots = bundle.equilibria(P, resistance)
+    equilibria, stable = np.asarray(roots.strain), np.asarray(roots.stable)
+    exists = np.isfinite(equilibria)
+    return BundleState(strain, units, units.sum(axis=0), equilibria[exists], stable[exists])
 
 
 def solutions(
     bundle: Bundle, force: float, strain: float, resistance: bool, unit: str = "N"
 ) -> tuple[list[Solution], str]:
-    """All pressures that reach a point, lowest state first, and a remark where none does.
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `force`: of the point [N].
-    - `strain`: of the point [-].
-    - `resistance`: whether units past their own free strain push back.
-    - `unit`: of forces in the remark.
-    """
+    """All pressures that reach a `force` [N] and `strain` [-], and a remark where none does."""
     result = recruitment.recruit(bundle, force, strain, resistance=resistance)
-    supply, units = bundle.supply_pressure, len(bundle.motor_units)
+    supply = bundle.supply_pressure
     if supply is None:
         raise InvalidInputError("supply_pressure", "is needed to recruit", None)
-    nearest = Solution(
-        int(result.state), tuple(map(float, np.asarray(result.pressures))), bool(result.stable)
-    )
-    status = int(result.status)
-    if status != 0:
+
+    def solution(state: int, pressures: np.ndarray, stable: bool) -> Solution:
+        return Solution(int(state), tuple(map(float, pressures)), bool(stable))
+
+    nearest = solution(result.state, np.asarray(result.pressures), result.stable)
+    if status := int(result.status):
         side = "above" if status == 1 else "below"
-        reached = float(result.force) / float(DIMENSIONS["force"].factors[unit])
+        reached = float(result.force) / unit_factor(unit, "force")
         return [nearest], (
             f"The point is {side} what is reachable at this strain: the nearest force is"
             f" {reached:.4g} {unit}."
         )
     if bundle.scheme.independent:  # one of a continuum: the cheapest
         return [nearest], ""
-    states, levels, stable = (
-        np.asarray(part)
-        for part in (result.solutions.state, result.solutions.pressure, result.solutions.stable)
-    )
-    several = []
-    for state, level, is_stable in zip(states, levels, stable, strict=False):
-        if state > 0:
-            pressures = recruitment.pressures_of(
-                int(state), float(level), float(supply), units, bundle.scheme
-            )
-            several.append(Solution(int(state), tuple(map(float, pressures)), bool(is_stable)))
-    return several, ""
+    states, levels = np.asarray(result.solutions.state), np.asarray(result.solutions.pressure)
+    units, scheme = len(bundle.motor_units), bundle.scheme
+    return [
+        solution(
+            states[i],
+            recruitment.pressures_of(
+                int(states[i]), float(levels[i]), float(supply), units, scheme
+            ),
+            result.solutions.stable[i],
+        )
+        for i in np.flatnonzero(states > 0)
+    ], ""
 
 
-def bundle_solids(view: View, top: float) -> tuple[list[Solid], list[int], list[tuple], float]:
-    """Muscles of a bundle between its plates, at the view's pressures and strain.
-
-    **Arguments:** `view`: the view; `top`: the largest strain [-].
-
-    **Returns:** the solids, the unit of each, their places (angle [rad], x and y [m]), and the
-    radius [m] of the envelope that they need.
-    """
+def bundle_solids(view: View, top: float) -> BundleSolids:
+    """Muscles of a bundle at the view's pressures and strain, at most `top` [-]."""
     bundle = view.bundle
     count = sum(int(unit.count) for unit in bundle.motor_units)
-    fibers = next((number for most, number in _FIBERS.items() if count <= most), 0)
-    ratios = bundle.ratios
+    fibers = next((number for limit, number in _FIBERS.items() if count <= limit), 0)
     solids, owners = [], []
     for i, unit in enumerate(bundle.motor_units):
         strain = view.strain
-        if ratios is not None:
-            strain = float(muscle_strain(ratios[i], jnp.asarray(strain)))
+        if bundle.ratios is not None:
+            strain = float(muscle_strain(bundle.ratios[i], jnp.asarray(strain)))
         curves = muscle_curves(unit.muscle, view.pressures[i], strain, view.supply, top)
         solids += [muscle_solid(unit.muscle, curves, strain, fibers)] * int(unit.count)
         owners += [i] * int(unit.count)
     widest = max(float(unit.muscle.outer_radius) for unit in bundle.motor_units)
-    places = muscle_places(len(solids), _SPACING * widest)
-    reach = 0.0
-    for solid, (angle, x, y) in zip(solids, places, strict=True):
-        tube = solid.points[: RINGS * AROUND]
-        across = tube[:, 0] * np.cos(angle) + tube[:, 1] * np.sin(angle) + x
-        up = -tube[:, 0] * np.sin(angle) + tube[:, 1] * np.cos(angle) + y
-        reach = max(reach, float(np.hypot(across, up).max()))
-    return solids, owners, places, reach
+    positions = muscle_positions(count, _SPACING * widest)
+    envelope = 0.0
+    for solid, position in zip(solids, positions, strict=True):
+        tube = solid.transform(*position)[0][: RINGS * AROUND]
+        envelope = max(envelope, float(np.hypot(tube[:, 0], tube[:, 1]).max()))
+    return BundleSolids(solids, owners, positions, envelope)
 
 
-def muscle_places(count: int, spacing: float) -> list[tuple[float, float, float]]:
-    """Places of `count` muscles in rings, `spacing` [m] from each other.
-
-    **Returns:** the angle [rad] that makes each bow outward, x and y [m].
-    """
-    spots = [(0.0, 0.0)] if count != 2 else []
+def muscle_positions(count: int, spacing: float) -> list[tuple[float, float, float]]:
+    """Positions of muscles in rings, `spacing` [m] from each other, that bow outward."""
+    polar = [(0.0, np.pi / 2)] if count != 2 else []
     ring = 1
-    while len(spots) < count:
-        number = min(6 * ring, count - len(spots))
+    while len(polar) < count:
+        number = min(6 * ring, count - len(polar))
         radius = spacing * (ring if count != 2 else 0.5)  # two stand beside the axis
-        for k in range(number):
-            theta = np.pi / 2 + 2 * np.pi * k / number
-            spots.append((float(radius * np.cos(theta)), float(radius * np.sin(theta))))
+        polar += [(radius, np.pi / 2 + 2 * np.pi * k / number) for k in range(number)]
         ring += 1
-    places = []
-    for x, y in spots:
-        theta = np.arctan2(y, x) if (x, y) != (0.0, 0.0) else np.pi / 2
-        # a solid bows toward -y
-        places.append((float(np.arctan2(-np.cos(theta), -np.sin(theta))), x, y))
-    return places
+    # a solid bows toward -y
+    return [
+        (
+            float(np.arctan2(-np.cos(theta), -np.sin(theta))),
+            float(radius * np.cos(theta)),
+            float(radius * np.sin(theta)),
+        )
+        for radius, theta in polar
+    ]

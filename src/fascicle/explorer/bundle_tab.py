@@ -1,20 +1,17 @@
 """Tab of a bundle: motor units, what they reach together, and pressures that reach a point."""
 
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
-from bokeh.events import Press, Tap
-from bokeh.models import HoverTool
-from bokeh.models.glyphs import Line, MultiLine, Patches, Scatter
 
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..plot.theme import BLACK, WHITE, Colors, mix
-from .background import LatestResult
 from .bundle_curves import (
+    BundleSolids,
     BundleState,
     DrawnSpace,
     Solution,
@@ -23,20 +20,12 @@ from .bundle_curves import (
     drawn_space,
     solutions,
 )
+from .chart import Chart, cycle_colors, hover_tooltips, screen_height
+from .remarks import equilibria_text, remarks_html
 from .solid import Scene
 from .state import MOST_UNITS, SIZES, Session, Unit, View, changed, check_units, scaled
-from .tab import Tab, equilibria_text, remarks_html
-from .theme import (
-    LAST,
-    NARROW,
-    PAIRS,
-    SCROLLED,
-    STACKED,
-    TALL,
-    Chart,
-    equal_column,
-    hover_tooltips,
-)
+from .tab import LatestResult, Tab
+from .theme import PAIRS, column, equal_column, row, side_column
 from .widgets import (
     SWEEP_STEPS,
     Field,
@@ -50,21 +39,27 @@ from .widgets import (
     pane,
     readout_table,
     status_line,
-    unit_factor,
     widget,
 )
 
 
-_STAGE = "clamp(240px, 100vh - 480px, 900px)"  # height of the bundle's figure
+_SCENE_HEIGHT = "clamp(240px, 100vh - 480px, 900px)"
+
+
+class UnitInputs(NamedTuple):
+    """Inputs of a motor unit."""
+
+    count: Any
+    radius: Field
+    pressure: QuantitySlider
 
 
 class UnitRows:
-    """Inputs of each motor unit; units are added and removed at the end."""
+    """Inputs of all motor units; units are added and removed at the end."""
 
     def __init__(self, session: Session):
-        """**Arguments:** `session`: the visitor's."""
-        self._session, self._updating = session, False
-        self.rows: list[tuple[Any, Field, QuantitySlider]] = []
+        self._session = session
+        self.rows: list[UnitInputs] = []
         self._buttons = [
             button("Add a unit", self._add, margin=(4, 4, 4, 8)),
             button("Remove the last", self._remove, margin=4),
@@ -76,39 +71,36 @@ class UnitRows:
 
     def show(self, view: View) -> None:
         """Show the units of a `view`."""
-        self._updating = True
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._row(i) for i in range(len(self.rows), len(view.units))]
-            widgets = [w for count, radius, dial in self.rows
-                       for w in (count, radius.input, dial.panel)]  # fmt: skip
-            self.panel.objects = [*self._buttons, *widgets]
-        for (count, radius, _), unit in zip(self.rows, view.units, strict=True):
-            count.value = unit.count
-            radius.show(float(view.muscle_of(unit).outer_radius), view.shown["length"])
-        self._updating = False
+            inputs = [w for r in self.rows for w in (r.count, r.radius.input, r.pressure.panel)]
+            self.panel.objects = [*self._buttons, *inputs]
+        for inputs, unit in zip(self.rows, view.units, strict=True):
+            inputs.count.value = unit.count
+            inputs.radius.show(
+                float(view.muscle_of(unit).outer_radius), view.display_units["length"]
+            )
         self.message.show("")
         self.show_pressures(view)
 
     def show_pressures(self, view: View) -> None:
         """Show the pressures of a `view`."""
-        for (_, _, slider), pressure in zip(self.rows, view.pressures, strict=True):
-            slider.show(pressure, view.shown["pressure"], view.supply)
+        for inputs, pressure in zip(self.rows, view.pressures, strict=True):
+            inputs.pressure.show(pressure, view.display_units["pressure"], view.supply)
 
-    def _row(self, i: int) -> tuple[Any, Field, QuantitySlider]:
+    def _row(self, i: int) -> UnitInputs:
         # without limits: at those the browser would refuse without a word
         count = widget(pn.widgets.IntInput, f"Unit {i + 1}: muscles", value=1)
         count.param.watch(lambda event: self._set_count(i, event.new), "value")
         radius = Field("Radius", "outer_radius", "length", lambda value: self._set_radius(i, value))
-        radius.place(self.panel)
-        slider = QuantitySlider(
+        radius.message.column = self.panel
+        pressure = QuantitySlider(
             f"Pressure P{i + 1}", "pressure", "pressure", lambda value: self._set_pressure(i, value)
         )
-        return count, radius, slider
+        return UnitInputs(count, radius, pressure)
 
     def _set_count(self, i: int, count: int | None) -> None:
-        if self._updating:
-            return
         try:
             if count is None:
                 raise InvalidInputError("count", "must be a whole number", None)
@@ -123,22 +115,27 @@ class UnitRows:
         base = view.muscle if unit.own is None else unit.own
         size = radius / float(base.outer_radius)
         if not SIZES[0] <= size <= SIZES[1]:
-            shown = view.shown["length"]
-            low, high, given = (
-                format_quantity(x, shown, "length")
-                for x in (*(by * float(base.outer_radius) for by in SIZES), radius)
+            limits = [ratio * float(base.outer_radius) for ratio in SIZES]
+            low, high, shown = (
+                format_quantity(x, view.display_units["length"], "length")
+                for x in (*limits, radius)
             )
             rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
-            raise InvalidInputError("radius", rule, radius, shown=given)
+            raise InvalidInputError("radius", rule, radius, shown=shown)
         if unit.own is None:
             self._set_unit(i, replace(unit, size=size))
         else:
             self._set_unit(i, replace(unit, own=scaled(unit.own, size)))
 
     def _set_pressure(self, i: int, pressure: float) -> None:
-        pressures = list(self._session.view.pressures)
-        pressures[i] = pressure
-        self._session.change(pressures=tuple(pressures))
+        pressures = self._session.view.pressures
+        self._session.change(pressures=(*pressures[:i], pressure, *pressures[i + 1 :]))
+
+    def _set_unit(self, i: int, unit: Unit) -> None:
+        units = self._session.view.units
+        units = (*units[:i], unit, *units[i + 1 :])
+        check_units(units)
+        self._session.change(units=units)
 
     def _add(self) -> None:
         view = self._session.view
@@ -154,81 +151,58 @@ class UnitRows:
             return
         self._session.change(units=view.units[:-1], pressures=view.pressures[:-1])
 
-    def _set_unit(self, i: int, unit: Unit) -> None:
-        units = list(self._session.view.units)
-        units[i] = unit
-        check_units(tuple(units))
-        self._session.change(units=tuple(units))
-
 
 class BundleView(Tab):
     """Widgets and figures of a bundle."""
 
     name: ClassVar[str] = "bundle"
     fields: ClassVar[tuple[str, ...]] = (
-        "muscle", "units", "supply", "scheme", "resistance", "shown", "distance",
+        "muscle", "units", "supply", "scheme", "resistance", "display_units", "distance",
     )  # fmt: skip
 
     def __init__(self, session: Session, colors: Colors):
-        """**Arguments:** those of `Tab`."""
         super().__init__(session, colors)
-        self._updating, self._top, self._half_force = False, 0.3, 0.0
+        self._top, self._middle_force = 0.3, 0.0  # of the space
         self.units = UnitRows(session)
         self._scheme = dropdown("Recruitment", list(SCHEMES))
-        self._scheme.param.watch(lambda event: self._set(scheme=event.new), "value")
+        self._scheme.param.watch(lambda event: session.change(scheme=event.new), "value")
         self._resistance = widget(
             pn.widgets.Checkbox, "Muscles past their free strain push back", margin=(6, 8)
         )
-        self._resistance.param.watch(lambda event: self._set(resistance=event.new), "value")
+        self._resistance.param.watch(lambda event: session.change(resistance=event.new), "value")
         self._supply = Field("Supply pressure", "supply", "pressure", self._set_supply)
         self._strain = QuantitySlider(
             "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
         )
         self._add_chart()
-        self._scene = Scene(colors, "bundle", _STAGE)
-        self._sweep = Sweep("", self._step)
-        self._numbers, self._status = pane(), pane(height=22)
-        self._notes = pane(sizing_mode="stretch_width")
-        self._space = LatestResult(self._show_space, self._fail)
-        self._state = LatestResult(self._show_state, self._fail)
-        self._solutions = LatestResult(self._show_solutions, self._fail)
-        left = pn.Column(
-            self._scheme, self._supply.input, self._resistance, self.units.panel,
-            width=318, margin=(0, 8, 0, 0), stylesheets=[SCROLLED, LAST],
-        )  # fmt: skip
-        self._supply.place(left)
-        space = pn.Column(
-            pn.pane.Bokeh(self.chart.figure, margin=0, stylesheets=[TALL]), margin=0,
-            **equal_column(),
-        )  # fmt: skip
-        self.message = Message(space)
-        self._stage = pn.Column(
-            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(self._scene.slider, self._sweep.button, sizing_mode="stretch_width", margin=0),
-            self._numbers, margin=0, **equal_column(),
-        )  # fmt: skip
-        self._fixed = len(self._stage)  # parts above the solutions
-        main = pn.Column(
-            self._notes, self._strain.panel, self._status,
-            pn.Row(space, self._stage, sizing_mode="stretch_width", margin=0,
-                   stylesheets=[STACKED]),
-            sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
-        )  # fmt: skip
-        self.panel = pn.Row(
-            left, main, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+        self._scene = Scene(colors, "bundle", _SCENE_HEIGHT)
+        self._sweep = Sweep("", self._advance)
+        self._numbers = pane()
+        self._space = LatestResult(self._show_space, self.fail)
+        self._state = LatestResult(self._show_state, self.fail)
+        self._solutions = LatestResult(self._show_solutions, self.fail)
+        left = side_column(
+            self._scheme, self._supply.input, self._resistance, self.units.panel, width=318
         )
+        self._supply.message.column = left
+        space = equal_column(self.chart.pane)
+        self.message = Message(space)
+        self._solution_column = column()
+        scene = equal_column(
+            *self._scene.panes(self._sweep.button), self._numbers, self._solution_column
+        )
+        main = column(self.notes, self._strain.panel, self.status, row(space, scene))
+        self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
-        self._updating = True
         self._scheme.value = str(view.scheme)
         self._resistance.value = view.resistance
-        self._updating = False
-        self._supply.show(view.supply, view.shown["pressure"])
+        self._supply.show(view.supply, view.display_units["pressure"])
         self.units.show(view)
         self._sweep.set_label(f"P{len(view.units)}")
-        self._notes.object = remarks_html(view, "bundle")
-        self._status.object = status_line("computing the space")
+        self.notes.object = remarks_html(view, "bundle")
+        self.status.object = status_line("computing the space")
         self._space.request(lambda: drawn_space(view.bundle, view.resistance))
 
     def follow(self, before: View, after: View) -> None:
@@ -240,10 +214,6 @@ class BundleView(Tab):
         if changed(before, after, "pressures", "strain"):
             self._request_state(after)
 
-    def _set(self, **changes: Any) -> None:
-        if not self._updating:
-            self.session.change(**changes)
-
     def _set_supply(self, value: float) -> None:
         check_interval(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
         view = self.session.view
@@ -253,11 +223,7 @@ class BundleView(Tab):
             pressure=min(view.pressure, value),
         )
 
-    def _fail(self, text: str) -> None:
-        self._status.object = ""
-        self.message.show(text, self.session.view.shown)
-
-    def _step(self) -> bool:
+    def _advance(self) -> bool:
         """Raise the last unit's pressure, or begin again at zero."""
         view = self.session.view
         if view.tab != self.name:
@@ -271,85 +237,80 @@ class BundleView(Tab):
 
     def _add_chart(self) -> None:
         colors = self.colors
-        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", room=290)
+        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(290))
+        figure = chart.figure
         self._regions = chart.source("xs", "ys", "color", "label", name="regions")
         self._levels = chart.source("xs", "ys", "color", "width")
         self._overlap = chart.source("xs", "ys", name="overlap")
         self._force = chart.source("strain", "force", name="bundle_force")
         self._unit_forces = chart.source("xs", "ys", "color")
-        self._zeros = chart.source("x", "y", "fill", name="zeros")
-        self._here = chart.source("x", "y")
-        self._target = chart.source("x", "y", name="asked")
+        self._equilibria = chart.source("x", "y", "fill", name="equilibria")
+        self._point = chart.source("x", "y")
+        self._target = chart.source("x", "y", name="target")
         chart.add_zero_line()
-        chart.draw(self._regions, Patches(xs="xs", ys="ys", fill_color="color", fill_alpha=0.16,
-                                          line_color="color", line_width=1.5),
-                   "@label")  # fmt: skip
-        chart.draw(self._levels, MultiLine(xs="xs", ys="ys", line_color="color",
-                                           line_width="width", line_alpha=0.7))  # fmt: skip
-        chart.draw(self._overlap, Patches(xs="xs", ys="ys", fill_alpha=0, line_alpha=0,
-                                          hatch_pattern="right_diagonal_line",
-                                          hatch_color=colors.ink, hatch_alpha=0.55, hatch_scale=9),
-                   "overlap of states")  # fmt: skip
-        chart.draw(self._unit_forces, MultiLine(xs="xs", ys="ys", line_color="color",
-                                                line_width=1.6, line_dash="dashed"),
-                   "each unit, now")  # fmt: skip
-        line = Line(x="strain", y="force", line_color=colors.ink, line_width=3)
-        force = chart.draw(self._force, line, "all units, now")
-        chart.draw(self._zeros, Scatter(x="x", y="y", size=10, line_color=colors.ink,
-                                        fill_color="fill", line_width=2),
-                   "at rest (hollow: not stable)")  # fmt: skip
-        chart.draw(self._here, Scatter(x="x", y="y", size=13, marker="diamond",
-                                       fill_color=colors.curves[1], line_color=colors.paper),
-                   "this contraction")  # fmt: skip
-        chart.draw(self._target, Scatter(x="x", y="y", size=16, marker="cross",
-                                         line_color=colors.curves[1], line_width=3),
-                   "the chosen point")  # fmt: skip
-        self._hover = HoverTool(renderers=[force], mode="vline", line_policy="interp",
-                                tooltips=hover_tooltips("F", "N"))  # fmt: skip
-        chart.figure.add_tools(self._hover)
-        chart.figure.on_event(Tap, self._point_at)
-        chart.figure.on_event(Press, self._point_at)  # a long click
-        *_, self._target_entry = chart.add_legend(glyph_height=20)  # of points
+        figure.patches("xs", "ys", source=self._regions, color="color", fill_alpha=0.16,
+                       line_width=1.5, legend_field="label")  # fmt: skip
+        lines = {"xs": "xs", "ys": "ys", "line_color": "color"}
+        figure.multi_line(**lines, source=self._levels, line_width="width", line_alpha=0.7)
+        figure.patches(
+            "xs", "ys", source=self._overlap, fill_alpha=0, line_alpha=0, hatch_color=colors.ink,
+            hatch_pattern="right_diagonal_line", hatch_alpha=0.55, hatch_scale=9,
+            legend_label="overlap of states",
+        )  # fmt: skip
+        figure.multi_line(**lines, source=self._unit_forces, line_width=1.6, line_dash="dashed",
+                          legend_label="each unit, now")  # fmt: skip
+        force = figure.line("strain", "force", source=self._force, line_color=colors.ink,
+                            line_width=3, legend_label="all units, now")  # fmt: skip
+        figure.scatter("x", "y", source=self._equilibria, size=10, line_color=colors.ink,
+                       fill_color="fill", line_width=2,
+                       legend_label="at rest (hollow: not stable)")  # fmt: skip
+        chart.add_point(self._point, "this contraction")
+        figure.scatter("x", "y", source=self._target, size=16, marker="cross", line_width=3,
+                       line_color=colors.curves[1], legend_label="the chosen point")  # fmt: skip
+        self._hover = chart.add_hover(force)
+        chart.on_click(self._point_at)
+        self._target_entry = chart.style_legend(glyph_height=20)[-1]  # of points
         self._target_entry.visible = False
 
     def _show_space(self, drawn: DrawnSpace) -> None:
-        view = self.session.view
-        unit = view.shown["force"]
-        scale, cycle = unit_factor(unit, "force"), self.colors.curves
-        space = drawn.space
+        view, space = self.session.view, drawn.space
+        unit, scale = self.unit("force")
         self._top = max(0.1, float(np.ceil(drawn.top * 50) / 50))
-        outlines = [space.outline(state + 1) for state in range(len(space.force))]
-        colors = [cycle[i % len(cycle)] for i in range(len(outlines))]
+        states = range(1, len(space.force) + 1)
+        colors = cycle_colors(self.colors, len(states))
+        outlines = [space.outline(state) for state in states]
         self._regions.data = {
             "xs": [strain for strain, _ in outlines],
             "ys": [force / scale for _, force in outlines],
             "color": colors,
-            "label": [f"recruitment state {i + 1}" for i in range(len(outlines))],
+            "label": [f"recruitment state {state}" for state in states],
         }
         lines = [
-            (np.where(row >= 0, row / scale, np.nan), color, 0.5 + 1.2 * k / len(curves))
+            (np.where(force >= 0, force / scale, np.nan), color, 0.5 + 1.2 * k / len(curves))
             for curves, color in zip(space.force, colors, strict=True)
-            for k, row in enumerate(curves)
+            for k, force in enumerate(curves)  # thicker with rising pressure
         ]
-        self._levels.data = {
-            "xs": [space.strain] * len(lines),
-            "ys": [line for line, _, _ in lines],
-            "color": [color for _, color, _ in lines],
-            "width": [width for _, _, width in lines],
-        }
-        pairs = [drawn.overlap.outline(i) for i in range(len(drawn.overlap.states))]
-        pairs = [(strain, force) for strain, force in pairs if strain.size]
+        self._levels.data = {"xs": [space.strain] * len(lines)} | dict(
+            zip(("ys", "color", "width"), map(list, zip(*lines, strict=True)), strict=True)
+        )
+        outlines = [drawn.overlap.outline(i) for i in range(len(drawn.overlap.states))]
+        outlines = [(strain, force) for strain, force in outlines if strain.size]
         self._overlap.data = {
-            "xs": [strain for strain, _ in pairs],
-            "ys": [force / scale for _, force in pairs],
+            "xs": [strain for strain, _ in outlines],
+            "ys": [force / scale for _, force in outlines],
         }
         high = float(space.high.max()) / scale
-        self._half_force = float(np.interp(0.5 * self._top, space.strain, space.high[-1])) / scale
+        middle = float(np.interp(0.5 * self._top, space.strain, space.high[-1]))
+        self._middle_force = 0.3 * middle / scale
         self.chart.set_ranges((0.0, self._top), (-0.12 * high, 1.06 * high))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        self._hover.tooltips = hover_tooltips("F", unit)
+        self._hover.tooltips = hover_tooltips(unit)
         self._target.data, self._target_entry.visible = {"x": [], "y": []}, False
-        self._invite()
+        text = "Click in the space to get the pressures that reach that point."
+        self._solution_column.objects = [
+            pn.pane.HTML(status_line(text), margin=(0, 8)),
+            button("Try a point", self.try_point),
+        ]
         self.message.show("")
         self._strain.show(min(view.strain, self._top), "", self._top)
         self._request_state(view)
@@ -358,7 +319,7 @@ class BundleView(Tab):
         top = self._top
         strain = min(view.strain, top)
 
-        def compute() -> tuple[Any, ...]:
+        def compute() -> tuple[View, BundleState, float, BundleSolids]:
             bundle, pressures = view.bundle, view.pressures
             force = float(bundle.force(np.array(pressures), strain, view.resistance))
             state = bundle_state(bundle, pressures, top, view.resistance)
@@ -366,52 +327,42 @@ class BundleView(Tab):
 
         self._state.request(compute)
 
-    def _show_state(self, result: tuple[View, BundleState, float, Any]) -> None:
-        view, state, force, (solids, owners, places, reach) = result
-        unit, cycle = view.shown["force"], self.colors.curves
-        scale = unit_factor(unit, "force")
-        self._status.object = ""
-        colors = [cycle[i % len(cycle)] for i in range(len(state.units))]
+    def _show_state(self, result: tuple[View, BundleState, float, BundleSolids]) -> None:
+        view, state, force, scene = result
+        unit, scale = self.unit("force")
+        self.status.object = ""
+        colors = cycle_colors(self.colors, len(state.units))
         self._unit_forces.data = {
-            "xs": [state.strain] * len(state.units),
+            "xs": [state.strain] * len(colors),
             "ys": list(state.units / scale),
             "color": colors,
         }
         self._force.data = {"strain": state.strain, "force": state.force / scale}
-        self._zeros.data = {
-            "x": state.zeros, "y": np.zeros(state.zeros.size),
+        self._equilibria.data = {
+            "x": state.equilibria, "y": np.zeros(state.equilibria.size),
             "fill": [self.colors.ink if stable else self.colors.paper for stable in state.stable],
         }  # fmt: skip
-        self._here.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
+        self._point.data = {"x": [min(view.strain, self._top)], "y": [force / scale]}
         pale = 0.35 if self.colors.dark else 0.62  # fibers contrast with it
         shades = [(mix(c, WHITE, pale), mix(c, BLACK, 0.35)) for c in colors]
-        length = float(view.bundle.length)
-        extent = max(0.58 * length, 1.1 * reach), 1.05 * reach + 0.12 * length
-        self._scene.show(solids, [shades[i] for i in owners], places, extent)
-        shown = view.shown["length"]
+        length, envelope = float(view.bundle.length), scene.envelope
+        reach = max(0.58 * length, 1.1 * envelope), 1.05 * envelope + 0.12 * length
+        owners = [shades[i] for i in scene.owners]
+        self._scene.show(scene.solids, owners, scene.positions, reach)
+        length_unit, length_scale = self.unit("length")
         rows = {
             "force": f"{force / scale:.4g} {unit}",
-            "free strain": equilibria_text(state.zeros, state.stable),
-            "envelope radius": f"{reach / unit_factor(shown, 'length'):.4g} {shown}",
+            "free strain": equilibria_text(state.equilibria, state.stable),
+            "envelope radius": f"{envelope / length_scale:.4g} {length_unit}",
         }
         title = heading("Pressures that reach a point")
         self._numbers.object = heading("At this point") + readout_table(rows) + title
 
     # pressures that reach a point
 
-    def _show_below(self, parts: list[Any]) -> None:
-        self._stage.objects = [*self._stage.objects[: self._fixed], *parts]
-
-    def _invite(self) -> None:
-        text = "Click in the space to get the pressures that reach that point."
-        self._show_below([
-            pn.pane.HTML(status_line(text), margin=(0, 8)),
-            button("Try a point", self.try_point),
-        ])  # fmt: skip
-
     def try_point(self) -> None:
-        """Look for pressures that reach the middle of the space, for keyboards too."""
-        self._find_pressures(0.5 * self._top, 0.3 * self._half_force)
+        """Look for pressures that reach a point inside the space, for keyboards too."""
+        self._find_pressures(0.5 * self._top, self._middle_force)
 
     def _point_at(self, event: Any) -> None:
         if event.x is not None and 0 <= event.x <= self._top:
@@ -420,12 +371,12 @@ class BundleView(Tab):
     def _find_pressures(self, x: float, y: float) -> None:
         """Look for pressures that reach the point `x` [-], `y` [shown unit]."""
         view = self.session.view
-        unit = view.shown["force"]
+        unit, scale = self.unit("force")
         with pn.io.unlocked():
             self._target.data, self._target_entry.visible = {"x": [x], "y": [y]}, True
-        self._show_below([pn.pane.HTML(status_line("looking for pressures"))])
+        self._solution_column.objects = [pn.pane.HTML(status_line("looking for pressures"))]
         # with the digits of the pointer; the slider, the field and the link follow
-        strain, force = round(x, 4), y * unit_factor(unit, "force")
+        strain, force = round(x, 4), y * scale
         self.session.change(strain=strain)
         self._solutions.request(
             lambda: (strain, *solutions(view.bundle, force, strain, view.resistance, unit))
@@ -433,8 +384,7 @@ class BundleView(Tab):
 
     def _show_solutions(self, result: tuple[float, list[Solution], str]) -> None:
         strain, several, remark = result
-        unit = self.session.view.shown["pressure"]
-        scale = unit_factor(unit, "pressure")
+        unit, scale = self.unit("pressure")
         rows: list[Any] = [pn.pane.HTML(status_line(remark), margin=(0, 8))] if remark else []
         for solution in several:
             pressures = ", ".join(f"{P / scale:.4g}" for P in solution.pressures)
@@ -446,4 +396,4 @@ class BundleView(Tab):
                 ),
                 sizing_mode="stretch_width",
             ))  # fmt: skip
-        self._show_below(rows)
+        self._solution_column.objects = rows

@@ -3,23 +3,23 @@
 import datetime as dt
 import html
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
-from bokeh.models.glyphs import MultiLine, Scatter
 
-from ..plot.theme import Colors
-from ..results.labelled import Variable
-from .background import LatestResult
+from ..muscle import Muscle
+from ..plot.theme import APART, LARGE, SMALL, TEXT, WIDE, Colors
+from ..results import Table
+from .chart import Chart, pressure_colors, screen_height
 from .exports import Export, data, download_button, download_buttons, output_stem
 from .measured import (
     AUTOMATIC,
+    MOST_POINTS,
+    MOST_ROWS,
+    TUNING,
     MeasuredCurves,
-    ReadOptions,
-    check_measured_curves,
-    drawn_readings,
     example_record,
     fit_record,
     measured_curves,
@@ -27,85 +27,162 @@ from .measured import (
     preview_curves,
     read_headers,
     read_record,
-    report_page,
-    tuned_file,
 )
-from .record_inputs import FitInputs, RecordInputs, empty_state_panel
 from .state import Session, View, view_of
-from .tab import Tab, progress_bar
-from .theme import (
-    LAST,
-    SCROLLED,
-    STACKED,
-    TALL,
-    WRAPPED,
-    Chart,
-    equal_column,
-    figure_height,
-    height_css,
-    pressure_colors,
-)
+from .tab import LatestResult, Tab, progress_bar
+from .theme import PAIRS, WHOLE_ROW, WRAPPED, column, equal_column, height_css, row, side_column
 from .widgets import (
     Message,
     button,
+    dropdown,
     html_table,
     pane,
+    parse_field,
     status_line,
-    unit_factor,
     widget,
 )
 
 
-_ROOM, _ROOM_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
+_MARGIN, _MARGIN_EMPTY = 220, 440  # pixels of the screen beside the figure; without a record
 _EXAMPLE = "example.csv"
-_NEAR_REST = 0.04  # of the strains drawn, where the labels of curves stand
+_REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
+_ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
+_DETECT = "(automatic)"
+_BY_NAME = "constants of your choice"
+_TITLE = "Your own muscle, as it was measured"
+_TEXT = (
+    "Open a dynamometer's CSV: pressure, force, and strain, length or displacement, with units in"
+    " its header. Its readings appear here beside this muscle's curves; then the muscle is tuned to"
+    f" them, with an interval for each constant. At most {MOST_ROWS} rows; they stay in this"
+    " session's memory. No record at hand? There is a synthetic one of this muscle, a little"
+    " thicker and steeper than drawn."
+)
+# a form to fill in: nobody's readings
+_FORM = """pressure [kPa],strain [-],force [N]
+100,0.00,…
+100,0.02,…
+200,0.00,…"""
+
+
+class RecordInputs:
+    """Fields for information that a record's file lacks; a change reads it again."""
+
+    def __init__(self, on_change: Callable[[], None]):
+        self._on_change, self._updating = on_change, False
+        self._headers: Sequence[str] = ()
+        self.columns: dict[str, Any] = {}
+        self.units: dict[str, Any] = {}
+        self.length = widget(
+            pn.widgets.TextInput, "Rest length, if the record doesn't have it", styles=WHOLE_ROW
+        )
+        self.clipped = widget(
+            pn.widgets.Checkbox, "A force of exactly 0 means 0 or less", margin=(6, 8),
+            styles=WHOLE_ROW,
+        )  # fmt: skip
+        self._toggle = widget(pn.widgets.Toggle, "Show columns and units", margin=(4, 8))
+        self._toggle.param.watch(lambda event: self.show_columns(event.new), "value")
+        self._always = [self.length, self.clipped, self._toggle]
+        self.panel = column(*self._always, stylesheets=[PAIRS])
+        self._watch(self.length, self.clipped)
+
+    def show_columns(self, visible: bool) -> None:
+        """Show the fields of columns and units, or hide them."""
+        if visible and not self.columns:  # made once they are needed: most records don't
+            self.columns = {role: dropdown(f"Column of {role}", [_DETECT]) for role in _ROLES}
+            self.units = {role: widget(pn.widgets.TextInput, f"Unit of {role}") for role in _ROLES}
+            self.offer(self._headers)
+            self._watch(*self.columns.values(), *self.units.values())
+        pairs = [w for role in self.columns for w in (self.columns[role], self.units[role])]
+        self.panel.objects = [*self._always, *(pairs if visible else ())]
+        self._toggle.value = visible
+
+    def offer(self, headers: Sequence[str]) -> None:
+        """Offer the columns of a file by their `headers`."""
+        self._updating, self._headers = True, headers
+        for choice in self.columns.values():
+            choice.param.update(options=[_DETECT, *headers], value=_DETECT)
+        self._updating = False
+
+    def options(self, length_unit: str) -> dict[str, Any]:
+        """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`."""
+        text = self.length.value.strip()
+        options = {
+            "columns": {r: w.value for r, w in self.columns.items() if w.value != _DETECT},
+            "units": {r: w.value.strip() for r, w in self.units.items() if w.value.strip()},
+            "rest_length": text and parse_field(text, "length", length_unit, "rest_length"),
+            "clipped_at_zero": self.clipped.value,
+        }
+        return {name: value for name, value in options.items() if value}
+
+    def _watch(self, *widgets: Any) -> None:
+        for changing in widgets:
+            changing.param.watch(lambda _: None if self._updating else self._on_change(), "value")
+
+
+class FitInputs:
+    """Choice of constants to fit: automatic, the paper's tuning, or by name."""
+
+    def __init__(self) -> None:
+        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING,
+                 _BY_NAME: _BY_NAME}  # fmt: skip
+        self.kind = dropdown("What to fit", kinds)
+        self.constants = widget(
+            pn.widgets.MultiSelect, "Constants (Ctrl for several)", size=6, visible=False
+        )
+        self.kind.param.watch(
+            lambda event: self.constants.param.update(visible=event.new == _BY_NAME), "value"
+        )
+
+    def offer(self, muscle: Muscle) -> None:
+        """Offer the constants of a `muscle`."""
+        from ..calibrate.parameters import parameters_of
+
+        self.constants.options = {name.replace("_", " "): name for name in parameters_of(muscle)}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names to fit, as `measured.fit_record` takes them."""
+        by_name = self.kind.value == _BY_NAME
+        return tuple(self.constants.value) if by_name else (self.kind.value,)
 
 
 class DataView(Tab):
     """Widgets and figure of measured data."""
 
     name: ClassVar[str] = "data"
-    fields: ClassVar[tuple[str, ...]] = ("muscle", "shown")
+    fields: ClassVar[tuple[str, ...]] = ("muscle", "display_units")
 
     def __init__(self, session: Session, colors: Colors):
-        """**Arguments:** those of `Tab`."""
         super().__init__(session, colors)
         self.record: Any = None
         self.fit: Any = None
-        self._choice: Any = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
-        self._read_options, self._fitted_names = ReadOptions(), (AUTOMATIC,)
-        self._fit_muscle = session.view.muscle  # as it was when the fit began
+        self._read_options: Mapping[str, Any] = {}
+        # of the running fit, or of the last one
+        self._fit_record: Any = None
+        self._fit_muscle, self._fit_names = session.view.muscle, (AUTOMATIC,)
+        self._selection: Any = None
         self._report, self._stage = "", "fitting"
-        self._began, self._timer, self._fitting = 0.0, None, None
+        self._start_time, self._timer = 0.0, None
         self._add_widgets()
         self._add_chart()
-        self._fits = LatestResult(self._show_fit, self._fail_fit)
-        left = pn.Column(
+        left = side_column(
             self.file, self._other_example, self.read_inputs.panel, self.fit_inputs.kind,
-            self.fit_inputs.names, self.calibrate, self.bar, self._status, self.table, self.use,
-            pn.Row(*self.saves, margin=0), self.fit_notes, self.notes,
-            width=420, margin=(0, 8, 0, 0), stylesheets=[SCROLLED, LAST],
+            self.fit_inputs.constants, self.calibrate, self.bar, self.status, self.table, self.use,
+            pn.Row(*self.saves, margin=0), self.fit_notes, self.notes, width=420,
         )  # fmt: skip
         self.message = Message(left, self._other_example)
         self._curves = LatestResult(self._show_curves, self.message.show)
-        self.empty_state = empty_state_panel(self._example)
+        self._fits = LatestResult(self._show_fit, self._fail_fit)
+        self.empty_state = _empty_state(self._example)
         self._download_row = pn.Row(
             *self.downloads, visible=False, margin=(0, 8), stylesheets=[WRAPPED]
         )
-        right = pn.Column(
-            self.empty_state, pn.pane.Bokeh(self.chart.figure, margin=0, stylesheets=[TALL]),
-            self._download_row, margin=0, **equal_column(),
-        )  # fmt: skip
-        self.panel = pn.Row(
-            left, right, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
-        )
+        self.panel = row(left, equal_column(self.empty_state, self.chart.pane, self._download_row))
 
     def _add_widgets(self) -> None:
-        self.file = widget(
-            pn.widgets.FileInput, "Open a record (CSV)", accept=".csv,.txt,.tsv"
-        )  # fmt: skip
+        self.file = widget(pn.widgets.FileInput, "Open a record (CSV)", accept=".csv,.txt,.tsv")
         # an empty file changes nothing but the name
         self.file.param.watch(lambda *_: self._open_file(), ["value", "filename"])
         self._example, self._other_example = (
@@ -114,30 +191,28 @@ class DataView(Tab):
             for color, visible in (("primary", True), ("default", False))
         )  # fmt: skip
         self.read_inputs, self.fit_inputs = RecordInputs(self._read), FitInputs()
-        self.calibrate = button(
-            "Calibrate the muscle", self.start_fit, color="primary", disabled=True,
-            sizing_mode="stretch_width", margin=(6, 8),
-        )  # fmt: skip
+        wide: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": (6, 8), "disabled": True}
+        self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
         self.bar = pn.pane.HTML(
             progress_bar("fitting"), visible=False, margin=(0, 8), sizing_mode="stretch_width"
         )
-        self._status, self.fit_notes = (pane(sizing_mode="stretch_width") for _ in range(2))
-        self.notes, self.table = pane((4, 8), sizing_mode="stretch_width"), pane((4, 8))
-        self.use = button(
-            "Use the tuned muscle in all tabs", self._use_fit, disabled=True,
-            sizing_mode="stretch_width", margin=(6, 8),
-        )  # fmt: skip
+        self.status, self.fit_notes = (pane(sizing_mode="stretch_width") for _ in range(2))
+        self.table = pane((4, 8))
+        self.use = button("Use the tuned muscle in all tabs", self._use_fit, **wide)
         self.saves = [
             download_button(
                 "Download tuned muscle", "toml", self._tuned_file, disabled=True, width=184
             ),
-            download_button("Download report", "html", self._report_file, disabled=True),
-        ]
+            download_button(
+                "Download report", "html", lambda: self._text_file("report", self._report),
+                disabled=True,
+            ),
+        ]  # fmt: skip
         self.downloads = download_buttons(self.export, disabled=True)
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
-        self.chart.figure.yaxis[0].axis_label = f"Force F [{view.shown['force']}]"
+        self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         record, fit = self.record, self.fit
 
         def compute() -> tuple[MeasuredCurves, MeasuredCurves | None]:
@@ -150,28 +225,30 @@ class DataView(Tab):
 
     def _add_chart(self) -> None:
         chart = self.chart = Chart(
-            self.colors, "Contraction ε [–]", "Force F [N]", room=_ROOM_EMPTY
+            self.colors, "Contraction ε [–]", "Force F [N]", screen_height(_MARGIN_EMPTY)
         )
         self.readings = chart.source("x", "y", "color", name="readings")
         self._before = chart.source("xs", "ys", "color", name="untuned")
         self._after = chart.source("xs", "ys", "color", name="tuned")
         self._labels = chart.source("x", "y", "label")
-        chart.draw(self.readings, Scatter(x="x", y="y", size=4, fill_color="color",
-                                          line_color="color", fill_alpha=0.55, line_alpha=0.55),
-                   "measured")  # fmt: skip
-        chart.draw(self._before, MultiLine(xs="xs", ys="ys", line_color="color", line_width=1.5,
-                                           line_dash="dashed"), "this muscle")  # fmt: skip
-        chart.draw(self._after, MultiLine(xs="xs", ys="ys", line_color="color", line_width=2.6),
-                   "tuned")  # fmt: skip
-        chart.tags(self._labels)
+        chart.figure.scatter("x", "y", source=self.readings, size=4, color="color", alpha=0.55,
+                             legend_label="measured")  # fmt: skip
+        for source, label, style in (
+            (self._before, "this muscle", {"line_width": 1.5, "line_dash": "dashed"}),
+            (self._after, "tuned", {"line_width": 2.6}),
+        ):
+            chart.figure.multi_line(
+                "xs", "ys", source=source, line_color="color", legend_label=label, **style
+            )
+        chart.add_labels(self._labels)
         chart.add_zero_line()
-        self._measured_entry, _, self._tuned_entry = chart.add_legend()
+        self._measured_entry, _, self._tuned_entry = chart.style_legend()
 
     # the record
 
     def open_example(self) -> None:
         """Open the synthetic record of the session's muscle."""
-        self.file.clear()  # the example takes its place
+        self.file.clear()  # the example replaces it
         self._open(example_record(self.session.view.muscle), _EXAMPLE)
 
     def _open_file(self) -> None:
@@ -179,11 +256,11 @@ class DataView(Tab):
             self._open(self.file.value or b"", str(self.file.filename or "record.csv")[-60:])
 
     def _open(self, raw: bytes, name: str) -> None:
-        """Open a file; nothing of an earlier record is left, whether it can be read or not."""
+        """Open a file; the earlier record is dropped, even if the file can't be read."""
         self._raw, self.file_name = raw, name
-        self.session.opened.add(name)
+        self.session.input_names.add(name)
         self.read_inputs.offer(read_headers(raw, name))
-        self._take_record(None)
+        self._set_record(None)
         self.notes.object = ""
         self._read()
         if self.record is None:
@@ -195,17 +272,16 @@ class DataView(Tab):
         if not name:
             return
         try:
-            options = self.read_inputs.options(view.shown)
-            record = read_record(self._raw, name, float(view.muscle.length), options)
-            check_measured_curves(view.muscle, record, name)
+            options = self.read_inputs.options(view.display_units["length"])
+            record = read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
-            self.read_inputs.show_columns(bool(self._raw))  # what can help
+            self.read_inputs.show_columns(bool(self._raw))  # they may help
             return
         self._read_options = options
         self.fit_inputs.offer(view.muscle)
         self.message.show(mismatch_reason(view.muscle, record))
-        self._take_record(record)
+        self._set_record(record)
         kind = " synthetic" if name == _EXAMPLE else ""
         plural = "s" * (len(record) != 1)
         notes = "".join(f"<li>{html.escape(note)}</li>" for note in record.notes[:12])
@@ -216,30 +292,33 @@ class DataView(Tab):
         with pn.io.unlocked():
             self.draw(view)
 
-    def _take_record(self, record: Any) -> None:
-        """Take a `record`, or none, that nothing is fitted to yet."""
-        self.record, self.fit, self._fitting = record, None, None
+    def _set_record(self, record: Any) -> None:
+        """Set a `record`, or none, without a fit."""
+        self.record, self.fit, self._fit_record = record, None, None
         self._end_fit()
         self.table.object = self.fit_notes.object = ""
         exists = record is not None
         self.empty_state.visible = not exists
         self._download_row.visible = self._other_example.visible = exists
-        for each in (self.use, *self.saves):
-            each.disabled = True
-        for each in self.downloads:
-            each.disabled = not exists
+        self._enable([self.use, *self.saves], False)
+        self._enable(self.downloads, exists)
+
+    @staticmethod
+    def _enable(buttons: Sequence[Any], enabled: bool) -> None:
+        for download in buttons:
+            download.disabled = not enabled
 
     def _show_curves(self, result: tuple[MeasuredCurves, MeasuredCurves | None]) -> None:
         before, after = result
-        view = self.session.view
-        scale = unit_factor(view.shown["force"], "force")
-        colors = pressure_colors(self.colors, len(before.pressure))
-        strain, force, nearest = _nearest_curves(self.record, before)
+        _, scale = self.unit("force")
+        number = len(before.pressure)
+        colors = pressure_colors(self.colors, number)
+        strain, force, nearest = self._drawn_readings(before.pressure)
         self.readings.data = {
             "x": strain, "y": force / scale, "color": [colors[i] for i in nearest]
         }  # fmt: skip
-        room = _ROOM_EMPTY if self.record is None else _ROOM
-        self.chart.figure.stylesheets = [height_css(figure_height(room))]
+        margin = _MARGIN_EMPTY if self.record is None else _MARGIN
+        self.chart.figure.stylesheets = [height_css(screen_height(margin))]
         self._measured_entry.visible = self.record is not None
         self._tuned_entry.visible = after is not None
         for source, curves in ((self._before, before), (self._after, after)):
@@ -249,40 +328,47 @@ class DataView(Tab):
                 "ys": rows,
                 "color": colors[: len(rows)],
             }
-        unit = view.shown["pressure"]
-        number = len(before.pressure)
         labeled = np.unique(np.linspace(0, number - 1, min(number, _MOST_LABELS)).astype(int))
         # above the readings, too, which lie at rest
-        at_rest = strain < before.strain[0] + _NEAR_REST * np.ptp(before.strain)
+        at_rest = strain < before.strain[0] + _REST_SHARE * np.ptp(before.strain)
         tops = [max([before.force[i, 0], *force[at_rest & (nearest == i)]]) for i in labeled]
-        to_unit = unit_factor(unit, "pressure")
+        unit, pressure_scale = self.unit("pressure")
         self._labels.data = {
             "x": [float(before.strain[0])] * len(labeled),
             "y": np.array(tops) / scale,
-            "label": [f"{before.pressure[i] / to_unit:.3g} {unit}" for i in labeled],
+            "label": [f"{before.pressure[i] / pressure_scale:.3g} {unit}" for i in labeled],
         }
-        self._status.object = status_line(
-            f"Curves of {number} of {before.count} pressures are drawn."
-            if before.count > number else ""
+        self.status.object = status_line(
+            f"Curves of {number} of {before.total} pressures are drawn."
+            if before.total > number else ""
         )  # fmt: skip
-        every = np.r_[force, before.force.ravel()] / scale
-        margin = 0.06 * float(np.ptp(every))
+        forces = np.r_[force, before.force.ravel()] / scale
+        gap = 0.06 * float(np.ptp(forces))
         self.chart.set_ranges(
             (float(before.strain[0]), float(before.strain[-1])),
-            (float(every.min()) - margin, float(every.max()) + margin),
+            (float(forces.min()) - gap, float(forces.max()) + gap),
         )
+
+    def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Strain [-] and force [N] of readings, evenly among many, and their nearest `pressure`."""
+        record = self.record
+        if record is None:
+            return np.zeros(0), np.zeros(0), np.zeros(0, int)
+        drawn = np.unique(np.linspace(0, len(record) - 1, MOST_POINTS).astype(int))
+        nearest = np.abs(record.pressure[drawn, None] - pressure).argmin(axis=1)
+        return record.strain[drawn], record.force[drawn], nearest
 
     # the fit
 
     def start_fit(self) -> None:
         """Fit the muscle to the record."""
-        record, muscle, names = self.record, self.session.view.muscle, self.fit_inputs.chosen
+        record, muscle, names = self.record, self.session.view.muscle, self.fit_inputs.names
         if not names:
             self.message.show("Choose at least one constant to fit, or fit something else.")
             return
-        self._fit_muscle, self._fit_names, self._fitting = muscle, names, record
+        self._fit_record = record
         self.calibrate.disabled = True
-        self._began, self._stage = time.monotonic(), "fitting"
+        self._start_time, self._stage = time.monotonic(), "fitting"
         self._show_progress()
         if pn.state.curdoc is not None and pn.state.curdoc.session_context:
             self._timer = pn.state.add_periodic_callback(self._show_progress, period=500)
@@ -290,52 +376,56 @@ class DataView(Tab):
         def progress(stage: str) -> None:
             self._stage = stage if stage.startswith("fitting") else f"fitting: {stage}"
 
-        def compute() -> tuple[Any, str]:
-            choice = fit_record(record, muscle, progress, names)
+        def compute() -> tuple[Any, str, Muscle, tuple[str, ...]]:
+            from ..calibrate.plot_data import figures
+            from ..reports.calibration import report
+
+            selection = fit_record(record, muscle, progress, names)
             self._stage = "drawing the report"
-            return choice, report_page(choice, _today())
+            fit = selection.calibration
+            several = selection if selection.candidates else None
+            return selection, report(fit, _today(), figures(fit), choice=several), muscle, names
 
         self._fits.request(compute)
 
     def _show_progress(self) -> None:
         # of unknown duration: the bar moves, and the seconds count
         self.bar.visible = True
-        seconds = time.monotonic() - self._began
-        self._status.object = status_line(f"{self._stage}: {seconds:.0f} s")
+        seconds = time.monotonic() - self._start_time
+        self.status.object = status_line(f"{self._stage}: {seconds:.0f} s")
 
     def _end_fit(self) -> None:
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
         self.calibrate.disabled, self.bar.visible = self.record is None, False
-        self._status.object = ""
+        self.status.object = ""
 
-    def _fail_fit(self, text: str) -> None:
-        if self._fitting is not None:  # no other record came meanwhile
+    def _fail_fit(self, error: ValueError | str) -> None:
+        if self._fit_record is not None:  # else another record was opened meanwhile
             self._end_fit()
-            self.message.show(text, self.session.view.shown)
+            self.fail(error)
 
-    def _show_fit(self, result: tuple[Any, str]) -> None:
-        # loaded here: a page that fits nothing doesn't need it
+    def _show_fit(self, result: tuple[Any, str, Muscle, tuple[str, ...]]) -> None:
+        # loaded with the first fit: a page that fits nothing doesn't need it
         from ..calibrate.messages import fit_data_lines, hysteresis_message, interval_texts
 
-        if self._fitting is None:  # another record came meanwhile
+        if self._fit_record is None:  # another record was opened meanwhile
             return
         self._end_fit()
-        self._fitted_names = self._fit_names
-        self._choice, self._report = result
-        fit = self.fit = self._choice.calibration
+        self._selection, self._report, self._fit_muscle, self._fit_names = result
+        fit = self.fit = self._selection.calibration
         rows = []
         for parameter in fit.parameters:
             value, interval = interval_texts(parameter)
-            known = interval if parameter.identifiable else "not known from these data"
-            rows.append((parameter.name.replace("_", " "), value, known))
+            text = interval if parameter.identifiable else "not known from these data"
+            rows.append((parameter.name.replace("_", " "), value, text))
         self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
         lines = [
             f"rmse {fit.rmse:.4g} N, {100 * fit.relative_rmse:.3g} % of the largest force",
             *fit_data_lines(fit.fit_data),
             hysteresis_message(fit),
-            *self._choice.reasons,
+            *self._selection.reasons,
         ]
         warnings: Mapping[str, Any] = fit.warnings_by_topic
         self.fit_notes.object = "".join(
@@ -345,32 +435,29 @@ class DataView(Tab):
                 for topic, texts in warnings.items()
             ]
         )
-        for each in (self.use, *self.saves):
-            each.disabled = False
+        self._enable([self.use, *self.saves], True)
         self.draw(self.session.view)
 
-    # what is taken away
+    # downloads
 
     def export(self) -> Export:
         """Downloads of the record and the muscle, the tuned one where there is one."""
-        muscle, tuned = self.session.view.muscle, None
-        if self.fit is not None:
-            muscle, tuned = self._fit_muscle, self.fit.muscle
+        fitted = self.fit is not None
         return data(
-            muscle, self.record, tuned, self.file_name, self._read_options, self._fitted_names,
-            self.session.opened,
+            self._fit_muscle if fitted else self.session.view.muscle, self.record,
+            self.fit.muscle if fitted else None, self.file_name, self._read_options,
+            self._fit_names, self.session.input_names,
         )  # fmt: skip
 
     def _tuned_file(self) -> Export:
-        return self._text_file("tuned", tuned_file(self._choice, _today()))
+        from ..files.calibration_files import calibrated_text
 
-    def _report_file(self) -> Export:
-        return self._text_file("report", self._report)
+        several = self._selection if self._selection.candidates else None
+        return self._text_file("tuned", calibrated_text(self.fit, _today(), several))
 
-    def _text_file(self, what: str, text: str) -> Export:
-        variables: Mapping[str, Variable] = {}
-        stem = output_stem(self.file_name, what, self.session.opened)
-        return Export(stem, variables, lambda: None, text)
+    def _text_file(self, kind: str, text: str) -> Export:
+        stem = output_stem(self.file_name, kind, self.session.input_names)
+        return Export(stem, Table(), lambda: None, text)
 
     def _use_fit(self) -> None:
         self.session.show(view_of(self.fit.muscle, "tuned muscle", self.session.view))
@@ -380,12 +467,24 @@ def _today() -> str:
     return f"{dt.datetime.now().astimezone():%Y-%m-%d}"
 
 
-def _nearest_curves(
-    record: Any, curves: MeasuredCurves
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Strain [-] and force [N] of drawn readings, and the curve of nearest pressure of each."""
-    if record is None:
-        return np.zeros(0), np.zeros(0), np.zeros(0, int)
-    indices = drawn_readings(record)
-    nearest = np.abs(record.pressure[indices, None] - curves.pressure).argmin(axis=1)
-    return record.strain[indices], record.force[indices], nearest
+def _empty_state(example: Any) -> Any:
+    """Framed panel above the muscle's curves; `example` is the button of an example record."""
+    text = (
+        f'<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">{_TITLE}</h2>'
+        f'<p style="margin:0;font-size:{TEXT}px;max-width:76ch">{_TEXT}</p>'
+    )
+    form = (
+        f'<p style="margin:0 0 var(--near);font-size:{SMALL}px">Such a file begins with</p>'
+        '<pre style="margin:0;padding:var(--apart);white-space:pre-wrap;'
+        f"font:{SMALL}px/1.5 var(--mono);color:var(--soft);background:var(--raised);"
+        f'border-radius:var(--round)">{_FORM}</pre>'
+    )
+    left = column(
+        pn.pane.HTML(text, sizing_mode="stretch_width", margin=(0, APART, APART, APART)), example,
+        styles={"flex": "3 1 0", "min-width": "0"},
+    )  # fmt: skip
+    right = pn.pane.HTML(form, margin=0, styles={"flex": "2 1 0", "min-width": "0"},
+                         sizing_mode="stretch_width")  # fmt: skip
+    frame = {"border": "2px dashed var(--line)", "border-radius": "var(--round)",
+             "padding": "var(--wide)", "gap": f"{WIDE}px"}  # fmt: skip
+    return row(left, right, styles=frame, margin=APART)

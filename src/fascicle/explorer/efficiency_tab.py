@@ -1,13 +1,11 @@
 """Tab of efficiency: maps over the force-strain space, and averages by number of motor units."""
 
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import panel as pn
 from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Title
-from bokeh.models.glyphs import Image, Line, Scatter
 from bokeh.palettes import Cividis256
 
 from ..bundle import Bundle
@@ -19,18 +17,19 @@ from ..bundle.efficiency import (
     efficiency_map,
 )
 from ..muscle import Muscle
-from ..plot.theme import CLEAR, FIGURES, Colors
-from .background import LatestResult
+from ..plot.theme import APART, CLEAR, FAR, FIGURES, LARGE, TEXT, Colors
+from .chart import Chart, screen_height
+from .remarks import remarks_html
 from .state import Session, View, scaled
-from .tab import Tab, card, remarks_html
-from .theme import NARROW, STACKED, TALL, WRAPPED, Chart, equal_column
-from .widgets import Message, dropdown, html_table, pane, status_line, unit_factor
+from .tab import LatestResult, Tab, progress_bar
+from .theme import NARROW, WRAPPED, column, equal_column, row
+from .widgets import Message, dropdown, html_table, pane, status_line
 
 
 COUNTS = (1, 2, 3, 4, 5)  # of motor units; the first is the single equivalent motor unit
 _KINDS = {"with resistance": "resisted", "without resistance": "free",
           "loss due to resistance": "difference"}  # fmt: skip
-# in the place of the map and the averages until they are computed
+# instead of the map and the averages until they are computed
 _CARDS = {
     "Drawing the map …": "How much of the fluid's energy becomes work, at every strain and force"
     " that this bundle reaches: with its muscles' resistance, and without.",
@@ -38,8 +37,7 @@ _CARDS = {
 }
 
 
-@dataclass(frozen=True)
-class Maps:
+class Maps(NamedTuple):
     """Efficiency maps with resistance, `resisted`, and `free` of it, on the same points."""
 
     resisted: EfficiencyMap
@@ -55,9 +53,8 @@ class Maps:
 def efficiency_maps(bundle: Bundle, path: str) -> Maps:
     """Maps of a `bundle` along a `path`, on the points of the one with resistance."""
     resisted = efficiency_map(bundle, path=path, resistance=True)
-    free = efficiency_map(
-        bundle, path=path, force=resisted.force, strain=resisted.strain, resistance=False
-    )
+    force, strain = resisted.force, resisted.strain
+    free = efficiency_map(bundle, path=path, force=force, strain=strain, resistance=False)
     return Maps(resisted, free)
 
 
@@ -69,16 +66,9 @@ def equivalent_muscle(view: View) -> Muscle:
 
 
 @lru_cache(maxsize=16)  # visitors share it
-def average_efficiencies(whole: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
-    """Average efficiency [-] of `COUNTS` equal units, with resistance under `True`.
-
-    **Arguments:**
-
-    - `whole`: muscle with the cross-section of all units.
-    - `supply`: supply pressure [Pa].
-    - `path`: "isobaric" or "isotonic".
-    """
-    bundles = [constant_cross_section(whole, count, supply) for count in COUNTS]
+def average_efficiencies(muscle: Muscle, supply: float, path: str) -> dict[bool, np.ndarray]:
+    """Average efficiency [-] of `COUNTS` equal units, with resistance under `True`."""
+    bundles = [constant_cross_section(muscle, count, supply) for count in COUNTS]
     return {
         resistance: np.array([
             average_efficiency(bundle, path=path, resistance=resistance) for bundle in bundles
@@ -92,71 +82,52 @@ class EfficiencyView(Tab):
 
     name: ClassVar[str] = "efficiency"
     fields: ClassVar[tuple[str, ...]] = (
-        "muscle", "units", "supply", "scheme", "shown", "path", "distance",
+        "muscle", "units", "supply", "scheme", "display_units", "path", "distance",
     )  # fmt: skip
 
     def __init__(self, session: Session, colors: Colors):
-        """**Arguments:** those of `Tab`."""
         super().__init__(session, colors)
-        self._updating = False
         self._result: Maps | None = None
         self._path = dropdown("Path", list(PATHS), width=200)
-        self._path.param.watch(self._set_path, "value")
+        self._path.param.watch(lambda event: session.change(path=event.new), "value")
         self._kind = dropdown("Map", _KINDS, width=230)
-        self._kind.param.watch(lambda _: self._show_other_map(), "value")
+        self._kind.param.watch(lambda _: self._show_map(), "value")
         self._add_map()
         self._add_averages()
-        self._status, self._numbers = pane(height=22), pane()
-        self._notes = pane(sizing_mode="stretch_width")
-        self.maps = LatestResult(self._show, self._fail)
-        self.averages = LatestResult(self._show_averages, self._fail)
-        self.cards = [card(title, text) for title, text in _CARDS.items()]
-        self.figures = [
-            pn.Column(
-                pn.pane.Bokeh(chart.figure, margin=0, stylesheets=[TALL]), margin=0, visible=False,
-                sizing_mode="stretch_width", stylesheets=[NARROW],
-            )
-            for chart in (self.map, self.bars)
-        ]  # fmt: skip
-        self.panel = pn.Column(
-            pn.Row(self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED]),
-            self._notes, self._status,
-            pn.Row(*(pn.Column(*both, margin=0, **equal_column())
-                     for both in zip(self.cards, self.figures, strict=True)),
-                   sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
-            sizing_mode="stretch_width", margin=0,
-        )  # fmt: skip
-        self.message = Message(self.panel, self.panel[0])
+        self._numbers = pane()
+        self.maps = LatestResult(self._show, self.fail)
+        self.averages = LatestResult(self._show_averages, self.fail)
+        self.cards = [_card(title, text) for title, text in _CARDS.items()]
+        self.figures = [column(chart.pane, visible=False) for chart in (self.map, self.bars)]
+        columns = (equal_column(*both) for both in zip(self.cards, self.figures, strict=True))
+        choices = pn.Row(self._path, self._kind, self._numbers, margin=0, stylesheets=[WRAPPED])
+        self.panel = column(choices, self.notes, self.status, row(*columns), stylesheets=[])
+        self.message = Message(self.panel, choices)
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
-        self._updating = True
         self._path.value = view.path
-        self._updating = False
-        self._notes.object = remarks_html(view, "efficiency")
-        self._status.object = status_line("computing the map")
+        self.notes.object = remarks_html(view, "efficiency")
+        self.status.object = status_line("computing the map")
         self.maps.request(lambda: efficiency_maps(view.bundle, view.path))
 
-    def _set_path(self, event: Any) -> None:
-        if not self._updating:
-            self.session.change(path=event.new)
-
-    def _fail(self, text: str) -> None:
-        self._status.object = ""
-        self.message.show(text, self.session.view.shown)
-        for waiting in self.cards:
-            waiting.visible = False
+    def fail(self, error: ValueError | str) -> None:
+        """Show the error of a computation, and no cards that nothing replaces."""
+        super().fail(error)
+        for card in self.cards:
+            card.visible = False
 
     def _replace_card(self, index: int) -> None:
         self.cards[index].visible, self.figures[index].visible = False, True
 
     def _add_map(self) -> None:
         colors = self.colors
-        chart = self.map = Chart(colors, "Contraction ε [–]", "Force F [N]", room=320)
+        chart = self.map = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(320))
         self._mapper = LinearColorMapper(palette=Cividis256, low=0, high=1, nan_color=CLEAR)
         self._image = chart.source("image", "x", "y", "dw", "dh", name="efficiency")
-        image = chart.draw(self._image, Image(image="image", x="x", y="y", dw="dw", dh="dh",
-                                              color_mapper=self._mapper))  # fmt: skip
+        image = chart.figure.image(
+            "image", "x", "y", "dw", "dh", source=self._image, color_mapper=self._mapper
+        )
         bar = ColorBar(
             color_mapper=self._mapper, major_label_text_color=colors.ink,
             background_fill_color=colors.paper, width=12,
@@ -173,26 +144,27 @@ class EfficiencyView(Tab):
     def _add_averages(self) -> None:
         colors = self.colors
         label = "Motor units in the same cross-section (1: a single one)"
-        chart = self.bars = Chart(colors, label, "Average efficiency [–]", room=320)
+        chart = self.bars = Chart(colors, label, "Average efficiency [–]", screen_height(320))
         self._means = {}
         for resistance, dash, color, marker in (
             (True, "solid", colors.curves[0], "circle"),
             (False, "dashed", colors.curves[1], "square"),
         ):
             source = chart.source("x", "y", name=f"average_{resistance}".lower())
-            legend = f"with{'' if resistance else 'out'} resistance"
-            line = Line(x="x", y="y", line_color=color, line_dash=dash, line_width=2.4)
-            chart.draw(source, line, legend)
-            chart.draw(source, Scatter(x="x", y="y", fill_color=color, line_color=color,
-                                       marker=marker, size=9), legend)  # fmt: skip
+            both = {
+                "source": source,
+                "legend_label": f"with{'' if resistance else 'out'} resistance",
+            }
+            chart.figure.line("x", "y", line_color=color, line_dash=dash, line_width=2.4, **both)
+            chart.figure.scatter("x", "y", color=color, marker=marker, size=9, **both)
             self._means[resistance] = source
         chart.figure.xaxis.ticker = list(COUNTS)
-        chart.add_legend("bottom_right")
+        chart.style_legend("bottom_right")
 
     def _show(self, result: Maps) -> None:
         self._result = result
         self._replace_card(0)
-        self._show_map(result)
+        self._show_map()
         view = self.session.view
         self.message.show("")
         self._numbers.object = html_table(
@@ -200,41 +172,57 @@ class EfficiencyView(Tab):
             [("with resistance", f"{result.resisted.average:.4f}"),
              ("without", f"{result.free.average:.4f}")],
         )  # fmt: skip
-        self._status.object = status_line("computing averages by number of units")
-        whole = equivalent_muscle(view)
-        self.averages.request(lambda: average_efficiencies(whole, view.supply, view.path))
+        self.status.object = status_line("computing averages by number of units")
+        muscle = equivalent_muscle(view)
+        self.averages.request(lambda: average_efficiencies(muscle, view.supply, view.path))
 
-    def _show_other_map(self) -> None:
-        if self._result is not None:
-            with pn.io.unlocked():
-                self._show_map(self._result)
-
-    def _show_map(self, result: Maps) -> None:
-        unit, kind = self.session.view.shown["force"], self._kind.value
+    def _show_map(self) -> None:
+        if self._result is None:
+            return
+        result, kind = self._result, self._kind.value
+        unit, scale = self.unit("force")
         values = result.difference if kind == "difference" else getattr(result, kind).efficiency
-        strain, force = result.resisted.strain, result.resisted.force / unit_factor(unit, "force")
-        d_strain, d_force = strain[1] - strain[0], force[1] - force[0]
+        strain, force = result.resisted.strain, result.resisted.force / scale
+        strain_step, force_step = strain[1] - strain[0], force[1] - force[0]
         finite = values[np.isfinite(values)]
-        highest = float(finite.max()) if finite.size else 1.0
-        lowest = min(0.0, float(finite.min())) if finite.size else 0.0
-        self._mapper.update(low=lowest, high=max(highest, 1e-6))
-        self._image.data = {
-            "image": [np.asarray(values, dtype=np.float32)],
-            "x": [strain[0] - d_strain / 2], "y": [force[0] - d_force / 2],
-            "dw": [strain[-1] - strain[0] + d_strain], "dh": [force[-1] - force[0] + d_force],
-        }  # fmt: skip
-        ends = float(strain[-1] + d_strain), float(force[-1] + d_force)
-        self.map.set_ranges((0.0, ends[0]), (0.0, ends[1]))
-        self.map.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        place = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
-        self._hover.tooltips = [("η", "@image{0.000}"), *place]
+        low, high = min(0.0, finite.min(initial=0.0)), finite.max(initial=-np.inf)
+        with pn.io.unlocked():
+            # a map of nothing, or of zeros, needs a scale all the same
+            high = max(float(high), 1e-6) if finite.size else 1.0
+            self._mapper.update(low=float(low), high=high)
+            self._image.data = {
+                "image": [np.asarray(values, dtype=np.float32)],
+                "x": [strain[0] - strain_step / 2], "y": [force[0] - force_step / 2],
+                "dw": [strain[-1] - strain[0] + strain_step],
+                "dh": [force[-1] - force[0] + force_step],
+            }  # fmt: skip
+            self.map.set_ranges(
+                (0.0, float(strain[-1] + strain_step)), (0.0, float(force[-1] + force_step))
+            )
+            self.map.figure.yaxis[0].axis_label = f"Force F [{unit}]"
+            point = [("ε", "$x{0.000}"), ("F", f"$y{{0.0}} {unit}")]
+            self._hover.tooltips = [("η", "@image{0.000}"), *point]
 
     def _show_averages(self, averages: dict[bool, np.ndarray]) -> None:
         self._replace_card(1)
         for resistance, values in averages.items():
             self._means[resistance].data = {"x": list(COUNTS), "y": values}
-        every = np.concatenate(list(averages.values()))
-        low, high = float(every.min()), float(every.max())
-        room = max(0.1 * (high - low), 0.005)
-        self.bars.set_ranges((COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - room, high + room))
-        self._status.object = ""
+        values = np.concatenate(list(averages.values()))
+        low, high = float(values.min()), float(values.max())
+        margin = max(0.1 * (high - low), 0.005)
+        self.bars.set_ranges((COUNTS[0] - 0.3, COUNTS[-1] + 0.3), (low - margin, high + margin))
+        self.status.object = ""
+
+
+def _card(title: str, text: str) -> Any:
+    """A framed panel with a progress bar, instead of a figure that is being computed."""
+    content = (
+        f'<h2 style="font-size:{LARGE}px;margin:0 0 var(--apart)">{title}</h2>'
+        f'<p style="margin:0;font-size:{TEXT}px">{text}</p>{progress_bar(title)}'
+    )
+    frame = {"border": "2px dashed var(--line)", "border-radius": "var(--round)",
+             "padding": "var(--wide)", "max-width": "640px"}  # fmt: skip
+    return pn.pane.HTML(
+        content, styles=frame, sizing_mode="stretch_width", align="center", margin=(FAR, APART),
+        stylesheets=[NARROW],
+    )  # fmt: skip

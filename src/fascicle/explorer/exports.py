@@ -17,24 +17,24 @@ import numpy as np
 import panel as pn
 
 from .. import plot
-from ..bundle.efficiency import efficiency_map
-from ..bundle.workspace import overlap, space
 from ..calibrate.plot_data import measured_with_curves
 from ..core.validation import HIGHEST_PRESSURE
 from ..files import dumps
 from ..muscle import Muscle
-from ..plot.calibration import fit as plot_fit
+from ..plot.calibration import fit as draw_fit
 from ..plot.theme import to_bytes
 from ..plot.workspace import efficiency as draw_efficiency
-from ..plot.workspace import workspace as draw_space
 from ..records.record import Record
-from ..results import tables
-from ..results.labelled import Variable, to_csv, write
-from .measured import AUTOMATIC, STARTS, TUNING, ReadOptions
+from ..results import Table, Variable, tables
+from .efficiency_tab import efficiency_maps
+from .measured import AUTOMATIC, STARTS, TUNING
 from .muscle_curves import strain_limit
 from .reversal_tab import POINTS, split_curves
 from .state import View
 from .widgets import widget
+
+
+_STRAINS = 201  # along a muscle's curve
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Export:
     """
 
     stem: str
-    variables: Mapping[str, Variable]
+    variables: Table
     figure: Callable[[], Any]
     script: str
 
@@ -54,90 +54,60 @@ class Export:
         if suffix in ("svg", "png"):
             return to_bytes(self.figure(), suffix)
         if suffix == "csv":
-            return to_csv(self.variables).encode()
+            return self.variables.to_csv().encode()
         if suffix != "nc":
             return self.script.encode()
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"{self.stem}.nc")
-            write(self.variables, path, title=self.stem)
+            self.variables.write(path, title=self.stem)
             return path.read_bytes()
 
 
-_WITHOUT = "efficiency_without_resistance"
-_ABOUT = "without resistance of units past their own free strain"
-_HEAD = '''"""Made by `fascicle explore`: writes {stem}.svg and {stem}.csv."""
-
-{imports}
-
-{name} = loads("""
-{toml}""")
-'''
-
-
-def muscle(view: View, opened: Iterable[str] = ()) -> Export:
-    """Curve of the muscle at the chosen pressure."""
-    stem = output_stem(view.name, "force", opened)
+def muscle(view: View, input_names: Iterable[str] = ()) -> Export:
+    """Curve of the muscle at the view's pressure."""
+    stem = output_stem(view.name, "force", input_names)
     top, P = strain_limit(view.muscle, view.supply), view.pressure
-    strain = np.linspace(0.0, top, 201)
-    imports = (
-        "import numpy as np\n\n"
-        "from fascicle import plot, tables\n"
-        "from fascicle.files import loads\n"
-    )
-    script = (
-        _head(stem, "muscle", dumps(view.muscle), imports)
-        + f"""
+    strain = np.linspace(0.0, top, _STRAINS)
+    body = f"""\
 pressure = {P!r}  # Pa
-strain = np.linspace(0.0, {top!r}, 201)
+strain = np.linspace(0.0, {top!r}, {_STRAINS})
 tables.muscle_force(muscle, [pressure], strain).write("{stem}.csv")
-plot.force_strain(muscle, [pressure], strain).savefig("{stem}.svg")
+muscle.plot([pressure], strain).savefig("{stem}.svg")
 """
+    imports = ["import numpy as np\n", "from fascicle import tables"]
+    return Export(
+        stem,
+        tables.muscle_force(view.muscle, [P], strain),
+        lambda: view.muscle.plot([P], strain),
+        _script(stem, imports, "muscle", dumps(view.muscle), body),
     )
-    variables = tables.muscle_force(view.muscle, [P], strain)
-    return Export(stem, variables, lambda: plot.force_strain(view.muscle, [P], strain), script)
 
 
-def bundle(view: View, opened: Iterable[str] = ()) -> Export:
+def bundle(view: View, input_names: Iterable[str] = ()) -> Export:
     """Force-strain space of the bundle."""
-    stem = output_stem(view.name, "space", opened)
-    result = space(view.bundle, levels=5, resistance=view.resistance)
-    imports = (
-        "from fascicle import recruitment, tables\n"
-        "from fascicle.files import loads\n"
-        "from fascicle.plot.workspace import workspace as draw\n"
-    )
-    script = (
-        _head(stem, "bundle", dumps(view.bundle), imports)
-        + f"""
-space = recruitment.space(bundle, levels=5, resistance={view.resistance})
+    stem, target = output_stem(view.name, "space", input_names), view.bundle
+    body = f"""\
+space = bundle.workspace(resistance={view.resistance})
 tables.space(space).write("{stem}.csv")
-draw(space, recruitment.overlap(space)).savefig("{stem}.svg")
+bundle.plot(resistance={view.resistance}).savefig("{stem}.svg")
 """
+    return Export(
+        stem,
+        tables.space(target.workspace(resistance=view.resistance)),
+        lambda: target.plot(resistance=view.resistance),
+        _script(stem, ["from fascicle import tables"], "bundle", dumps(target), body),
     )
-    figure = lambda: draw_space(result, overlap(result))  # noqa: E731 drawn if it is asked for
-    return Export(stem, tables.space(result), figure, script)
 
 
-def reversal(view: View, opened: Iterable[str] = ()) -> Export:
+def reversal(view: View, input_names: Iterable[str] = ()) -> Export:
     """Free strain against the second unit's pressure."""
-    stem = output_stem(view.name, "reversal", opened)
+    stem = output_stem(view.name, "reversal", input_names)
     curves = split_curves(view.muscle, view.splits, view.supply)
     P = curves[0].pressure
     strains = {curve.name: curve.resisted for curve in curves}
     strains |= {f"{curve.name}, without resistance": curve.free for curve in curves}
-    variables = {"pressure": Variable(("pressure",), P, "Pa")} | {
-        name: Variable(("pressure",), values, "-") for name, values in strains.items()
-    }
-    imports = (
-        "import numpy as np\n\n"
-        "from fascicle import Bundle, MotorUnit, plot\n"
-        "from fascicle.bundle.reversal import free_strain_curve, reversal\n"
-        "from fascicle.files import loads\n"
-        "from fascicle.results.labelled import Variable, write\n"
-    )
-    script = (
-        _head(stem, "muscle", dumps(view.muscle), imports)
-        + f"""
+    turns = {curve.name: curve.turn for curve in curves}
+    body = f"""\
 supply = {view.supply!r}  # Pa
 pressure = np.linspace(0.0, supply, {POINTS})
 bundles = {{
@@ -148,50 +118,59 @@ strains = {{name: free_strain_curve(b, 2, pressure) for name, b in bundles.items
 for name, b in bundles.items():
     without = free_strain_curve(b, 2, pressure, resistance=False)
     strains[f"{{name}}, without resistance"] = without
-variables = {{"pressure": Variable(("pressure",), pressure, "Pa")}}
+variables = Table(pressure=Variable(("pressure",), pressure, "Pa"))
 for name, values in strains.items():
     variables[name] = Variable(("pressure",), values, "-")
-write(variables, "{stem}.csv")
-turns = {{name: reversal(b) for name, b in bundles.items()}}
+variables.write("{stem}.csv")
+turns = {{name: b.reversal() for name, b in bundles.items()}}
 plot.free_strain(pressure, strains, "P₂", turns).savefig("{stem}.svg")
 """
+    imports = [
+        "import numpy as np\n",
+        "from fascicle import Bundle, MotorUnit, plot",
+        "from fascicle.reversal import free_strain_curve",
+        "from fascicle.results import Table, Variable",
+    ]
+    variables = Table(pressure=Variable(("pressure",), P, "Pa"))
+    variables |= {name: Variable(("pressure",), values, "-") for name, values in strains.items()}
+    return Export(
+        stem,
+        variables,
+        lambda: plot.free_strain(P, strains, "P₂", turns),
+        _script(stem, imports, "muscle", dumps(view.muscle), body),
     )
-    turns = {curve.name: curve.turn for curve in curves}
-    return Export(stem, variables, lambda: plot.free_strain(P, strains, "P₂", turns), script)
 
 
-def efficiency(view: View, opened: Iterable[str] = ()) -> Export:
+def efficiency(view: View, input_names: Iterable[str] = ()) -> Export:
     """Efficiency maps of the bundle, with resistance and without."""
-    stem = output_stem(view.name, "efficiency", opened)
-    result = efficiency_map(view.bundle, path=view.path)
-    free = efficiency_map(
-        view.bundle, path=view.path, resistance=False, force=result.force, strain=result.strain
-    )
-    variables = tables.efficiency([result])
-    variables[_WITHOUT] = variables["efficiency"]._replace(
-        values=free.efficiency[None], about=_ABOUT
-    )
-    imports = (
-        "from fascicle import tables\n"
-        "from fascicle.energetics import efficiency_map\n"
-        "from fascicle.files import loads\n"
-        "from fascicle.plot.workspace import efficiency as draw\n"
-    )
-    script = (
-        _head(stem, "bundle", dumps(view.bundle), imports)
-        + f"""
-result = efficiency_map(bundle, path={view.path!r})
+    stem = output_stem(view.name, "efficiency", input_names)
+    maps = efficiency_maps(view.bundle, view.path)
+    key, about = "efficiency_without_resistance", "muscles past their free strain don't push back"
+    body = f"""\
+result = bundle.efficiency_map(path={view.path!r})
 points = {{"force": result.force, "strain": result.strain}}
-free = efficiency_map(bundle, path={view.path!r}, resistance=False, **points)
+free = bundle.efficiency_map(path={view.path!r}, resistance=False, **points)
 variables = tables.efficiency([result])
-variables[{_WITHOUT!r}] = variables["efficiency"]._replace(
-    values=free.efficiency[None], about={_ABOUT!r}
+variables[{key!r}] = variables["efficiency"]._replace(
+    values=free.efficiency[None], about={about!r}
 )
 variables.write("{stem}.csv")
 draw(result).savefig("{stem}.svg")
 """
+    imports = [
+        "from fascicle import tables",
+        "from fascicle.plot.workspace import efficiency as draw",
+    ]
+    variables = tables.efficiency([maps.resisted])
+    variables[key] = variables["efficiency"]._replace(
+        values=maps.free.efficiency[None], about=about
     )
-    return Export(stem, variables, lambda: draw_efficiency(result), script)
+    return Export(
+        stem,
+        variables,
+        lambda: draw_efficiency(maps.resisted),
+        _script(stem, imports, "bundle", dumps(view.bundle), body),
+    )
 
 
 def data(
@@ -199,66 +178,56 @@ def data(
     record: Record,
     tuned: Muscle | None,
     name: str,
-    options: ReadOptions,
+    options: Mapping[str, Any],
     names: Sequence[str] = (AUTOMATIC,),
-    opened: Iterable[str] = (),
+    input_names: Iterable[str] = (),
 ) -> Export:
-    """A record and the muscle, or the one that was fitted to it.
-
-    **Arguments:**
-
-    - `muscle`: the muscle before the fit.
-    - `record`: the readings.
-    - `tuned`: the fitted muscle, or None.
-    - `name`: of the record's file.
-    - `options`: it was read with.
-    - `names`: what was fitted, as `measured.fit_record` takes it.
-    - `opened`: names of files that were read.
-    """
-    stem = output_stem(name, "comparison", [name, *opened])
-    shown, label = (muscle, "the muscle") if tuned is None else (tuned, "tuned")
-    automatic = tuple(names) == (AUTOMATIC,)
+    """A record and the muscle, or the one that was `tuned` to it, with constants of `names`."""
+    stem = output_stem(name, "comparison", [name, *input_names])
+    drawn, label = (muscle, "the muscle") if tuned is None else (tuned, "tuned")
     P = np.clip(record.pressure, 0.0, HIGHEST_PRESSURE)
-    variables = {
-        "pressure": Variable(("reading",), record.pressure, "Pa"),
-        "strain": Variable(("reading",), record.strain, "-"),
-        "force": Variable(("reading",), record.force, "N"),
-        "muscle": Variable(("reading",), np.asarray(shown.force(P, record.strain)), "N"),
-    }
-    imports = (
-        "import numpy as np\n\n"
-        "from fascicle import records\n"
-        f"from fascicle.calibrate import {'select_model' if automatic else 'fit'}\n"
-        "from fascicle.calibrate.plot_data import measured_with_curves\n"
-        "from fascicle.files import loads\n"
-        "from fascicle.plot import calibration\n"
-        "from fascicle.results.labelled import Variable, write\n"
-    )
-    arguments = options.arguments | {"rest_length": record.rest_length}
-    given = ", ".join(f"{key}={value!r}" for key, value in arguments.items())
-    free = "" if tuple(names) == (TUNING,) else f"{list(names)!r}, "
-    tune = f"muscle = fit(record, muscle, {free}starts={STARTS}, whole=False).muscle\n"
-    if automatic:
-        tune = f"muscle = select_model(record, muscle, starts={STARTS}).calibration.muscle\n"
-    if tuned is None:
-        tune = ""
-    script = (
-        _head(stem, "muscle", dumps(muscle), imports)
-        + f"""
-record = records.load({name!r}, {given})  # beside this script
-{tune}pressure = np.clip(record.pressure, 0.0, {HIGHEST_PRESSURE!r})
-variables = {{
-    "pressure": Variable(("reading",), record.pressure, "Pa"),
-    "strain": Variable(("reading",), record.strain, "-"),
-    "force": Variable(("reading",), record.force, "N"),
-    "muscle": Variable(("reading",), np.asarray(muscle.force(pressure, record.strain)), "N"),
-}}
-write(variables, "{stem}.csv")
-calibration.fit(measured_with_curves(record, muscle, {label!r})).savefig("{stem}.svg")
+    arguments = {**options, "rest_length": record.rest_length}
+    keywords = "".join(f", {key}={value!r}" for key, value in arguments.items())
+    imports = [
+        "import numpy as np\n",
+        "from fascicle import records",
+        "from fascicle.calibrate.plot_data import measured_with_curves",
+        "from fascicle.plot.calibration import fit as draw",
+        "from fascicle.results import Table, Variable",
+    ]
+    fit = ""
+    if tuned is not None and tuple(names) == (AUTOMATIC,):
+        imports.insert(2, "from fascicle.calibrate import select_model")
+        fit = f"muscle = select_model(record, muscle, starts={STARTS}).calibration.muscle\n"
+    elif tuned is not None:
+        imports.insert(2, "from fascicle.calibrate import fit")
+        free = "" if tuple(names) == (TUNING,) else f"{list(names)!r}, "
+        fit = f"muscle = fit(record, muscle, {free}starts={STARTS}, whole=False).muscle\n"
+    body = f"""\
+record = records.load({name!r}{keywords})  # beside this script
+{fit}pressure = np.clip(record.pressure, 0.0, {HIGHEST_PRESSURE!r})
+force = muscle.force(pressure, record.strain)
+variables = Table(
+    pressure=Variable(("reading",), record.pressure, "Pa"),
+    strain=Variable(("reading",), record.strain, "-"),
+    force=Variable(("reading",), record.force, "N"),
+    muscle=Variable(("reading",), np.asarray(force), "N"),
+)
+variables.write("{stem}.csv")
+draw(measured_with_curves(record, muscle, {label!r})).savefig("{stem}.svg")
 """
+    force = np.asarray(drawn.force(P, record.strain))
+    return Export(
+        stem,
+        Table(
+            pressure=Variable(("reading",), record.pressure, "Pa"),
+            strain=Variable(("reading",), record.strain, "-"),
+            force=Variable(("reading",), record.force, "N"),
+            muscle=Variable(("reading",), force, "N"),
+        ),
+        lambda: draw_fit(measured_with_curves(record, drawn, label)),
+        _script(stem, imports, "muscle", dumps(muscle), body),
     )
-    figure = lambda: plot_fit(measured_with_curves(record, shown, label))  # noqa: E731 as above
-    return Export(stem, variables, figure, script)
 
 
 EXPORTS: Mapping[str, Callable[[View, Iterable[str]], Export]] = {
@@ -279,9 +248,9 @@ def download_button(label: str, suffix: str, export: Callable[[], Export], **opt
     """Button that downloads the file of an `export` with a `suffix`."""
 
     def content() -> io.BytesIO:
-        made = export()
-        download.filename = f"{made.stem}.{suffix}"
-        return io.BytesIO(made.content(suffix))
+        result = export()
+        download.filename = f"{result.stem}.{suffix}"
+        return io.BytesIO(result.content(suffix))
 
     download = widget(
         pn.widgets.FileDownload, label, filename=f"fascicle.{suffix}", callback=content,
@@ -290,33 +259,30 @@ def download_button(label: str, suffix: str, export: Callable[[], Export], **opt
     return download
 
 
-def _head(stem: str, name: str, toml: str, imports: str) -> str:
-    # a file's text is data in the script: nothing in it may end the string it stands in
-    return _HEAD.format(stem=stem, name=name, imports=imports, toml=escape_triple_quotes(toml))
-
-
-def output_stem(name: str, what: str, opened: Iterable[str] = ()) -> str:
-    """Name of an output without its suffix, never that of a file that was read.
-
-    **Arguments:**
-
-    - `name`: of the muscle or the file that the output comes from.
-    - `what`: the output is, one word.
-    - `opened`: names of files that were read, which it must not bear.
-
-    **Returns:** letters, digits, dots, dashes and underscores.
-    """
+def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
+    """Name of an output without its suffix, never that of a file that was read."""
     # the name is a visitor's: nothing in it may leave a string of the script, or a folder
     base = Path(name.replace("\\", "/")).name
     base = re.sub(r"\.(toml|csv|txt|tsv)$", "", base, flags=re.IGNORECASE)
     safe = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
-    stem = f"{safe}_{what}"
-    taken = {Path(other).stem.lower() for other in opened}
-    while stem.lower() in taken:
-        stem = f"{stem}_{what}"
+    stem = f"{safe}_{kind}"
+    stems = {Path(other).stem.lower() for other in input_names}
+    while stem.lower() in stems:
+        stem = f"{stem}_{kind}"
     return stem
 
 
-def escape_triple_quotes(text: str) -> str:
-    """A text as it stands between three double quotes in Python."""
-    return text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+def _script(stem: str, imports: Sequence[str], variable: str, toml: str, body: str) -> str:
+    """Script that loads a muscle or bundle from its `toml` into a `variable`, and then a `body`."""
+    lines = "\n".join([*imports, "from fascicle.files import loads"])
+    # a file's text is data in the script: nothing in it may end the string that holds it
+    text = toml.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    return f'''"""Written by `fascicle explore`: makes {stem}.svg and {stem}.csv."""
+
+{lines}
+
+
+{variable} = loads("""
+{text}""")
+
+{body}'''

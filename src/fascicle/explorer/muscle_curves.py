@@ -6,7 +6,6 @@ kinks among them, so that curves turn sharply where the law does.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -21,9 +20,9 @@ POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
 PARTS = ("force", "mesh", "bladder", "bending")
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 UNTUNED = "untuned"
-MOST_COMPARED = 4  # more colors and dashes can't be told apart
+MOST_ALTERNATIVES = 4  # more colors and dashes can't be told apart
 
-_NEAR, _ASIDE = 6, 7  # pixels from a point to its label, above or below it and beside it
+_GAP_ABOVE, _GAP_BESIDE = 6, 7  # pixels from a point to its label
 _LINE = 16  # pixels from a label to one above it
 _BELOW = -22  # pixels to a label below its point
 _LOW = 0.06  # of the forces drawn: closer to zero, labels of both ends stack
@@ -33,94 +32,73 @@ _LEFT = {"free": 0.74, "collapse": 0.62}
 
 @dataclass(frozen=True)
 class MuscleCurves:
-    """Curves of a muscle, a row for each pressure of the family and last the chosen one's.
+    """Curves of a muscle, and its state at the chosen pressure and strain."""
 
-    `pressure` [Pa]; `strain` [-]; `force` and its components [N]; `free_strain`,
-    `collapse_strain` [-], inf where it never collapses; `blocked` force [N]. Along the chosen
-    pressure's curve its `regions`, and whether there are `branches`, other equilibria.
-
-    At the chosen point: `force_here` [N], its `region`, whether there are `several` equilibria,
-    `volume` of fluid [m³], `deflection` [m], `moment` [N·m], the centerline's `z`, `y` [m], the
-    tube's `radius` [m] and the fibers' `angle` [rad].
-    """
-
-    pressure: np.ndarray
-    strain: np.ndarray
-    force: np.ndarray
+    # a row for each pressure of the family, and last the chosen one's
+    pressure: np.ndarray  # [Pa]
+    strain: np.ndarray  # [-]
+    force: np.ndarray  # [N], the sum of the next three
     mesh: np.ndarray
     bladder: np.ndarray
     bending: np.ndarray
-    free_strain: np.ndarray
-    collapse_strain: np.ndarray
-    blocked: np.ndarray
+    free_strain: np.ndarray  # [-]
+    collapse_strain: np.ndarray  # [-], inf where it never collapses
+    blocked: np.ndarray  # [N]
+    # along the chosen pressure's curve
     regions: np.ndarray
-    branches: np.ndarray
-    force_here: float
+    branches: np.ndarray  # True where there are other equilibria
+    # at the chosen point
+    point_force: float  # [N]
     region: int
-    several: bool
-    volume: float
-    deflection: float
-    moment: float
-    z: np.ndarray
+    several: bool  # True where there are other equilibria
+    volume: float  # of fluid [m³]
+    deflection: float  # [m]
+    moment: float  # [N·m]
+    z: np.ndarray  # of the centerline [m]
     y: np.ndarray
-    radius: float
-    angle: float
+    radius: float  # of the tube [m]
+    angle: float  # of the fibers [rad]
 
 
 def muscle_curves(
     muscle: Muscle, pressure: float, strain: float, supply: float, top: float
 ) -> MuscleCurves:
-    """Curves of a muscle, and its state at a pressure and strain.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `pressure`: gauge pressure [Pa].
-    - `strain`: contraction [-].
-    - `supply`: the family's highest pressure [Pa].
-    - `top`: the largest strain of the curves [-].
-    """
+    """Curves of a muscle up to `supply` [Pa] and `top` [-], and its state at a point."""
     pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
+    # one solution of the law for everything: the public methods would solve it eight times, and
+    # a slider waits for it
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        values = _evaluate(muscle, pressures, np.float64(strain), np.float64(top))
-    arrays: dict[str, Any] = {name: np.asarray(value) for name, value in values.items()}
-    plain = {name: x.item() if x.ndim == 0 else x for name, x in arrays.items()}
-    return MuscleCurves(pressure=pressures, **plain)
-
-
-def _evaluate(muscle: Muscle, pressures: Any, strain: Any, top: Any) -> dict[str, Any]:
-    # one solution of the law for all that is shown: the public methods would solve it eight times
-    state = muscle.law.at(pressures[:, None])
-    free, collapse = state.column.free_strain, state.collapse
-    kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
-    even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
-    grid = np.sort(np.concatenate([even, kinks], axis=1), axis=1)
-    here = np.broadcast_to(strain, (FAMILY + 1, 1))
-    response = state.response(np.concatenate([grid, np.zeros_like(here), here], axis=1))
-    # the second is the last state whose arc the law knows
-    line = state.shape(np.concatenate([here, np.minimum(here, collapse)], axis=1), ARC_POINTS)
-    z, y = line.z[-1], line.y[-1]
-    arc = np.sum(np.hypot(np.diff(z[1]), np.diff(y[1])))
-    arc_strain = 1 - arc / muscle.length
-    return {
-        "strain": grid,
-        **{name: getattr(response, name)[:, :-2] for name in PARTS},
-        "free_strain": free[:, 0],
-        "collapse_strain": collapse[:, 0],
-        "blocked": response.force[:, -2],
-        "regions": response.region[-1, :-2],
-        "branches": response.several[-1, :-2],
-        "force_here": response.force[-1, -1],
-        "region": response.region[-1, -1],
-        "several": response.several[-1, -1],
-        "volume": muscle.braid.volume(strain) - muscle.bladder.volume,
-        "deflection": state.deflection(here)[-1, 0],
-        "moment": state.moment(here)[-1, 0],
-        "z": z[0],
-        "y": y[0],
-        "radius": muscle.braid.radius_at(arc_strain),
-        "angle": muscle.braid.angle_at(arc_strain),
-    }  # fmt: skip
+        state = muscle.law.at(pressures[:, None])
+        free, collapse = np.asarray(state.column.free_strain), np.asarray(state.collapse)
+        kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
+        even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
+        grid = np.sort(np.concatenate([even, kinks], axis=1), axis=1)
+        point = np.full((FAMILY + 1, 1), strain)
+        response = state.response(np.concatenate([grid, np.zeros_like(point), point], axis=1))
+        # the second is the last state whose arc the law knows
+        line = state.shape(np.concatenate([point, np.minimum(point, collapse)], axis=1), ARC_POINTS)
+        z, y = np.asarray(line.z[-1]), np.asarray(line.y[-1])
+        arc_strain = 1 - np.hypot(np.diff(z[1]), np.diff(y[1])).sum() / muscle.length
+        return MuscleCurves(
+            pressure=pressures,
+            strain=grid,
+            **{name: np.asarray(getattr(response, name))[:, :-2] for name in PARTS},
+            free_strain=free[:, 0],
+            collapse_strain=collapse[:, 0],
+            blocked=np.asarray(response.force)[:, -2],
+            regions=np.asarray(response.region)[-1, :-2],
+            branches=np.asarray(response.several)[-1, :-2],
+            point_force=float(response.force[-1, -1]),
+            region=int(response.region[-1, -1]),
+            several=bool(response.several[-1, -1]),
+            volume=float(muscle.braid.volume(np.float64(strain)) - muscle.bladder.volume),
+            deflection=float(state.deflection(point)[-1, 0]),
+            moment=float(state.moment(point)[-1, 0]),
+            z=z[0],
+            y=y[0],
+            radius=float(muscle.braid.radius_at(arc_strain)),
+            angle=float(muscle.braid.angle_at(arc_strain)),
+        )
 
 
 @lru_cache(maxsize=64)  # visitors share it
@@ -131,10 +109,7 @@ def strain_limit(muscle: Muscle, supply: float) -> float:
 
 
 def region_strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, float, int]]:
-    """Ends [-] and region of each stretch of a curve, in order.
-
-    **Arguments:** `strain`: along the curve [-], rising; `regions`: there.
-    """
+    """Ends [-] and region of each stretch of a curve, in order; `strain` rises."""
     # a kink is among the strains, and belongs to the region that ends there
     last = np.flatnonzero(np.r_[np.diff(regions) != 0, True])
     edges = np.r_[strain[0], strain[last]]
@@ -143,35 +118,25 @@ def region_strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, 
 
 
 def curve_marks(curves: MuscleCurves, top: float, scale: float, unit: str) -> dict[str, list]:
-    """Blocked force, free strain and collapse of the chosen curve, with labels that don't collide.
-
-    **Arguments:**
-
-    - `curves`: the curves.
-    - `top`: the largest strain that is drawn [-].
-    - `scale`: of the unit of force [N].
-    - `unit`: its name.
-
-    **Returns:** columns of a source: `x` [-], `y` [shown unit], `label`, how many pixels it stands
-    `above` (below, if negative) and `beside`, and its `align`ment.
-    """
+    """Source of the blocked force, free strain and collapse, with labels that don't collide."""
     free, blocked = float(curves.free_strain[-1]), float(curves.blocked[-1])
     collapse = float(curves.collapse_strain[-1])
     stacked = abs(blocked) < _LOW * np.ptp(curves.force[:-1]) and free < 0.3 * top
     rows = [
-        (0.0, blocked, f"blocked {blocked / scale:.4g} {unit}", _NEAR + _LINE * stacked, 1.0),
-        (free, 0.0, f"free {free:.4f}", _NEAR, _LEFT["free"]),
+        (0.0, blocked, f"blocked {blocked / scale:.4g} {unit}", _GAP_ABOVE + _LINE * stacked, 1.0),
+        (free, 0.0, f"free {free:.4f}", _GAP_ABOVE, _LEFT["free"]),
     ]
     if collapse <= top:
         force = float(np.interp(collapse, curves.strain[-1], curves.force[-1]))
         rows.append((collapse, force, f"collapse {collapse:.4f}", _BELOW, _LEFT["collapse"]))
-    left = [x > limit * top for x, *_, limit in rows]
+    x, y, labels, offsets, limits = map(list, zip(*rows, strict=True))
+    left = [strain > limit * top for strain, limit in zip(x, limits, strict=True)]
     return {
-        "x": [x for x, *_ in rows],
-        "y": [force / scale for _, force, *_ in rows],
-        "label": [label for _, _, label, *_ in rows],
-        "above": [above for *_, above, _ in rows],
-        "beside": [-_ASIDE if is_left else _ASIDE for is_left in left],
+        "x": x,
+        "y": [force / scale for force in y],
+        "label": labels,
+        "above": offsets,
+        "beside": [-_GAP_BESIDE if is_left else _GAP_BESIDE for is_left in left],
         "align": ["right" if is_left else "left" for is_left in left],
     }
 
@@ -180,8 +145,8 @@ def alternative_laws(muscle: Muscle) -> list[str]:
     """Laws that the muscle could have, such as `buckling:elastica`; `untuned` where it is tuned."""
     keys = [
         f"{kind}:{name}"
-        for kind, known in LAWS.items()
-        for name, law in known.items()
+        for kind, laws in LAWS.items()
+        for name, law in laws.items()
         if type(getattr(muscle, kind)) is not law
     ]
     return [*keys, UNTUNED] if is_tuned(muscle) else keys
@@ -196,17 +161,14 @@ def with_alternative(muscle: Muscle, key: str) -> Muscle:
 
 
 def is_tuned(muscle: Muscle) -> bool:
-    """Whether the muscle has a tuning."""
+    """True for a muscle with a tuning."""
     return muscle.tuning != Tuning()
 
 
-def check_compared(keys: tuple[str, ...]) -> tuple[str, ...]:
-    """Check `keys` of laws to compare and return them.
-
-    **Raises:** `InvalidInputError` where they are too many, or one names no law.
-    """
-    if len(keys) > MOST_COMPARED:
-        rule = f"must be {MOST_COMPARED} laws at most, as many as can be told apart"
+def check_alternatives(keys: tuple[str, ...]) -> tuple[str, ...]:
+    """Check that `keys` are laws, and not too many to compare, and return them."""
+    if len(keys) > MOST_ALTERNATIVES:
+        rule = f"must be {MOST_ALTERNATIVES} laws at most, as many as can be told apart"
         raise InvalidInputError("compare", rule, len(keys))
     for key in keys:
         kind, _, name = key.partition(":")

@@ -1,23 +1,22 @@
 """Tab of one muscle: its force over strain with its parts, other laws, and the muscle itself."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 import panel as pn
-from bokeh.events import Press, Tap
 from bokeh.models import HoverTool
-from bokeh.models.glyphs import Line, MultiLine, Quad, Scatter, Text
 
 from ..plot.theme import Colors
 from ..units import pretty
-from .background import LatestResult
+from .chart import Chart, hover_tooltips, pressure_colors, screen_height
 from .muscle_curves import (
     PARTS,
     REGIONS,
     MuscleCurves,
     alternative_laws,
-    check_compared,
+    check_alternatives,
     curve_marks,
     muscle_curves,
     region_strips,
@@ -25,44 +24,32 @@ from .muscle_curves import (
     with_alternative,
 )
 from .muscle_inputs import MuscleInputs
+from .remarks import branches_text, remarks_html, tuning_note
 from .solid import Scene, muscle_solid
 from .state import Session, View, changed
-from .tab import Tab, branches_text, remarks_html, tuning_note
-from .theme import (
-    LAST,
-    NARROW,
-    SCROLLED,
-    STACKED,
-    TALL,
-    WHOLE_ROW,
-    Chart,
-    equal_column,
-    hover_tooltips,
-    pressure_colors,
-)
+from .tab import LatestResult, Tab
+from .theme import WHOLE_ROW, column, equal_column, row, side_column
 from .widgets import (
     SWEEP_STEPS,
     Message,
     QuantitySlider,
     Sweep,
     heading,
-    moment_text,
     pane,
     readout_table,
     status_line,
     unit_factor,
-    volume_text,
     widget,
 )
 
 
-_STAGE = "clamp(220px, 100vh - 500px, 900px)"  # height of the muscle's figure
+_SCENE_HEIGHT = "clamp(220px, 100vh - 500px, 900px)"
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 _FAR = 1e9  # [shown unit] beyond every picture
 # of `curves` for other laws: none is the force's or a part's, nor are the long dashes
-_COMPARED_COLORS = (3, 4, 5, 7)
-_COMPARED_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
+_ALTERNATIVE_COLORS = (3, 4, 5, 7)
+_ALTERNATIVE_DASHES = ("14 4", "14 4 3 4", "14 4 3 4 3 4", "5 3 1 3")
 _PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
 
 
@@ -70,12 +57,11 @@ class MuscleView(Tab):
     """Widgets and figures of one muscle."""
 
     name: ClassVar[str] = "muscle"
-    fields: ClassVar[tuple[str, ...]] = ("muscle", "units", "supply", "shown")
+    fields: ClassVar[tuple[str, ...]] = ("muscle", "units", "supply", "display_units")
 
     def __init__(self, session: Session, colors: Colors):
-        """**Arguments:** those of `Tab`."""
         super().__init__(session, colors)
-        self.top, self._label_height, self._updating = 0.3, 0.0, False
+        self.top, self._label_height = 0.3, 0.0
         self.inputs = MuscleInputs(session)
         self._pressure = QuantitySlider(
             "Pressure P", "pressure", "pressure", lambda value: session.change(pressure=value)
@@ -84,41 +70,25 @@ class MuscleView(Tab):
             "Contraction ε", "strain", "strain", lambda value: session.change(strain=value)
         )
         self._add_chart()
-        self._scene = Scene(colors, "solid", _STAGE)
+        self._scene = Scene(colors, "solid", _SCENE_HEIGHT)
         self._numbers = pane(sizing_mode="stretch_width")
-        self.notes = pane((2, 8), sizing_mode="stretch_width")
-        self._sweep = Sweep("the strain", self._step)
+        self._sweep = Sweep("the strain", self._advance)
         self.compare = widget(
             pn.widgets.MultiSelect, "Compare with (Ctrl for several)", size=4, styles=WHOLE_ROW
         )
-        self.compare.param.watch(self._choose_compared, "value")
-        self._others = LatestResult(self._show_others, self.inputs.refuse)
-        left = pn.Column(
-            self.inputs.panel, self.compare, width=284, margin=(0, 8, 0, 0),
-            stylesheets=[SCROLLED, LAST],
-        )  # fmt: skip
+        self.compare.param.watch(self._choose_alternatives, "value")
+        self._alternative_curves = LatestResult(self._show_alternatives, self.inputs.show_error)
+        left = side_column(self.inputs.panel, self.compare, width=284)
         self.message = Message(left)
-        sliders = pn.Row(
-            self._pressure.panel, self._strain.panel, sizing_mode="stretch_width", margin=0,
-            stylesheets=[STACKED],
-        )  # fmt: skip
-        stage = pn.Column(
-            pn.pane.Bokeh(self._scene.figure, margin=0, stylesheets=[TALL]),
-            pn.Row(self._scene.slider, self._sweep.button, sizing_mode="stretch_width", margin=0),
-            self._numbers, margin=0, **equal_column(),
-        )  # fmt: skip
-        curves = pn.Column(
-            pn.pane.Bokeh(self.chart.figure, margin=0, stylesheets=[TALL]), margin=0,
-            **equal_column(),
-        )  # fmt: skip
-        main = pn.Column(
-            self.notes, sliders,
-            pn.Row(curves, stage, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]),
-            sizing_mode="stretch_width", margin=0, stylesheets=[NARROW],
-        )  # fmt: skip
-        self.panel = pn.Row(
-            left, main, sizing_mode="stretch_width", margin=0, stylesheets=[STACKED]
+        main = column(
+            self.notes,
+            row(self._pressure.panel, self._strain.panel),
+            row(
+                equal_column(self.chart.pane),
+                equal_column(*self._scene.panes(self._sweep.button), self._numbers),
+            ),
         )
+        self.panel = row(left, main)
 
     def draw(self, view: View) -> None:
         """Show a `view`."""
@@ -126,162 +96,160 @@ class MuscleView(Tab):
         if strain > self.top:
             self.session.view = view = replace(view, strain=self.top)
         self.inputs.show(view)
-        self._updating = True
-        keys = alternative_laws(view.muscle)
-        self.compare.options = {_law_label(key): key for key in keys}
-        self.compare.value = [key for key in view.compared if key in keys]
-        self._updating = False
+        options = {_law_label(key): key for key in alternative_laws(view.muscle)}
+        self.compare.param.update(options=options, value=_alternatives(view))
         curves = self._curves(view)
-        self._show_family(view, curves)
+        self._show_family(curves)
         self._show_curve(view, curves)
         self._show_point(view, curves)
         if strain > self.top:
-            self._strain.field.refuse(
+            self._strain.field.show_error(
                 f"Contraction ε is drawn up to {self.top:g} for this muscle, got {strain:g}."
             )
         self._show_remarks(view)
-        self._request_others(view)
+        self._request_alternatives(view)
 
     def follow(self, before: View, after: View) -> None:
-        """Follow the sliders, and what is compared."""
+        """Follow the sliders, and the laws compared."""
         if changed(before, after, "pressure", "strain"):
             curves = self._curves(after)
             if changed(before, after, "pressure"):
                 self._show_curve(after, curves)
-                if self.others.data["xs"]:
-                    self._request_others(after)
+                if self.alternatives.data["xs"]:
+                    self._request_alternatives(after)
             self._show_point(after, curves)
-        if changed(before, after, "compared"):
+        if changed(before, after, "alternatives"):
             self._show_remarks(after)
-            self._request_others(after)
+            self._request_alternatives(after)
 
     def _curves(self, view: View) -> MuscleCurves:
         return muscle_curves(view.muscle, view.pressure, view.strain, view.supply, self.top)
 
     def _show_remarks(self, view: View) -> None:
-        note = tuning_note(view.muscle, view.shown["pressure"])
+        note = tuning_note(view.muscle, view.display_units["pressure"])
         self.notes.object = remarks_html(view, "muscle") + status_line(note)
 
     # the figure
 
     def _add_chart(self) -> None:
         colors = self.colors
-        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", room=270)
+        chart = self.chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(270))
+        figure = chart.figure
         self.strips = chart.source("left", "right", "color", "alpha", name="strips")
         self.region_names = chart.source("x", "y", "label", name="regions")
         self._family = chart.source("xs", "ys", "color", "label", name="family")
         self._family_names = chart.source("x", "y", "label")
-        self.chosen = chart.source("strain", *PARTS, name="chosen")
-        self.others = chart.source("xs", "ys", "color", "label", "dash", name="compared")
+        self.curve = chart.source("strain", *PARTS, name="curve")
+        self.alternatives = chart.source("xs", "ys", "color", "label", "dash", name="alternatives")
         self._marks = chart.source("x", "y", "label", "above", "beside", "align", name="marks")
-        self._here = chart.source("x", "y", name="here")
-        chart.draw(self.strips, Quad(left="left", right="right", top=_FAR, bottom=-_FAR,
-                                     fill_color="color", fill_alpha="alpha",
-                                     line_color=None))  # fmt: skip
+        self._point = chart.source("x", "y", name="point")
+        figure.quad(
+            "left", "right", _FAR, -_FAR, source=self.strips, fill_color="color",
+            fill_alpha="alpha", line_color=None,
+        )  # fmt: skip
         chart.add_zero_line()
-        chart.draw(self.region_names, Text(x="x", y="y", text="label", text_color=colors.soft,
-                                           text_align="center", text_font_size="12px",
-                                           text_baseline="top"))  # fmt: skip
-        family = chart.draw(self._family, MultiLine(xs="xs", ys="ys", line_color="color",
-                                                    line_width=1.2, line_alpha=0.9))  # fmt: skip
-        chart.tags(self._family_names)
+        figure.text(
+            "x", "y", source=self.region_names, text="label", text_color=colors.soft,
+            text_align="center", text_baseline="top", text_font_size="12px",
+        )  # fmt: skip
+        lines = {"xs": "xs", "ys": "ys", "line_color": "color"}
+        family = figure.multi_line(**lines, source=self._family, line_width=1.2, line_alpha=0.9)
+        chart.add_labels(self._family_names)
         for (part, dash), color in zip(_PART_DASHES.items(), colors.curves, strict=False):
-            line = Line(x="strain", y=part, line_color=color, line_dash=dash, line_width=1.8)
-            chart.draw(self.chosen, line, part)
-        line = Line(x="strain", y="force", line_color=colors.ink, line_width=3)
-        force = chart.draw(self.chosen, line, "force")
-        chart.draw(self.others, MultiLine(xs="xs", ys="ys", line_color="color", line_width=2.4,
-                                          line_dash="dash"), "@label")  # fmt: skip
-        chart.draw(self._marks, Scatter(x="x", y="y", size=9, line_color=colors.ink, line_width=2,
-                                        fill_color=colors.paper))  # fmt: skip
-        chart.tags(self._marks, x_offset="beside", y_offset="above", text_align="align",
-                   text_font_size="12px")  # fmt: skip
-        chart.draw(self._here, Scatter(x="x", y="y", size=13, marker="diamond",
-                                       fill_color=colors.curves[1],
-                                       line_color=colors.paper))  # fmt: skip
-        self._hover = HoverTool(renderers=[force], mode="vline", line_policy="interp",
-                                tooltips=hover_tooltips("F", "N"))  # fmt: skip
-        chart.figure.add_tools(
-            self._hover, HoverTool(renderers=[family], tooltips=[("P", "@label")])
-        )
-        chart.figure.on_event(Tap, self._point_at)
-        chart.figure.on_event(Press, self._point_at)  # a long click
-        chart.add_legend("right")
+            figure.line("strain", part, source=self.curve, line_color=color, line_dash=dash,
+                        line_width=1.8, legend_label=part)  # fmt: skip
+        force = figure.line("strain", "force", source=self.curve, line_color=colors.ink,
+                            line_width=3, legend_label="force")  # fmt: skip
+        figure.multi_line(**lines, source=self.alternatives, line_dash="dash", line_width=2.4,
+                          legend_field="label")  # fmt: skip
+        figure.scatter("x", "y", source=self._marks, size=9, line_color=colors.ink, line_width=2,
+                       fill_color=colors.paper)  # fmt: skip
+        chart.add_labels(self._marks, x_offset="beside", y_offset="above", text_align="align",
+                         text_font_size="12px")  # fmt: skip
+        chart.add_point(self._point)
+        pressures = HoverTool(renderers=[family], tooltips=[("P", "@label")])
+        self._hover = chart.add_hover(force)
+        figure.add_tools(pressures)
+        chart.on_click(self._move_point)
+        chart.style_legend("right")
 
-    def _show_family(self, view: View, curves: MuscleCurves) -> None:
-        unit, scale = self._force_unit(view)
+    def _show_family(self, curves: MuscleCurves) -> None:
+        unit, scale = self.unit("force")
+        pressure_unit, pressure_scale = self.unit("pressure")
         force = curves.force[:-1]
-        pressures = curves.pressure[:-1] / unit_factor(view.shown["pressure"], "pressure")
         self._family.data = {
             "xs": list(curves.strain[:-1]),
             "ys": list(force / scale),
             "color": pressure_colors(self.colors, len(force)),
-            "label": [f"{x:.3g} {view.shown['pressure']}" for x in pressures],
+            "label": [f"{P / pressure_scale:.3g} {pressure_unit}" for P in curves.pressure[:-1]],
         }
-        every = np.array([getattr(curves, name)[:-1] for name in PARTS])
-        low, high = float(every.min()) / scale, float(every.max()) / scale
-        room = high - low
-        self._label_height = high + 0.14 * room
-        self.chart.set_ranges((0.0, self.top), (low - 0.08 * room, high + 0.16 * room))
+        forces = np.array([getattr(curves, name)[:-1] for name in PARTS]) / scale
+        low, high = float(forces.min()), float(forces.max())
+        span = high - low
+        self._label_height = high + 0.14 * span
+        self.chart.set_ranges((0.0, self.top), (low - 0.08 * span, high + 0.16 * span))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        self._hover.tooltips = hover_tooltips("F", unit)
+        self._hover.tooltips = hover_tooltips(unit)
 
     def _show_curve(self, view: View, curves: MuscleCurves) -> None:
-        self._pressure.show(view.pressure, view.shown["pressure"], view.supply)
-        unit, scale = self._force_unit(view)
-        parts = {name: getattr(curves, name)[-1] / scale for name in PARTS}
-        self.chosen.data = {"strain": curves.strain[-1], **parts}
+        self._pressure.show(view.pressure, view.display_units["pressure"], view.supply)
+        unit, scale = self.unit("force")
+        forces = {name: getattr(curves, name)[-1] / scale for name in PARTS}
+        self.curve.data = {"strain": curves.strain[-1], **forces}
         # pressures of the family, save where the chosen one's mark stands
-        held, blocked = curves.blocked[:-1], curves.blocked[-1]
-        named = np.flatnonzero(np.abs(held - blocked) > 0.06 * np.ptp(held))
+        *family, blocked = curves.blocked
+        distance = np.abs(np.array(family) - blocked)
+        labeled = np.flatnonzero(distance > 0.06 * np.ptp(family))
         self._family_names.data = {
-            "x": [0.0] * len(named),
-            "y": held[named] / scale,
-            "label": [self._family.data["label"][i] for i in named],
+            "x": [0.0] * len(labeled),
+            "y": [family[i] / scale for i in labeled],
+            "label": [self._family.data["label"][i] for i in labeled],
         }
-        strips = region_strips(curves.strain[-1], curves.regions)
         colors = self.colors
         fills = [(colors.paper, 0.0), (colors.curves[4], 0.14), (colors.soft, 0.20),
                  (colors.curves[5], 0.14)]  # fmt: skip
+        strips = region_strips(curves.strain[-1], curves.regions)
+        left, right, regions = map(list, zip(*strips, strict=True))
         self.strips.data = {
-            "left": [left for left, _, _ in strips], "right": [right for _, right, _ in strips],
-            "color": [fills[i][0] for _, _, i in strips],
-            "alpha": [fills[i][1] for _, _, i in strips],
-        }  # fmt: skip
+            "left": left,
+            "right": right,
+            "color": [fills[i][0] for i in regions],
+            "alpha": [fills[i][1] for i in regions],
+        }
+        widths = np.subtract(right, left)
         self.region_names.data = {
-            "x": [(left + right) / 2 for left, right, _ in strips],
-            "y": [self._label_height] * len(strips),
+            "x": np.add(left, right) / 2,
+            "y": [self._label_height] * len(regions),
             # a strip too narrow for its name has none, on a phone's 300 pixels too
             "label": [
-                REGIONS[i] if right - left > _LETTER * len(REGIONS[i]) * self.top else ""
-                for left, right, i in strips
+                REGIONS[i] if width > _LETTER * len(REGIONS[i]) * self.top else ""
+                for width, i in zip(widths, regions, strict=True)
             ],
         }
         self._marks.data = curve_marks(curves, self.top, scale, unit)
 
     def _show_point(self, view: View, curves: MuscleCurves) -> None:
         self._strain.show(view.strain, "", self.top)
-        unit, scale = self._force_unit(view)
-        self._here.data = {"x": [view.strain], "y": [curves.force_here / scale]}
+        unit, scale = self.unit("force")
+        self._point.data = {"x": [view.strain], "y": [curves.point_force / scale]}
         solid = muscle_solid(view.muscle, curves, view.strain)
         length = float(view.muscle.length)
-        # a stubby muscle is wider than long; what bows out is seen, too
+        # a stubby muscle is wider than long; it bows out to its side
         reach = max(0.53 * length, 2.0 * solid.radius), 2.0 * solid.radius + 0.16 * length
         colors = [(self.colors.tube, self.colors.fiber)]
         self._scene.show([solid], colors, [(0.0, 0.0, 0.0)], reach)
-        # the volume is a straight muscle's of this length: no law here knows a bent one's
+        # the volume is a straight muscle's of this length: no law has that of a bent one
         fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
-        unit_of_length = view.shown["length"]
-        to_length = unit_factor(unit_of_length, "length")
+        length_unit, length_scale = self.unit("length")
         rows = {
-            "force": f"{curves.force_here / scale:.4g} {unit}",
+            "force": f"{curves.point_force / scale:.4g} {unit}",
             "state": REGIONS[curves.region]
             + (", other equilibria exist" if curves.several else ""),
-            fluid: volume_text(curves.volume, unit_of_length),
+            fluid: _volume_text(curves.volume, length_unit),
             "braid angle": pretty(solid.angle, "angle"),
-            "radius": f"{solid.radius / to_length:.4g} {unit_of_length}",
-            "bows out": f"{curves.deflection / to_length:.4g} {unit_of_length}",
-            "bending moment": moment_text(curves.moment, view.shown),
+            "radius": f"{solid.radius / length_scale:.4g} {length_unit}",
+            "bows out": f"{curves.deflection / length_scale:.4g} {length_unit}",
+            "bending moment": _moment_text(curves.moment, view.display_units),
         }
         if branches := branches_text(curves.strain[-1], curves.branches):
             rows["several equilibria"] = branches
@@ -289,55 +257,48 @@ class MuscleView(Tab):
 
     # other laws
 
-    def _choose_compared(self, event: Any) -> None:
-        if self._updating:
+    def _choose_alternatives(self, event: Any) -> None:
+        if event.new == _alternatives(self.session.view):  # set by the page itself
             return
         try:
-            self.session.change(compared=check_compared(tuple(event.new)))
+            self.session.change(alternatives=check_alternatives(tuple(event.new)))
             self.message.show("")
         except ValueError as error:
-            self._updating = True
             self.compare.value = list(event.old)
-            self._updating = False
             self.message.show(error)
 
-    def _request_others(self, view: View) -> None:
-        keys = [key for key in view.compared if key in alternative_laws(view.muscle)]
+    def _request_alternatives(self, view: View) -> None:
         top = self.top
 
         def compute() -> list[tuple[str, MuscleCurves]]:
-            others = {key: with_alternative(view.muscle, key) for key in keys}
+            muscles = {key: with_alternative(view.muscle, key) for key in _alternatives(view)}
             return [
                 (key, muscle_curves(muscle, view.pressure, view.strain, view.supply, top))
-                for key, muscle in others.items()
+                for key, muscle in muscles.items()
             ]
 
-        if keys:
-            self._others.request(compute)
+        if _alternatives(view):
+            self._alternative_curves.request(compute)
         else:
-            self._show_others([])
+            self._show_alternatives([])
 
-    def _show_others(self, others: list[tuple[str, MuscleCurves]]) -> None:
-        _, scale = self._force_unit(self.session.view)
-        self.others.data = {
-            "xs": [curves.strain[-1] for _, curves in others],
-            "ys": [curves.force[-1] / scale for _, curves in others],
-            "color": [self.colors.curves[i] for i in _COMPARED_COLORS[: len(others)]],
-            "dash": list(_COMPARED_DASHES[: len(others)]),
-            "label": [_law_label(key) for key, _ in others],
+    def _show_alternatives(self, curves_by_law: list[tuple[str, MuscleCurves]]) -> None:
+        _, scale = self.unit("force")
+        self.alternatives.data = {
+            "xs": [curves.strain[-1] for _, curves in curves_by_law],
+            "ys": [curves.force[-1] / scale for _, curves in curves_by_law],
+            "color": [self.colors.curves[i] for i in _ALTERNATIVE_COLORS[: len(curves_by_law)]],
+            "dash": list(_ALTERNATIVE_DASHES[: len(curves_by_law)]),
+            "label": [_law_label(key) for key, _ in curves_by_law],
         }
 
-    # a point that is clicked, and the sweep
+    # a click, and the sweep
 
-    def _point_at(self, event: Any) -> None:
+    def _move_point(self, event: Any) -> None:
         if event.x is not None and 0 <= event.x <= self.top:
             self.session.change(strain=round(float(event.x), 4))
 
-    def _force_unit(self, view: View) -> tuple[str, float]:
-        unit = view.shown["force"]
-        return unit, unit_factor(unit, "force")
-
-    def _step(self) -> bool:
+    def _advance(self) -> bool:
         view = self.session.view
         if view.tab != self.name:
             return False
@@ -346,5 +307,23 @@ class MuscleView(Tab):
         return True
 
 
+def _alternatives(view: View) -> list[str]:
+    """Laws to compare, save those that the muscle has itself."""
+    alternatives = alternative_laws(view.muscle)
+    return [key for key in view.alternatives if key in alternatives]
+
+
 def _law_label(key: str) -> str:
     return key.replace("_", " ").replace(":", ": ")
+
+
+def _volume_text(value: float, length_unit: str) -> str:
+    if length_unit == "in":
+        return f"{value / unit_factor('in', 'length') ** 3:.4g} in³"
+    return f"{value * 1e6:.4g} cm³"
+
+
+def _moment_text(value: float, units: Mapping[str, str]) -> str:
+    length = "m" if units["length"] == "mm" else units["length"]  # N·m, the field's unit
+    scale = unit_factor(units["force"], "force") * unit_factor(length, "length")
+    return f"{value / scale:.4g} {units['force']}·{length}"

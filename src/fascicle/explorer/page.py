@@ -22,14 +22,14 @@ from .link import to_query
 from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .reversal_tab import ReversalView
-from .state import SHOWN, TABS, Session, View, changed, view_of
-from .theme import HEADER, NARROW, WIDGET_CSS, WRAPPED, page_colors, page_css
+from .state import DISPLAY_UNITS, TABS, Session, View, changed, view_of
+from .theme import HEADER, NARROW, WIDGET_CSS, WRAPPED, column, page_colors, page_css
 from .widgets import Message, button, dropdown, pane, widget
 
 
-LARGEST_MUSCLE_FILE = 100_000  # bytes
+LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
 _QUIET = 400  # ms without a change until the address follows: browsers limit its changes
-_KEEP_MESSAGE = ("shown", "tab")  # after changes of these a message still holds
+_KEEP_MESSAGE = ("display_units", "tab")  # after changes of these a message still holds
 _CUSTOM = "(own)"
 _PURPOSE = "What fluidic muscles of given sizes pull, and where they buckle and fold."
 _SCRIPT = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
@@ -55,48 +55,39 @@ class Header:
     """Example, file, units and theme; keeps the address up to date."""
 
     def __init__(self, session: Session, colors: Colors, theme_in_link: bool = False):
-        """**Arguments:**
-
-        - `session`: the visitor's.
-        - `colors`: the page's.
-        - `theme_in_link`: whether the address has the theme.
-        """
-        self._session, self._updating = session, False
+        """Build it for a `session`; `theme_in_link` keeps the theme in the address."""
+        self._session, self._pending = session, None
         self._theme = ("dark" if colors.dark else "default") if theme_in_link or colors.dark else ""
-        self._pending: Any = None
         self._example = dropdown("Example", [*examples(), _CUSTOM], width=230)
         self._example.param.watch(self._choose_example, "value")
         self.file = widget(pn.widgets.FileInput, "Open a file", accept=".toml", width=256)
         # an empty file changes nothing but the name
         self.file.param.watch(self._open_file, ["value", "filename"])
         self.save = widget(
-            pn.widgets.FileDownload, "Save the file", callback=self._file_content, filename="",
-            width=130, margin=(22, 8, 4, 4),
+            pn.widgets.FileDownload, "Save the file", filename="", width=130, margin=(22, 8, 4, 4),
+            callback=lambda: io.BytesIO(session.view.text.encode()),
         )  # fmt: skip
         self._units = {
-            kind: dropdown(kind.capitalize(), units, width=86) for kind, units in SHOWN.items()
+            kind: dropdown(kind.capitalize(), units, width=86)
+            for kind, units in DISPLAY_UNITS.items()
         }
         for kind, select in self._units.items():
             select.param.watch(lambda event, kind=kind: self._set_unit(kind, event.new), "value")
         self._title = pane((8, 16, 4, 16), sizing_mode="stretch_width")
-        theme = button(
-            "Use light page" if colors.dark else "Use dark page", None, width=120,
-            margin=(22, 8, 4, 4),
-        )  # fmt: skip
-        theme.js_on_click(code=_SET_THEME % ("default" if colors.dark else "dark"))
-        row = pn.Row(
-            self._example, self.file, self.save, *self._units.values(), theme,
+        other, theme = ("light", "default") if colors.dark else ("dark", "dark")
+        switch = button(f"Use {other} page", None, width=120, margin=(22, 8, 4, 4))
+        switch.js_on_click(code=_SET_THEME % theme)
+        inputs = pn.Row(
+            self._example, self.file, self.save, *self._units.values(), switch,
             sizing_mode="stretch_width", margin=(0, 8), stylesheets=[HEADER],
         )  # fmt: skip
-        self.panel = pn.Column(
-            self._title, row, margin=0, sizing_mode="stretch_width", stylesheets=[NARROW]
-        )
+        self.panel = column(self._title, inputs)
         self.message = Message(self.panel)
         session.watch(self._follow)
         self._show(session.view)
 
     def _follow(self, before: View, after: View) -> None:
-        if changed(before, after, "name", "shown", "muscle", "units"):
+        if changed(before, after, "name", "display_units", "muscle", "units"):
             self._show(after)
         # a message on a link or a file is past, once something else is shown
         names = (field.name for field in fields(View) if field.name not in _KEEP_MESSAGE)
@@ -105,28 +96,24 @@ class Header:
         self._schedule_address()
 
     def _show(self, view: View) -> None:
-        self._updating = True
         self._title.object = (
             '<div style="display:flex;flex-wrap:wrap;align-items:baseline;gap:2px 14px">'
             f'<h1 style="font-size:{TITLE}px;line-height:1.2;margin:0">fascicle</h1>'
             f'<span style="color:var(--soft)">{_PURPOSE}</span><b style="margin-left:auto">'
             f"{html.escape(sanitize_line(view.name, 60), quote=True)}</b></div>"
         )
-        self.save.filename = self._file_name(view)
+        if view.name in examples():
+            self.save.filename = f"{view.name}.toml"
+        else:
+            name, edited, _ = view.name.partition(", changed")
+            kind = "changed" if edited else "copy"
+            self.save.filename = f"{output_stem(name, kind, self._session.input_names)}.toml"
         self._example.value = view.name if view.name in examples() else _CUSTOM
         for kind, select in self._units.items():
-            select.value = view.shown[kind]
-        self._updating = False
-
-    def _file_name(self, view: View) -> str:
-        if view.name in examples():
-            return f"{view.name}.toml"
-        name, edited, _ = view.name.partition(", changed")
-        what = "changed" if edited else "copy"
-        return f"{output_stem(name, what, self._session.opened)}.toml"
+            select.value = view.display_units[kind]
 
     def _choose_example(self, event: Any) -> None:
-        if self._updating or event.new == _CUSTOM:
+        if event.new in (_CUSTOM, self._session.view.name):  # set by the page itself
             return
         self.message.show("")
         self._session.show(view_of(example(event.new), event.new, self._session.view))
@@ -140,23 +127,23 @@ class Header:
             if len(raw) > LARGEST_MUSCLE_FILE:
                 limit = f"a muscle file may have {LARGEST_MUSCLE_FILE} bytes"
                 raise ValueError(f"{name}: {limit}, got {len(raw)}.")
-            target = loads(_decode(raw, name), source=name)
-            self._session.opened.add(name)
+            try:
+                text = raw.decode("utf-8")
+            except UnicodeDecodeError:
+                raise ValueError(f"{name}: not a text file in UTF-8.") from None
+            target = loads(text, source=name)
+            self._session.input_names.add(name)
             self._session.show(view_of(target, name, self._session.view))
             self.message.show("")
         except ValueError as error:
             self.message.show(error)
 
-    def _file_content(self) -> io.BytesIO:
-        return io.BytesIO(self._session.view.text.encode())
-
     def _set_unit(self, kind: str, unit: str) -> None:
-        if not self._updating:
-            self._session.change(shown={**self._session.view.shown, kind: unit})
+        self._session.change(display_units={**self._session.view.display_units, kind: unit})
 
     def _schedule_address(self) -> None:
         """Change the address once nothing has changed for a while."""
-        doc = pn.state.curdoc
+        doc: Any = pn.state.curdoc
         if doc is None or not doc.session_context or pn.state.location is None:
             return
         if self._pending is not None:
@@ -165,18 +152,9 @@ class Header:
 
     def _set_address(self) -> None:
         self._pending = None
-        query = to_query(self._session.view)
-        if self._theme:
-            query["theme"] = self._theme
+        query = to_query(self._session.view) | ({"theme": self._theme} if self._theme else {})
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
-
-
-def _decode(raw: bytes, name: str) -> str:
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ValueError(f"{name}: not a text file in UTF-8.") from None
 
 
 def build(
@@ -185,25 +163,14 @@ def build(
     errors: Sequence[str] = (),
     theme_in_link: bool = False,
 ) -> Any:
-    """All of the explorer for one visitor, as a Panel layout.
-
-    **Arguments:**
-
-    - `session`: what is shown.
-    - `theme`: "default" or "dark".
-    - `errors`: of the link, a line each.
-    - `theme_in_link`: whether the address has the theme.
-    """
+    """The explorer of a visitor's `session`, as a Panel layout; `errors` are of the link."""
     colors = page_colors(theme)
     header = Header(session, colors, theme_in_link)
     header.message.show(" ".join(errors))
     views: dict[str, Any] = {}
-    places = {
-        name: pn.Column(margin=0, sizing_mode="stretch_width", stylesheets=[NARROW])
-        for name in TABS
-    }
+    contents = {name: column() for name in TABS}
     tabs = pn.Tabs(
-        *((name.capitalize(), place) for name, place in places.items()),
+        *((name.capitalize(), content) for name, content in contents.items()),
         dynamic=True,
         stylesheets=[WIDGET_CSS, NARROW],
         sizing_mode="stretch_width",
@@ -215,40 +182,31 @@ def build(
         # made when it is first opened: most visitors never open most of them
         if name not in views:
             views[name] = _VIEWS[name](session, colors)
-            places[name].objects = [views[name].panel, *_downloads(session, name)]
+            contents[name].objects = [views[name].panel, *_downloads(session, name)]
         views[name].refresh()
-
-    def switch(event: Any) -> None:
-        name = TABS[event.new]
-        if session.view.tab != name:
-            session.change(tab=name)
 
     def follow(before: View, after: View) -> None:
         if before.tab != after.tab:
             tabs.active = TABS.index(after.tab)
             open_tab(after.tab)
 
-    tabs.param.watch(switch, "active")
+    tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
     session.watch(follow)
     open_tab(session.view.tab)
-    return pn.Column(
-        header.panel, tabs, name="explorer", margin=0, sizing_mode="stretch_width",
-        stylesheets=[NARROW, page_css(colors)],
-    )  # fmt: skip
+    return column(header.panel, tabs, name="explorer", stylesheets=[NARROW, page_css(colors)])
 
 
 def _downloads(session: Session, name: str) -> list[Any]:
     if name not in EXPORTS:  # the data tab has its own: they need a record
         return []
-    buttons = download_buttons(lambda: EXPORTS[name](session.view, session.opened))
+    buttons = download_buttons(lambda: EXPORTS[name](session.view, session.input_names))
     return [pn.Row(*buttons, margin=(0, 8), stylesheets=[WRAPPED])]
 
 
 def add_scripts(doc: Any, follow_preference: bool) -> None:
-    """Add the page's script to a Bokeh document, and notices of a lost connection.
+    """Add the page's script and a notice of a lost connection to a Bokeh document.
 
-    **Arguments:** `doc`: the document; `follow_preference`: whether the page follows the system's
-    preference of a dark page.
+    With `follow_preference` the page is dark where the system's preference is.
     """
     options = {"largest": LARGEST_FILE, "preference": follow_preference}
     doc.js_on_event("document_ready", CustomJS(args=options, code=_SCRIPT))

@@ -1,8 +1,8 @@
 """The server of the explorer, for this machine alone unless another address is given.
 
 Panel serves the pages and keeps their sessions. Beyond it: a check of who asks and for what
-(`allowed_hosts`), limits on the size of messages, logs without visitors' text over several lines,
-and pages that are drawn in the order of their visitors.
+(`allowed_hosts`), limits on the size of messages, and logs in which a visitor's text can't look
+like other lines.
 """
 
 import asyncio
@@ -15,7 +15,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
-from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
@@ -25,14 +24,13 @@ from .allowed_hosts import ANY_ADDRESS, LOOPBACK, AllowedHosts, guard
 from .link import from_query
 from .page import add_scripts, build
 from .state import Session, View
-from .theme import NARROW, page_colors, page_css
+from .theme import column, page_colors, page_css
 
 
-PORT = 5006
+PORT = 5006  # Bokeh's
 _ATTEMPTS = 20  # ports that are tried if the first is taken
 _LARGEST_MESSAGE = 16 * 2**20  # bytes from a browser: an uploaded file and its coding
 _CLOSED_SESSION = 15_000  # ms until a closed session is freed
-_PAUSE = 1e-3  # s between two pages that are drawn, for other visitors' events
 _LINE = 300  # characters of a line in the terminal
 
 
@@ -41,18 +39,18 @@ def serve(
     host: str = "127.0.0.1",
     port: int | None = None,
     show: bool = True,
-    say: Callable[[str], None] = print,
+    print_line: Callable[[str], None] = print,
     allowed: Sequence[str] = (),
 ) -> None:
     """Serve the explorer until Ctrl-C or SIGTERM.
 
     **Arguments:**
 
-    - `view`: what a visitor sees first.
+    - `view`: first view of every visitor.
     - `host`: address to listen on.
     - `port`: to listen on; left out, 5006 or the next free one.
-    - `show`: whether to open a browser.
-    - `say`: takes each line for the terminal.
+    - `show`: True to open a browser.
+    - `print_line`: takes each line for the terminal.
     - `allowed`: names that it answers to besides its own, such as a proxy's.
 
     **Raises:** `OSError` where it can't listen there.
@@ -61,12 +59,12 @@ def serve(
     with warnings.catch_warnings():
         # warnings are for the visitor, on the page: the terminal may be somebody else's
         warnings.simplefilter("ignore", UserWarning)
-        asyncio.run(_serve(view, host, port, show, say, allowed))
-    say("stopped.")
+        asyncio.run(_serve(view, host, port, show, print_line, allowed))
+    print_line("stopped.")
 
 
 async def _serve(
-    view: View, host: str, port: int | None, show: bool, say: Callable[[str], None],
+    view: View, host: str, port: int | None, show: bool, print_line: Callable[[str], None],
     allowed: Sequence[str],
 ) -> None:  # fmt: skip
     pn.extension()
@@ -79,13 +77,12 @@ async def _serve(
     guard(server._tornado, AllowedHosts.of(host, allowed))
     server.start()
     if host not in LOOPBACK:
-        say(
+        print_line(
             f"listening on {host}: whoever reaches this machine's port {server.port} can use the"
             " explorer, without password or encryption, and its processor with it."
         )
     name = "127.0.0.1" if host in ANY_ADDRESS else f"[{host}]" if ":" in host else host
-    url = f"http://{name}:{server.port}/"
-    say(f"fascicle explorer at {url} (Ctrl-C stops it)")
+    print_line(f"fascicle explorer at http://{name}:{server.port}/ (Ctrl-C stops it)")
     if show:
         server.show("/")
     await stop.wait()
@@ -95,16 +92,12 @@ async def _serve(
 
 
 def start_server(view: View, host: str, port: int | None) -> Any:
-    """Server that listens on the `port`, or on the first free one from 5006 on.
-
-    **Raises:** `OSError` where it can't listen there.
-    """
-    drawing = asyncio.Lock()
+    """Server on the `port`, or on the first free one from 5006 on; `OSError` without one."""
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:
             return pn.serve(
-                {"/": lambda: page(view, drawing)},
+                {"/": lambda: page(view)},
                 port=number,
                 address=host,
                 websocket_origin=["*"],  # `allowed_hosts` checks it, and the host, too
@@ -126,14 +119,10 @@ def start_server(view: View, host: str, port: int | None) -> Any:
     raise AssertionError  # the last candidate returns or raises
 
 
-def page(start: View, drawing: asyncio.Lock) -> Any:
-    """Page of one visitor, as its address asks for it.
+def page(start: View) -> Any:
+    """Page of one visitor: the view of its address, or the `start` view.
 
-    It is empty until its browser is connected: a request without a browser costs little. Pages are
-    then drawn one after another, each sent before the next one is begun.
-
-    **Arguments:** `start`: view for what the address doesn't say; `drawing`: held while a page is
-    drawn.
+    It is empty until its browser is connected: a request without a browser costs little.
     """
     query = {
         key: values[0].decode("utf-8", "replace")
@@ -143,29 +132,15 @@ def page(start: View, drawing: asyncio.Lock) -> Any:
     theme = "dark" if query.get("theme") == "dark" else "default"
     pn.config.global_css = [page_css(page_colors(theme))]
     opening = '<div role="status" style="padding:24px;font-size:15px">fascicle is drawing …</div>'
-    shell = pn.Column(
-        pn.pane.HTML(opening, margin=0), sizing_mode="stretch_width", margin=0, stylesheets=[NARROW]
-    )
-    doc: Any = pn.state.curdoc
+    shell = column(pn.pane.HTML(opening, margin=0))
 
     def fill() -> None:
-        try:
-            view, errors = from_query(query, start)
-            session = Session(view, pn.io.unlocked)
-            shell.objects = [build(session, theme, errors, "theme" in query)]
-        except Exception:  # whatever it is, the next visitor's page is drawn
-            logging.getLogger(__name__).exception("a page could not be drawn")
+        view, errors = from_query(query, start)
+        session = Session(view, pn.io.unlocked)
+        shell.objects = [build(session, theme, errors, "theme" in query)]
 
-    async def draw() -> None:
-        async with drawing:
-            context = doc.session_context
-            if context and not context.destroyed:
-                with set_curdoc(doc):
-                    await context.session.with_document_locked(fill)
-            await asyncio.sleep(_PAUSE)
-
-    add_scripts(doc, follow_preference="theme" not in query)
-    pn.state.onload(lambda: IOLoop.current().add_callback(draw))
+    add_scripts(pn.state.curdoc, follow_preference="theme" not in query)
+    pn.state.onload(fill)
     return shell
 
 

@@ -11,7 +11,7 @@ browser projects and shades the points (`solid.js`), and turns them without aski
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +19,13 @@ import numpy as np
 import panel as pn
 from bokeh.events import DoubleTap, Pan, PanStart
 from bokeh.models import CustomJS, Slider
-from bokeh.models.glyphs import Patches
 
 from ..muscle import Muscle
 from ..plot.shapes import Outline, outline
 from ..plot.theme import Colors, red_green_blue
+from .chart import Chart
 from .muscle_curves import MuscleCurves
-from .theme import WIDGET_CSS, Chart, height_css
+from .theme import WIDGET_CSS, row
 
 
 RINGS, AROUND = 45, 20
@@ -33,7 +33,7 @@ FIBERS, ALONG = 8, 72  # each way around, and points of each
 AZIMUTH, ELEVATION = 30, 20  # degrees, of the camera at first
 _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
-_THREAD = 0.0028  # half a fiber's width, of the width shown
+_FIBER_WIDTH = 0.0028  # half of it, over the width of the view
 _PROJECT = Path(__file__).with_name("solid.js").read_text(encoding="utf-8")
 # the slider follows the pointer, and the camera the slider
 _GRIP = "camera.grip = camera.data;"
@@ -70,32 +70,37 @@ class Solid:
     angle: float
     radius: float
 
+    def transform(
+        self, angle: float, x: float, y: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points and fibers [m], and normals, turned about the axis [rad] and moved [m]."""
+        cos, sin = np.cos(angle), np.sin(angle)
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        offset = np.array([x, y, 0.0])
+        return self.points @ turn + offset, self.fibers @ turn + offset, self.normals @ turn
+
 
 def muscle_solid(
     muscle: Muscle, curves: MuscleCurves, strain: float, fibers: int = FIBERS
 ) -> Solid:
-    """Solid of a muscle at the point of its curves.
-
-    **Arguments:**
-
-    - `muscle`: the muscle.
-    - `curves`: its curves.
-    - `strain`: contraction of their point [-].
-    - `fibers`: number of fibers each way around.
-    """
+    """Solid of a muscle at the `strain` [-] of its curves, with `fibers` each way around."""
     collapsed = bool(strain > curves.collapse_strain[-1])
     flat = outline(muscle, curves.z, curves.y, curves.radius, curves.angle, collapsed)
-    s = np.linspace(0.0, flat.along[-1], RINGS)
     # rings crowd at the middle, where a hinge turns within less than a radius
-    s = s[-1] * (0.5 + np.sign(s / s[-1] - 0.5) * np.abs(2 * s / s[-1] - 1) ** 1.6 / 2)
-    rings = _on_tube(flat, s[:, None], 2 * np.pi * np.arange(AROUND) / AROUND)
+    t = np.linspace(-1.0, 1.0, RINGS)
+    s = flat.along[-1] * (1 + np.sign(t) * np.abs(t) ** 1.6) / 2
+    rings = _tube_points(flat, s[:, None], 2 * np.pi * np.arange(AROUND) / AROUND)
     ends = [_fitting(flat, end) for end in (0, -1)]
     points = np.concatenate([rings.reshape(-1, 3), *ends])
-    lines, normals = _fibers(flat, fibers)
-    return Solid(points, lines, normals, flat.angle, flat.radius)
+    s = np.linspace(0.0, flat.along[-1], ALONG)
+    turn = s * np.tan(curves.angle) / curves.radius
+    starts = 2 * np.pi * np.arange(fibers)[:, None] / max(fibers, 1)
+    lines = _tube_points(flat, s, np.concatenate([starts + turn, starts - turn]))
+    center = (_tube_points(flat, s, np.zeros(1)) + _tube_points(flat, s, np.full(1, np.pi))) / 2
+    return Solid(points, lines, lines - center, curves.angle, curves.radius)
 
 
-@lru_cache(maxsize=1)
+@cache
 def face_corners() -> np.ndarray:
     """Corners of a solid's faces, the tube's then the fittings': rows of four point numbers."""
     faces, first = [], 0
@@ -109,27 +114,27 @@ def face_corners() -> np.ndarray:
     return np.array(faces)
 
 
-def _on_tube(flat: Outline, s: np.ndarray, angle: np.ndarray) -> np.ndarray:
+def _tube_points(flat: Outline, s: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Points [m] of the tube at arc length `s` [m] and `angle` [rad] from the upper side."""
     along = flat.along
     # the repeated points of a hinge have one arc length: spread by a hair, so that it turns
     along = along + 1e-9 * np.linspace(0, 1, along.size) * along[-1]
-    z, y, nz, ny, above, below = (
+    z, y, nz, ny, upper, lower = (
         np.interp(s, along, values)
-        for values in (flat.z, flat.y, flat.normal[0], flat.normal[1], flat.above, flat.below)
+        for values in (flat.z, flat.y, *flat.normal, flat.above, flat.below)
     )
-    up = (above - below) / 2 + (above + below) / 2 * np.cos(angle)
+    up = (upper - lower) / 2 + (upper + lower) / 2 * np.cos(angle)
     side = flat.radius * np.sin(angle)
     return np.stack(np.broadcast_arrays(side, y + up * ny, z + up * nz), axis=-1)
 
 
 def _fitting(flat: Outline, index: int) -> np.ndarray:
     """Rings [m] of the cylinder at the first point of the muscle, or at the last."""
-    radius, depth = (share * flat.rest_radius for share in _FITTING)
+    radius, depth = (ratio * flat.rest_radius for ratio in _FITTING)
     end, out = flat.z[index], -depth if index == 0 else depth
     angle = 2 * np.pi * np.arange(AROUND) / AROUND
-    outer, closed = radius, 1e-9 * radius
-    stations = [(end, closed), (end, outer), (end + out, outer), (end + out, closed)]
+    closed = 1e-9 * radius  # not zero: a face needs a normal
+    stations = [(end, closed), (end, radius), (end + out, radius), (end + out, closed)]
     # faces look outward if the rings run toward larger z
     stations = stations if index == -1 else stations[::-1]
     return np.concatenate([
@@ -138,124 +143,92 @@ def _fitting(flat: Outline, index: int) -> np.ndarray:
     ])  # fmt: skip
 
 
-def _fibers(flat: Outline, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Fibers [m] on the tube and their outward directions: fiber, point, axis."""
-    s = np.linspace(0.0, flat.along[-1], ALONG)
-    turn = s * np.tan(flat.angle) / flat.radius
-    starts = 2 * np.pi * np.arange(count) / count
-    phase = np.concatenate([starts[:, None] + turn, starts[:, None] - turn])
-    points = _on_tube(flat, s, phase)
-    center = _on_tube(flat, s, np.zeros(1))
-    opposite = _on_tube(flat, s, np.full(1, np.pi))
-    return points, points - (center + opposite) / 2
-
-
 class Scene:
     """A figure of solids that the pointer turns, and a slider; a double click turns it back."""
 
     def __init__(self, colors: Colors, name: str, height: str):
-        """**Arguments:**
-
-        - `colors`: the page's.
-        - `name`: of the source of its points.
-        - `height`: of the figure, in CSS; it is as wide as there is room.
-        """
+        """Scene whose sources have a `name`, and a `height` in CSS."""
         self._colors = colors
-        chart = Chart(
-            colors, "", "", 0, tools="", toolbar_location=None, min_border=0,
-            stylesheets=[height_css(height), _FRAME],
-        )  # fmt: skip
-        self.figure = chart.figure
-        self.figure.background_fill_color = self.figure.border_fill_color = colors.raised
-        self.camera = chart.source("azimuth", "elevation")
-        self.camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
+        chart = self._chart = Chart(
+            colors, "", "", height, tools="", toolbar_location=None, min_border=0
+        )
+        figure = chart.figure
+        figure.stylesheets = [*figure.stylesheets, _FRAME]
+        figure.background_fill_color = figure.border_fill_color = colors.raised
+        camera = chart.source("azimuth", "elevation")
+        camera.data = {"azimuth": [float(AZIMUTH)], "elevation": [float(ELEVATION)]}
         self.points = chart.source(*"xyz", name=name)
         self._faces = chart.source(*"abcd", "red", "green", "blue")
         self._fibers = chart.source("x", "y", "z", "nx", "ny", "nz", name=f"{name}_fibers")
         drawn = chart.source("xs", "ys", "color", name=f"{name}_drawn")
-        chart.draw(drawn, Patches(fill_color="color", line_color="color", line_width=0.6))
+        figure.patches("xs", "ys", source=drawn, color="color", line_width=0.6)
         project = CustomJS(
-            args={"camera": self.camera, "points": self.points, "faces": self._faces,
+            args={"camera": camera, "points": self.points, "faces": self._faces,
                   "fibers": self._fibers, "drawn": drawn, "along": ALONG, "lift": _LIFT,
-                  "frame": self.figure, "sign": -1},
+                  "frame": figure, "sign": -1},
             code=_PROJECT,
         )  # fmt: skip
-        # all else changes before the points do
-        for source in (self.points, self.camera):
+        for source in (self.points, camera):  # all else changes before the points do
             source.js_on_change("data", project)
-        # laid out for the first time, which is when the tab is first looked at
-        self.figure.js_on_change("inner_width", project)
-        self.figure.js_on_change("inner_height", project)
-        slider = Slider(
-            title="Turn or drag it [°]", start=-180, end=180, value=AZIMUTH, step=1,
+        for size in ("inner_width", "inner_height"):  # laid out when the tab is first opened
+            figure.js_on_change(size, project)
+        slider = self._slider = Slider(
+            title="Turn the view [°]", start=-180, end=180, value=AZIMUTH, step=1,
             stylesheets=[WIDGET_CSS], sizing_mode="stretch_width", margin=(0, 14),
         )  # fmt: skip
-        self.slider = pn.pane.Bokeh(slider, margin=0, sizing_mode="stretch_width")
-        models = {"camera": self.camera, "slider": slider}
+        models = {"camera": camera, "slider": slider}
         first = {"azimuth": AZIMUTH, "elevation": ELEVATION}
         slider.js_on_change("value", CustomJS(args=models, code=_SLIDE))
-        self.figure.js_on_event(PanStart, CustomJS(args=models, code=_GRIP))
-        self.figure.js_on_event(Pan, CustomJS(args=models, code=_TURN))
-        self.figure.js_on_event(DoubleTap, CustomJS(args=models | first, code=_RESET))
+        figure.js_on_event(PanStart, CustomJS(args=models, code=_GRIP))
+        figure.js_on_event(Pan, CustomJS(args=models, code=_TURN))
+        figure.js_on_event(DoubleTap, CustomJS(args=models | first, code=_RESET))
         self._kinds: tuple[Any, ...] = ()
+
+    def panes(self, *widgets: Any) -> tuple[Any, Any]:
+        """The figure, and a row of its slider and `widgets`."""
+        slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
+        return self._chart.pane, row(slider, *widgets, stylesheets=[])
 
     def show(
         self,
         solids: Sequence[Solid],
         colors: Sequence[tuple[str, str]],
-        places: Sequence[tuple[float, float, float]],
+        positions: Sequence[tuple[float, float, float]],
         reach: tuple[float, float],
     ) -> None:
-        """Show solids, each turned and moved to its place.
-
-        **Arguments:**
-
-        - `solids`: the solids.
-        - `colors`: of each tube and its fibers.
-        - `places`: angle about the axis [rad], x and y [m] of each.
-        - `reach`: half of what must be seen across and up [m].
-        """
-        moved = [_move(solid, *place) for solid, place in zip(solids, places, strict=True)]
-        points = np.concatenate([points for points, _, _ in moved])
-        lines = np.concatenate([line.reshape(-1, 3) for _, line, _ in moved])
-        normals = np.concatenate([normal.reshape(-1, 3) for _, _, normal in moved])
+        """Show solids at `positions` (angle [rad], x, y [m]), and `reach` [m] across and up."""
+        parts = [
+            solid.transform(*position) for solid, position in zip(solids, positions, strict=True)
+        ]
+        points, lines, normals = (
+            np.concatenate([array.reshape(-1, 3) for array in arrays])
+            for arrays in zip(*parts, strict=True)
+        )
         middle = np.array([0.0, 0.0, (points[:, 2].min() + points[:, 2].max()) / 2])
-        points, lines = points - middle, lines - middle
         kinds = (tuple(colors), tuple(len(solid.fibers) for solid in solids))
-        if kinds != self._kinds:
-            tubes = [tube for tube, _ in colors]
-            self._faces.data = _face_columns(len(solids), tubes, self._colors.fitting)
+        if kinds != self._kinds:  # faces are many, and stay while a slider moves
+            tubes, fibers = zip(*colors, strict=True)
+            self._faces.data = _face_columns(tubes, self._colors.fitting)
             self._fibers.tags = [
-                color for (_, color), solid in zip(colors, solids, strict=True)
-                for _ in solid.fibers
-            ]  # fmt: skip
+                color for color, count in zip(fibers, kinds[1], strict=True) for _ in range(count)
+            ]
             self._kinds = kinds
-        self._fibers.data = _columns("xyz", lines) | _columns(("nx", "ny", "nz"), normals)
-        self.points.tags = [*reach, _THREAD * reach[0]]
-        self.points.data = _columns("xyz", points)
+        normals = _columns(("nx", "ny", "nz"), normals)
+        self._fibers.data = _columns("xyz", lines - middle) | normals
+        self.points.tags = [*reach, _FIBER_WIDTH * reach[0]]
+        self.points.data = _columns("xyz", points - middle)
 
 
 def _columns(names: Sequence[str], points: np.ndarray) -> dict[str, np.ndarray]:
     return {name: points[:, i].astype(np.float32) for i, name in enumerate(names)}
 
 
-def _move(
-    solid: Solid, angle: float, x: float, y: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, fibers [m] and normals turned about the axis by an `angle` [rad] and moved [m]."""
-    turn = np.array([
-        [np.cos(angle), np.sin(angle), 0.0], [-np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]
-    ])  # fmt: skip
-    offset = np.array([x, y, 0.0])
-    return solid.points @ turn.T + offset, solid.fibers @ turn.T + offset, solid.normals @ turn.T
-
-
-def _face_columns(count: int, colors: Sequence[str], fitting: str) -> dict[str, np.ndarray]:
+def _face_columns(colors: Sequence[str], fitting: str) -> dict[str, np.ndarray]:
     corners = face_corners()
     number = corners.max() + 1
-    every = np.concatenate([corners + i * number for i in range(count)])
+    all_corners = np.concatenate([corners + i * number for i in range(len(colors))])
     is_tube = np.arange(len(corners))[:, None] < (RINGS - 1) * AROUND
     ends = red_green_blue(fitting)
     rgb = np.concatenate([np.where(is_tube, red_green_blue(color), ends) for color in colors])
-    columns = {key: every[:, i].astype(np.int32) for i, key in enumerate("abcd")}
+    columns = {key: all_corners[:, i].astype(np.int32) for i, key in enumerate("abcd")}
     return columns | {key: rgb[:, i] for i, key in enumerate(("red", "green", "blue"))}

@@ -1,14 +1,13 @@
 """State of a session: one immutable `View`, and callbacks for its changes.
 
 Values are in SI; the units shown are part of the view. Tabs never call one another: each changes
-the view, and hears of every change.
+the view, and is called after every change.
 """
 
 import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
-from dataclasses import field as of_dataclass
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -21,13 +20,12 @@ from ..muscle.fitted_length import copy_fit_info
 
 
 TABS = ("muscle", "bundle", "reversal", "efficiency", "data")
-SHOWN: Mapping[str, tuple[str, ...]] = MappingProxyType(
+DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"pressure": ("kPa", "psi", "bar"), "length": ("mm", "in"), "force": ("N", "lbf")}
 )
-SUPPLY = 413.7e3  # Pa, where nothing says what the supply gives
-MOST_UNITS, MOST_MUSCLES = 8, 60
-SIZES = (0.1, 10)  # of a unit's radius in the shared muscle's
-_START = {"pressure": 137.9e3, "strain": 0.1}
+SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
+MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
+SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
 
 
 @dataclass(frozen=True)
@@ -45,11 +43,11 @@ class Unit:
 
 @dataclass(frozen=True)
 class View:
-    """All that a session shows.
+    """Content of the page.
 
     `name` of the muscle; `supply`, `pressure` and the motor units' `pressures` [Pa]; `strain` [-];
-    `distance` between the plates [m], where muscles differ; `compared` laws, such as
-    `buckling:elastica`; `shown` units by dimension.
+    `distance` between the plates [m], where muscles differ; `alternatives` to the muscle's
+    laws, such as `buckling:elastica`; `display_units` by dimension.
     """
 
     name: str
@@ -58,15 +56,15 @@ class View:
     supply: float = SUPPLY
     scheme: str = "orderly"
     distance: float | None = None
-    pressure: float = _START["pressure"]
-    strain: float = _START["strain"]
+    pressure: float = 137.9e3  # 20 psi, as in the paper's Fig. 6
+    strain: float = 0.1
     pressures: tuple[float, ...] = (SUPPLY,)
     resistance: bool = True
-    compared: tuple[str, ...] = ()
+    alternatives: tuple[str, ...] = ()
     path: str = "isobaric"
     splits: tuple[tuple[int, ...], ...] = ((1, 4), (2, 3), (4, 1))
-    shown: Mapping[str, str] = of_dataclass(
-        default_factory=lambda: {kind: units[0] for kind, units in SHOWN.items()}
+    display_units: Mapping[str, str] = field(
+        default_factory=lambda: {kind: units[0] for kind, units in DISPLAY_UNITS.items()}
     )
     tab: str = TABS[0]
 
@@ -83,8 +81,7 @@ class View:
     @property
     def text(self) -> str:
         """Text of a file with the muscle, or with the bundle where there are several units."""
-        single = len(self.units) == 1 and self.units[0] == Unit()
-        return dumps(self.muscle if single else self.bundle)
+        return dumps(self.muscle if self.units == (Unit(),) else self.bundle)
 
 
 def scaled(muscle: Muscle, size: float) -> Muscle:
@@ -96,28 +93,19 @@ def scaled(muscle: Muscle, size: float) -> Muscle:
 
 
 def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:
-    """View of a muscle or a bundle that is opened.
-
-    **Arguments:**
-
-    - `target`: the muscle or bundle.
-    - `name`: of it, as the page shows it.
-    - `before`: the view it replaces, whose units, tab and options stay.
-
-    **Raises:** `ValueError` for a bundle that is too large to show.
-    """
+    """View of a muscle or a bundle that is opened; units, tab and options stay as `before`."""
     muscle = target if isinstance(target, Muscle) else target.motor_units[0].muscle
     view = View(name, muscle)
     if before is not None:
-        view = replace(view, shown=before.shown, tab=before.tab, resistance=before.resistance,
-                       path=before.path, splits=before.splits)  # fmt: skip
+        kept = ("display_units", "tab", "resistance", "path", "splits")
+        view = replace(view, **{name: getattr(before, name) for name in kept})
     if isinstance(target, Muscle):
-        return replace(view, units=(Unit(1), Unit(1)), pressures=(SUPPLY, SUPPLY))
-    # checked before anything is computed of them
-    check_units(tuple(Unit(int(unit.count)) for unit in target.motor_units))
+        return replace(view, units=(Unit(), Unit()), pressures=(SUPPLY, SUPPLY))
+    counts = [int(unit.count) for unit in target.motor_units]
+    check_units(tuple(map(Unit, counts)))  # first: comparing thousands of muscles takes long
     units = tuple(
-        Unit(int(unit.count), own=None if unit.muscle == muscle else unit.muscle)
-        for unit in target.motor_units
+        Unit(count, own=None if unit.muscle == muscle else unit.muscle)
+        for count, unit in zip(counts, target.motor_units, strict=True)
     )
     supply = SUPPLY if target.supply_pressure is None else float(target.supply_pressure)
     return replace(
@@ -135,15 +123,11 @@ def check_units(units: tuple[Unit, ...]) -> None:
     """Raise `InvalidInputError` for `units` that are too many to show, or impossible."""
     if not 1 <= len(units) <= MOST_UNITS:
         raise InvalidInputError("units", f"must be 1 to {MOST_UNITS} motor units", len(units))
-    muscles = sum(unit.count for unit in units)
-    least = min(unit.count for unit in units)
-    if least < 1 or muscles > MOST_MUSCLES:
-        raise InvalidInputError(
-            "count",
-            f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all",
-            muscles,
-            shown=f"{least}" if least < 1 else f"{muscles} in all",
-        )
+    total, least = sum(unit.count for unit in units), min(unit.count for unit in units)
+    if least < 1 or total > MOST_MUSCLES:
+        rule = f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all"
+        shown = f"{least}" if least < 1 else f"{total} in all"
+        raise InvalidInputError("count", rule, total, shown=shown)
     for unit in units:
         if not (math.isfinite(unit.size) and SIZES[0] <= unit.size <= SIZES[1]):
             rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the shared muscle's"
@@ -154,13 +138,9 @@ class Session:
     """View of one visitor, and the callbacks for its changes."""
 
     def __init__(self, view: View, batch: Callable[[], AbstractContextManager[Any]] = nullcontext):
-        """**Arguments:**
-
-        - `view`: the first one.
-        - `batch`: context that callbacks run in, such as one that sends all changes at once.
-        """
+        """Session whose callbacks run in a `batch`, which sends all changes at once."""
         self.view, self._batch = view, batch
-        self.opened: set[str] = set()  # names of files that were read, which no output may bear
+        self.input_names: set[str] = set()  # of files that were read: no output may have one
         self._callbacks: list[Callable[[View, View], None]] = []
 
     def watch(self, callback: Callable[[View, View], None]) -> None:
@@ -168,8 +148,12 @@ class Session:
         self._callbacks.append(callback)
 
     def change(self, **changes: Any) -> None:
-        """Replace some fields of the view."""
-        self.show(replace(self.view, **changes))
+        """Replace some fields of the view; values that it has already change nothing.
+
+        A widget that is set to show the view calls this with the view's own value.
+        """
+        if any(getattr(self.view, name) != value for name, value in changes.items()):
+            self.show(replace(self.view, **changes))
 
     def show(self, view: View) -> None:
         """Replace the view."""
@@ -180,6 +164,6 @@ class Session:
 
 
 def changed(before: View, after: View, *names: str) -> bool:
-    """Whether one of the fields `names` differs between two views."""
+    """True where one of the fields `names` differs between two views."""
     # by identity: two muscles are compared by their arrays, and any change makes a new one
     return any(getattr(before, name) is not getattr(after, name) for name in names)

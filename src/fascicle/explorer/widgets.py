@@ -11,26 +11,29 @@ import panel as pn
 from ..core.errors import InvalidInputError
 from ..io.sanitize import sanitize_line
 from ..units import DIMENSIONS, parse
-from .theme import WHOLE_ROW, WIDGET_CSS
+from .theme import WHOLE_ROW, WIDGET_CSS, column, row
 
 
-_STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}
+_STEPS = {"kPa": 1.0, "psi": 0.2, "bar": 0.01}  # of a slider, in its unit: a percent at most
+_STRAIN_STEP = 0.001
 _HIDDEN_LABEL = "label { position: absolute; left: -9999px; }"  # for screen readers alone
-_PERIOD = 120  # ms from step to step of a sweep
+_SWEEP_PERIOD = 120  # ms from step to step: slow enough to see a muscle fold
 SWEEP_STEPS = 80  # from one end to the other
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
-# of arguments in the library's messages, the labels on the page
+# labels on the page of arguments in the library's messages
 _LABELS = {
     "length": "Length at rest", "outer_radius": "Bladder radius", "count": "Number of muscles",
     "wall_thickness": "Wall thickness", "braid_angle": "Braid angle", "radius": "Radius",
     "supply": "Supply pressure", "supply_pressure": "Supply pressure", "units": "Motor units",
-    "pressure": "Pressure", "strain": "Contraction ε", "rest_length": "Rest length",
-    "splits": "Splits", "compare": "Compare with", "fit": "What to fit",
+    "pressure": "Pressure", "pressures": "Pressures", "strain": "Contraction ε",
+    "rest_length": "Rest length", "splits": "Splits", "compare": "Compare with",
+    "fit": "What to fit", "scheme": "Recruitment", "path": "Path", "show": "Units",
+    "plate_distance": "Distance between the plates",
 }  # fmt: skip
 
 
 def unit_factor(unit: str, dimension: str) -> float:
-    """SI value [SI] of one `unit` of a `dimension`."""
+    """Value [SI] of one `unit` of a `dimension`."""
     return float(DIMENSIONS[dimension].factors[unit])
 
 
@@ -40,10 +43,7 @@ def format_quantity(value: float, unit: str, dimension: str, digits: int = 6) ->
 
 
 def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
-    """Quantity [SI] in the `text` of a field; a bare number is in the field's `unit`.
-
-    **Raises:** `ValueError` in the library's words.
-    """
+    """Quantity [SI] in the `text` of a field; a bare number is in the field's `unit`."""
     bare = text.strip()
     try:
         float(bare)
@@ -53,27 +53,19 @@ def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
 
 
 def message_in_units(text: str, units: Mapping[str, str]) -> str:
-    """A message with its amounts in the units that the page shows, six digits each.
-
-    **Arguments:**
-
-    - `text`: the library's message, with amounts such as `0.008 m` or `(0, 1] m`.
-    - `units`: units shown, by dimension.
-    """
+    """A `text` of the library, its amounts in the page's `units`, by dimension."""
     for dimension, unit in units.items():
         kind = DIMENSIONS[dimension]
         for written in {kind.si, kind.shown} - {unit, ""}:
-            by = float(kind.factors[written]) / float(kind.factors[unit])
+            scale = float(kind.factors[written]) / float(kind.factors[unit])
+
+            def convert(match: re.Match[str], scale: float = scale, unit: str = unit) -> str:
+                numbers = (f"{float(x) * scale:.6g}" for x in match.groups()[:2] if x)
+                return f"{', '.join(numbers)}{match[3]} {unit}"
+
             # no unit that only begins like it: m², m/s, N*m
             amount = rf"(?<![\w.])({_NUMBER})(?:, ({_NUMBER}))?([\])]?) {re.escape(written)}"
-            text = re.sub(
-                rf"{amount}(?![\w/*^·²³])",
-                lambda match, by=by, unit=unit: (
-                    ", ".join(f"{float(x) * by:.6g}" for x in match.groups()[:2] if x)
-                    + f"{match[3]} {unit}"
-                ),
-                text,
-            )
+            text = re.sub(rf"{amount}(?![\w/*^·²³])", convert, text)
     return text
 
 
@@ -82,15 +74,17 @@ def page_message(
 ) -> str:
     """A message of the library with the page's `labels` for arguments, and its units."""
     names = _LABELS | labels
+    if isinstance(error, InvalidInputError):
+        names = {error.argument: error.argument.replace("_", " ").capitalize()} | names
     text = re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), str(error))
     return message_in_units(text, units or {})
 
 
 class Message:
-    """A line for an error, below what it is about; it takes its place once there is one."""
+    """A line for an error; it is added to its column with the first error."""
 
-    def __init__(self, column: Any, after: Any = None):
-        """**Arguments:** `column`: that it stands in; `after`: the part above it, or the last."""
+    def __init__(self, column: Any = None, after: Any = None):
+        """Message in a `column`, below the widget `after`, or as the last."""
         self.column, self._after, self._pane = column, after, None
 
     @property
@@ -98,22 +92,23 @@ class Message:
         """HTML of the line; empty where there is no error."""
         return "" if self._pane is None else str(self._pane.object)
 
-    def show(self, error: ValueError | str, units: Mapping[str, str] | None = None) -> None:
-        """Show an `error` in the page's labels and `units`, or nothing where it is empty."""
-        text = page_message(error, units)
+    def show(
+        self, error: ValueError | str, units: Mapping[str, str] | None = None, **labels: str
+    ) -> None:
+        """Show an `error` in the page's `labels` and `units`, or nothing where it is empty."""
+        text = sanitize_line(page_message(error, units, **labels))
         if self._pane is None:
             if not text:
                 return
             self._pane = pane((0, 8, 4, 8), sizing_mode="stretch_width", styles=WHOLE_ROW)
-        if text and self._pane not in self.column.objects:
-            parts = self.column.objects
-            index = len(parts) if self._after is None else parts.index(self._after) + 1
+        if text and self.column is not None and self._pane not in self.column.objects:
+            widgets = self.column.objects
+            index = len(widgets) if self._after is None else widgets.index(self._after) + 1
             self.column.insert(index, self._pane)
         red = "color:var(--bad);background:var(--alarm);border-left:3px solid var(--bad)"
         style = f"{red};padding:3px 8px;font-size:12.5px;border-radius:2px"
-        clean = html.escape(sanitize_line(text))
-        self._pane.object = f'<div role="alert" style="{style}">{clean}</div>' if text else ""
-        self._pane.visible = bool(text)
+        line = f'<div role="alert" style="{style}">{html.escape(text)}</div>'
+        self._pane.param.update(object=line if text else "", visible=bool(text))
 
 
 def widget(kind: Any, label: str, **options: Any) -> Any:
@@ -131,10 +126,10 @@ def dropdown(label: str, options: Mapping[str, str] | Iterable[str], **more: Any
 
 def button(label: str, on_click: Callable[[], None] | None, **options: Any) -> Any:
     """A button that calls `on_click`."""
-    made = widget(pn.widgets.Button, label, **{"sizing_mode": None} | options)
+    result = widget(pn.widgets.Button, label, **{"sizing_mode": None} | options)
     if on_click is not None:
-        made.on_click(lambda _: on_click())
-    return made
+        result.on_click(lambda _: on_click())
+    return result
 
 
 def pane(margin: Any = (0, 8), **options: Any) -> Any:
@@ -149,53 +144,36 @@ class Field:
         self, label: str, name: str, dimension: str, set_value: Callable[[float], None],
         **options: Any,
     ):  # fmt: skip
-        """**Arguments:**
-
-        - `label`: above the field.
-        - `name`: argument of the value in the library's messages.
-        - `dimension`: of the value.
-        - `set_value`: takes the value [SI]; its `ValueError` appears below the field.
-        - `options`: of the widget.
-        """
+        """Field of an argument's `name`; a `ValueError` of `set_value` appears below it."""
         self.label, self.name, self._dimension, self._set = label, name, dimension, set_value
-        self._unit, self._updating = "", False
+        self._unit = self._text = ""
         self.input = widget(pn.widgets.TextInput, label, **options)
-        self.message: Message | None = None
+        self.message = Message(None, self.input)
         self.input.param.watch(self._on_input, "value")
-
-    def place(self, column: Any, after: Any = None) -> None:
-        """Show errors in the `column`, below the field or the part `after`."""
-        self.message = Message(column, after or self.input)
-
-    @property
-    def error(self) -> str:
-        """HTML of the error; empty where there is none."""
-        return self.message.text if self.message else ""
 
     def show(self, value: float, unit: str) -> None:
         """Show a `value` [SI] in a `unit`."""
-        self._unit, self._updating = unit, True
-        self.input.value = format_quantity(value, unit, self._dimension, 5)
-        self._updating = False
-        self.refuse("")
+        self._unit, self._text = unit, format_quantity(value, unit, self._dimension, 5)
+        self.input.value = self._text
+        self.message.show("")
 
-    def refuse(self, error: ValueError | str) -> None:
+    def show_error(self, error: ValueError | str) -> None:
         """Show an `error` below the field, in its unit and by its label."""
-        if self.message:
-            text = page_message(error, {self._dimension: self._unit}, **{self.name: self.label})
-            self.message.show(text)
+        self.message.show(error, {self._dimension: self._unit}, **{self.name: self.label})
 
     def _on_input(self, event: Any) -> None:
-        if self._updating:
+        if event.new == self._text:  # the page's own, or typed again after an error
+            self.message.show("")
             return
         try:
-            self._set(parse_field(event.new, self._dimension, self._unit, self.name))
-            self.refuse("")
+            value = parse_field(event.new, self._dimension, self._unit, self.name)
+            self._set(value)
+            self.show(value, self._unit)
         except ValueError as error:
-            self.refuse(error)
+            self.show_error(error)
 
 
-class StepSlider(pn.widgets.FloatSlider):
+class _StepSlider(pn.widgets.FloatSlider):
     """A slider whose every step counts at once; Panel's own waits 50 ms for the next one."""
 
     _debounce = 1
@@ -204,34 +182,26 @@ class StepSlider(pn.widgets.FloatSlider):
 class QuantitySlider:
     """A slider with a field beside it, for one quantity in the unit shown."""
 
-    def __init__(
-        self, label: str, name: str, dimension: str, set_value: Callable[[float], None]
-    ):  # fmt: skip
-        """**Arguments:** those of `Field`."""
+    def __init__(self, label: str, name: str, dimension: str, set_value: Callable[[float], None]):
         self._label, self._dimension, self._set = label, dimension, set_value
-        self._unit, self._top, self._end, self._updating = "", 1.0, 1.0, False
+        self._unit, self._top, self._updating = "", 1.0, False
         self.slider = widget(
-            StepSlider, label, start=0, end=1, step=0.01, show_value=False, margin=(4, 14, 4, 12)
+            _StepSlider, label, start=0, end=1, step=0.01, show_value=False, margin=(4, 14, 4, 12)
         )
         self.field = Field(f"{label}, typed", name, dimension, self._on_field, width=106,
                            margin=(8, 8, 0, 8), stylesheets=[_HIDDEN_LABEL])  # fmt: skip
         self.field.label = label
         self.slider.param.watch(self._on_slider, "value")
-        row = pn.Row(self.slider, self.field.input, margin=0, sizing_mode="stretch_width")
-        self.panel = pn.Column(row, margin=0, sizing_mode="stretch_width", styles=WHOLE_ROW)
-        self.field.place(self.panel, row)
+        self.panel = column(row(self.slider, self.field.input, stylesheets=[]), styles=WHOLE_ROW)
+        self.field.message = Message(self.panel)
 
     def show(self, value: float, unit: str, top: float) -> None:
         """Show a `value` [SI] of at most `top` [SI] in a `unit`."""
-        scale = unit_factor(unit, self._dimension)
-        step = _STEPS.get(unit, 0.001)
+        scale, step = unit_factor(unit, self._dimension), _STEPS.get(unit, _STRAIN_STEP)
         end = float(f"{top / scale:.9g}")  # no step further than the top
-        self._updating = True
-        if (unit, end) != (self._unit, self._end):
-            self._unit, self._end = unit, end
-            label = f"{self._label} [{unit or '–'}]"
-            self.slider.param.update(label=label, start=0, end=end, step=step)
-        self._top = top
+        self._updating, self._unit, self._top = True, unit, top
+        label = f"{self._label} [{unit or '–'}]"
+        self.slider.param.update(label=label, end=end, step=step)
         position = value / scale
         if abs(self.slider.value - position) > step / 2:
             self.slider.value = float(np.clip(position, 0, end))
@@ -239,39 +209,37 @@ class QuantitySlider:
         self._updating = False
 
     def _on_slider(self, event: Any) -> None:
-        if not self._updating:
-            # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa; the end is the top's, which no
-            # decimals of this unit may be
-            value = parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension)
-            self._take(self._top if event.new >= self._end else min(value, self._top))
+        if self._updating:
+            return
+        # decimals as they are read: 0.1 kPa × 3 is 0.3 kPa; the end is the top's, which no
+        # decimals of this unit may be
+        value = parse(f"{event.new:.9g} {self._unit}".strip(), self._dimension)
+        try:
+            self._set(self._top if event.new >= self.slider.end else min(value, self._top))
+        except ValueError as error:
+            self.field.show_error(error)
 
     def _on_field(self, value: float) -> None:
         scale = unit_factor(self._unit, self._dimension)
         if not 0 <= value <= self._top * (1 + 1e-6):  # typed with six digits, it may round up
             rule = f"must lie in [0, {self._top / scale:.6g}] {self._unit or '-'}"
-            given = f"{value / scale:.6g} {self._unit}".strip()
-            raise InvalidInputError(self.field.name, rule, value, shown=given)
-        self._take(min(value, self._top))
-
-    def _take(self, value: float) -> None:
-        try:
-            self._set(value)
-        except ValueError as error:
-            self.field.refuse(error)
+            shown = f"{value / scale:.6g} {self._unit}".strip()
+            raise InvalidInputError(self.field.name, rule, value, shown=shown)
+        self._set(min(value, self._top))
 
 
 class Sweep:
     """A button that moves a value on, step by step, until it is pressed again."""
 
     def __init__(self, label: str, step: Callable[[], bool]):
-        """**Arguments:** `label`: of what is swept; `step`: moves it, and is false at the end."""
+        """Sweep of the value of a `label`; `step` moves it, and returns False at the end."""
         self._step, self._timer = step, None
         self.button = widget(pn.widgets.Toggle, "", margin=(4, 8), sizing_mode=None)
         self.set_label(label)
         self.button.param.watch(self._on_toggle, "value")
 
     def set_label(self, label: str) -> None:
-        """Name what is swept."""
+        """Name the value."""
         self.button.label = f"▶ Sweep {label}"
 
     def _on_toggle(self, event: Any) -> None:
@@ -279,7 +247,7 @@ class Sweep:
             self._timer.stop()
             self._timer = None
         if event.new and pn.state.curdoc is not None:
-            self._timer = pn.state.add_periodic_callback(self._advance, period=_PERIOD)
+            self._timer = pn.state.add_periodic_callback(self._advance, period=_SWEEP_PERIOD)
 
     def _advance(self) -> None:
         if not self._step():
@@ -293,22 +261,8 @@ def heading(text: str) -> str:
 
 
 def status_line(text: str) -> str:
-    """A quiet line in HTML that says what is going on."""
+    """A quiet line in HTML on the state of a computation."""
     return f'<div role="status" style="font-size:13px;opacity:.8">{text}</div>' if text else ""
-
-
-def volume_text(value: float, length: str) -> str:
-    """A volume [m³] in the unit that goes with a unit of `length`."""
-    if length == "in":
-        return f"{value / unit_factor('in', 'length') ** 3:.4g} in³"
-    return f"{value * 1e6:.4g} cm³"
-
-
-def moment_text(value: float, units: Mapping[str, str]) -> str:
-    """A moment [N·m] in the `units` of force and length, meters for millimeters."""
-    length = "m" if units["length"] == "mm" else units["length"]
-    scale = unit_factor(units["force"], "force") * unit_factor(length, "length")
-    return f"{value / scale:.4g} {units['force']}·{length}"
 
 
 def readout_table(rows: Mapping[str, str]) -> str:

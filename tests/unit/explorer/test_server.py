@@ -1,4 +1,4 @@
-"""Ports that others have, and what the log says."""
+"""Ports in use, and lines of the log."""
 
 import asyncio
 import gc
@@ -12,35 +12,29 @@ from fascicle.explorer import server
 from fascicle.explorer.state import View
 
 
-SHOWN = View("kim2021_figure_6", fs.example("kim2021_figure_6"))
-
-
-@pytest.fixture
-def taken():
-    """A port that somebody listens on."""
-    with socket.socket() as somebody:
-        somebody.bind(("127.0.0.1", 0))
-        somebody.listen()
-        yield somebody.getsockname()[1]
+VIEW = View("kim2021_figure_6", fs.example("kim2021_figure_6"))
 
 
 # tornado leaves the socket open that it couldn't bind
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_the_next_port_is_taken_unless_one_was_asked_for(taken, monkeypatch):
-    monkeypatch.setattr(server, "PORT", taken)
-
+def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
     async def start(port):
-        started = server.start_server(SHOWN, "127.0.0.1", port)
+        started = server.start_server(VIEW, "127.0.0.1", port)
         started.stop()
         return started.port
 
-    assert asyncio.run(start(None)) not in (0, taken)
-    with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {taken}"):
-        asyncio.run(start(taken))
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        used = other.getsockname()[1]
+        monkeypatch.setattr(server, "PORT", used)
+        assert asyncio.run(start(None)) not in (0, used)
+        with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {used}"):
+            asyncio.run(start(used))
     gc.collect()  # sockets
 
 
-def test_an_error_of_the_web_server_is_one_line_that_shows_every_sign():
+def test_an_error_of_the_web_server_is_one_line_without_hidden_characters():
     record = logging.LogRecord("bokeh", logging.ERROR, "", 1, "wrong\n message: %r", ("x" * 900,),
                                (ValueError, ValueError("a\nb\x1b[31m"), None))  # fmt: skip
     line = server.LineFormatter().format(record)

@@ -28,15 +28,15 @@ def run(
     require("panel")
     _print("starting")
     target = read_target(file)
-    from ...explorer.background import is_computing
     from ...explorer.server import serve
     from ...explorer.state import view_of
+    from ...explorer.tab import is_computing
 
     with user_errors():
         view = view_of(target, Path(file).name[:60])
         serve(view, host, port, show, _print, allow_host or [])
     if is_computing():
-        os._exit(0)  # a fit that nobody will see: the interpreter would wait for its end
+        os._exit(0)  # a fit whose visitor is gone: the interpreter would wait for its end
 
 
 def _print(line: str) -> None:

@@ -1,0 +1,137 @@
+"""Figures with labeled axes of fixed ranges, which keep the picture still while a slider moves.
+
+Line styles differ as well as colors, so that no color is needed to read a figure.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+from bokeh.core.properties import value
+from bokeh.events import Press, Tap
+from bokeh.models import ColumnDataSource, HoverTool, LabelSet, LegendItem, Range1d, Span
+from bokeh.plotting import figure
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from ..plot.theme import FIGURES, Colors
+from .theme import height_css
+
+
+_VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a light, a dark page
+_TALL = ":host { height: auto !important; flex: 0 0 auto !important; }"  # as high as its figure
+
+
+def pressure_colors(colors: Colors, count: int) -> list[str]:
+    """Colors for `count` rising pressures on a page of these `colors`."""
+    low, high = _VIRIDIS[colors.dark]
+    steps = [low + (high - low) * i / max(count - 1, 1) for i in range(count)]
+    return [to_hex(colormaps["viridis"](x)) for x in steps]
+
+
+def cycle_colors(colors: Colors, count: int) -> list[str]:
+    """Colors for `count` curves, again from the first where there are too few."""
+    return [colors.curves[i % len(colors.curves)] for i in range(count)]
+
+
+def screen_height(margin: int) -> str:
+    """Height of a figure in CSS that leaves a `margin` of so many pixels on the screen."""
+    return f"clamp(340px, 100vh - {margin}px, 1200px)"
+
+
+def hover_tooltips(unit: str) -> list[tuple[str, str]]:
+    """Rows of a tooltip above a curve: contraction, and force in a `unit`."""
+    return [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
+
+
+class Chart:
+    """A figure and its sources."""
+
+    def __init__(self, colors: Colors, x: str, y: str, height: str, **options: Any):
+        """Figure with axes labeled `x` and `y`, or none, and a `height` in CSS."""
+        self.colors = colors
+        fig: Any = figure(
+            height=500, sizing_mode="stretch_width", output_backend="canvas",
+            x_range=Range1d(start=0, end=1), y_range=Range1d(start=0, end=1),
+            x_axis_type="auto" if x else None, y_axis_type="auto" if y else None,
+            stylesheets=[height_css(height)],
+            tools=options.pop("tools", "pan,box_zoom,wheel_zoom,reset"), **options,
+        )  # fmt: skip
+        self.figure = fig
+        fig.toolbar.update(logo=None, autohide=True)
+        fig.update(
+            background_fill_color=colors.paper, border_fill_color=colors.paper,
+            outline_line_color=None, min_border_right=18 if x else 0,
+        )  # fmt: skip
+        for axis, label in zip(fig.axis, (x, y), strict=False):
+            axis.update(
+                axis_label=label, axis_label_text_font=FIGURES, major_label_text_font=FIGURES,
+                axis_label_text_color=colors.ink, major_label_text_color=colors.ink,
+                axis_label_text_font_style="normal", axis_label_text_font_size="14px",
+                major_label_text_font_size="12px", axis_line_color=colors.soft,
+                major_tick_line_color=colors.soft, minor_tick_line_color=None,
+            )  # fmt: skip
+        for grid in fig.grid:
+            grid.grid_line_color = colors.line
+
+    @property
+    def pane(self) -> Any:
+        """A new pane of the figure."""
+        return pn.pane.Bokeh(self.figure, margin=0, stylesheets=[_TALL])
+
+    def source(self, *columns: str, name: str | None = None) -> Any:
+        """An empty source of `columns`; the browser finds it by its `name`."""
+        return ColumnDataSource(data={column: [] for column in columns}, name=name)
+
+    def add_zero_line(self) -> None:
+        """Draw the axis of zero force, of any length."""
+        line = Span(location=0, dimension="width", line_color=self.colors.soft, level="underlay")
+        self.figure.add_layout(line)
+
+    def add_point(self, source: Any, legend: str | None = None) -> None:
+        """Draw the point that the sliders and clicks move."""
+        entry = {"legend_label": legend} if legend else {}
+        self.figure.scatter(
+            "x", "y", source=source, size=13, marker="diamond", line_color=self.colors.paper,
+            fill_color=self.colors.curves[1], **entry,
+        )  # fmt: skip
+
+    def add_labels(self, source: Any, **options: Any) -> None:
+        """Write the `label`s of a `source` at its points, readable on every curve."""
+        defaults: dict[str, Any] = {"x_offset": 5, "y_offset": 3, "text_font_size": "11px"}
+        font: Any = value(FIGURES)  # a bare text would be a column's name
+        self.figure.add_layout(LabelSet(
+            x="x", y="y", text="label", source=source, text_color=self.colors.ink, text_font=font,
+            background_fill_color=self.colors.paper, background_fill_alpha=0.8,
+            **defaults | options,
+        ))  # fmt: skip
+
+    def add_hover(self, curve: Any) -> HoverTool:
+        """Add and return the tool that shows the strain and force of a `curve`."""
+        tool = HoverTool(
+            renderers=[curve], mode="vline", line_policy="interp", tooltips=hover_tooltips("N")
+        )
+        self.figure.add_tools(tool)
+        return tool
+
+    def on_click(self, callback: Callable[[Any], None]) -> None:
+        """Call `callback` with the event of each click, also of a long one."""
+        for event in (Tap, Press):
+            self.figure.on_event(event, callback)
+
+    def style_legend(self, location: str = "top_right", glyph_height: int = 14) -> list[LegendItem]:
+        """Style the legend, whose entries hide their curves at a click, and return its entries."""
+        (legend,) = self.figure.legend
+        legend.update(
+            location=location, padding=6, margin=4, spacing=1,
+            background_fill_color=self.colors.paper, background_fill_alpha=0.85,
+            border_line_color=None, label_text_color=self.colors.ink, label_text_font=FIGURES,
+            label_text_font_size="12px", label_height=16, glyph_height=glyph_height,
+            click_policy="hide",
+        )  # fmt: skip
+        return legend.items
+
+    def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+        """Show these ranges [shown unit], also after the reset tool."""
+        for axis_range, (low, high) in ((self.figure.x_range, x), (self.figure.y_range, y)):
+            axis_range.update(start=low, end=high, reset_start=low, reset_end=high)

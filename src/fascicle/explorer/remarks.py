@@ -1,0 +1,135 @@
+"""Remarks beside the pictures: warnings that numbers may be wrong, and notes on what is shown."""
+
+import html
+
+import numpy as np
+
+from ..bundle.pressurized import muscle_strain
+from ..core.validation import proportions_message
+from ..muscle import Muscle
+from ..muscle.fitted_length import fitted_length_mismatch
+from ..muscle.tension import TENSION_LAWS
+from ..muscle.validation import (
+    extension_message,
+    lowest_strain,
+    published_range_message,
+    strain_domain,
+)
+from .muscle_curves import is_tuned
+from .state import View
+from .widgets import format_quantity, message_in_units, status_line, unit_factor
+
+
+_FACTORS = {"youngs_modulus": "Young's modulus", "collapse_moment": "collapse moment",
+            "hinge_stiffness": "hinge stiffness"}  # fmt: skip
+
+
+def remarks_html(view: View, tab: str) -> str:
+    """Validity warnings, marked, and notes of a `tab` on a `view`."""
+    style = "border-left:3px solid var(--bad);padding-left:var(--apart);margin:var(--near) 0"
+    warnings = (
+        f'<p style="{style}">{html.escape(text)}</p>' for text in validity_warnings(view, tab)
+    )
+    return "".join(warnings) + status_line(" ".join(notes(view, tab)))
+
+
+def notes(view: View, tab: str) -> list[str]:
+    """Sentences on a `tab` with a `view`; none where the picture is complete."""
+    several = sum(unit.own is not None for unit in view.units)
+    sized = any(unit.size != 1 for unit in view.units)
+    lines = []
+    if tab == "muscle" and several:
+        units = "Another unit" if several == 1 else f"{several} other units"
+        has = "has one" if several == 1 else "have muscles"
+        lines.append(f"This is the muscle of unit 1. {units} of the bundle {has} of its own.")
+    if tab == "reversal" and (several or sized):
+        lines.append("All units here are of unit 1's muscle, not of the bundle's several.")
+    if tab == "reversal" and len({sum(split) for split in view.splits}) > 1:
+        lines.append("These splits have different numbers of muscles, not only another order.")
+    if tab == "efficiency" and (several or sized):
+        lines.append(
+            "On the right, unit 1's muscle alone is scaled to the section of the whole bundle."
+        )
+    scaled = (tab == "bundle" and sized) or tab == "efficiency"
+    edited = tab == "muscle" and view.name.endswith(", changed")
+    if (scaled or edited) and is_tuned(view.muscle):
+        lines.append(
+            "The tuning was measured on a muscle of another size and is used unchanged: nobody has"
+            " measured how well it holds for this one."
+        )
+    return lines
+
+
+def validity_warnings(view: View, tab: str) -> list[str]:
+    """Reasons why a `tab` with a `view` may be wrong, each once.
+
+    Constants of a muscle of another size, a fit at another length, pressures above those that were
+    measured, a radius out of proportion to the length, muscles that the plates stretch.
+    """
+    single = tab in ("muscle", "reversal")
+    muscles = [view.muscle] if single else [view.muscle_of(unit) for unit in view.units]
+    lines = []
+    for muscle in muscles:
+        proportions = proportions_message(muscle.length, muscle.outer_radius)
+        lines += [
+            published_range_message(muscle),
+            fitted_length_mismatch(muscle),
+            muscle.tuning.extrapolation_message(view.supply),
+            message_in_units(proportions, view.display_units),
+        ]
+        if not single and view.distance is not None:
+            strain = muscle_strain(view.distance / muscle.length, 0.0)
+            lines.append(extension_message(strain, lowest_strain(*strain_domain(muscle))))
+    if tab == "muscle":
+        keys = (key.partition(":") for key in view.alternatives)
+        laws = (TENSION_LAWS.get(name) for kind, _, name in keys if kind == "tension")
+        lines += [published_range_message(view.muscle, law) for law in laws if law]
+    return [line[0].upper() + line[1:] for line in dict.fromkeys(lines) if line]
+
+
+def tuning_note(muscle: Muscle, unit: str) -> str:
+    """Sentence on the tuning of a `muscle`, pressures in a `unit`; empty where it has none."""
+    tuning, changes = muscle.tuning, []
+    for name, label in _FACTORS.items():
+        factor = float(getattr(tuning, f"{name}_factor"))
+        slope = float(tuning.hinge_stiffness_slope) if name == "hinge_stiffness" else 0.0
+        if slope:
+            rise = slope * unit_factor(unit, "pressure")
+            changes.append(f"{label} × ({factor:.4g} + {rise:.3g} per {unit})")
+        elif factor != 1:
+            changes.append(f"{label} × {factor:.4g}")
+    # a fit writes the muscle's rate into its tuning, whether it was fitted or not
+    rate = muscle.transition_rate if tuning.transition_rate is None else tuning.transition_rate
+    if float(rate) != float(muscle.transition_rate):
+        changes.append(f"transition rate β = {float(rate):.4g}")
+    if (rows := tuning.pressures.shape[-1]) > 1:
+        highest = format_quantity(float(tuning.pressures[-1]), unit, "pressure", 4)
+        changes.append(f"C₁ and C₂ in {rows} rows up to {highest}")
+    if tuning.dead_band:
+        band = format_quantity(float(tuning.dead_band), unit, "pressure", 4)
+        changes.append(f"dead band {band}")
+    if not changes:
+        return ""
+    return (
+        f"This muscle is tuned: {', '.join(changes)}. Choose `untuned` below"
+        " Compare with to see it without."
+    )
+
+
+def equilibria_text(strain: np.ndarray, stable: np.ndarray) -> str:
+    """Strains [-] of equilibrium of a bundle without load, rising, and which are `stable`."""
+    if not strain.size:
+        return "none: it pulls at every strain"
+    first, *further = (
+        f"{value:.4f}{'' if is_stable else ' (not stable)'}"
+        for value, is_stable in zip(strain, stable, strict=True)
+    )
+    return first + (f"; it also rests at {', '.join(further)}" if further else "")
+
+
+def branches_text(strain: np.ndarray, several: np.ndarray) -> str:
+    """Range of strains [-] with `several` equilibria; empty where there are none."""
+    inside = strain[several]
+    if not inside.size:
+        return ""
+    return f"ε {inside[0]:.3f} to {inside[-1]:.3f}; the curve shows the branch from the free strain"

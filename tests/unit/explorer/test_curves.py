@@ -1,0 +1,241 @@
+"""Curves, solids and labels are what the library's public methods give, drawn to scale."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle.bundle import reversal
+from fascicle.bundle.reversal import Reversal
+from fascicle.explorer import bundle_curves, efficiency_tab
+from fascicle.explorer.muscle_curves import (
+    FAMILY,
+    alternative_laws,
+    curve_marks,
+    muscle_curves,
+    region_strips,
+    strain_limit,
+    with_alternative,
+)
+from fascicle.explorer.muscle_tab import MuscleView
+from fascicle.explorer.reversal_tab import POINTS, SplitCurve, split_curves
+from fascicle.explorer.solid import AROUND, RINGS, face_corners, muscle_solid
+from fascicle.explorer.state import Session, Unit, scaled, view_of
+from fascicle.muscle import LAWS
+from fascicle.plot.theme import LIGHT
+
+
+SIX = fs.example("kim2021_figure_6")
+VIEW = view_of(fs.example("kim2021_bundle_1_4"), "kim2021_bundle_1_4")
+P, TOP, SUPPLY = 137.9e3, 0.4, 413.7e3
+WIDE, HIGH = 285, 420  # pixels of the plot on a phone
+LETTER, LINE = 7.4, 14  # pixels, of 12 px DejaVu Sans
+
+
+@pytest.mark.parametrize("strain", [0.1, 0.25, 0.3])
+def test_curves_are_what_the_methods_give(strain):
+    curves = muscle_curves(SIX, P, strain, SUPPLY, TOP)
+    response, point = SIX.response(P, curves.strain[-1]), SIX.response(P, strain)
+    close = {"rtol": 1e-9, "atol": 1e-9}
+    np.testing.assert_allclose(curves.force[-1], SIX.force(P, curves.strain[-1]), **close)
+    np.testing.assert_allclose(curves.mesh[-1], response.mesh, **close)
+    for i, pressure in enumerate(np.linspace(0, SUPPLY, FAMILY)):
+        np.testing.assert_allclose(curves.force[i], SIX.force(pressure, curves.strain[i]), **close)
+    assert curves.point_force == pytest.approx(float(point.force), abs=1e-9)
+    assert curves.region == int(point.region)
+    assert curves.free_strain[-1] == pytest.approx(float(SIX.free_strain(P)))
+    assert curves.collapse_strain[-1] == pytest.approx(float(SIX.collapse_strain(P)))
+    assert curves.blocked[-1] == pytest.approx(float(SIX.blocked_force(P)))
+    assert curves.deflection == pytest.approx(float(SIX.deflection(P, strain)))
+    assert curves.moment == pytest.approx(float(SIX.moment(P, strain)))
+    assert curves.volume == pytest.approx(float(SIX.volume(strain)))
+
+
+@pytest.mark.parametrize("pressure", [0.0, 34.5e3])
+def test_strips_are_the_regions_of_the_law(pressure):
+    """A stubby muscle shortens straight past its free strain: that isn't buckled."""
+    muscle = fs.Muscle.from_dimensions(
+        0.03, 6.35e-3, 1.6e-3, math.radians(22), buckling="elastica",
+        material=fs.materials.SILICONE_KIM2021,
+    )  # fmt: skip
+    top = strain_limit(muscle, SUPPLY)
+    curves = muscle_curves(muscle, pressure, 0.2, SUPPLY, top)
+    strips = region_strips(curves.strain[-1], curves.regions)
+    assert strips[0][0] == 0 and strips[-1][1] == top
+    for left, right, region in strips:
+        assert int(muscle.response(pressure, (left + right) / 2).region) == region
+    assert 3 in [region for _, _, region in strips]
+
+
+def test_strips_of_the_papers_law_begin_at_its_kinks():
+    curves = muscle_curves(SIX, P, 0.1, SUPPLY, strain_limit(SIX, SUPPLY))
+    strips = region_strips(curves.strain[-1], curves.regions)
+    assert [region for _, _, region in strips] == [0, 1, 2]
+    assert strips[1][0] == pytest.approx(float(SIX.free_strain(P)), abs=1e-9)
+    assert strips[2][0] == pytest.approx(float(SIX.collapse_strain(P)), abs=1e-9)
+
+
+def test_the_strain_limit_is_past_the_free_strain():
+    assert float(SIX.free_strain(SUPPLY)) < strain_limit(SIX, SUPPLY) <= 0.6
+
+
+@pytest.mark.parametrize("pressure", [0.0, 1.0, 2e3, 10e3, 20e3, 30e3, 69e3, 137.9e3, 3e5, SUPPLY])
+def test_labels_stay_in_the_picture_and_do_not_collide(pressure):
+    top = strain_limit(SIX, SUPPLY)
+    curves = muscle_curves(SIX, pressure, 0.1, SUPPLY, top)
+    marks = curve_marks(curves, top, 1.0, "N")
+    per_newton = HIGH / (1.24 * float(np.ptp(curves.force[:-1])))
+    boxes = []  # left, right, bottom, top in pixels
+    for x, y, label, above, beside, align in zip(*marks.values(), strict=True):
+        start, width = x / top * WIDE + beside, LETTER * len(label)
+        left = start - width if align == "right" else start
+        boxes.append((left, left + width, y * per_newton + above, y * per_newton + above + LINE))
+    assert len(boxes) == 3
+    for i, box in enumerate(boxes):
+        assert box[0] >= 0 and box[1] <= WIDE + 18, marks["label"][i]  # and the figure's border
+        for other in boxes[i + 1 :]:
+            assert (
+                box[1] <= other[0] or other[1] <= box[0] or box[3] <= other[2] or other[3] <= box[2]
+            ), (marks["label"], boxes)
+
+
+@pytest.mark.parametrize("pressure", [0.0, 69e3, 137.9e3, SUPPLY])
+def test_names_of_regions_fit_into_their_strips(pressure):
+    tab = MuscleView(Session(replace(view_of(SIX, "six"), pressure=pressure)), LIGHT)
+    tab.refresh()
+    strips, names = tab.strips.data, tab.region_names.data["label"]
+    assert any(names)
+    for left, right, name in zip(strips["left"], strips["right"], names, strict=True):
+        assert (right - left) / tab.top * WIDE >= 6.9 * len(name)  # in gray, it is no wider
+
+
+def test_components_of_a_long_muscle_are_in_the_picture():
+    tab = MuscleView(Session(view_of(SIX.replace(length=10.0), "long")), LIGHT)
+    tab.refresh()
+    shown = tab.chart.figure.y_range
+    for part in ("force", "mesh", "bladder", "bending"):
+        assert shown.start <= min(tab.curve.data[part]) <= max(tab.curve.data[part]) <= shown.end
+
+
+def test_no_slider_compiles_anything(monkeypatch):
+    from jax._src import compiler
+
+    def fail(*_, **__):
+        raise AssertionError("something is compiled")
+
+    monkeypatch.setattr(compiler, "compile_or_get_cached", fail)
+    for pressure, strain, supply, top in ((0.0, 0.0, 2e5, 0.3), (4e5, 0.35, 4e5, 0.6)):
+        muscle_curves(scaled(SIX, 1.3), pressure, strain, supply, top)
+
+
+def test_a_straight_muscle_has_the_braids_radius_and_its_fibers_their_angle():
+    strain = 0.1
+    solid = muscle_solid(SIX, muscle_curves(SIX, P, strain, SUPPLY, TOP), strain)
+    tube = solid.points[: RINGS * AROUND]
+    radius = np.hypot(tube[:, 0], tube[:, 1])
+    np.testing.assert_allclose(radius, float(SIX.radius(strain)), rtol=1e-9)
+    assert np.ptp(tube[:, 2]) == pytest.approx(float(SIX.length) * (1 - strain))
+    assert solid.angle == pytest.approx(float(SIX.braid.angle_at(strain)))
+    # along a fiber: how far it turns for how far it goes
+    fiber = solid.fibers[0]
+    turn = np.abs(np.diff(np.unwrap(np.arctan2(fiber[:, 0], fiber[:, 1]))))
+    drawn = np.arctan2(turn * solid.radius, np.diff(fiber[:, 2]))
+    np.testing.assert_allclose(drawn, solid.angle, rtol=1e-6)
+    assert face_corners().max() + 1 == len(solid.points)
+
+
+def test_a_collapsed_muscle_folds_flat_at_its_hinge():
+    strain = 0.32
+    solid = muscle_solid(SIX, muscle_curves(SIX, P, strain, SUPPLY, TOP), strain)
+    rings = solid.points[: RINGS * AROUND].reshape(RINGS, AROUND, 3)
+    across = np.linalg.norm(rings[:, 0] - rings[:, AROUND // 2], axis=1)
+    assert across[RINGS // 2] < 0.5 * across[0]
+    # the wall, twice
+    assert across.min() == pytest.approx(2 * float(SIX.wall_thickness), rel=0.35)
+
+
+@pytest.mark.parametrize("key", alternative_laws(SIX))
+def test_each_alternative_is_another_law(key):
+    kind, _, name = key.partition(":")
+    other = with_alternative(SIX, key)
+    assert type(getattr(other, kind)) is LAWS[kind][name]
+    assert float(other.length) == float(SIX.length)
+
+
+def test_untuned_is_offered_for_a_tuned_muscle_alone():
+    tuned = fs.example("kim2021_slenderness_10")
+    assert "untuned" in alternative_laws(tuned)
+    assert "untuned" not in alternative_laws(SIX)
+    assert float(with_alternative(tuned, "untuned").tuning.youngs_modulus_factor) == 1.0
+
+
+def test_the_bundles_curves_are_the_laws():
+    state = bundle_curves.bundle_state(VIEW.bundle, (3e5, 7e4), 0.3, True)
+    force = VIEW.bundle.force([3e5, 7e4], state.strain)
+    np.testing.assert_allclose(state.force, force, rtol=1e-9, atol=1e-9)
+    assert state.equilibria[0] == pytest.approx(float(VIEW.bundle.free_strain([3e5, 7e4])))
+
+
+def test_a_point_of_the_overlap_has_a_solution_in_each_state():
+    overlap = bundle_curves.drawn_space(VIEW.bundle, True).overlap
+    widest = int(np.argmax(overlap.width[0]))
+    strain = float(overlap.strain[widest])
+    force = float(overlap.low[0, widest] + overlap.high[0, widest]) / 2
+    solutions, remark = bundle_curves.solutions(VIEW.bundle, force, strain, True)
+    assert not remark
+    assert {solution.state for solution in solutions} == {1, 2}
+    for solution in solutions:
+        reached = float(VIEW.bundle.force(solution.pressures, strain))
+        assert reached == pytest.approx(force, rel=1e-6, abs=1e-6)
+
+
+def test_a_point_out_of_reach_has_a_remark():
+    solutions, remark = bundle_curves.solutions(VIEW.bundle, 1e4, 0.1, True)
+    assert "above what is reachable" in remark
+    assert len(solutions) == 1
+
+
+def test_muscles_stand_apart_inside_their_envelope():
+    view = replace(VIEW, units=(Unit(1), Unit(6)), pressures=(4e5, 0.0), strain=0.2)
+    scene = bundle_curves.bundle_solids(view, 0.3)
+    assert len(scene.solids) == len(scene.positions) == 7
+    assert scene.owners == [0, *[1] * 6]
+    centers = np.array([(x, y) for _, x, y in scene.positions])
+    distances = np.linalg.norm(centers[:, None] - centers, axis=-1)[np.triu_indices(7, 1)]
+    assert distances.min() > 2 * float(view.muscle.outer_radius)
+    deflection = float(view.muscle.deflection(0.0, 0.2))
+    assert scene.envelope > np.hypot(*centers.T).max() + deflection
+
+
+def test_split_curves_are_the_reversals_of_the_library():
+    (curve,) = split_curves(SIX, ((1, 2),), 344.7e3)
+    bundle = fs.Bundle([fs.MotorUnit(SIX, 1), fs.MotorUnit(SIX, 2)], 344.7e3)
+    assert curve.turn == reversal.reversal(bundle)
+    assert curve.resisted.min() == pytest.approx(curve.turn.free_strain, abs=2e-3)
+    assert (curve.free >= curve.resisted - 1e-9).all()
+
+
+@pytest.mark.parametrize("jump", [False, True])
+@pytest.mark.parametrize("turn", [0.0, 1.0, 41.7, 95.9])
+def test_a_curve_goes_through_its_turning_point_and_breaks_at_a_jump(jump, turn):
+    pressure = np.linspace(0.0, 96.0, POINTS)
+    strain = np.where(pressure < turn, 0.25, 0.2)
+    curve = SplitCurve((1, 4), pressure, strain, strain, Reversal(turn, 0.19, 0.06, 0.25, jump))
+    P, drawn = curve.drawn
+    assert P.size == drawn.size == POINTS + 1 + jump
+    assert np.all(np.diff(P) >= 0)
+    assert np.nanmin(drawn) == 0.19
+    assert np.isnan(drawn).sum() == jump
+    flat = replace(curve, turn=replace(curve.turn, depth=0.0))
+    assert flat.drawn[1] is flat.resisted
+
+
+def test_the_equivalent_muscle_has_the_bundles_cross_section():
+    muscle = efficiency_tab.equivalent_muscle(VIEW)
+    assert float(muscle.outer_radius) == pytest.approx(np.sqrt(5) * float(VIEW.muscle.outer_radius))
+    maps = efficiency_tab.efficiency_maps(VIEW.bundle, "isotonic")
+    assert maps.difference.shape == maps.resisted.efficiency.shape
+    average = fs.energetics.average_efficiency(VIEW.bundle, path="isotonic")
+    assert maps.resisted.average == pytest.approx(average)

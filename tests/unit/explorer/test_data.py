@@ -1,0 +1,227 @@
+"""The data tab and the records that it reads: its content is the last record's, or nothing."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import records
+from fascicle.explorer.data_tab import DataView
+from fascicle.explorer.measured import (
+    LARGEST_FILE,
+    MOST_CURVES,
+    MOST_ROWS,
+    example_record,
+    fit_record,
+    measured_curves,
+    mismatch_reason,
+    read_headers,
+    read_record,
+)
+from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.tab import LatestResult
+from fascicle.plot.theme import LIGHT
+
+
+SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
+MUSCLE = fs.example("kim2021_bundle_1_1").motor_units[0].muscle
+HEAD = b"pressure [kPa],strain [-],force [N]\n"
+GOOD = HEAD + b"".join(b"%d,%g,%d\n" % (P, i / 50, P // 4) for P in (100, 200) for i in range(5))
+HALF = b"pressure [kPa],displacement [mm],force [N]\n200,0,90\n200,40,70\n200,75,50\n"
+
+
+@pytest.fixture
+def tab():
+    tab = DataView(Session(SIX), LIGHT)
+    tab.refresh()
+    return tab
+
+
+def send(tab, raw, name="a.csv"):
+    """Send a file as Panel does: one of no bytes has a name alone."""
+    tab.file.param.update(value=raw or None, filename=name)
+
+
+def enabled(tab):
+    """Readings drawn, fit and downloads enabled, and the empty state hidden."""
+    return (
+        len(tab.readings.data["x"]) > 0, not tab.calibrate.disabled,
+        all(not button.disabled for button in tab.downloads), not tab.empty_state.visible,
+    )  # fmt: skip
+
+
+def test_a_record_enables_the_tab(tab):
+    assert enabled(tab) == (False,) * 4
+    send(tab, GOOD)
+    assert enabled(tab) == (True,) * 4
+    assert "10 readings." in tab.notes.object
+    send(tab, HEAD + b"100,0,40\n", "one.csv")
+    assert "1 reading." in tab.notes.object
+
+
+@pytest.mark.parametrize(
+    ("raw", "expected"),
+    [
+        (b"pressure [kPa],strain [-]\n100,0\n", "no column of force"),
+        (HEAD + b"100,0,40\n100,-0.2,40\n", "this muscle has no curve at its strains"),
+        (b"", "bad.csv: the file is empty, 0 bytes."),
+        (b" \n", "bad.csv: the file is empty, 2 bytes."),
+    ],
+)
+def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
+    send(tab, GOOD)
+    tab.table.object = tab.fit_notes.object = "a fit"
+    for button in (tab.use, *tab.saves):
+        button.disabled = False
+    send(tab, raw, "bad.csv")
+    assert expected in tab.message.text
+    assert enabled(tab) == (False,) * 4
+    assert tab.record is None and not tab.notes.object
+    assert all(button.disabled for button in (tab.use, *tab.saves))
+    assert not tab.table.object and not tab.fit_notes.object
+    send(tab, GOOD, "again.csv")
+    assert enabled(tab) == (True,) * 4 and not tab.message.text
+
+
+@pytest.mark.parametrize("name", ["data.csv", "muscle.toml.csv", "report.txt"])
+def test_downloads_are_named_after_the_record_and_never_as_it(tab, name):
+    send(tab, GOOD, name)
+    for button in tab.downloads:
+        button.callback()
+    names = [button.filename for button in tab.downloads]
+    assert len({*names, name}) == len(names) + 1
+    assert all(other.startswith(f"{name.rpartition('.')[0]}_comparison.") for other in names)
+
+
+def test_a_record_that_stretches_the_muscle_gives_a_warning(tab):
+    send(tab, GOOD + b"100,-0.019,60\n")
+    assert not tab.message.text
+    send(tab, GOOD + b"100,-0.05,60\n")
+    assert "-0.05" in tab.message.text and enabled(tab) == (True,) * 4
+
+
+def test_an_invalid_field_leaves_the_record(tab):
+    send(tab, GOOD)
+    tab.read_inputs.length.value = "nonsense"
+    assert "Rest length" in tab.message.text
+    assert enabled(tab) == (True,) * 4
+
+
+def test_a_fit_to_an_earlier_record_is_not_shown(tab, monkeypatch):
+    send(tab, GOOD)
+    requests = []
+    monkeypatch.setattr(LatestResult, "request", lambda *call: requests.append(call))
+    tab.start_fit()
+    assert tab.calibrate.disabled and tab.bar.visible
+    send(tab, GOOD.replace(b"200", b"300"), "b.csv")
+    assert not tab.calibrate.disabled and not tab.bar.visible
+    latest, _ = requests[0]
+    latest._show((SimpleNamespace(), "of the earlier one", SIX.muscle, ()))
+    assert tab.fit is None and tab.use.disabled
+    latest._fail("of the earlier one")
+    assert not tab.message.text
+
+
+def test_another_file_replaces_the_example(tab):
+    tab.open_example()
+    assert "300 synthetic readings." in tab.notes.object
+    assert tab.file_name == "example.csv"
+    send(tab, GOOD, "mine.csv")
+    assert "10 readings." in tab.notes.object and tab.file_name == "mine.csv"
+
+
+def test_the_order_of_the_side_column(tab):
+    tab.message.show("wrong")
+    widgets = list(tab.panel[0])
+    # the result of a fit is above its remarks, an error above the fields that help
+    assert widgets.index(tab.table) < widgets.index(tab.use) < widgets.index(tab.fit_notes)
+    assert widgets.index(tab.message._pane) < widgets.index(tab.read_inputs.panel)
+
+
+def test_every_pressure_has_its_curve_and_few_are_labeled(tab):
+    rows = b"".join(
+        b"%d,%g,%d\n" % (P, i / 50, P // 4) for P in range(20, 400, 20) for i in range(5)
+    )
+    send(tab, HEAD + rows)
+    assert len(tab._before.data["ys"]) == 19 < MOST_CURVES
+    assert len(tab._labels.data["label"]) == 8
+
+
+@pytest.mark.parametrize(
+    ("head", "expected"),
+    [
+        (b"A,B,C", "name it with the fields below, pressure `A` for instance, if it is one of"),
+        (b"pressure,strain [-],force [N]",
+         "or give its unit in the fields below, pressure `kPa` for instance."),
+    ],
+)  # fmt: skip
+def test_an_error_names_the_fields_for_missing_information(head, expected):
+    with pytest.raises(ValueError, match="fields below") as error:
+        read_record(head + b"\n100,0,40\n", "w.csv", MUSCLE)
+    assert expected in str(error.value)
+
+
+def test_readings_are_read_and_have_curves():
+    record = read_record(GOOD, "d.csv", MUSCLE)
+    assert len(record) == 10
+    assert "rest length not given" in record.notes[-1]
+    curves = measured_curves(MUSCLE, record)
+    assert curves.pressure == pytest.approx([1e5, 2e5])
+    force = np.asarray(MUSCLE.force(2e5, curves.strain))
+    assert curves.force[1] == pytest.approx(force, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("raw", "limit"),
+    [(b"x" * (LARGEST_FILE + 1), LARGEST_FILE), (b"1,2\n" * (MOST_ROWS + 1), MOST_ROWS)],
+)
+def test_a_large_file_is_refused_with_its_limit(raw, limit):
+    with pytest.raises(ValueError, match=str(limit)):
+        read_record(raw, "d.csv", MUSCLE)
+
+
+def test_a_name_is_never_opened():
+    with pytest.raises(ValueError, match="passwd"):
+        read_record(b"a,b\n1,2\n", "/etc/passwd", MUSCLE)
+
+
+def test_columns_and_units_can_be_given():
+    raw = b"A,B,C\n0,10,100\n5,8,100\n10,5,100\n"
+    assert read_headers(raw, "w.csv") == ("A", "B", "C")
+    assert read_headers(b"", "e.csv") == ()
+    with pytest.raises(ValueError, match=r"w\.csv.*fields below, \w+ `[ABC]`"):
+        read_record(raw, "w.csv", MUSCLE)
+    options = {
+        "columns": {"displacement": "A", "force": "B", "pressure": "C"},
+        "units": {"displacement": "mm", "force": "N", "pressure": "kPa"},
+    }
+    record = read_record(raw, "w.csv", MUSCLE, options | {"rest_length": 0.2})
+    np.testing.assert_allclose(record.strain, [0, 0.025, 0.05])
+    np.testing.assert_allclose(record.pressure, 100e3)
+    np.testing.assert_allclose(record.force, [10, 8, 5])
+    record = read_record(raw, "w.csv", MUSCLE.replace(length=0.1), options)
+    np.testing.assert_allclose(record.strain, [0, 0.05, 0.1])
+    assert "taken over the muscle's, 100 mm" in record.notes[-1]
+
+
+def test_a_mismatch_names_the_length_that_was_assumed():
+    record = read_record(example_record(MUSCLE), "example.csv", MUSCLE)
+    assert record.synthetic and mismatch_reason(MUSCLE, record) == ""
+    reason = mismatch_reason(MUSCLE, read_record(HALF, "a.csv", MUSCLE))
+    assert "over 127 mm" in reason and "give the rest length" in reason
+    long = read_record(HALF, "a.csv", MUSCLE, {"rest_length": 1.0})
+    assert mismatch_reason(MUSCLE, long) == ""
+    with pytest.raises(ValueError, match="taken over the muscle's length, 127 mm"):
+        read_record(HALF.replace(b"200,75,50", b"200,200,50"), "a.csv", MUSCLE)
+
+
+def test_constants_are_fitted_by_name():
+    strain = np.linspace(0, 0.15, 12)
+    built = MUSCLE.replace(outer_radius=1.03 * MUSCLE.outer_radius)
+    record = records.Record.of(2e5, strain, np.asarray(built.force(2e5, strain)), synthetic=True)
+    selection = fit_record(record, MUSCLE, lambda _: None, ("outer_radius",))
+    (parameter,) = selection.calibration.parameters
+    assert parameter.name == "outer_radius" and selection.candidates == ()
+    # without noise the one constant is found; the search stops at a relative step of 1e-8
+    assert parameter.value == pytest.approx(float(built.outer_radius), rel=1e-5)

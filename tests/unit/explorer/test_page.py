@@ -1,0 +1,70 @@
+"""The header, and the explorer in a notebook's cell."""
+
+import numpy as np
+import panel as pn
+import pytest
+from bokeh.models import ColumnDataSource
+
+import fascicle as fs
+from fascicle.explorer import panel
+from fascicle.explorer.page import Header
+from fascicle.explorer.state import Session, view_of
+from fascicle.plot.theme import LIGHT
+
+
+@pytest.fixture
+def header():
+    return Header(Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")), LIGHT)
+
+
+def test_a_message_on_a_link_goes_with_the_next_change(header):
+    header.message.show("link: `strain` can't be read.")
+    header._session.change(tab="bundle")
+    header._session.change(display_units={"pressure": "kPa", "length": "mm", "force": "lbf"})
+    assert header.message.text
+    header._session.change(strain=0.2)
+    assert not header.message.text
+
+
+def test_an_empty_file_is_refused(header):
+    before = header._session.view
+    header.file.param.update(value=None, filename="none.toml")  # Panel's event of one
+    assert "none.toml: the file is empty, 0 bytes." in header.message.text
+    assert header._session.view is before
+
+
+def test_a_file_is_not_saved_under_the_name_of_its_input(header):
+    assert header.save.filename == "kim2021_figure_6.toml"
+    muscle = header._session.view.muscle
+    for name in ("muscle.toml", "muscle_copy.toml", "my.muscle.toml", "odd name"):
+        header._session.show(view_of(muscle, name))
+        assert header.save.filename.endswith("_copy.toml") and header.save.filename != name
+        header._session.show(view_of(muscle, f"{name}, changed"))
+        assert header.save.filename.endswith("_changed.toml") and header.save.filename != name
+    header._session.show(view_of(muscle, "../muscle.toml"))
+    assert header.save.filename == "muscle_copy.toml"
+
+
+@pytest.mark.parametrize(
+    "target", ["kim2021_figure_6", fs.example("kim2021_figure_6")], ids=["by name", "a muscle"]
+)
+def test_sliders_of_a_cell_move_the_curve(target):
+    layout = panel(target)
+    (tabs,) = layout.select(pn.Tabs)
+    assert len(tabs) == 5
+    sliders = layout.select(pn.widgets.FloatSlider)
+    pressure = next(slider for slider in sliders if slider.label.startswith("Pressure P ["))
+    (curve,) = (
+        source
+        for pane in layout.select(pn.pane.Bokeh)
+        for source in pane.object.select({"type": ColumnDataSource, "name": "curve"})
+    )
+    pressure.value = 200.0  # kPa
+    expected = fs.example("kim2021_figure_6").force(200e3, curve.data["strain"])
+    np.testing.assert_allclose(curve.data["force"], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_cell_of_a_bundle_and_of_an_unknown_name():
+    assert panel(fs.example("kim2021_bundle_1_1"), theme="dark").select(pn.Tabs)
+    with pytest.raises(OSError, match="kim2021_figure_66"):
+        panel("kim2021_figure_66")
