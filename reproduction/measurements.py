@@ -10,7 +10,6 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +28,7 @@ from fascicle.plot import calibration as plot
 from fascicle.plot import to_bytes
 from fascicle.records import load
 from fascicle.records.record import Record
-from fascicle.reports.page import Page
+from fascicle.reports.page import Picture, data_uri, render, screen_width
 from fascicle.units import pretty
 
 
@@ -53,7 +52,7 @@ _KNOWN = {
 }  # fmt: skip
 _CELLS = 8  # of strain: as few as a mean residual takes to show a trend
 _MOST_CAUSES = 2  # of a misfit that are named
-_PICTURE_WIDTH = 0.15  # m
+_PICTURE_WIDTH = 5.9  # inches, in print
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,20 +112,18 @@ def run(
         if not record.left_out:
             progress(f"fitting {record.name}")
             comparisons.append(compare_laws(record))
-    page = Page("Measured muscles against every law")
-    for text in UNTESTED:
-        page.paragraph(text)
+    sections = []
     for number, comparison in enumerate(comparisons, start=1):
         picture = to_bytes(plot.fit(fit_plot(comparison.choice.calibration)), "png")
         (folder / f"record_{number}.png").write_bytes(picture)
-        _add_section(page, comparison, picture)
+        sections.append(_section(comparison, picture))
     left_out = [f"{record.name}: {record.left_out}" for record in records if record.left_out]
-    if left_out:
-        page.heading("Left out")
-        page.points(left_out)
-    (folder / "report.html").write_text(
-        page.text("fascicle reproduce measurements"), encoding="utf-8"
-    )
+    page = render(
+        "measurements.html", Path(__file__).parent, title="Measured muscles against every law",
+        untested=UNTESTED, sections=sections, left_out=left_out,
+        footer="fascicle reproduce measurements",
+    )  # fmt: skip
+    (folder / "report.html").write_text(page, encoding="utf-8")
     data = {
         "untested": UNTESTED, "left_out": left_out,
         "records": [_record_data(comparison) for comparison in comparisons],
@@ -250,35 +247,28 @@ def _share(share: float) -> str:
     return f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
 
 
-def _add_section(page: Page, comparison: RecordComparison, picture: bytes) -> None:
+def _section(comparison: RecordComparison, picture: bytes) -> dict[str, Any]:
+    """Values of a record's section on the page."""
     fit, measured = comparison.choice.calibration, comparison.measured
-    page.heading(measured.name)
-    page.paragraph(
-        f"{measured.source}. {fit.points} readings, {fit.censored} of them clipped at zero."
-    )
-    page.points(comparison.choice.reasons)
-    page.picture(picture, "png", f"{measured.name}: measured and fitted", _PICTURE_WIDTH)
-    rows = [
-        [
-            escape(law.row.label), str(law.row.free), _percent(law.row.relative_rmse),
-            _percent(law.row.relative_left_out_rmse),
-            *(f"{low:+.3g} to {high:+.3g} N" for low, high in
-              (law.along_pressure, law.along_strain)),
-            escape(law.misses),
-        ]
-        for law in comparison.laws
-    ]  # fmt: skip
-    heads = ("Law: free", "Numbers", "RMSE", "Left out", "Along pressure", "Along strain",
-             "What it misses")  # fmt: skip
-    page.table(heads, rows)
-    page.table(
-        ["Constant", "Value", "90 % interval, quick", "Known by the data"],
-        [
+    return {
+        "measured": measured, "fit": fit, "reasons": comparison.choice.reasons,
+        "picture": Picture(data_uri(picture, "png"), screen_width(_PICTURE_WIDTH)),
+        "laws": [
+            [
+                law.row.label, law.row.free, _percent(law.row.relative_rmse),
+                _percent(law.row.relative_left_out_rmse),
+                *(f"{low:+.3g} to {high:+.3g} N" for low, high in
+                  (law.along_pressure, law.along_strain)),
+                law.misses,
+            ]
+            for law in comparison.laws
+        ],
+        "constants": [
             [constant.name, pretty(constant.value, constant.dimension), interval_texts(constant)[1],
              "yes" if constant.identifiable else "no"]
             for constant in fit.parameters
         ],
-    )  # fmt: skip
+    }  # fmt: skip
 
 
 def _record_data(comparison: RecordComparison) -> dict[str, Any]:

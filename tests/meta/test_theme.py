@@ -85,11 +85,11 @@ def test_contrast_is_what_the_standard_says():
 
 def test_every_face_has_the_theme():
     from fascicle.explorer.theme import DARK, LIGHT, page_css
-    from fascicle.reports.page import Page
+    from fascicle.reports import render
 
     assert set(theme.CYCLE) <= set(theme.LIGHT.curves)
     assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)
-    report = Page("A page").text("made by a test")
+    report = render("page.html", title="A page")
     for name, value in theme.variables(theme.LIGHT).items():
         assert f"{name}: {value};" in report
         assert f"{name}: {value};" in page_css(LIGHT)

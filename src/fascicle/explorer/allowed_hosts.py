@@ -20,7 +20,7 @@ from tornado.routing import Matcher, Rule
 from tornado.web import RequestHandler
 
 from ..io.sanitize import sanitize_line
-from ..reports.page import Page
+from ..reports.page import render
 from .link import LONGEST
 
 
@@ -104,12 +104,10 @@ class _RejectPage(RequestHandler):
 
     def prepare(self) -> None:
         status, text = self._reason
-        page = Page("This explorer can't be opened like that")
-        page.paragraph(text)
-        page.html('<p><a href="/" target="_blank">Open the explorer</a></p>')
         self.set_status(status)
         self.set_header("Cache-Control", "no-store")
-        self.finish(page.text("fascicle"))
+        title = "This explorer can't be opened like that"
+        self.finish(render("rejected.html", title=title, reason=text, footer="fascicle"))
 
 
 def _reject_other_page(host: str, headers: Mapping[str, str], hosts: AllowedHosts) -> Reason | None:

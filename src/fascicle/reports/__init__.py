@@ -1,10 +1,9 @@
 """Self-contained HTML pages: one file, opens offline, prints well."""
 
 from ..core.lazy import attach_lazy
-from .page import Page as Page
 from .page import data_uri as data_uri
 from .page import prose as prose
-from .page import quotation as quotation
+from .page import render as render
 from .page import verdict as verdict
 
 

@@ -22,8 +22,8 @@ _REFERENCE = "threshold"  # the policy that energies are compared with
 
 
 class PolicyRun(NamedTuple):
-    """A policy's run: how it was `controlled`, the `run`, what it was `worth`, its `demand` [SI],
-    and `doubts` whether it can be trusted, in words.
+    """A policy's run: its controller in `controlled`, the `run`, its metrics, `worth`, its `demand`
+    [SI], and `doubts`, reasons not to trust it.
     """
 
     controlled: "Controlled"
@@ -46,48 +46,46 @@ def report(
 
     - `scenario`: the scenario.
     - `run`: its run [SI].
-    - `audit`: the run's balances; none for a chamber that keeps none.
-    - `doubts`: why it can't be trusted, in words; empty where it can.
+    - `audit`: the run's balances; none for a chamber without them.
+    - `doubts`: reasons not to trust the run.
     - `date`: of the day, such as "2026-05-04".
     """
     from ..dynamics import events
 
     plant, control = scenario.plant, None
     if (controlled := scenario.controlled) is not None:
-        quantity, value = controlled.controller.of, control_worth(controlled, run)
+        quantity, metrics = controlled.controller.of, control_worth(controlled, run)
         control = {
             "quantity": quantity,
-            "rows": worth_rows(plant, quantity, value),
-            "unreachable": unreachable_message(plant, quantity, value),
+            "rows": worth_rows(plant, quantity, metrics),
+            "unreachable": unreachable_message(plant, quantity, metrics),
         }
-    parts = (plant.load, plant.chamber, plant.supply, plant.valve, plant.spool)
+    components = (plant.load, plant.chamber, plant.supply, plant.valve, plant.spool)
     balances = audit.balances if audit else ()
-    drawn = [entry for entry in balances if entry.unit == "J" and entry.name != "first law"]
+    energies = [entry for entry in balances if entry.unit == "J" and entry.name != "first law"]
+    counts = [[f"{int(unit.count)}" for unit in bundle.motor_units] for bundle in plant.bundles]
     return render(
         "simulation.html",
         title=f"Simulated: {scenario.name.replace('_', ' ')}",
         date=date, scenario=scenario, run=run, doubts=doubts, control=control, events=events(run),
         audit=audit, worst=max(balances, key=lambda entry: entry.share, default=None),
-        units=" and ".join(
-            " + ".join(f"{int(unit.count)}" for unit in bundle.motor_units)
-            for bundle in plant.bundles
-        ),
-        parts=", ".join(type(part).__name__ for part in parts),
+        units=" and ".join(" + ".join(bundle) for bundle in counts),
+        parts=", ".join(type(component).__name__ for component in components),
         steps=len(run.time) - 1, most=MOST, turns=plant.load.unit == "rad",
         traces=picture(traces(plant, run, run_demand(scenario, run))),
         moments=_moments(plant, run),
-        energies=picture(energy_balances(drawn)) if audit else None,
+        energies=picture(energy_balances(energies)) if audit else None,
         balances=[_balance_row(entry) for entry in balances],
     )  # fmt: skip
 
 
 def control_worth(controlled: "Controlled", run: "Trajectory") -> "ControlMetrics":
-    """What the control of a `run` was worth [SI]."""
+    """Metrics of a controlled `run` [SI]."""
     return control_metrics(controlled.controller, run, controlled.reference)
 
 
 def run_demand(scenario: "Scenario", run: "Trajectory") -> Demand | None:
-    """Demand that a `run` [SI] was to follow, or none where it was commanded."""
+    """Demand on a `run` [SI]; none for a run by schedule."""
     if (controlled := scenario.controlled) is None:
         return None
     controller, reference = controlled.controller, controlled.reference
@@ -95,60 +93,61 @@ def run_demand(scenario: "Scenario", run: "Trajectory") -> Demand | None:
     return Demand(controller.of, reference, controlled_output(controller, run), can)
 
 
-def worth_rows(plant: "Plant", quantity: str, value: "ControlMetrics") -> list[tuple[str, str]]:
-    """Table of what control of a `quantity` was worth: words with their unit, and figures."""
+def worth_rows(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> list[tuple[str, str]]:
+    """Rows of the metrics of controlling a `quantity`: labels with units, and numbers."""
     factor, unit = display_unit(plant, quantity)
     rows = [
-        (f"drawdown while the demand rises, {unit}", factor * value.drawdown),
-        ("deepest dip of a unit on the way, N", value.dip),
-        (f"root mean square of the error, {unit}", factor * value.rms),
-        (f"largest error, {unit}", factor * value.largest_error),
-        ("lag, ms", 1e3 * value.lag),
-        ("energy from the supply, J", value.supply_energy),
-        ("fluid from the supply, g", 1e3 * value.fluid),
-        ("times that a unit was recruited", value.recruited),
-        (f"demands that can't be reached, of {value.moments}", value.unreachable),
+        (f"drawdown while the demand rises, {unit}", factor * metrics.drawdown),
+        ("deepest dip of a unit on the way, N", metrics.dip),
+        (f"root mean square of the error, {unit}", factor * metrics.rms),
+        (f"largest error, {unit}", factor * metrics.largest_error),
+        ("lag, ms", 1e3 * metrics.lag),
+        ("energy from the supply, J", metrics.supply_energy),
+        ("fluid from the supply, g", 1e3 * metrics.fluid),
+        ("times that a unit was recruited", metrics.recruited),
+        (f"demands that can't be reached, of {metrics.moments}", metrics.unreachable),
     ]
-    return [(words, f"{number:.4g}") for words, number in rows]
+    return [(label, f"{number:.4g}") for label, number in rows]
 
 
-def unreachable_message(plant: "Plant", quantity: str, value: "ControlMetrics") -> str:
-    """Sentence on demands out of reach; empty where there were none."""
-    if not value.unreachable:
+def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
+    """Sentence on unreachable demands; empty if there were none."""
+    if not metrics.unreachable:
         return ""
-    lack = f"they lack up to {value.short:.4g} {_FORCE[plant.load.unit]}"
-    if quantity == "position" and value.short == 0:
+    lack = f"they lack up to {metrics.short:.4g} {_FORCE[plant.load.unit]}"
+    if quantity == "position" and metrics.short == 0:
         lack = "they lie off the load's way"
     return (
-        f"{value.unreachable} of {value.moments} demands, from {value.first:.4g} s to"
-        f" {value.last:.4g} s, can't be reached at the supply's pressure, whatever the policy:"
+        f"{metrics.unreachable} of {metrics.moments} demands, from {metrics.first:.4g} s to"
+        f" {metrics.last:.4g} s, can't be reached at the supply's pressure, whatever the policy:"
         f" {lack}; errors and lag are of the others"
     )
 
 
 def _moments(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[list[str]]]:
-    seen = run.seen
-    unit, factor = ("°", 180 / np.pi) if plant.load.unit == "rad" else ("mm", 1e3)
-    q = factor * np.asarray(seen.position)
+    """Table of positions and pressures at the start, the end and the extremes."""
+    outputs = run.seen
+    factor, unit = display_unit(plant, "position")
+    q = factor * np.asarray(outputs.position)
     heads = ["", "time [s]", f"position [{unit}]",
              *(f"P{i + 1} [kPa]" for i in range(plant.units)), "supply [kPa]"]  # fmt: skip
     marks = {"start": 0, "lowest": int(q.argmin()), "highest": int(q.argmax()), "end": len(q) - 1}
     rows = [
         [name, f"{run.time[k]:g}", f"{q[k]:.2f}",
-         *(f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in seen.pressures[k]),
-         f"{seen.supply_pressure[k] / 1e3:.1f}"]
+         *(f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in outputs.pressures[k]),
+         f"{outputs.supply_pressure[k] / 1e3:.1f}"]
         for name, k in marks.items()
     ]  # fmt: skip
     return heads, rows
 
 
 def _balance_row(balance: "Balance") -> list[str]:
-    def terms(values: Mapping[str, float]) -> str:
-        return lines([f"{name}: {x + 0.0:.4g} {balance.unit}" for name, x in values.items()])
-
+    into, went = (
+        lines([f"{name}: {x + 0.0:.4g} {balance.unit}" for name, x in terms.items()])
+        for terms in (balance.into, balance.went)
+    )
     return [
-        balance.name, terms(balance.into), terms(balance.went),
-        f"{balance.left:.1e} {balance.unit}",
+        balance.name, into, went, f"{balance.left:.1e} {balance.unit}",
         f"{balance.share:.0e}, up to {balance.closes_within:g} passes",
         mark(balance.closes, "closes", "doesn't close", "fails"),
     ]  # fmt: skip
@@ -167,8 +166,8 @@ def policy_report(
 
     - `scenario`: the scenario.
     - `runs`: by policy [SI].
-    - `front`: the policies on the front of drawdown against energy.
-    - `figure`: of them.
+    - `front`: policies on the front of drawdown against energy.
+    - `figure`: of the policies.
     - `date`: of the day, such as "2026-05-04".
     """
     quantity = next(iter(runs.values())).demand.quantity
@@ -194,25 +193,25 @@ def policy_heads(plant: "Plant", quantity: str) -> list[str]:
 def policy_rows(
     plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun], front: Sequence[bool]
 ) -> list[list[str]]:
-    """Rows of the table of policies: `runs` by policy [SI], and which are on the `front`."""
+    """Rows of the table of policies: `runs` by policy [SI], and those on the `front`."""
     factor, _ = display_unit(plant, quantity)
     reference = runs[_REFERENCE].worth.supply_energy
     rows = []
     for (name, run), on_front in zip(runs.items(), front, strict=True):
         value = run.worth
         share = [f"{value.drawdown / value.dip:.3f}" if value.dip else "-"]
-        more = f"{100 * (value.supply_energy / reference - 1):+.1f} %" if reference else "-"
+        extra = f"{100 * (value.supply_energy / reference - 1):+.1f} %" if reference else "-"
         rows.append([
             name, f"{factor * value.drawdown:.4g}", *(share if quantity == "force" else []),
             f"{factor * value.rms:.4g}", f"{1e3 * value.lag:.4g}", f"{value.supply_energy:.4g}",
-            more, f"{1e3 * value.fluid:.4g}", f"{value.recruited}", "front" if on_front else "",
+            extra, f"{1e3 * value.fluid:.4g}", f"{value.recruited}", "front" if on_front else "",
             "can't be trusted" if run.doubts else "",
         ])  # fmt: skip
     return rows
 
 
 def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[str]:
-    """Notes that belong to the table of policies, in words."""
+    """Notes on the table of policies."""
     quantity = next(iter(runs.values())).demand.quantity
     notes = []
     if scenario.plant.units == 1:

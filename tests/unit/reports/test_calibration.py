@@ -52,44 +52,44 @@ def calibration(warnings=MappingProxyType({"the search": ("Mind < the step.",)})
     solutions = Solutions(
         np.stack([center, center]), np.array([1.0, 2.0]), np.array([0, 1]), np.array([7, 100])
     )
-    made = {
+    fit = {
         "muscle": muscle, "start": muscle, "fit_data": of,
         "problem": problem, "coordinates": center, "readings": None, "minimum": minimum,
         "free_strain": np.array([0.1, 0.2, 0.3]), "solutions": solutions, "weights": "uniform",
         "diagnosis": Diagnosis(),
     }  # fmt: skip
-    calibration = Calibration(**{**made, **changes})
+    calibration = Calibration(**{**fit, **changes})
     vars(calibration)["warnings_by_topic"] = warnings
     return calibration
 
 
 @pytest.fixture(scope="module")
-def made():
+def fit():
     return calibration()
 
 
 @pytest.fixture(scope="module")
-def profiles(made):
+def profiles(fit):
     x = np.linspace(-3, 3, 11)
     return tuple(
-        Profile(one.name, one.value * np.exp(one.deviation * x), x**2, low, np.inf)
-        for one, low in zip(made.parameters, (80e3, -np.inf), strict=True)
+        Profile(entry.name, entry.value * np.exp(entry.deviation * x), x**2, low, np.inf)
+        for entry, low in zip(fit.parameters, (80e3, -np.inf), strict=True)
     )
 
 
 @pytest.fixture(scope="module")
-def drawn(made, profiles):
-    return figures(made, profiles)
+def plots(fit, profiles):
+    return figures(fit, profiles)
 
 
 @pytest.fixture(scope="module")
-def page(made, profiles, drawn):
+def page(fit, profiles, plots):
     rows = [Row("a <law>", 2, 1.25, np.nan, 0.01, np.nan, 0.0, 3.5, "converged")]
     posterior = Posterior(
-        made.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(made.coordinates, (10, 1)),
+        fit.names, np.tile([[90e3, 6e-3]], (10, 1)), np.tile(fit.coordinates, (10, 1)),
         np.zeros((10, 0)), np.full(10, 0.5), np.array([1.0, 1.25]), np.array([999.0, 12.0]), 3,
     )  # fmt: skip
-    html = report(made, DATE, drawn, profiles, posterior, rows, remarks=["rest length assumed"])
+    html = report(fit, DATE, plots, profiles, posterior, rows, remarks=["rest length assumed"])
     return re.sub(r">\s+<", "><", html)
 
 
@@ -102,19 +102,19 @@ def test_warnings_come_first_then_what_the_data_cant_tell(page):
     assert "clipped readings" in untold
 
 
-def test_the_page_says_what_was_fitted(page, made):
+def test_the_page_says_what_was_fitted(page, fit):
     assert "Synthetic: a model made these readings" in page
     assert "a &lt;b&gt;.csv" in page and SHA in page
     assert "column <code>F</code> read as force" in page and "rest length assumed" in page
-    assert f"{made.points} readings at 3 pressures from 100 to 300 kPa" in page
+    assert f"{fit.points} readings at 3 pressures from 100 to 300 kPa" in page
 
 
-def test_parameters_carry_units_intervals_and_a_word(page, made):
+def test_parameters_carry_units_intervals_and_a_word(page, fit):
     first, second = (
-        re.findall(rf"<tr><td><code>{name}</code><br>.*?</tr>", page)[0] for name in made.names
+        re.findall(rf"<tr><td><code>{name}</code><br>.*?</tr>", page)[0] for name in fit.names
     )
-    one = made.parameters[0]
-    assert units.pretty(one.value, "pressure") in first and "kPa to " in first and "yes" in first
+    entry = fit.parameters[0]
+    assert units.pretty(entry.value, "pressure") in first and "kPa to " in first and "yes" in first
     assert "80 kPa to ∞" in first and "−∞ to ∞" in second and "no</span>" in second
 
 
@@ -130,20 +130,17 @@ def test_nothing_is_asked_for_from_outside(page):
     assert all(address.startswith(("data:", "#")) for address in addresses)
 
 
-def test_only_the_date_changes_the_page(made, profiles, drawn):
+def test_only_the_date_changes_the_page(fit, profiles, plots):
     first, again, later = (
-        report(made, date, drawn, profiles) for date in (DATE, DATE, "2027-01-01")
+        report(fit, date, plots, profiles) for date in (DATE, DATE, "2027-01-01")
     )
     assert first == again
+    assert "Nothing to warn of" in report(calibration(warnings={}), DATE, plots)
     assert first.replace(DATE, "2027-01-01") == later
 
 
-def test_without_warnings_the_page_says_so(drawn):
-    assert "Nothing to warn of" in report(calibration(warnings={}), DATE, drawn)
-
-
-def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):
-    fitted = fit_plot(made)
+def test_the_band_holds_the_curve_and_is_wider_than_the_noise(fit):
+    fitted = fit_plot(fit)
     half = 0.5 * (fitted.high - fitted.low)
     # 90 % of a normal deviate; rounding alone could make it less
     assert np.all(half > 1.6448 * fitted.noise)
@@ -151,40 +148,41 @@ def test_the_band_holds_the_curve_and_is_wider_than_the_noise(made):
     # each curve ends where its readings do
     np.testing.assert_array_equal(fitted.curve_strain[:, [0, -1]], [[0, 0.2]] * 3)
     np.testing.assert_allclose(
-        fitted.curve_force[0], made.muscle.force(100e3, fitted.curve_strain[0]), rtol=1e-9
+        fitted.curve_force[0], fit.muscle.force(100e3, fitted.curve_strain[0]), rtol=1e-9
     )
 
 
-def test_profiles_are_shown_in_handy_units(made, profiles):
-    first, second = profiles_plot(made, profiles)
+def test_profiles_are_shown_in_handy_units(fit, profiles):
+    first, second = profiles_plot(fit, profiles)
     assert (first.unit, second.unit) == ("kPa", "mm")
-    assert first.estimate == pytest.approx(made.parameters[0].value / 1e3)
+    assert first.estimate == pytest.approx(fit.parameters[0].value / 1e3)
     assert first.crosses == (80.0, np.inf)
 
 
-def test_a_fit_of_constants_has_no_readings_to_show(made, drawn):
-    assert set(drawn) == {"fit", "residuals", "profiles"}
+def test_a_fit_of_constants_has_no_readings_to_show(fit, plots):
+    assert set(plots) == {"fit", "residuals", "profiles"}
     with pytest.raises(ValueError, match="holds no readings"):
-        readings_plot(made)
+        readings_plot(fit)
 
 
-def test_provenance_is_read_back_as_it_was_saved(made, tmp_path):
+def test_provenance_is_read_back_as_it_was_saved(fit, tmp_path):
     path = tmp_path / "muscle.toml"
-    fs.save(made.muscle, path, calibration=provenance_of(made, DATE))
+    fs.save(fit.muscle, path, calibration=provenance_of(fit, DATE))
     # the same bits, and what is told of them
-    assert float(fs.load(path).outer_radius) == float(made.muscle.outer_radius)
-    found = provenance(path)
-    assert found == provenance_of(made, DATE)
-    assert found["date"] == DATE and found["synthetic"] is True
-    assert found["record"] == [{"file": "a <b>.csv", "sha256": SHA}]
-    assert found["laws"]["collapse"] == "kim2021"
-    np.testing.assert_array_equal(found["covariance"], made.covariance)
-    assert found["coordinate_names"] == list(made.names)
-    first, second = found["parameter"]
+    assert float(fs.load(path).outer_radius) == float(fit.muscle.outer_radius)
+    saved = provenance(path)
+    assert saved == provenance_of(fit, DATE)
+    assert saved["date"] == DATE and saved["synthetic"] is True
+    assert saved["record"] == [{"file": "a <b>.csv", "sha256": SHA}]
+    assert saved["laws"]["collapse"] == "kim2021"
+    np.testing.assert_array_equal(saved["covariance"], fit.covariance)
+    assert saved["coordinate_names"] == list(fit.names)
+    first, second = saved["parameter"]
     assert (first["identifiable"], second["identifiable"]) == (True, False)
     # numbers as far as they are known: a hundredth of the interval, four digits of an error
-    one = made.parameters[0]
-    assert abs(units.parse(first["value"], "pressure") - one.value) <= 0.01 * (one.high - one.low)
-    assert found["rmse"] == units.pretty(made.rmse, "force", 4)
-    assert found["laws"]["ends"] == "rigid"
-    assert units.parse(found["fitted_length"], "length") == float(made.muscle.length)
+    entry = fit.parameters[0]
+    error = units.parse(first["value"], "pressure") - entry.value
+    assert abs(error) <= 0.01 * (entry.high - entry.low)
+    assert saved["rmse"] == units.pretty(fit.rmse, "force", 4)
+    assert saved["laws"]["ends"] == "rigid"
+    assert units.parse(saved["fitted_length"], "length") == float(fit.muscle.length)

@@ -1,13 +1,13 @@
 const box = document.getElementById("hover");
 for (const mark of document.querySelectorAll(".mark")) {
-  const same = document.querySelectorAll(`[data-place="${mark.dataset.place}"]`);
+  const twins = document.querySelectorAll(`[data-index="${mark.dataset.index}"]`);
   mark.addEventListener("mousemove", (event) => {
     box.textContent = mark.dataset.text; box.style.display = "block";
     box.style.left = `${Math.min(event.clientX + 14, innerWidth - box.offsetWidth - 8)}px`;
     box.style.top = `${Math.min(event.clientY + 14, innerHeight - box.offsetHeight - 8)}px`;
-    same.forEach((one) => one.classList.add("lit"));
+    twins.forEach((twin) => twin.classList.add("lit"));
   });
   mark.addEventListener("mouseleave", () => {
-    box.style.display = "none"; same.forEach((one) => one.classList.remove("lit"));
+    box.style.display = "none"; twins.forEach((twin) => twin.classList.remove("lit"));
   });
 }
