@@ -1,4 +1,4 @@
-"""Results: a calibration with how sure its constants are, and the selection of a model."""
+"""Results: a calibration with the uncertainty of its constants, and the selection of a model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from .least_squares import KNOWN, NORMAL, Fit, Problem
 from .parameters import WEAK, Parameter, put, values
 
 
-_SLOPE_STEP = 1e-6  # of a coordinate, for slopes of values
+_SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
 def _calibration_table(calibration: "Calibration") -> ReprTable:
@@ -30,11 +30,13 @@ def _selection_table(selection: "Selection") -> ReprTable:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted parameter: its value and 90 % interval [SI unit of the dimension].
+    """A fitted parameter: `value` and 90 % interval, `low` to `high` [SI unit of `dimension`].
 
-    `start`: where its prior is centered. `identifiable`: whether the data alone know it.
-    `deviation`: of its coordinate [-]. `bound`: where the data give one end of the interval alone,
-    "upper" or "lower".
+    - `name`, `about`: of the parameter, and its description.
+    - `start`: center of its prior [the same unit].
+    - `deviation`: standard deviation of its coordinate [-].
+    - `identifiable`: the data alone determine it within a factor of e.
+    - `bound`: "upper" or "lower" if the data determine only that end of the interval.
     """
 
     name: str
@@ -56,7 +58,7 @@ class Bootstrap:
     - `names`: of the parameters.
     - `coordinates`, `values`: a row for each draw [-], [SI unit of each parameter].
     - `low`, `high`: ends of each parameter's 90 % interval [SI unit], (C15).
-    - `failed`: number of draws whose fit broke.
+    - `failed`: number of draws whose fit failed.
     """
 
     names: tuple[str, ...]
@@ -69,13 +71,13 @@ class Bootstrap:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A parameter's profile.
+    """Profile likelihood of a parameter.
 
     - `name`: of the parameter.
-    - `value`: where it was held [SI unit of the parameter], rising.
-    - `rise`: $\\Delta$ there [-].
-    - `low`, `high`: where it crosses 2.71 [the same unit]; infinite if it doesn't.
-    - `known`: whether both ends lie within a factor of e either way.
+    - `value`: fixed values of the parameter [its SI unit], rising.
+    - `rise`: $\\Delta$ at these values [-].
+    - `low`, `high`: values at which it crosses 2.71 [the same unit]; infinite if it does not.
+    - `known`: both ends lie within a factor of e.
     """
 
     name: str
@@ -89,12 +91,12 @@ class Profile:
 @with_table_repr(_calibration_table)
 @dataclass(frozen=True, eq=False)
 class Calibration(Fit):
-    """A muscle that was fitted to a record, diagnosed.
+    """A muscle fitted to a record, with diagnostics.
 
-    - `diagnosis`: residual diagnostics, their likely causes, and the model's own error.
-    - `bootstrapped`: fits of simulated records, whose intervals `parameters` then have; `None`:
-      these are the quick ones of (C3).
-    - `profiles`: of the parameters whose quick interval says nothing, with better ends.
+    - `diagnosis`: residual diagnostics, likely causes, and the model's own error.
+    - `bootstrapped`: fits of simulated records, which give the intervals of `parameters`; `None`
+      for the linear intervals of (C3).
+    - `profiles`: of the parameters that the linear interval leaves undetermined.
     """
 
     diagnosis: Diagnosis
@@ -103,12 +105,12 @@ class Calibration(Fit):
 
     @cached_property
     def warnings_by_topic(self) -> Mapping[str, tuple[str, ...]]:
-        """Lines to read before the muscle is used."""
+        """Warnings to read before the muscle is used, by topic."""
         return import_late("calibrate.messages.calibration_warnings")(self)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Lines to read before the muscle is used."""
+        """Warnings to read before the muscle is used."""
         return tuple(line for lines in self.warnings_by_topic.values() for line in lines)
 
     @property
@@ -118,33 +120,34 @@ class Calibration(Fit):
 
     @cached_property
     def covariance(self) -> np.ndarray:
-        """Covariance of the coordinates: of noise, of the readings, and of the model's error."""
+        """Covariance of the coordinates from noise, readings and the model's error [-]."""
         noise = self.minimum.covariance - self.minimum.from_curves
-        trends = self.diagnosis.covariance
         total = self.diagnosis.inflation * noise + self.minimum.from_curves
-        return total if trends is None else total + trends
+        model = self.diagnosis.covariance
+        return total if model is None else total + model
 
     @cached_property
     def parameters(self) -> tuple[Estimate, ...]:
         """Estimates of the fitted parameters, in the order of the covariance."""
-        quick, boots = estimates(self.problem, self.coordinates, self.covariance), self.bootstrapped
+        linear = estimates(self.problem, self.coordinates, self.covariance)
+        boots = self.bootstrapped
         if boots is None:
-            ends = {profile.name: profile for profile in self.profiles}
-            return tuple(_with_profile(one, ends.get(one.name)) for one in quick)
-        known = np.std(boots.coordinates, axis=0) < KNOWN
+            profiles = {profile.name: profile for profile in self.profiles}
+            return tuple(_with_profile(e, profiles.get(e.name)) for e in linear)
+        narrow = np.std(boots.coordinates, axis=0) < KNOWN
         return tuple(
             replace(
                 estimate, low=float(boots.low[i]), high=float(boots.high[i]),
-                identifiable=estimate.identifiable and bool(known[i] or parameter.linear),
+                identifiable=estimate.identifiable and bool(narrow[i] or parameter.linear),
             )
             for i, (estimate, parameter) in enumerate(
-                zip(quick, self.problem.parameters, strict=True)
+                zip(linear, self.problem.parameters, strict=True)
             )
         )  # fmt: skip
 
     @property
     def intervals(self) -> str:
-        """Method of the 90 % intervals, in words."""
+        """Method of the 90 % intervals."""
         return import_late("calibrate.messages.interval_method")(self)
 
     @property
@@ -155,12 +158,12 @@ class Calibration(Fit):
 
     @property
     def wider(self) -> np.ndarray:
-        """Width of each interval over that from noise alone [-]."""
+        """Ratio of each interval's width to its width from noise alone [-]."""
         return np.sqrt(np.diag(self.covariance) / np.diag(self.minimum.covariance))
 
     @cached_property
     def half_way(self) -> Averaged | None:
-        """Mean of the record's two branches and their distance; `None` where there are no two."""
+        """Mean of the record's two branches and their distance; `None` without two branches."""
         try:
             half_way = averaged(self.record)
         except ValueError:  # no sweeps in it
@@ -169,47 +172,44 @@ class Calibration(Fit):
 
     @cached_property
     def loop(self) -> Loop | None:
-        """Widths of the record's hysteresis loops; half of them is in the errors of its readings.
-        `None` where it doesn't hold both branches.
-        """
-        return loop_of(self.record)
+        """Widths of the record's hysteresis loops; `None` without two branches."""
+        return None if self.half_way is None else loop_of(self.record, self.half_way)
 
     @cached_property
     def half_way_rmse(self) -> float:
-        """Root mean square error [N] against the mean of both branches; NaN without these."""
+        """Root mean square error against the half-way curve [N]; NaN without two branches."""
         if self.loop is None or self.half_way is None:
             return float("nan")
         both = np.isfinite(self.half_way.width) & ~self.half_way.record.censored
-        readings = self.half_way.record.only(both)
-        rest = self.record.rest_length
+        readings, rest = self.half_way.record.only(both), self.record.rest_length
         strain = readings.strain * (1.0 if rest is None else rest / float(self.muscle.length))
         force = np.asarray(self.muscle.force(readings.pressure, strain))
         return float(np.sqrt(np.mean((readings.force - force) ** 2)))
 
     @cached_property
     def friction(self) -> Friction | None:
-        """Springs that slip, fitted to the loops; the fitted muscle is as it is without them."""
+        """Sliding springs fitted to the loops; they are no part of the fitted muscle."""
         length = self.record.rest_length
         return fit_friction(self.record, float(self.muscle.length) if length is None else length)
 
     @property
     def points(self) -> int:
-        """Number of readings that were fitted, each of an average counted."""
+        """Number of fitted readings, each of an average counted."""
         return len(self.record)
 
     @property
     def censored(self) -> int:
-        """Number of readings that only say "not above"."""
+        """Number of clipped readings, which only limit the force from above."""
         return self.fit_data.clipped
 
     @property
     def floor(self) -> str:
-        """Force at which readings are clipped, in words."""
+        """Force at which readings are clipped."""
         return clip_floor(self.record)
 
     @property
     def rmse(self) -> float:
-        """Root mean square error of all readings [N], censored ones left out."""
+        """Root mean square error of all readings that are not clipped [N]."""
         return float(np.sqrt(np.nanmean(self.errors**2)))
 
     @property
@@ -219,43 +219,44 @@ class Calibration(Fit):
 
     @property
     def status(self) -> str:
-        """End of the best start, in words."""
+        """Message on how the search from the best start ended."""
         return self.starts[self.solutions.best].split(": ", 1)[1]
 
     @property
     def starts(self) -> list[str]:
-        """Ends of all starts, a line each."""
+        """Messages on how the searches from all starts ended."""
         return import_late("calibrate.messages.end_messages")(self.solutions)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
-        """Draw coordinates [-] from the fit's normal approximation, one row a draw.
+        """Draw coordinates from the fit's normal approximation.
 
-        Those that the data don't determine are kept at their fitted value: drawn from their
-        prior they would only say that nothing is known.
+        Parameters that the data do not determine stay at their fitted value.
 
         **Arguments:**
 
-        - `count`: how many.
+        - `count`: number of draws.
         - `seed`: random seed.
+
+        **Returns:** the coordinates [-], a row for each draw.
         """
-        known = np.array([estimate.identifiable for estimate in self.parameters])
-        covariance = np.where(np.outer(known, known), self.covariance, 0.0)
+        determined = np.array([estimate.identifiable for estimate in self.parameters])
+        covariance = np.where(np.outer(determined, determined), self.covariance, 0.0)
         spread, basis = np.linalg.eigh(covariance)
-        normal = np.random.default_rng(seed).normal(size=(count, known.size))
+        normal = np.random.default_rng(seed).normal(size=(count, determined.size))
         return self.coordinates + normal @ (basis * np.sqrt(np.maximum(spread, 0))).T
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate for what is free.
+    """A candidate of the model selection.
 
-    - `label`: what was free; `names`: of these constants.
+    - `label`, `names`: of its free constants.
     - `method`: "tuning" or "constants".
-    - `constants`: how many numbers were fitted, with those of a tuning's curves.
-    - `rmse`, `left_out_rmse`: error [N] where it was fitted, and at pressures that it wasn't.
+    - `constants`: number of fitted numbers, with those of a tuning's curves.
+    - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to.
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
-    - `readings`: which were compared: "pulling", where the muscle pulls, or "all".
-    - `chosen`: whether it was selected.
+    - `readings`: compared readings: "pulling" or "all".
+    - `chosen`: it was selected.
     """
 
     label: str
@@ -272,26 +273,24 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A `candidate` and its errors where it was left out, reading by reading [N]; NaN for those
-    that are clipped. `violation`: why no muscle can be so, empty where one can.
+    """A `candidate` and the errors [N] of its predictions, reading by reading; NaN for clipped
+    ones. `violation`: what makes the fitted muscle impossible; else empty.
     """
 
     candidate: Candidate
-    unseen: np.ndarray
+    left_out_errors: np.ndarray
     violation: str = ""
 
     @property
     def valid(self) -> bool:
-        """Whether it can be selected: a muscle can be so, and its left-out error is known."""
+        """It can be selected: the muscle is possible, and its left-out error is finite."""
         return bool(np.isfinite(self.candidate.left_out_rmse)) and not self.violation
 
 
 @with_table_repr(_selection_table)
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The `calibration` that was selected for a record; the `candidates` it was selected from; and
-    the `reasons`, a line each.
-    """
+    """The selected `calibration`, all `candidates`, and the `reasons`, a line each."""
 
     calibration: Calibration
     candidates: tuple[Candidate, ...] = ()
@@ -301,34 +300,32 @@ class Selection:
 def estimates(
     problem: Problem, coordinates: np.ndarray, covariance: np.ndarray
 ) -> tuple[Estimate, ...]:
-    """Estimates of a problem's parameters, from the `coordinates` at its minimum and their
-    `covariance`.
-    """
+    """Estimates of a problem's parameters, from `coordinates` at its minimum and `covariance`."""
     if not problem.parameters:
         return ()
     z, deviations = np.asarray(coordinates), np.sqrt(np.diag(covariance))
-    found, start = value_of(problem, z), value_of(problem, problem.center)
-    out = []
+    fitted, start = value_of(problem, z), value_of(problem, problem.center)
+    rows = []
     for i, (parameter, deviation) in enumerate(zip(problem.parameters, deviations, strict=True)):
         if parameter.linear:
             slope = slope_of(problem, z)[i]
-            even = NORMAL * np.sqrt(slope @ covariance @ slope)
-            low, high = found[i] - even, found[i] + even
+            half_width = NORMAL * np.sqrt(slope @ covariance @ slope)
+            low, high = fitted[i] - half_width, fitted[i] + half_width
         else:
-            away = NORMAL * deviation * (np.arange(z.size) == i)
-            low, high = (value_of(problem, z + side * away)[i] for side in (-1, 1))
-        known = is_identifiable(parameter, deviation, problem.deviation[i])
-        out.append(
+            step = NORMAL * deviation * (np.arange(z.size) == i)
+            low, high = (value_of(problem, z + side * step)[i] for side in (-1, 1))
+        identifiable = is_identifiable(parameter, deviation, problem.deviation[i])
+        rows.append(
             Estimate(
-                parameter.name, parameter.dimension, parameter.about, float(found[i]),
-                float(low), float(high), float(start[i]), float(deviation), known,
+                parameter.name, parameter.dimension, parameter.about, float(fitted[i]),
+                float(low), float(high), float(start[i]), float(deviation), identifiable,
             )
         )  # fmt: skip
-    return tuple(out)
+    return tuple(rows)
 
 
 def _with_profile(estimate: Estimate, profile: Profile | None) -> Estimate:
-    """An `estimate` with the ends of its `profile` [SI unit], as far as that has any."""
+    """An `estimate` with the finite ends of its `profile`."""
     if profile is None or not (np.isfinite(profile.low) or np.isfinite(profile.high)):
         return estimate
     low, high = np.isfinite(profile.low), np.isfinite(profile.high)
@@ -343,23 +340,24 @@ def _with_profile(estimate: Estimate, profile: Profile | None) -> Estimate:
 
 
 def is_identifiable(parameter: Parameter, deviation: float, prior: float) -> bool:
-    """Whether the data alone, a `prior` deviation [-] taken off, know a coordinate of this
-    `deviation` [-] within a factor of e.
+    """The data without the prior determine a coordinate within a factor of e.
+
+    `deviation`, `prior`: standard deviations of the coordinate and of its prior [-].
     """
     information = 1 / deviation**2 - 1 / prior**2
-    known = KNOWN * parameter.deviation / WEAK
-    return bool(information > 1 / known**2)
+    limit = KNOWN * parameter.deviation / WEAK
+    return bool(information > 1 / limit**2)
 
 
 def largest_force(record: Record) -> float:
-    """The largest force that was measured [N]; of a record that never pulls, the largest push."""
+    """Largest measured force [N]; of a record that never pulls, the largest push."""
     measured = record.force[~record.censored]
     pull = float(np.max(measured, initial=-np.inf))
     return pull if pull > 0 or not measured.size else float(np.max(np.abs(measured)))
 
 
 def value_of(problem: Problem, coordinates: np.ndarray) -> np.ndarray:
-    """Values of the fitted parameters, each in its SI unit [SI], at their `coordinates` [-]."""
+    """Values of the fitted parameters [SI unit of each] at their `coordinates` [-]."""
     return values(problem.parameters, put(problem.parameters, problem.muscle, coordinates))
 
 

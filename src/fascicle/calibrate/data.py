@@ -1,7 +1,7 @@
-"""Readings as a fit takes them: tables by level of pressure, and what became of every reading.
+"""Data of a fit: readings in a table by level of pressure, and what became of every reading.
 
 Free strain and collapse depend on pressure alone, so readings at one pressure share a level.
-Pressures that a transducer scattered are gathered into levels; a long sweep is averaged in even
+Pressures that a transducer scattered are grouped into levels; a long sweep is averaged in even
 steps of strain, each branch of a loop by itself.
 """
 
@@ -18,15 +18,15 @@ from ..units import pretty
 
 
 WEIGHTS = ("uniform", "level")
-MAX_READINGS = 384  # of a level; a longer sweep is averaged
-MIN_PUSHES = 5  # as many as the factors on what resists; fewer pushes can't determine them
+MAX_READINGS = 384  # of a level; a longer sweep is averaged: more points add no information
+MIN_PUSHES = 5  # number of factors on the resisting force; fewer readings can't determine them
 _GAP = 0.005  # of the largest pressure: readings closer than this share a level
-_WIDEST = 0.02  # of the largest pressure: a level wider than this is a sweep, cut finer
-_SMALL = 0.1  # of a level's largest force: a gauge's noise where it reads none
-_NOISE = 0.02  # of the largest force, the same
-_IDLE = 0.01  # of the highest pressure: below, a muscle that isn't stretched doesn't pull
-# a load cell's floor: at least so many readings, such a share of all, and so many times as many as
-# at each of the values next above it
+_MAX_WIDTH = 0.02  # of the largest pressure: a wider level is a sweep, cut finer
+_SMALL = 0.1  # of a level's largest force: upper limit of a gauge's noise at zero force
+_NOISE = 0.02  # of the record's largest force: the same limit at low pressures
+_IDLE = 0.01  # of the highest pressure: below it an unstretched muscle doesn't pull
+# the floor of a load cell: at least so many readings, such a share of all, and so many times as
+# many as at each of the values next above it
 _FLOOR_COUNT, _FLOOR_SHARE, _FLOOR_RATIO, _FLOOR_NEIGHBORS = 5, 0.02, 4, 10
 
 Table = Float[AnyArray, "level reading"]
@@ -37,9 +37,9 @@ class Grid:
     """Readings by level of pressure, in rows of one length.
 
     - `pressure`: of each level [Pa], as a column.
-    - `strain`, `force`: of each place [-], [N].
-    - `count`: how many readings are averaged there [-]; 0 where a row is filled up.
-    - `censored`: where the reading only says "not above".
+    - `strain`, `force`: of each entry [-], [N].
+    - `count`: number of readings averaged in an entry; 0 for padding.
+    - `censored`: the entry only says "not above".
     """
 
     pressure: Float[AnyArray, "level 1"]
@@ -50,16 +50,16 @@ class Grid:
 
     @property
     def used(self) -> Bool[np.ndarray, "level reading"]:
-        """Places that hold a reading."""
+        """Mask of the entries that hold a reading."""
         return self.count > 0
 
     @property
     def measured(self) -> Bool[np.ndarray, "level reading"]:
-        """Places that hold a force that isn't clipped."""
+        """Mask of the entries that hold a force that isn't clipped."""
         return self.used & ~self.censored
 
     def without(self, fold: np.ndarray) -> "Grid":
-        """The grid without the places in a `fold`."""
+        """Grid without the entries in the mask `fold`."""
         return replace(self, count=np.where(fold, 0.0, self.count))
 
     def weights(self, kind: str) -> np.ndarray:
@@ -67,22 +67,22 @@ class Grid:
         if kind == "uniform":
             return self.used.astype(float)
         total = np.sum(self.count, axis=1, keepdims=True)
-        share = np.sum(total) / (np.sum(total > 0) * np.maximum(total, 1))
-        return self.used * np.sqrt(share)
+        mean = np.sum(total) / np.sum(total > 0)
+        return self.used * np.sqrt(mean / np.maximum(total, 1))
 
 
 @dataclass(frozen=True, eq=False)
 class FitData:
-    """A record as it is fitted.
+    """Selected readings of a record.
 
-    - `record`: the readings that are fitted, with their branches where these can be told.
+    - `record`: the fitted readings, with their branches as far as they are known.
     - `grid`: their table by level of pressure.
-    - `level`, `column`: of each reading in the table.
-    - `branch`: of each place of the table; `time`: mean of its readings' [s], or NaN.
-    - `read`: how many readings were read.
-    - `left_out`: how many of these are not fitted, by reason.
-    - `noise_clipped`: how many small forces among clipped ones count as clipped.
-    - `pushes_clipped`: how many readings that don't pull count as clipped.
+    - `level`, `column`: position of each reading in the table.
+    - `branch`, `time`: of each entry of the table; mean time of its readings [s] or NaN.
+    - `read`: number of readings read.
+    - `left_out`: number of readings that are not fitted, by reason.
+    - `noise_clipped`: number of small forces among clipped ones that count as clipped.
+    - `pushes_clipped`: number of readings without pull that count as clipped.
     """
 
     record: Record
@@ -98,7 +98,7 @@ class FitData:
 
     @property
     def clipped(self) -> int:
-        """Number of readings that only say "not above"."""
+        """Number of clipped readings, which only limit the force from above."""
         return int(np.sum(self.record.censored))
 
     @property
@@ -108,21 +108,21 @@ class FitData:
 
     @property
     def pulls(self) -> bool:
-        """Whether all that was measured pulls, so that the tension law is all that is needed."""
+        """All measured forces pull, so that they depend on the tension law alone."""
         return not self.pushes and not np.all(self.record.censored)
 
     @property
     def averaged(self) -> int:
-        """Number of readings that share their place with others."""
+        """Number of readings that share their entry with others."""
         return int(np.sum(self.grid.count[self.grid.count > 1]))
 
     @property
     def means(self) -> int:
-        """Number of places that hold several readings."""
+        """Number of entries that average several readings."""
         return int(np.sum(self.grid.count > 1))
 
     def counts(self) -> dict[str, int]:
-        """Numbers of readings by what became of them."""
+        """Numbers of readings by their use."""
         return {
             "read": self.read,
             **{f"left out: {reason}": count for reason, count in self.left_out.items()},
@@ -136,35 +136,40 @@ class FitData:
     def errors(self, force: np.ndarray) -> np.ndarray:
         """Measured less fitted force of each reading [N], NaN where it is clipped.
 
-        **Arguments:** `force`: of the model at the places of the grid [N].
+        **Arguments:** `force`: of the model on the grid [N].
         """
-        record, place = self.record, (self.level, self.column)
-        fitted = force[place]
+        record, entry = self.record, (self.level, self.column)
+        fitted = force[entry]
         if self.averaged:
-            slopes = _slopes(force, self.grid)[place]
-            fitted = fitted + (record.strain - self.grid.strain[place]) * slopes
+            slopes = _slopes(force, self.grid)[entry]
+            fitted = fitted + (record.strain - self.grid.strain[entry]) * slopes
         return np.where(record.censored, np.nan, record.force - fitted)
 
 
 def select_fit_data(record: Record) -> FitData:
-    """Select what is fitted of a record: the readings of its sweeps, not the ramps between them."""
-    # a reading that the file calls clipped is clipped at zero, whatever number stands there
+    """Select the readings to fit: those of sweeps, without the ramps between them."""
+    # a clipped reading counts as zero, whatever number the file has for it
     force = np.where(record.censored, 0.0, record.force)
     record = replace(record, force=force, censored=record.censored | _at_floor(record))
-    branches, ramps = _branches(record)
-    read, left_out = len(record), {}
-    if record.time is not None and 0 < np.sum(ramps) < len(record) / 2:
-        left_out = {"on ramps between sweeps": int(np.sum(ramps))}
-        note = f"{np.sum(ramps)} readings of ramps between sweeps left out of the fit"
-        record, branches = record.only(~ramps, note), branches[~ramps]
-    return tabulate(replace(record, branch=branches), read=read, left_out=left_out)
+    branch, ramp = record.branch.copy(), np.zeros(len(record), dtype=bool)
+    has_branches = bool(np.any(branch != UNKNOWN))
+    for run in runs(record):
+        ramp[run.points] = run.kind == "mixed"
+        if not has_branches and run.kind != "mixed":
+            branch[run.points] = run.branch
+    read, left_out, ramps = len(record), {}, int(np.sum(ramp))
+    if record.time is not None and 0 < ramps < len(record) / 2:
+        left_out = {"on ramps between sweeps": ramps}
+        note = f"{ramps} readings of ramps between sweeps left out of the fit"
+        record, branch = record.only(~ramp, note), branch[~ramp]
+    return tabulate(replace(record, branch=branch), read=read, left_out=left_out)
 
 
 def pulling_only(data: FitData, max_readings: int = MAX_READINGS) -> FitData:
-    """The data of a gauge that only pulls, for the tension law alone.
+    """Data as of a gauge that only pulls, for the tension law alone.
 
-    Pushes count as clipped at zero, and so does the noise that such a gauge reads past a free
-    strain. A level holds at most `max_readings`.
+    Pushes count as clipped at zero, and so does noise past a free strain. A level holds at most
+    `max_readings`.
     """
     record = data.record
     below = (record.force <= 0) & ~record.censored
@@ -186,7 +191,7 @@ def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) ->
 
     - `record`: the readings.
     - `max_readings`: of a level; more are averaged in steps of strain.
-    - `counts`: fields of `FitData` that say what was left out.
+    - `counts`: further fields of `FitData`, on readings that were left out.
     """
     level = assign_levels(record.pressure)
     order = np.argsort(level, kind="stable")
@@ -210,23 +215,19 @@ def tabulate(record: Record, max_readings: int = MAX_READINGS, **counts: Any) ->
         censored=mean(record.censored) > 0.5,
     )
     time = np.full(shape, np.nan) if record.time is None else mean(record.time)
-    return FitData(
-        record, grid, level, column,
-        branch=np.round(mean(record.branch)).astype(int),
-        time=np.where(count > 0, time, np.nan),
-        **{"read": len(record), **counts},
-    )  # fmt: skip
+    branch, time = np.round(mean(record.branch)).astype(int), np.where(count > 0, time, np.nan)
+    return FitData(record, grid, level, column, branch, time, **{"read": len(record), **counts})
 
 
 def assign_levels(pressure: np.ndarray) -> np.ndarray:
-    """Level of each `pressure` [Pa], numbered from the lowest."""
+    """Index of the level of each `pressure` [Pa], from the lowest."""
     order = np.argsort(pressure, kind="stable")
     P, top = pressure[order], max(float(np.max(pressure)), 1.0)
     cluster = np.concatenate([[0], np.cumsum(np.diff(P) > _GAP * top)])
     first = P[np.searchsorted(cluster, cluster)]
     last = P[np.searchsorted(cluster, cluster, "right") - 1]
     # a pressure that was swept has no gaps: cut it in steps as fine as a gap
-    step = np.where(last - first > _WIDEST * top, np.floor((P - first) / (_GAP * top)), 0.0)
+    step = np.where(last - first > _MAX_WIDTH * top, np.floor((P - first) / (_GAP * top)), 0.0)
     new = (np.diff(cluster) > 0) | (np.diff(step) != 0)
     levels = np.empty(P.size, dtype=int)
     levels[order] = np.concatenate([[0], np.cumsum(new)])
@@ -234,14 +235,14 @@ def assign_levels(pressure: np.ndarray) -> np.ndarray:
 
 
 def clip_floor(record: Record) -> str:
-    """Force at which a `record` is clipped, in words: zero, or the gauge's floor."""
+    """Force at which a `record` is clipped: "zero", or the gauge's floor with its unit."""
     forces = np.unique(record.force[record.censored])
     below = forces[forces != 0]
     return pretty(float(below[0]), "force") if below.size else "zero"
 
 
 def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarray:
-    """Columns of a level's readings: one each, or one for each step of strain."""
+    """Columns of a level's readings: one for each, or one for each step of strain."""
     if points.size <= max_readings:
         return np.arange(points.size)
     strain = record.strain[points]
@@ -257,66 +258,55 @@ def _columns(record: Record, points: np.ndarray, max_readings: int) -> np.ndarra
 
 
 def _at_floor(record: Record) -> np.ndarray:
-    """Readings at the floor of the load cell.
+    """Mask of the readings at the floor of the load cell.
 
-    Many of exactly the least number, far more than of those above it, which a coarse gauge would
-    repeat as well.
+    They have exactly the lowest value, and are far more than those of the values next above it,
+    which a coarse gauge would repeat as well.
     """
     values, counts = np.unique(record.force[~record.censored], return_counts=True)
-    if values.size < 2 or values[0] >= 0:  # zeros are the file's to explain
+    if values.size < 2 or values[0] >= 0:  # the file has to declare that zeros are clipped
         return np.zeros(len(record), dtype=bool)
-    most = np.max(counts[1 : 1 + _FLOOR_NEIGHBORS])
-    enough = max(_FLOOR_COUNT, _FLOOR_SHARE * np.sum(counts), _FLOOR_RATIO * most)
+    neighbors = np.max(counts[1 : 1 + _FLOOR_NEIGHBORS])
+    enough = max(_FLOOR_COUNT, _FLOOR_SHARE * np.sum(counts), _FLOOR_RATIO * neighbors)
     return (record.force == values[0]) & ~record.censored & bool(counts[0] >= enough)
 
 
 def _zero_plateau(data: FitData, clipped: np.ndarray) -> np.ndarray:
-    """Small forces among `clipped` readings: a force that falls with strain doesn't come back."""
+    """Mask of small forces among `clipped` readings: a force that fell to zero does not return."""
     force, strain = data.record.force, data.record.strain
-    out, top = np.zeros(force.size, dtype=bool), float(np.max(force))
+    mask, top = np.zeros(force.size, dtype=bool), float(np.max(force))
     idle = data.record.pressure < _IDLE * float(np.max(data.record.pressure))
     order = np.lexsort((strain, data.level))
     for points in np.split(order, np.flatnonzero(np.diff(data.level[order])) + 1):
-        gone = clipped[points]
-        if np.all(gone) or not (np.any(gone) or idle[points[0]]):
+        zero = clipped[points]
+        if np.all(zero) or not (np.any(zero) or idle[points[0]]):
             continue
-        # where the level ends to pull: most before it do, and most beyond it don't
-        right = np.concatenate([[0], np.cumsum(~gone)]) + np.concatenate(
-            [np.cumsum(gone[::-1])[::-1], [0]]
+        # the strain that best separates readings that pull from those that don't
+        correct = np.concatenate([[0], np.cumsum(~zero)]) + np.concatenate(
+            [np.cumsum(zero[::-1])[::-1], [0]]
         )
-        end = 0 if idle[points[0]] else int(np.argmax(right))
+        end = 0 if idle[points[0]] else int(np.argmax(correct))
         small = force[points] < max(_SMALL * np.max(force[points]), _NOISE * top)
-        noise = (np.arange(points.size) >= end) & ~gone & small
-        # before it, too, what is no more than the noise that is seen beyond
+        noise = (np.arange(points.size) >= end) & ~zero & small
+        # forces before it that are no larger than this noise are noise, too
         largest = np.max(force[points], where=noise, initial=0.0)
-        while end > 0 and (gone[end - 1] or force[points][end - 1] <= largest):
+        while end > 0 and (zero[end - 1] or force[points][end - 1] <= largest):
             end -= 1
-            noise[end] = not gone[end]
-        out[points] = noise
-    return out
-
-
-def _branches(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Branches as the record tells them, or as its sweeps turn; and which readings are on ramps."""
-    branches, ramps = record.branch.copy(), np.zeros(len(record), dtype=bool)
-    known = bool(np.any(branches != UNKNOWN))
-    for run in runs(record):
-        ramps[run.points] = run.kind == "mixed"
-        if not known and run.kind != "mixed":
-            branches[run.points] = run.branch
-    return branches, ramps
+            noise[end] = not zero[end]
+        mask[points] = noise
+    return mask
 
 
 def _slopes(force: np.ndarray, grid: Grid) -> np.ndarray:
-    """Slopes of the model's force with strain [N] from one place of a level to the next."""
-    out = np.zeros(force.shape)
+    """Slopes of the model's force with strain [N] along each level."""
+    slopes = np.zeros(force.shape)
     for row in range(len(force)):
         columns = np.flatnonzero(grid.used[row])
         columns = columns[np.argsort(grid.strain[row, columns], kind="stable")]
         x = grid.strain[row, columns]
-        # the means of both branches may lie a rounding apart
+        # the means of both branches may differ by rounding
         distinct = np.concatenate([[True], np.diff(x) > 1e-6 * np.ptp(x)])
         if np.sum(distinct) > 1:
             slope = np.gradient(force[row, columns[distinct]], x[distinct])
-            out[row, columns] = np.interp(x, x[distinct], slope)
-    return out
+            slopes[row, columns] = np.interp(x, x[distinct], slope)
+    return slopes

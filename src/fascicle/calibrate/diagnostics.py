@@ -1,48 +1,49 @@
 r"""Residual diagnostics: trends, runs of one sign, their likely causes, and the model's own error.
 
-Residuals $y$ of $n$ readings, a fit's Jacobian $J$, and columns $B$ of polynomials in what they may
-follow: with $Q$ the span of what of $B$ lies beside $J$, and $R$ that of all such columns together,
+Let $y$ be the residuals of $n$ readings, $J$ the fit's Jacobian, and $B$ polynomials along which
+the residuals may vary. $Q$ spans the part of $B$ that $J$ does not explain, $R$ the same part of
+all such polynomials together. Then
 
 $$F = \frac{\lVert Q^T y \rVert^2 / \operatorname{rank} Q}
       {(\lVert y \rVert^2 - \lVert R^T y \rVert^2) / (n - p - \operatorname{rank} R)} \tag{C9}$$
 
-follows Fisher's distribution if what is left is noise, $p$ constants having been fitted. Trends
-are looked for along strain, pressure, both together, branch and time; the most significant is
-taken first, and the others beside it. Signs of neighbors differ half of the time if they are
-noise: that they do so rarely, along strain in a sweep or along pressure at one strain, is a
-binomial's tail. All tests together call noise a trend in 1 % of records (Bonferroni).
+follows Fisher's distribution if the residuals are noise, with $p$ fitted constants. Trends are
+tested along strain, pressure, both together, branch and time; the most significant one is taken
+first, the others are tested after it. Neighboring residuals change sign half of the time if they
+are noise; the probability of fewer changes, along strain in a sweep or along pressure at one
+strain, is a binomial tail. All tests together mistake noise for a trend in 1 % of records
+(Bonferroni).
 
-A fit makes residuals orthogonal to its own Jacobian, and the error that it has taken up into its
-constants can't be seen. It is taken to be as large as what can be: a smooth discrepancy is added to
-the model,
+A fit makes residuals orthogonal to its own Jacobian, so the model error that its constants have
+absorbed is invisible. That error is assumed to be as large as the visible one. The model gets a
+smooth discrepancy
 
 $$F = \mu(z) + B b + e, \qquad b \sim N(0, \tau^2), \tag{C10}$$
 
-with the polynomials $B$ of each trend that was found, and its size from what they explain,
-the expectation of the explained squares (Henderson's method III)
+with the polynomials $B$ of each significant trend. Its size follows from the expectation of the
+explained sum of squares (Henderson's method III),
 
 $$E \lVert Q^T y \rVert^2 = \tau^2 \lVert (1 - T T^T) B \rVert^2 + \sigma^2 \operatorname{rank} Q,
   \tag{C11}$$
 
-$T$ the span of all that was fitted before. The constants' covariance grows by what such errors
-would move them,
+where $T$ spans everything fitted before. The covariance of the constants grows by the shift that
+such errors cause,
 
 $$C_d = \tau^2 (t/1.645)^2\, G B B^T G^T, \qquad G = (J^T J)^{-1} J^T, \tag{C12}$$
 
-$t$ Student's quantile, since $\tau$ is known from a few orders only.
+with Student's quantile $t$, since $\tau$ is estimated from a few orders only.
 
-Each known cause changes the force in its own way over strain and pressure. How much of the
-residuals' squares such a change would take up, beside what was fitted, is computed to first
-order: a hint where to look, and no fit. Readings past the free strain are also compared with other
-buckling laws, each with its own best factors on Young's modulus and on the moment of collapse.
+Each known cause changes the force in its own way over strain and pressure. The share of the
+residuals' sum of squares that such a change would explain, after the fit, is computed to first
+order: it hints at a cause and is no fit. Readings past the free strain are also compared with the
+other buckling laws, each with its own best factors on Young's modulus and on the collapse moment.
 
-**Assumes** that the discrepancy is smooth, and no larger where the fit took it up than beside.
+**Assumes** that the discrepancy is smooth, and no larger where the fit absorbed it than elsewhere.
 **Source:** Fisher (1922); Wald and Wolfowitz (1940) for runs, here about zero; Kennedy and O'Hagan
 (2001) for the discrepancy; Henderson (1953) for its size.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,63 +53,63 @@ from scipy.special import bdtr, fdtrc, stdtrit
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from .least_squares import KNOWN, NORMAL, Fit, Problem
-from .parameters import FACTORS, coordinates, put, select_parameters
+from .parameters import FACTORS, Parameter, coordinates, put, select_parameters
 
 
-# causes of residuals, and what to do; of constants that a fit may free, their names alone
+# causes of residuals and remedies
 _CAUSES = {
-    "compliance": ("an end effect: fibers or fittings that give", "free end_compliance"),
-    "ends": ("an end effect: ends that don't swell",
+    "compliance": ("an end effect: compliant fibers or fittings", "free end_compliance"),
+    "ends": ("an end effect: ends that do not swell",
              "compare tension laws: tondu_lopez scales the strain"),
-    "length": ("the zero of the length", "check the rest length"),
-    "zero": ("the load cell's zero", "take it off"),
+    "length": ("an error of the length's zero", "check the rest length"),
+    "zero": ("an offset of the load cell", "subtract it from the forces"),
     "rubber": (
-        "the bladder's elasticity: a force that goes with contraction, whatever the pressure",
-        "C10 and C01 can't follow it: trust strains that were measured, not those between or"
-        " beyond",
+        "the bladder's elasticity: a force that depends on contraction, not on pressure",
+        "C10 and C01 can't reproduce it; rely on the model at the measured strains only",
     ),
-    "friction": ("friction: a hysteresis loop", "its width is part of the muscle's error in use"),
-    "drift": ("a drift in time", "measure the first pressure again at the end"),
+    "branch": ("friction: a hysteresis loop", "count its width as an error of the muscle in use"),
+    "time": ("a drift in time", "measure the first pressure again at the end"),
 }  # fmt: skip
-_CONSTANTS = {
-    "dead_band": "a dead band, or the transducer's zero",
-    "active_length": "an end effect: a part of the length that doesn't work",
-    "wall_thickness": "another wall",
+_CAUSES_BY_CONSTANT = {
+    "dead_band": "a dead band, or an offset of the pressure transducer",
+    "active_length": "an end effect: part of the length is passive",
+    "inactive_length": "an end effect: part of the length is passive",
     "end_compliance": _CAUSES["compliance"][0],
-    "inactive_length": "an end effect: a part of the length that doesn't work",
-    "c10": "the rubber's modulus",
-    "c01": "the rubber's modulus",
+    "wall_thickness": "another wall thickness",
+    "c10": "another modulus of the rubber",
+    "c01": "another modulus of the rubber",
     "braid_angle": "another braid angle",
     "outer_radius": "another radius",
 }
-ALPHA = 0.01  # chance of calling noise a trend, all tests of a record together
-_ORDERS = 5  # of a polynomial: smoother than this is a trend, rougher is noise
-_MIN_FREEDOM = 5  # degrees of freedom left, below which nothing can be told
-_MIN_PAIRS = 8  # neighbors, below which signs tell nothing
-_RESOLUTION = 2e-3  # of the range: strains closer than this are one
-_CELLS = 12  # of strain, where it was swept
-_RANK = 1e-6  # of their size: columns that are one but for errors of finite differences
-_IN_READINGS = 0.5  # of a direction's square that lies in readings, for it to be one of them
-_LEVEL = 0.95  # both ends of a 90 % interval
-_WORTH = 0.2  # of the residuals' squares, below which a cause isn't named
-_NEXT = 0.8  # of the best cause's share: others are named too
-_MAX_CAUSES = 3
+ALPHA = 0.01  # probability of taking noise for a trend, all tests of a record together
+_ORDERS = 5  # highest order of a polynomial: a trend is smoother, noise is rougher
+_MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
+_MIN_PAIRS = 8  # neighbors: with fewer even no change of sign has a probability above 0.4 %
+_RESOLUTION = 2e-3  # of the range: closer strains count as equal, as a test stand repeats them
+_CELLS = 12  # cells of a swept strain: enough to show a bow, with several readings in each
+_RANK = 1e-6  # of a column's size: as exact as finite differences, columns below it are dependent
+_READING_SHARE = 0.5  # of a direction's square: more lies in readings than in priors
+_QUANTILE = 0.95  # both ends of a 90 % interval
+_MIN_SHARE = 0.2  # of the residuals' squares: a smaller cause would not help
+_TIED_SHARE = 0.8  # of the best cause's share: first-order shares are no more exact than that
+_MAX_CAUSES = 3  # causes in a message that is still read
 _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
 _LAWS = ("kim2021", "kim2021_series", "elastica")  # `ovalising` takes minutes
-_MOSTLY = 0.5  # of the residuals' squares: past the free strain, so that the law there is in doubt
-_MAX_COMPARED = 300  # readings: enough to tell laws apart, and quick
-_MAX_CALLS = 30  # of a law's forces in the search for its factors
-_FARTHEST = np.log(20)  # of a factor either way
+_MAJORITY = 0.5  # of the residuals' squares past the free strain, which puts the law there in doubt
+_MAX_COMPARED = 300  # readings: enough to distinguish laws within a second
+_MAX_CALLS = 30  # evaluations of a law's forces in the search for its two factors
+_MAX_LOG_FACTOR = np.log(20)  # as wide as the weak prior of a parameter
 
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """A trend that residuals may follow.
+    """Result of a test for a trend of the residuals.
 
     - `along`: "strain", "pressure", "strain and pressure", "branch" or "time".
-    - `share`: of the residuals' squares that it explains [-], beside those found before it.
-    - `chance`: of as much or more in noise [-]. `found`: whether that is too little.
-    - `columns`: the polynomials at the residuals' rows, of mean square 1.
+    - `share`: fraction of the residuals' squares it explains [-], after more significant trends.
+    - `chance`: probability of at least this share in noise [-].
+    - `found`: the trend is significant.
+    - `columns`: polynomials at the residuals' rows, of mean square 1.
     """
 
     along: str
@@ -120,8 +121,11 @@ class Trend:
 
 @dataclass(frozen=True)
 class Runs:
-    """Signs of neighboring residuals `along` "strain" or "pressure": the number of `pairs`, and of
-    those that change sign, `changes`; `chance`, `found`: as of a trend.
+    """Result of a test for runs of one sign among neighboring residuals.
+
+    - `along`: "strain" or "pressure".
+    - `pairs`, `changes`: number of neighboring pairs, and of those that change sign.
+    - `chance`, `found`: as of a `Trend`.
     """
 
     along: str
@@ -133,7 +137,7 @@ class Runs:
 
 @dataclass(frozen=True)
 class Signs:
-    """Of `count` residuals near a `strain` [-], the number that lies `below` zero."""
+    """Numbers of residuals near a `strain` [-]: `count` in all, `below` of them negative."""
 
     strain: float
     count: int
@@ -155,24 +159,25 @@ class Cause:
 class Diagnosis:
     """Residual diagnostics of a fit.
 
-    - `trends`: tested trends, significant ones first; `runs`: of signs.
-    - `signs`: strains where nearly all residuals are of one sign.
-    - `at_rest`: at the least strain, pressures [Pa], rising, and the mean residual [N] at each.
-    - `noise`: standard deviation of a reading [N] about fit and all trends, NaN where too few
-      readings are left to tell.
-    - `inflation`: of the covariance from noise, for residuals that follow one another [-].
-    - `covariance`: what the model's own error adds to that of the coordinates; `None`: nothing.
-    - `discrepancy`: columns [N] of that error at the places of the grid, each to be multiplied by
-      a standard normal deviate.
-    - `causes`: that would explain the residuals, the likeliest first.
-    - `confounded`: constants that weren't fitted, and that the data could not tell beside those
-      that were.
+    - `trends`: results of the trend tests, significant ones first; `runs`: of the sign tests.
+    - `signs`: strains at which nearly all residuals have one sign.
+    - `least_strain`: pressures [Pa], rising, and mean residuals [N] at the least strain.
+    - `noise`: standard deviation of a reading [N] about fit and all trends; NaN where too few
+      readings remain.
+    - `inflation`: factor on the covariance from noise for correlated residuals [-].
+    - `covariance`: contribution of the model's error to the covariance of the coordinates; `None`
+      without a significant trend.
+    - `discrepancy`: columns [N] of the model's error on the grid, each to be multiplied by a
+      standard normal deviate.
+    - `causes`: likely causes, the likeliest first.
+    - `confounded`: constants that were not fitted, and that the data can't distinguish from the
+      fitted ones.
     """
 
     trends: tuple[Trend, ...] = ()
     runs: tuple[Runs, ...] = ()
     signs: tuple[Signs, ...] = ()
-    at_rest: tuple[tuple[float, float], ...] = ()
+    least_strain: tuple[tuple[float, float], ...] = ()
     noise: float = float("nan")
     inflation: float = 1.0
     covariance: np.ndarray | None = None
@@ -182,31 +187,32 @@ class Diagnosis:
 
     @property
     def significant(self) -> tuple[Trend, ...]:
-        """The trends that are no chance."""
+        """Significant trends."""
         return tuple(trend for trend in self.trends if trend.found)
 
     @property
     def autocorrelated(self) -> tuple[Runs, ...]:
-        """Directions along which neighbors have one sign too often for chance."""
+        """Directions along which neighbors share their sign more often than noise does."""
         return tuple(run for run in self.runs if run.found)
 
     @property
     def is_white_noise(self) -> bool:
-        """Whether residuals could be noise."""
+        """Residuals are compatible with noise."""
         return not self.significant and not self.autocorrelated
 
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """Residuals of readings that were measured, and their places. The last rows of `residual` and
-    `slopes` are the priors': a constant that its prior holds has taken nothing up.
+    """Residuals of the measured readings, followed by rows of the priors.
 
-    - `residual`: measured less fitted force [N], times the root of how many readings it averages.
+    The priors' rows show what a constant held by its prior has not absorbed.
+
+    - `residual`: measured less fitted force [N], times the root of the number of readings averaged.
     - `slopes`: its Jacobian [N] by the coordinates, then by the curves of the readings.
-    - `weight`: root of how many readings are averaged; 0 for a prior.
-    - `strain`, `pressure`, `branch`, `time`, `force`: of each reading, the record's [-], [Pa],
-      [-], [s], and the model's [N]; of priors they mean nothing.
-    - `level`: of pressure.
+    - `weight`: root of the number of readings averaged; 0 for a prior.
+    - `strain`, `pressure`, `branch`, `time`, `force`: the record's strain [-], pressure [Pa],
+      branch and time [s] and the model's force [N] of each reading; meaningless for priors.
+    - `level`: index of the level of pressure.
     """
 
     residual: np.ndarray
@@ -220,121 +226,151 @@ class Residuals:
     level: np.ndarray
 
     @property
-    def read(self) -> np.ndarray:
-        """Rows that are readings."""
+    def is_reading(self) -> np.ndarray:
+        """Mask of the rows that are readings."""
         return self.weight > 0
+
+    @cached_property
+    def readings(self) -> "Residuals":
+        """Residuals without the priors' rows."""
+        mask = self.is_reading
+        return Residuals(*(getattr(self, field.name)[mask] for field in fields(self)))
 
     @property
     def squares(self) -> float:
         """Sum of squares of the readings' residuals [N²]."""
-        return float(np.sum(self.residual[self.read] ** 2))
+        return float(np.sum(self.readings.residual**2))
+
+    @property
+    def known_columns(self) -> dict[str, np.ndarray]:
+        """Columns of branch and time, as far as the record has them."""
+        columns = {}
+        if {1, -1} <= set(np.unique(self.readings.branch)):
+            # a loop's width grows with pressure
+            columns["branch"] = np.stack([self.branch, self.branch * self.pressure], axis=-1)
+        if np.all(np.isfinite(self.readings.time)):
+            columns["time"] = np.nan_to_num(self.time)
+        return columns
 
     @cached_property
     def model_subspace(self) -> np.ndarray:
-        """Orthonormal basis of what the fit could take up."""
+        """Orthonormal basis of the changes that the fitted constants can absorb."""
         return span(self.slopes)
 
-    def beyond(self, basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Orthonormal basis of the part of `columns` that lies beside an orthonormal `basis`.
+    def complement(self, basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Orthonormal basis of the part of `columns` outside the span of an orthonormal `basis`.
 
-        What a constant takes up but for its prior is none of it: that lies in the priors' rows.
+        Directions that lie mainly in the priors' rows are left out: a constant would absorb them
+        but for its prior.
         """
         Q = span(project_out(basis, columns))
-        return Q[:, np.sum(Q[self.read] ** 2, axis=0) > _IN_READINGS]
+        return Q[:, np.sum(Q[self.is_reading] ** 2, axis=0) > _READING_SHARE]
 
-    def rows(self, values: np.ndarray) -> np.ndarray:
-        """`values` at the readings as columns to regress on: weighted, and zero for priors."""
+    def weighted(self, values: np.ndarray) -> np.ndarray:
+        """Columns to regress on: `values` of the readings times their weight, zero for priors."""
         columns = np.asarray(values, dtype=float).reshape(self.weight.size, -1)
-        return np.where(self.read[:, None], columns * self.weight[:, None], 0.0)
+        return np.where(self.is_reading[:, None], columns * self.weight[:, None], 0.0)
 
 
 def diagnose(fit: Fit) -> Diagnosis:
     """Diagnose the residuals of a `fit`."""
     residuals = residuals_of(fit)
     diagnosis = find_trends(residuals)
-    sizes = discrepancy_sizes(residuals, diagnosis)
+    covariance, discrepancy = _model_error(fit, residuals, diagnosis)
+    effects = _effects_of_constants(fit, residuals)
     diagnosis = replace(
         diagnosis,
         inflation=autocorrelation_inflation(residuals, diagnosis),
-        covariance=_trend_covariance(fit, diagnosis, sizes),
-        discrepancy=_discrepancy(fit.problem, residuals, diagnosis, sizes),
-        causes=find_causes(fit, residuals, diagnosis),
-        confounded=confounded_parameters(fit, residuals),
+        covariance=covariance,
+        discrepancy=discrepancy,
+        causes=_likely_causes(fit, residuals, diagnosis, effects),
+        confounded=_confounded_constants(fit, residuals, effects),
     )
-    other = other_buckling_law(fit, diagnosis)
-    if other is None:
+    buckling = _better_buckling_law(fit, diagnosis)
+    if buckling is None:
         return diagnosis
-    # what it explains is not the rubber's or the gauge's
-    smaller = tuple(cause for cause in diagnosis.causes if cause.share > other.share)
-    return replace(diagnosis, causes=(other, *smaller))
+    # residuals that another buckling law explains are no evidence for a weaker cause
+    stronger = tuple(cause for cause in diagnosis.causes if cause.share > buckling.share)
+    return replace(diagnosis, causes=(buckling, *stronger))
 
 
 def residuals_of(fit: Fit) -> Residuals:
-    """The residuals of a `fit`, with the rows of its priors."""
-    problem, data = fit.problem, fit.fit_data
-    grid, linear = problem.grid, fit.minimum.linear
-    # the noise of the problem that was solved, which residuals and priors are relative to
-    used, k, noise = grid.measured, len(problem.parameters), fit.minimum.solved_noise
-    weight = np.sqrt(grid.count[used])
-    missed = weight * (grid.force - linear.force)[used]
-    # outliers stay played down as the loss has them, in a tuning also where it doesn't look
+    """Residuals of a `fit`, with the rows of its priors."""
+    problem, data, linear = fit.problem, fit.fit_data, fit.minimum.linear
+    # residuals and priors are relative to the noise that the problem was solved with
+    grid, noise, k = problem.grid, fit.minimum.solved_noise, len(problem.parameters)
+    measured = grid.measured
+    weight = np.sqrt(grid.count[measured])
+    residual = weight * (grid.force - linear.force)[measured]
+    # outliers keep the reduced weight of the loss; a tuning gives some readings no weight at all
     if problem.loss != "linear":
-        softened = linear.residuals[: used.size].reshape(used.shape)[used] * noise
-        missed = np.where(softened != 0, softened, missed)
-    slopes = -weight[:, None] * linear.force_slopes[used]
+        softened = linear.residuals[: measured.size].reshape(measured.shape)[measured] * noise
+        residual = np.where(softened != 0, softened, residual)
+    slopes = -weight[:, None] * linear.force_slopes[measured]
     priors = np.zeros((k, slopes.shape[1]))
     priors[:, :k] = np.diag(noise / problem.deviation)
-    pulled = (fit.coordinates - problem.center) * noise / problem.deviation
-    pressure, level = np.broadcast_to(grid.pressure, used.shape), np.indices(used.shape)[0]
+    prior_residual = (fit.coordinates - problem.center) * noise / problem.deviation
+    pressure, level = np.broadcast_to(grid.pressure, measured.shape), np.indices(measured.shape)[0]
     columns = (grid.strain, pressure, data.branch, data.time, linear.force, level)
-    none = np.zeros(k)
+    zeros = np.zeros(k)
     return Residuals(
-        np.concatenate([missed, pulled]),
+        np.concatenate([residual, prior_residual]),
         np.concatenate([slopes, priors]),
-        np.concatenate([weight, none]),
-        *(np.concatenate([values[used], none]) for values in columns),
+        np.concatenate([weight, zeros]),
+        *(np.concatenate([values[measured], zeros]) for values in columns),
     )
 
 
 def span(columns: np.ndarray) -> np.ndarray:
     """Orthonormal basis of the span of `columns`."""
     scale = np.linalg.norm(columns, axis=0)
-    some = columns[:, scale > 0] / scale[scale > 0]
-    if not some.size:
+    scaled = columns[:, scale > 0] / scale[scale > 0]
+    if not scaled.size:
         return np.zeros((len(columns), 0))
-    basis, size, _ = np.linalg.svd(some, full_matrices=False)
+    basis, size, _ = np.linalg.svd(scaled, full_matrices=False)
     return basis[:, size > _RANK * size[0]]
 
 
 def project_out(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """The part of `columns` that lies beside the span of an orthonormal `basis`."""
-    rest = columns - basis @ (basis.T @ columns)
-    rest = rest - basis @ (basis.T @ rest)  # once more for what rounding left
-    nothing = np.linalg.norm(rest, axis=0) < _RANK * np.linalg.norm(columns, axis=0)
-    return np.where(nothing, 0.0, rest)
+    """Part of `columns` orthogonal to the span of an orthonormal `basis`."""
+    remainder = columns - basis @ (basis.T @ columns)
+    remainder = remainder - basis @ (basis.T @ remainder)  # a second time against rounding
+    dependent = np.linalg.norm(remainder, axis=0) < _RANK * np.linalg.norm(columns, axis=0)
+    return np.where(dependent, 0.0, remainder)
 
 
 def find_trends(residuals: Residuals) -> Diagnosis:
-    """Trends and runs in `residuals`."""
+    """Test `residuals` for trends and for runs of one sign."""
     columns, model = _trend_columns(residuals), residuals.model_subspace
-    every = residuals.beyond(model, np.hstack(list(columns.values())))
-    fitted = float(np.sum(model[residuals.read] ** 2))  # a constant that its prior holds isn't one
-    free = int(np.sum(residuals.read)) - fitted - every.shape[1]
-    runs = _count_runs(residuals)
-    tests = len(runs) + (len(columns) if free >= _MIN_FREEDOM else 0)
+    trend_space = residuals.complement(model, np.hstack(list(columns.values())))
+    # a constant that its prior holds does not count as fitted
+    constants = float(np.sum(model[residuals.is_reading] ** 2))
+    freedom = len(residuals.readings.residual) - constants - trend_space.shape[1]
+    runs = _count_runs(residuals.readings)
+    tests = len(runs) + (len(columns) if freedom >= _MIN_FREEDOM else 0)
     diagnosis = Diagnosis(
-        runs=_test_runs(runs, tests), signs=_signs(residuals), at_rest=_at_rest(residuals)
+        runs=tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs),
+        signs=_one_sided_strains(residuals.readings),
+        least_strain=_means_at_least_strain(residuals.readings),
     )
-    if free < _MIN_FREEDOM:
+    if freedom < _MIN_FREEDOM:
         return diagnosis
-    y = residuals.residual
-    rest = y - model @ (model.T @ y) - every @ (every.T @ y)
-    variance = float(np.sum(rest**2)) / free
-    trends, basis = [], model
+    y, squares = residuals.residual, max(residuals.squares, 1e-300)
+    remainder = y - model @ (model.T @ y) - trend_space @ (trend_space.T @ y)
+    variance = float(np.sum(remainder**2)) / freedom
+
+    def test(along: str, B: np.ndarray) -> Trend:
+        """Test one kind of trend by (C9), after the present `basis`."""
+        Q = residuals.complement(basis, B)
+        explained, chance = float(np.sum((Q.T @ y) ** 2)), 1.0
+        if Q.shape[1] and variance > 0:
+            chance = float(fdtrc(Q.shape[1], freedom, explained / Q.shape[1] / variance))
+        return Trend(along, min(explained / squares, 1.0), chance, False, B)
+
+    trends: list[Trend] = []
+    basis = model
     while columns:
-        trials = [
-            _test_trend(residuals, name, basis, B, variance, free) for name, B in columns.items()
-        ]
+        trials = [test(along, B) for along, B in columns.items()]
         best = min(trials, key=lambda trend: trend.chance)
         if best.chance * tests >= ALPHA:
             trends += trials
@@ -344,92 +380,63 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     return replace(diagnosis, trends=tuple(trends), noise=float(np.sqrt(variance)))
 
 
-def _test_trend(
-    residuals: Residuals, name: str, basis: np.ndarray, B: np.ndarray, variance: float, free: float
-) -> Trend:
-    Q = residuals.beyond(basis, B)
-    explained = float(np.sum((Q.T @ residuals.residual) ** 2))
-    chance = 1.0
-    if Q.shape[1] and variance > 0:
-        chance = float(fdtrc(Q.shape[1], free, explained / Q.shape[1] / variance))
-    return Trend(name, min(explained / max(residuals.squares, 1e-300), 1.0), chance, False, B)
-
-
 def _trend_columns(residuals: Residuals) -> dict[str, np.ndarray]:
-    """Weighted polynomials in what residuals may follow, by its name."""
-    strain = _polynomials(residuals, residuals.strain, _ORDERS)
-    pressure = _polynomials(residuals, residuals.pressure, _ORDERS)
-    both = [
+    """Weighted polynomials of mean square 1, by the direction of the trend."""
+    strain = _legendre(residuals, residuals.strain, _ORDERS)
+    pressure = _legendre(residuals, residuals.pressure, _ORDERS)
+    products = [
         strain[:, i] * pressure[:, j]
         for i, j in ((0, 0), (1, 0), (0, 1))
         if i < strain.shape[1] and j < pressure.shape[1]
     ]
-    # an error that is the same everywhere is one along strain
-    out = {"strain": np.insert(strain, 0, 1.0, axis=1), "pressure": pressure}
-    if both:
-        out["strain and pressure"] = np.stack(both, axis=-1)
-    if {1, -1} <= set(np.unique(residuals.branch[residuals.read])):
-        out["branch"] = _branch_columns(residuals)
-    if np.all(np.isfinite(residuals.time[residuals.read])):
-        out["time"] = _polynomials(residuals, residuals.time, 2)
-    scaled = {name: residuals.rows(_unit(residuals, columns)) for name, columns in out.items()}
-    return {name: columns for name, columns in scaled.items() if columns.shape[1]}
+    # a constant error counts as one along strain
+    kinds = {"strain": np.insert(strain, 0, 1.0, axis=1), "pressure": pressure}
+    if products:
+        kinds["strain and pressure"] = np.stack(products, axis=-1)
+    kinds |= residuals.known_columns
+    if "time" in kinds:
+        kinds["time"] = _legendre(residuals, kinds["time"], 2)
+    weight, scaled = residuals.weight**2, {}
+    for along, columns in kinds.items():
+        square = np.sum(weight[:, None] * columns**2, axis=0) / max(float(weight.sum()), 1e-300)
+        if np.any(square > 0):
+            unit = columns[:, square > 0] / np.sqrt(square[square > 0])
+            scaled[along] = residuals.weighted(unit)
+    return scaled
 
 
-def _branch_columns(residuals: Residuals) -> np.ndarray:
-    # a loop's width grows with pressure
-    return np.stack([residuals.branch, residuals.branch * residuals.pressure], axis=-1)
-
-
-def _polynomials(residuals: Residuals, values: np.ndarray, order: int) -> np.ndarray:
-    """Legendre's polynomials of orders 1 to `order` over the range of `values`."""
-    read = values[residuals.read]
-    low, width = float(np.min(read, initial=np.inf)), float(np.ptp(read)) if read.size else 0.0
+def _legendre(residuals: Residuals, values: np.ndarray, order: int) -> np.ndarray:
+    """Legendre polynomials of orders 1 to `order` over the range of `values`."""
+    mask = residuals.is_reading
+    low, width = np.min(values[mask], initial=np.inf), np.ptp(values[mask]) if mask.any() else 0.0
     if not width > 0:
         return np.zeros((values.size, 0))
-    distinct = np.unique(np.round((read - low) / (width * _RESOLUTION))).size
-    x = np.where(residuals.read, 2 * (values - low) / width - 1, 0.0)
+    distinct = np.unique(np.round((values[mask] - low) / (width * _RESOLUTION))).size
+    x = np.where(mask, 2 * (values - low) / width - 1, 0.0)
     return np.polynomial.legendre.legvander(x, min(order, distinct - 1))[:, 1:]
 
 
-def _unit(residuals: Residuals, columns: np.ndarray) -> np.ndarray:
-    """`columns` scaled to a mean square of 1 over all readings."""
-    weight = residuals.weight**2
-    square = np.sum(weight[:, None] * columns**2, axis=0) / max(float(weight.sum()), 1e-300)
-    return columns[:, square > 0] / np.sqrt(square[square > 0])
-
-
-def _count_runs(residuals: Residuals) -> list[tuple[str, int, int]]:
-    """Numbers of neighbors along strain and along pressure, and of those that change sign."""
-    read = residuals.read
-    sign, level = np.sign(residuals.residual[read]), residuals.level[read]
-    strain, branch = residuals.strain[read], residuals.branch[read]
-    cell, cells = _cells(strain)
-    order = np.lexsort((strain, branch, level))
-    sweep = (np.diff(level[order]) == 0) & (np.diff(branch[order]) == 0)
-    counts = [_count_changes("strain", sign[order], sweep)]
+def _count_runs(readings: Residuals) -> list[Runs]:
+    """Changes of sign between neighbors along strain and along pressure."""
+    order = np.lexsort((readings.strain, readings.branch, readings.level))
+    level, branch = readings.level[order], readings.branch[order]
+    sweep = (np.diff(level) == 0) & (np.diff(branch) == 0)
+    counted = [("strain", np.sign(readings.residual[order]), sweep)]
+    cell, cells = _cells(readings.strain)
     if cells:
-        # one value for each level in a cell of strain
-        weight, levels = residuals.weight[read], int(level.max()) + 1
-        key = (cell * levels + level).astype(int)
-        mean = np.bincount(key, residuals.residual[read] * weight)
-        some = np.flatnonzero(np.bincount(key, weight) > 0)
-        one_cell = np.diff(some // levels) == 0
-        counts.append(_count_changes("pressure", np.sign(mean[some]), one_cell))
-    return [count for count in counts if count[1] >= _MIN_PAIRS]
-
-
-def _count_changes(along: str, sign: np.ndarray, neighbors: np.ndarray) -> tuple[str, int, int]:
-    pairs = neighbors & (sign[1:] != 0) & (sign[:-1] != 0)
-    return along, int(np.sum(pairs)), int(np.sum(pairs & (sign[1:] != sign[:-1])))
-
-
-def _test_runs(runs: list[tuple[str, int, int]], tests: int) -> tuple[Runs, ...]:
-    chances = [float(bdtr(changes, pairs, 0.5)) for _, pairs, changes in runs]
-    return tuple(
-        Runs(*run, chance, chance * tests < ALPHA)
-        for run, chance in zip(runs, chances, strict=True)
-    )
+        # one mean for each level in a cell of strain
+        levels = int(readings.level.max()) + 1
+        key = (cell * levels + readings.level).astype(int)
+        mean = np.bincount(key, readings.residual * readings.weight)
+        index = np.flatnonzero(np.bincount(key, readings.weight) > 0)
+        counted.append(("pressure", np.sign(mean[index]), np.diff(index // levels) == 0))
+    runs = []
+    for along, sign, neighbors in counted:
+        pairs = neighbors & (sign[1:] != 0) & (sign[:-1] != 0)
+        count, changes = int(np.sum(pairs)), int(np.sum(pairs & (sign[1:] != sign[:-1])))
+        if count >= _MIN_PAIRS:
+            runs.append(Runs(along, count, changes, float(bdtr(changes, count, 0.5)), False))
+    return runs
 
 
 def _cells(strain: np.ndarray) -> tuple[np.ndarray, int]:
@@ -447,167 +454,140 @@ def _cells(strain: np.ndarray) -> tuple[np.ndarray, int]:
     return cell, _CELLS
 
 
-def _signs(residuals: Residuals) -> tuple[Signs, ...]:
-    """Strains where so many residuals are of one sign that it is no chance, the clearest first."""
-    strain, residual = residuals.strain[residuals.read], residuals.residual[residuals.read]
-    cell, cells = _cells(strain)
-    out = []
+def _one_sided_strains(readings: Residuals) -> tuple[Signs, ...]:
+    """Strains at which significantly many residuals have one sign, the clearest first."""
+    cell, cells = _cells(readings.strain)
+    signs = []
     for i in range(cells):
-        count, below = int(np.sum(cell == i)), int(np.sum(residual[cell == i] < 0))
+        residual = readings.residual[cell == i]
+        count, below = residual.size, int(np.sum(residual < 0))
         if count and 2 * cells * bdtr(min(below, count - below), count, 0.5) < ALPHA:
-            out.append(Signs(float(np.mean(strain[cell == i])), count, below))
-    return tuple(sorted(out, key=lambda signs: -abs(2 * signs.below - signs.count)))
+            signs.append(Signs(float(np.mean(readings.strain[cell == i])), count, below))
+    return tuple(sorted(signs, key=lambda entry: -abs(2 * entry.below - entry.count)))
 
 
-def _at_rest(residuals: Residuals) -> tuple[tuple[float, float], ...]:
+def _means_at_least_strain(readings: Residuals) -> tuple[tuple[float, float], ...]:
     """Pressures [Pa] and mean residuals [N] in the cell of least strain."""
-    read = residuals.read
-    first = _cells(residuals.strain[read])[0] == 0
-    level, weight = residuals.level[read][first].astype(int), residuals.weight[read][first]
+    first = _cells(readings.strain)[0] == 0
+    level, weight = readings.level[first].astype(int), readings.weight[first]
     if not level.size:
         return ()
-    # residuals are multiplied by the root of what they average, as the weight is
+    # a residual is multiplied by its weight, the root of the number of readings
     count = np.bincount(level, weight**2)
-    total = np.bincount(level, residuals.residual[read][first] * weight)
-    P = np.bincount(level, residuals.pressure[read][first] * weight**2)
+    force = np.bincount(level, readings.residual[first] * weight)
+    P = np.bincount(level, readings.pressure[first] * weight**2)
     some = count > 0
-    pairs = P[some] / count[some], total[some] / count[some]
-    return tuple(zip(*(column.tolist() for column in pairs), strict=True))
+    return tuple(
+        zip((P[some] / count[some]).tolist(), (force[some] / count[some]).tolist(), strict=True)
+    )
 
 
 def autocorrelation_inflation(residuals: Residuals, diagnosis: Diagnosis) -> float:
-    """Factor by which residuals that follow one another along a sweep widen a variance [-].
+    """Factor by which correlation along a sweep widens a variance [-].
 
-    Of what is left beside the trends that were found: $(1 + \\rho)/(1 - \\rho)$ with the
-    correlation $\\rho$ from one to the next; 1 unless that is more than chance allows.
+    $(1 + \\rho)/(1 - \\rho)$ with the correlation $\\rho$ of neighboring residuals, after the
+    significant trends; 1 unless $\\rho$ is significant.
     """
-    read, y = residuals.read, residuals.residual
+    y, readings, mask = residuals.residual, residuals.readings, residuals.is_reading
     if diagnosis.significant:
         y = project_out(span(np.hstack([trend.columns for trend in diagnosis.significant])), y)
-    order = np.lexsort((residuals.strain[read], residuals.branch[read], residuals.level[read]))
-    y, level, branch = (v[read][order] for v in (y, residuals.level, residuals.branch))
+    order = np.lexsort((readings.strain, readings.branch, readings.level))
+    y, level, branch = y[mask][order], readings.level[order], readings.branch[order]
     pairs = (np.diff(level) == 0) & (np.diff(branch) == 0)
     total = float(y @ y)
     rho = float(np.sum((y[1:] * y[:-1])[pairs])) / total if total > 0 else 0.0
     rho = min(max(rho, 0.0), 0.99)
+    # three standard errors of a correlation of white noise
     return (1 + rho) / (1 - rho) if rho > 3 / np.sqrt(max(y.size, 1)) else 1.0
 
 
 def discrepancy_sizes(residuals: Residuals, diagnosis: Diagnosis) -> list[tuple[float, int]]:
-    """$\\tau^2$ [N²] of each significant trend by (C11), and the number of orders it is known
-    from.
-    """
-    basis, out = residuals.model_subspace, []
+    """$\\tau^2$ [N²] of each significant trend by (C11), and the number of orders it rests on."""
+    basis, sizes = residuals.model_subspace, []
     for trend in diagnosis.significant:
-        away, Q = project_out(basis, trend.columns), residuals.beyond(basis, trend.columns)
+        Q = residuals.complement(basis, trend.columns)
         explained = float(np.sum((Q.T @ residuals.residual) ** 2))
         excess = explained - diagnosis.noise**2 * Q.shape[1]
-        out.append((max(excess / float(np.sum(away**2)), 0.0), Q.shape[1]))
+        visible = float(np.sum(project_out(basis, trend.columns) ** 2))
+        sizes.append((max(excess / visible, 0.0), Q.shape[1]))
         basis = span(np.hstack([basis, trend.columns]))
-    return out
+    return sizes
 
 
-def _trend_covariance(
-    fit: Fit, diagnosis: Diagnosis, sizes: list[tuple[float, int]]
-) -> np.ndarray | None:
-    """Covariance of the coordinates that the significant trends add, (C12)."""
-    if not sizes:
-        return None
+def _model_error(
+    fit: Fit, residuals: Residuals, diagnosis: Diagnosis
+) -> tuple[np.ndarray | None, np.ndarray]:
+    """Covariance of the coordinates by (C12), and the discrepancy's columns on the grid [N]."""
     problem, k = fit.problem, len(fit.coordinates)
-    J, used = fit.minimum.linear.slopes[:, :k], problem.grid.measured.reshape(-1)
-    # residuals fall by this much for each newton that the model errs
-    scale = problem.weight.reshape(-1)[used] / fit.minimum.solved_noise
-    influence = np.linalg.solve(J.T @ J, J[: used.size][used].T * scale)
-    total = np.zeros((k, k))
+    measured = problem.grid.measured
+    if not diagnosis.significant:
+        return None, np.zeros((*measured.shape, 0))
+    n = int(np.sum(measured))
+    J, mask = fit.minimum.linear.slopes[:, :k], measured.reshape(-1)
+    # change of the scaled residuals with each newton of model error
+    scale = problem.weight.reshape(-1)[mask] / fit.minimum.solved_noise
+    influence = np.linalg.solve(J.T @ J, J[: mask.size][mask].T * scale)
+    covariance, columns = np.zeros((k, k)), []
+    sizes = discrepancy_sizes(residuals, diagnosis)
     for trend, (variance, orders) in zip(diagnosis.significant, sizes, strict=True):
-        moved = influence @ trend.columns[: int(np.sum(used))]
-        wide = float(stdtrit(orders, _LEVEL)) / NORMAL
-        total += variance * wide**2 * moved @ moved.T
-    return total
+        shift = influence @ trend.columns[:n]
+        widening = float(stdtrit(orders, _QUANTILE)) / NORMAL
+        covariance += variance * widening**2 * shift @ shift.T
+        columns.append(np.sqrt(variance) * trend.columns[:n] / residuals.weight[:n, None])
+    discrepancy = np.zeros((*measured.shape, sum(column.shape[1] for column in columns)))
+    discrepancy[measured] = np.hstack(columns)
+    return covariance, discrepancy
 
 
-def _discrepancy(
-    problem: Problem, residuals: Residuals, diagnosis: Diagnosis, sizes: list[tuple[float, int]]
+def force_slopes_of(
+    problem: Problem, point: np.ndarray, parameters: tuple[Parameter, ...]
 ) -> np.ndarray:
-    """Columns of the discrepancy at the places of the grid, each times its $\\tau$ [N]."""
-    used = problem.grid.measured
-    count = int(np.sum(used))
-    columns = [
-        np.sqrt(variance) * trend.columns[:count] / residuals.weight[:count, None]
-        for trend, (variance, _) in zip(diagnosis.significant, sizes, strict=True)
-    ]
-    out = np.zeros((*used.shape, sum(column.shape[1] for column in columns)))
-    if columns:
-        out[used] = np.hstack(columns)
-    return out
-
-
-def find_causes(fit: Fit, residuals: Residuals, diagnosis: Diagnosis) -> tuple[Cause, ...]:
-    """Causes that would explain much of the `residuals`, the likeliest first; none where these
-    could be noise.
-    """
-    if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise):
-        return ()
-    free = float(np.sum(residuals.read)) - residuals.slopes.shape[1]
-    out: dict[str, Cause] = {}
-    for (name, remedy), columns in _cause_columns(fit, residuals):
-        Q = residuals.beyond(residuals.model_subspace, residuals.rows(columns))
-        if not Q.shape[1]:
-            continue
-        explained = float(np.sum((Q.T @ residuals.residual) ** 2))
-        chance = fdtrc(Q.shape[1], free, explained / Q.shape[1] / diagnosis.noise**2)
-        share = min(explained / residuals.squares, 1.0)
-        if share >= _WORTH and chance < ALPHA and share > getattr(out.get(name), "share", 0.0):
-            out[name] = Cause(name, remedy, share)
-    likely = sorted(out.values(), key=lambda cause: -cause.share)[:_MAX_CAUSES]
-    return tuple(cause for cause in likely if cause.share >= _NEXT * likely[0].share)
-
-
-def confounded_parameters(fit: Fit, residuals: Residuals) -> tuple[str, ...]:
-    """Names of constants that weren't fitted and that the data could not tell beside those that
-    were.
-    """
-    out = []
-    for name, columns in _held_columns(fit, residuals):
-        away = project_out(residuals.model_subspace, residuals.rows(columns))
-        known = float(np.sum(away**2))
-        if name != "dead_band" and known * KNOWN**2 < fit.minimum.solved_noise**2:
-            out.append(name)
-    return tuple(out)
-
-
-def _held_columns(fit: Fit, residuals: Residuals) -> Iterator[tuple[str, np.ndarray]]:
-    """Change of the force [N] with the coordinate of each constant that wasn't free."""
-    problem = fit.problem
-    held = tuple(parameter for parameter in problem.held if parameter not in FACTORS)
-    slopes = held_slopes(problem, fit.coordinates, held)[problem.grid.measured]
-    priors = residuals.weight.size - len(slopes)
-    for parameter, column in zip(held, slopes.T, strict=True):
-        if np.all(np.isfinite(column)):
-            yield parameter.name, np.pad(column, (0, priors))
-
-
-def held_slopes(problem: Problem, point: np.ndarray, held: tuple) -> np.ndarray:
-    """Slopes of the forces [N] at a `point` by the coordinates of `held` parameters, on the last
+    """Slopes of the forces [N] at a `point` by coordinates of other `parameters`, on the last
     axis.
     """
     muscle = put(problem.parameters, problem.muscle, point)
-    alone = replace(problem, muscle=muscle, parameters=held)
-    z = np.asarray(coordinates(held, muscle), float)
-    return alone.force_slopes(z, alone.force(z), fine=True)
+    varied = replace(problem, muscle=muscle, parameters=parameters)
+    z = np.asarray(coordinates(parameters, muscle), float)
+    return varied.force_slopes(z, varied.force(z), fine=True)
 
 
-def _cause_columns(fit: Fit, residuals: Residuals) -> Iterator[tuple[tuple[str, str], np.ndarray]]:
-    """Change of the force [N] by each cause, to any scale, at the residuals' rows."""
-    problem, used = fit.problem, fit.grid.measured
-    priors = residuals.weight.size - int(np.sum(used))
-    about = {parameter.name: parameter.about for parameter in problem.held}
-    for name, column in _held_columns(fit, residuals):
-        yield (_CONSTANTS.get(name, f"{name}, {about[name]}"), f"free {name}"), column
+def _effects_of_constants(fit: Fit, residuals: Residuals) -> dict[Parameter, np.ndarray]:
+    """Change of the force [N] with the coordinate of each constant that was not free."""
+    problem = fit.problem
+    constants = tuple(parameter for parameter in problem.held if parameter not in FACTORS)
+    slopes = force_slopes_of(problem, fit.coordinates, constants)[problem.grid.measured]
+    priors = residuals.weight.size - len(slopes)
+    return {
+        constant: np.pad(column, (0, priors))
+        for constant, column in zip(constants, slopes.T, strict=True)
+        if np.all(np.isfinite(column))
+    }
+
+
+def _confounded_constants(
+    fit: Fit, residuals: Residuals, effects: dict[Parameter, np.ndarray]
+) -> tuple[str, ...]:
+    """Names of constants whose effect the fitted constants reproduce."""
+    names = []
+    for constant, column in effects.items():
+        distinct = project_out(residuals.model_subspace, residuals.weighted(column))
+        information = float(np.sum(distinct**2)) / fit.minimum.solved_noise**2
+        if constant.name != "dead_band" and information * KNOWN**2 < 1:
+            names.append(constant.name)
+    return tuple(names)
+
+
+def _likely_causes(
+    fit: Fit, residuals: Residuals, diagnosis: Diagnosis, effects: dict[Parameter, np.ndarray]
+) -> tuple[Cause, ...]:
+    """Causes that would explain much of the residuals, the likeliest first; none of noise."""
+    if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise):
+        return ()
+    problem, measured, strain = fit.problem, fit.grid.measured, residuals.strain
     stretched = replace(problem.grid, strain=problem.grid.strain + _STRAIN_STEP)
-    moved = replace(problem, grid=stretched).force(fit.coordinates)
-    slope = (np.pad(moved[used], (0, priors)) - residuals.force) / _STRAIN_STEP
-    strain = residuals.strain
+    force = replace(problem, grid=stretched).force(fit.coordinates)[measured]
+    force = np.pad(force, (0, strain.size - force.size))
+    slope = (force - residuals.force) / _STRAIN_STEP
     columns = {
         "compliance": slope * residuals.force,
         "ends": slope * strain,
@@ -615,52 +595,66 @@ def _cause_columns(fit: Fit, residuals: Residuals) -> Iterator[tuple[tuple[str, 
         "zero": np.ones(strain.size),
         "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
     }
-    if {1, -1} <= set(np.unique(residuals.branch[residuals.read])):
-        columns["friction"] = _branch_columns(residuals)
-    if np.all(np.isfinite(residuals.time[residuals.read])):
-        columns["drift"] = np.nan_to_num(residuals.time)
-    for kind, column in columns.items():
-        yield _CAUSES[kind], column
+    columns |= residuals.known_columns
+    trials = [
+        (_CAUSES_BY_CONSTANT.get(p.name, f"{p.name}, {p.about}"), f"free {p.name}", column)
+        for p, column in effects.items()
+    ]
+    trials += [(*_CAUSES[kind], column) for kind, column in columns.items()]
+    freedom = len(residuals.readings.residual) - residuals.slopes.shape[1]
+    causes: dict[str, Cause] = {}
+    for name, remedy, column in trials:
+        Q = residuals.complement(residuals.model_subspace, residuals.weighted(column))
+        if not Q.shape[1]:
+            continue
+        explained = float(np.sum((Q.T @ residuals.residual) ** 2))
+        chance = fdtrc(Q.shape[1], freedom, explained / Q.shape[1] / diagnosis.noise**2)
+        share = min(explained / residuals.squares, 1.0)
+        better = name not in causes or share > causes[name].share
+        if share >= _MIN_SHARE and chance < ALPHA and better:
+            causes[name] = Cause(name, remedy, share)
+    likely = sorted(causes.values(), key=lambda cause: -cause.share)[:_MAX_CAUSES]
+    return tuple(cause for cause in likely if cause.share >= _TIED_SHARE * likely[0].share)
 
 
-def other_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
-    """The buckling law that explains much of what a fit left past the free strain; `None` where
-    residuals could be noise, lie elsewhere, or no other law is better.
+def _better_buckling_law(fit: Fit, diagnosis: Diagnosis) -> Cause | None:
+    """Buckling law that explains much of the residuals past the free strain.
+
+    `None` where residuals are compatible with noise, lie elsewhere, or no other law is better.
     """
-    errors, level = fit.errors, fit.fit_data.level
+    errors, record, muscle = fit.errors, fit.record, fit.muscle
     measured = np.isfinite(errors)
     if diagnosis.is_white_noise or not np.isfinite(diagnosis.noise) or not np.any(measured):
         return None
-    record, muscle = fit.record, fit.muscle
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
     strain = np.clip(record.strain * scale, 0.0, LARGEST_STRAIN)
-    past = measured & (strain > fit.free_strain[level])
-    if np.sum(errors[past] ** 2) < _MOSTLY * np.sum(errors[measured] ** 2):
+    past = measured & (strain > fit.free_strain[fit.fit_data.level])
+    if np.sum(errors[past] ** 2) < _MAJORITY * np.sum(errors[measured] ** 2):
         return None
     index = np.flatnonzero(past)
     index = index[np.linspace(0, index.size - 1, min(index.size, _MAX_COMPARED)).astype(int)]
     pressure = np.clip(record.pressure[index], 0.0, HIGHEST_PRESSURE)
 
-    def squares(muscle: Muscle) -> float:
-        """Least mean square error [N²] of a muscle with the best factors."""
+    def mean_square(muscle: Muscle) -> float:
+        """Mean square error [N²] of a muscle with its best factors."""
         names = ["youngs_modulus_factor", "collapse_moment_factor"]
         parameters = select_parameters(names, muscle)
         start = np.asarray(coordinates(parameters, muscle))
 
         def residuals(z: np.ndarray) -> np.ndarray:
-            law = put(parameters, muscle, np.clip(z, start - _FARTHEST, start + _FARTHEST))
-            force = np.asarray(law.force(pressure, strain[index]))
-            return np.nan_to_num(record.force[index] - force, nan=1e9)
+            limited = np.clip(z, start - _MAX_LOG_FACTOR, start + _MAX_LOG_FACTOR)
+            force = put(parameters, muscle, limited).force(pressure, strain[index])
+            return np.nan_to_num(record.force[index] - np.asarray(force), nan=1e9)
 
         return 2 * least_squares(residuals, start, max_nfev=_MAX_CALLS).cost / index.size
 
     names = [name for name in _LAWS if name != muscle.buckling.name]
-    mean_squares = {name: squares(muscle.replace(buckling=name)) for name in names}
-    best = min(mean_squares, key=mean_squares.__getitem__)
-    present = min(squares(muscle), float(np.mean(errors[index] ** 2)))
-    share = 1 - mean_squares[best] / present
-    if share < _WORTH:
+    errors_by_law = {name: mean_square(muscle.replace(buckling=name)) for name in names}
+    best = min(errors_by_law, key=errors_by_law.__getitem__)
+    present = min(mean_square(muscle), float(np.mean(errors[index] ** 2)))
+    share = 1 - errors_by_law[best] / present
+    if share < _MIN_SHARE:
         return None
-    rmse = float(np.sqrt(mean_squares[best]))
-    name = f"the law past the free strain: `{best}` errs by {rmse:.3g} N there"
+    rmse = float(np.sqrt(errors_by_law[best]))
+    name = f"the buckling law: past the free strain `{best}` has an error of {rmse:.3g} N"
     return Cause(name, f"fit with `--buckling {best}`", float(share))

@@ -1,12 +1,10 @@
-"""From a record and a muscle to a calibration: the function behind `fascicle calibrate`.
+"""Fit of a muscle to a record: the function behind `fascicle calibrate`.
 
-Without a choice of parameters this is the paper's tuning: $C_1(P)$ and $C_2(P)$ from
-blocked force and free strain, and the factors on what resists (`tuning`). With physical
-constants among the parameters all of the readings are fitted directly by the law, clipped
-ones as what they are (`least_squares`).
+Without a choice of parameters this is the paper's tuning: $C_1(P)$ and $C_2(P)$ from blocked force
+and free strain, and the factors on the resisting force (`tuning`). With physical constants among
+the parameters the law is fitted directly to all readings, clipped ones included (`least_squares`).
 """
 
-import dataclasses
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -44,28 +42,22 @@ from .parameters import (
     select_parameters,
     with_optional_laws,
 )
-from .readings import (
-    Readings,
-    SmoothCurves,
-    invert_force,
-    top_pressure,
-    without_tuning,
-)
+from .readings import Readings, SmoothCurves, invert_force, top_pressure, without_tuning
 from .tuning import fit_jointly, with_readings
 
 
-STARTS = 4
+STARTS = 4  # a second search about the best end follows: more starts rarely find a better one
 _NO_PULL = 0.02  # of the largest push: a smaller pull is the gauge's zero
-_PASSIVE = 1.0  # Pa, what a record of no pressure may read
-_ROWS = 33  # of the tuned muscle's table
-_SLOPE_STEP = 1e-6  # of a coordinate, for the slope of its value
+_PASSIVE = 1.0  # Pa, what a record without pressure may read
+_ROWS = 33  # of the tuned muscle's table: straight lines between them are closer than readings
+_SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
 @dataclass(frozen=True)
 class Prior:
     """Prior knowledge of a parameter.
 
-    - `value`: [SI unit of the parameter].
+    - `value`: expected value [SI unit of the parameter].
     - `deviation`: its standard deviation [the same].
     """
 
@@ -78,9 +70,9 @@ class FitOptions:
     """Options of a fit.
 
     - `loss`, `weights`, `starts`, `seed`, `whole`: as of `fit`.
-    - `tune`: whether C1 and C2 are read first; left out, where all that is free are factors.
-    - `held`: names of constants that aren't free, of which the data may tell something.
-    - `near`: coordinates by name [-] to begin from as well.
+    - `tune`: read C1 and C2 first; left out, if all free parameters are factors.
+    - `held`: names of fixed constants that the data may determine.
+    - `near`: coordinates by name [-], as one more start.
     """
 
     loss: str = "linear"
@@ -115,21 +107,20 @@ def fit(
 
     - `record`: the measured readings.
     - `muscle`: sizes, laws and constants to begin with.
-    - `parameters`: names of those that are free; left out, the paper's factors. If all
-      of them are factors, the tension is corrected by $C_1$, $C_2$ first; else it is
-      fitted through its constants.
+    - `parameters`: names of the free parameters; left out, the paper's factors. If all of them
+      are factors, the tension is corrected by $C_1$, $C_2$ first; else it is fitted through its
+      constants.
     - `priors`: prior knowledge of some of them, by name.
     - `loss`: "linear", or against outliers "soft_l1" or "cauchy".
-    - `weights`: "uniform", or "level" to let every pressure count the same.
-    - `starts`: how many points the search begins from.
+    - `weights`: "uniform", or "level" for equal weights of all pressures.
+    - `starts`: number of points that the search begins from.
     - `seed`: random seed of the starts.
-    - `whole`: whether the law past the free strain is compared with readings that are clipped at
-      zero. If not, and nothing pushed, the tension law alone is fitted, which is several times as
-      fast.
+    - `whole`: compare the law past the free strain with readings that are clipped at zero. If not,
+      and nothing pushed, the tension law alone is fitted, which is several times as fast.
 
     **Returns:** the calibration.
 
-    **Raises:** `ValueError` for unknown names, and for fewer readings than parameters.
+    **Raises:** `InvalidInputError` for unknown names, and for fewer readings than parameters.
     """
     options = FitOptions(loss, weights, starts, seed, whole)
     return fit_data(select_fit_data(record), muscle, parameters, priors, options)
@@ -142,15 +133,17 @@ def fit_data(
     priors: Mapping[str, Prior] | None,
     options: FitOptions,
 ) -> Calibration:
-    """Fit a muscle to selected `data`; other arguments as of `fit`. Of no `parameters` the muscle
-    as it is, compared with the record.
+    """Fit a muscle to selected `data`; other arguments as of `fit`.
+
+    An empty list of `parameters` compares the muscle as it is with the record.
     """
     if data.pulls and not options.whole:
         data = pulling_only(data)
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
-    fitted = _fitted(data, options, *solve_problem(problem, readings, options))
-    fields = {field.name: getattr(fitted, field.name) for field in dataclasses.fields(fitted)}
-    return Calibration(**fields, diagnosis=diagnose(fitted))
+    solution = solve_problem(problem, readings, options)
+    fields = _fields_of_fit(data, options, *solution)
+    diagnosis = diagnose(Fit(**fields))
+    return Calibration(**fields, diagnosis=diagnosis)
 
 
 def set_up_problem(
@@ -160,7 +153,7 @@ def set_up_problem(
     priors: Mapping[str, Prior],
     options: FitOptions,
 ) -> tuple[Problem, Readings | None]:
-    """The problem of a fit, and the readings of a tuning; arguments as of `fit_data`."""
+    """Problem of a fit, and the readings of a tuning; arguments as of `fit_data`."""
     muscle = with_optional_laws(to_numpy(muscle), names or ())
     names = FACTOR_NAMES if names is None else names
     free = select_parameters(names, muscle) if names else ()
@@ -169,42 +162,41 @@ def set_up_problem(
         tuning = bool(names) and all(name in FACTOR_NAMES for name in names)
     _check_data(data, free)
     start = _with_priors(muscle, free, priors)
-    pulls, rest = data.pulls and not options.whole, data.record.rest_length
-    held: tuple[Parameter, ...] = ()
+    pulls = data.pulls and not options.whole
+    fixed: tuple[Parameter, ...] = ()
     if options.held:
-        held = select_parameters(options.held, start)
+        fixed = select_parameters(options.held, start)
     elif pulls and not tuning:
-        held = pulling_constants(start)
+        fixed = pulling_constants(start)
     problem = Problem(
         start,
         data.grid,
         data.grid.weights(options.weights),
         first_noise(data.grid),
         np.asarray(coordinates(free, start), float),
-        np.array([_deviation(one, start, priors.get(one.name)) for one in free]),
+        np.array([_prior_deviation(p, start, priors.get(p.name)) for p in free]),
         free,
-        # a strain without the length it refers to is the muscle's own
-        None if tuning else rest,
+        # strains without a reference length are contractions of the muscle
+        None if tuning else data.record.rest_length,
         loss=options.loss,
         pulls=pulls,
-        held=tuple(one for one in held if one.name not in names),
+        held=tuple(parameter for parameter in fixed if parameter.name not in names),
     )
     if not tuning:
         return problem, None
     readings, problem = with_readings(problem, on_length(data, start), options.weights)
-    if not np.any(readings.valid) and _pressurized(data.grid):
-        raise InvalidInputError(
-            "record",
-            "shows no blocked force and free strain at any pressure: it needs at least two"
-            " readings that pull at one pressure",
-            None,
-            "or name constants to fit instead, such as c10, c01",
+    if not np.any(readings.valid) and _has_pressure(data.grid):
+        rule = (
+            "shows no blocked force and free strain at any pressure: it needs at least two readings"
+            " that pull at one pressure"
         )
+        remedy = "or name constants to fit instead, such as c10, c01"
+        raise InvalidInputError("record", rule, None, remedy)
     return problem, readings
 
 
 def on_length(data: FitData, muscle: Muscle) -> Grid:
-    """The table of `data` with strains of the `muscle`'s own length [-]."""
+    """Table of `data` with strains relative to the length of the `muscle` [-]."""
     if data.record.rest_length is None:
         return data.grid
     scale = data.record.rest_length / float(muscle.length)
@@ -224,10 +216,10 @@ def starts_of(problem: Problem, options: FitOptions) -> np.ndarray:
 def solve_problem(
     problem: Problem, readings: Readings | None, options: FitOptions
 ) -> tuple[Problem, Readings | None, Solutions, np.ndarray, Minimum]:
-    """Search the minimum, of a tuning also with its curves."""
-    curves = None if readings is None else readings.covariance
+    """Find the minimum; of a tuning, then jointly with its curves."""
+    covariance = None if readings is None else readings.covariance
     starts = starts_of(problem, options)
-    problem, ends, point, minimum = search(problem, starts, options.seed, curves)
+    problem, ends, point, minimum = search(problem, starts, options.seed, covariance)
     if readings is not None:
         joint = fit_jointly(
             problem, readings, point, options.weights, covariance=minimum.covariance
@@ -237,7 +229,7 @@ def solve_problem(
     return problem, readings, ends, point, minimum
 
 
-def _fitted(
+def _fields_of_fit(
     data: FitData,
     options: FitOptions,
     problem: Problem,
@@ -245,57 +237,60 @@ def _fitted(
     ends: Solutions,
     point: np.ndarray,
     minimum: Minimum,
-) -> Fit:
-    """The fitted muscle with its minimum."""
+) -> dict[str, Any]:
+    """Fields of the `Fit` at a minimum."""
     if not np.all(np.isfinite(minimum.linear.residuals)):
-        rule = ": its laws have no number where the search begins"
+        rule = ": its laws return no number where the search begins"
         raise InvalidInputError("muscle", rule, None, "check sizes and constants")
-    muscle = put(problem.parameters, problem.muscle, point)
-    if readings is not None and _pressurized(problem.grid):
-        muscle = _with_tables(muscle, readings)
+    muscle, grid = put(problem.parameters, problem.muscle, point), problem.grid
+    P, tuning = grid.pressure[:, 0], muscle.tuning
+    if readings is None:
+        offset = np.interp(np.maximum(P - tuning.dead_band, 0.0), tuning.pressures, tuning.c1)
+        free_strain = invert_force(without_tuning(muscle), P, offset)
+    else:
+        if _has_pressure(grid):
+            muscle = _with_tables(muscle, readings)
+        curves = SmoothCurves(muscle, P, top_pressure(grid))
+        free_strain = curves.free_strain(readings.coefficients)
     fits_ends = not END_PARAMETERS.isdisjoint(parameter.name for parameter in problem.parameters)
-    return Fit(
-        muscle=with_fitted_length(muscle, float(muscle.length), fits_ends),
-        start=problem.muscle,
-        fit_data=data,
-        problem=replace(problem, noise=minimum.noise),
-        coordinates=point,
-        readings=readings,
-        minimum=minimum,
-        free_strain=_free_strain(muscle, readings, problem.grid),
-        solutions=ends,
-        weights=options.weights,
-    )
+    return {
+        "muscle": with_fitted_length(muscle, float(muscle.length), fits_ends),
+        "start": problem.muscle,
+        "fit_data": data,
+        "problem": replace(problem, noise=minimum.noise),
+        "coordinates": point,
+        "readings": readings,
+        "minimum": minimum,
+        "free_strain": free_strain,
+        "solutions": ends,
+        "weights": options.weights,
+    }
 
 
 def _check_data(data: FitData, free: Sequence[Parameter]) -> None:
     grid, files = data.grid, ", ".join(source.name for source in data.record.sources)
-    where = f"of {files} " if files else ""
+    prefix = f"of {files} " if files else ""
     force = grid.force[grid.used]
     if force.size < len(free):
-        raise InvalidInputError(
-            "record",
-            f"{where}holds {force.size} readings for {len(free)} parameters",
-            None,
-            "measure more points, or free fewer parameters",
-        )
+        rule = f"{prefix}holds {force.size} readings for {len(free)} parameters"
+        remedy = "measure more points, or free fewer parameters"
+        raise InvalidInputError("record", rule, None, remedy)
     if not data.pushes_clipped and not np.any(force):
-        rule = f"{where}holds no force but 0 N"
+        rule = f"{prefix}holds no force but 0 N"
         raise InvalidInputError("record", rule, None, "check the column of forces")
-    # a passive muscle's may only push, but one under pressure was also measured where it pulls
-    # noise about zero may pull a little where all else pushes
+    # a record without pressure may only push; noise about zero is no pull
     if np.max(force) <= _NO_PULL * -np.min(force) and np.max(grid.pressure) > _PASSIVE:
-        rule = f"{where}holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
+        rule = f"{prefix}holds no force that pulls, the largest is {np.max(force) + 0.0:.4g} N"
         remedy = (
-            "if the gauge reads a pull as negative, turn the sign with --push-positive, or with"
-            ' signs.force = "pushing positive" in the TOML beside the file; else measure where it'
-            " pulls, too"
+            "if the gauge reads a pull as negative, reverse the sign with --push-positive, or with"
+            ' signs.force = "pushing positive" in the TOML beside the file; else also measure where'
+            " the muscle pulls"
         )
         raise InvalidInputError("record", rule, None, remedy)
 
 
 def _with_priors(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str, Prior]) -> Muscle:
-    """The muscle with its priors' values, where the fit begins."""
+    """The muscle with the values of its priors, where the fit begins."""
     for name in priors:
         check_choice(name, [parameter.name for parameter in free], "priors")
     for parameter in free:
@@ -304,50 +299,36 @@ def _with_priors(muscle: Muscle, free: Sequence[Parameter], priors: Mapping[str,
             check = check_finite if parameter.linear else check_positive
             check(prior.value, parameter.name, "SI")
             check_positive(prior.deviation, f"{parameter.name}_deviation", "SI")
-            muscle = parameter.put(muscle, np.float64(_coordinate(parameter, muscle, prior.value)))
+            z = _coordinate_of(parameter, muscle, prior.value)
+            muscle = parameter.put(muscle, np.float64(z))
     return muscle
 
 
-def _coordinate(parameter: Parameter, muscle: Muscle, value: float) -> float:
-    """The coordinate [-] that gives a `value` [SI]."""
+def _coordinate_of(parameter: Parameter, muscle: Muscle, value: float) -> float:
+    """Coordinate [-] of a parameter's `value` [SI]."""
 
     def excess(z: float) -> float:
         return float(parameter.value(parameter.put(muscle, np.float64(z)))) - value
 
-    try:  # each is monotone
+    try:
+        # values are monotone in their coordinates; e^60 is beyond any constant's range
         root: Any = brentq(excess, -60.0, 60.0, xtol=1e-14)
         return float(root)
     except ValueError:
-        raise InvalidInputError(
-            "priors",
-            f"of {parameter.name} must be a value that it can have in this muscle",
-            value,
-            "check its unit",
-            shown=f"{value:g} (SI)",
-        ) from None
+        rule, shown = f"of {parameter.name} is out of its range in this muscle", f"{value:g} (SI)"
+        raise InvalidInputError("priors", rule, value, "check its unit", shown=shown) from None
 
 
-def _deviation(parameter: Parameter, muscle: Muscle, prior: Prior | None) -> float:
-    """Deviation of the prior on the coordinate [-], by its slope at the prior's value."""
+def _prior_deviation(parameter: Parameter, muscle: Muscle, prior: Prior | None) -> float:
+    """Standard deviation of the prior's coordinate [-], from the slope at the prior's value."""
     if prior is None:
         return parameter.deviation
     z = parameter.coordinate(muscle)
-    ends = (parameter.value(parameter.put(muscle, z + side * _SLOPE_STEP)) for side in (1, -1))
-    high, low = ends
+    high, low = (parameter.value(parameter.put(muscle, z + side * _SLOPE_STEP)) for side in (1, -1))
     return prior.deviation * 2 * _SLOPE_STEP / abs(float(high - low))
 
 
-def _free_strain(muscle: Muscle, readings: Readings | None, grid: Grid) -> np.ndarray:
-    """Free strain [-] of the fitted `muscle` at each level."""
-    P, tuning = grid.pressure[:, 0], muscle.tuning
-    if readings is not None:
-        return SmoothCurves(muscle, P, top_pressure(grid)).free_strain(readings.coefficients)
-    offset = np.interp(np.maximum(P - tuning.dead_band, 0.0), tuning.pressures, tuning.c1)
-    return invert_force(without_tuning(muscle), P, offset)
-
-
-def _pressurized(grid: Grid) -> bool:
-    """Whether any reading was taken under pressure."""
+def _has_pressure(grid: Grid) -> bool:
     return bool(np.max(grid.pressure) > _PASSIVE)
 
 
@@ -359,12 +340,12 @@ def _with_tables(muscle: Muscle, readings: Readings) -> Muscle:
     rows = rows[np.concatenate([[True], np.diff(rows) > 1e-9 * rows[-1]])]
     c1, c2 = SmoothCurves(muscle, rows, max(float(P.max()), 1.0)).tables(readings.coefficients)
     effective = np.maximum(rows - float(muscle.tuning.dead_band), 0.0)
-    # below the blocked force's threshold the muscle doesn't pull: the table begins above it
-    # and near it C2 is a quotient of two small forces, beyond what any muscle has
-    likely = (RANGES["c2"].least < c2) & (c2 < RANGES["c2"].largest)
-    good = np.isfinite(c1) & likely & (effective > 0)
+    # the table begins above the threshold of the blocked force; near it C2 is a quotient of two
+    # small forces, beyond the range of any muscle
+    plausible = (RANGES["c2"].least < c2) & (c2 < RANGES["c2"].largest)
+    good = np.isfinite(c1) & plausible & (effective > 0)
     with warnings.catch_warnings():
-        # a number that was given may be a slip; one that was fitted is told with its interval
+        # unusual values that were fitted are reported with their intervals
         warnings.filterwarnings("ignore", ".* is unusual", UserWarning)
         table = Tuning(effective[good], c1[good], c2[good])
     tables = {"pressures": table.pressures, "c1": table.c1, "c2": table.c2}

@@ -1,7 +1,7 @@
-"""Sentences about a calibration: warnings, likely causes, reasons of a choice, and tables."""
+"""Messages about a calibration: warnings, reasons for a selection, summaries, and tables."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -9,67 +9,123 @@ from ..repr_table import ReprTable
 from ..units import pretty
 from .calibration import Calibration, Candidate, Estimate, Selection, Trial
 from .data import MIN_PUSHES, FitData, clip_floor
+from .diagnostics import Diagnosis
 from .friction import Friction
 from .least_squares import Solutions
 
 
 TUNING = "the paper's tuning"
 AS_GIVEN = "the muscle as given"
-_TIED = 0.95  # correlation from which two parameters are told apart no longer
+_TIED = 0.95  # correlation from which two parameters can't be interpreted one by one
 _DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
-_WIDER = 1.05  # from here on an interval is called wider
-_MIN_LEVELS = 3  # pressures, for residuals to go with them
-_CLEAR = 4.0  # deviations of a reading, from which a difference of two is told
-_MAX_SIGNS = 3  # strains at which residuals' signs are told
-_CALIPERS = 0.1  # of a size: nobody who measures it errs by more
-_SMALLEST_CHANCE = 1e-12  # nobody's noise is so normal that a smaller one means anything
-_MAX_DIGITS = 12  # of a printed interval: float64 has no more to tell
-_NO_FRICTION = 5e-3  # of the mean width of loops: a part below it isn't told
+_WIDER = 1.05  # ratio of widths: a smaller change is not visible in two digits
+_MIN_LEVELS = 3  # pressures: fewer show no dependence on pressure
+_CLEAR = 4.0  # standard deviations of a reading, from which two of them differ
+_MAX_SIGNS = 3  # strains in a sentence that is still read
+_CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
+_SMALLEST_CHANCE = 1e-12  # real noise is never normal so far out in its tails
+_MAX_DIGITS = 12  # of a printed interval: float64 is exact to little more
+_NO_FRICTION = 5e-3  # of the mean width of loops: a smaller part would print as zero
 _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
-
-_STATUS = (
-    "converged", "stopped after 200 steps, before it settled",
-    "stopped where the solver could not go on",
-)  # fmt: skip
 _SAME_MINIMUM = 0.02  # of the cost, a fifth of a standard deviation: no data tell two ends apart
-_CHOICES = {
+_STATUS = ("converged", "stopped after 200 steps before convergence",
+           "stopped because the solver could not continue")  # fmt: skip
+_CONSTANTS = {
     "dead_band": "a dead band", "active_length": "another active length",
     "end_compliance": "end compliance",
 }  # fmt: skip
 
 
 def calibration_warnings(calibration: Calibration) -> dict[str, tuple[str, ...]]:
-    """Lines to read before the fitted muscle is used, by topic."""
+    """Warnings to read before the fitted muscle is used, by topic."""
     topics = {
-        "residuals": [*_search(calibration), *_noise(calibration)],
-        "not measured": _coverage(calibration),
-        "not identifiable from these data": [
-            *_parameters(calibration), *_sampling(calibration), *_curves(calibration)
-        ],
-        "in use": _use(calibration),
-    }  # fmt: skip
+        "residuals": _residual_warnings(calibration),
+        "not measured": _coverage_warnings(calibration),
+        "not identifiable from these data": _parameter_warnings(calibration),
+        "in use": _usage_warnings(calibration),
+    }
     return {topic: tuple(lines) for topic, lines in topics.items() if lines}
 
 
-def _search(calibration: Calibration) -> list[str]:
-    solutions = calibration.solutions
+def _residual_warnings(calibration: Calibration) -> list[str]:
+    """Failed search, trends and runs of the residuals, their causes, and wider intervals."""
+    diagnosis, solutions, lines = calibration.diagnosis, calibration.solutions, []
     if solutions.status[solutions.best]:
-        return [
-            f"The search {calibration.status}: treat the result with caution, or give more starts."
-        ]
-    return []
+        lines.append(
+            f"The search {calibration.status}: treat the result with caution, or use more starts."
+        )
+    lines += [
+        f"Residuals follow {trend.along}: a smooth curve along it explains"
+        f" {100 * trend.share:.3g} % of their squares (p-value {_chance(trend.chance)}). This is"
+        " an error of the model or of the gauge, not noise."
+        for trend in diagnosis.significant
+    ]
+    lines += [
+        f"Neighboring residuals along {run.along} change sign in {run.changes} of {run.pairs} pairs"
+        " (noise: in half of them): they are correlated."
+        for run in diagnosis.autocorrelated
+    ]
+    if not diagnosis.is_white_noise:
+        lines += _pattern_lines(diagnosis)
+    if diagnosis.significant and calibration.parameters:
+        wider = calibration.wider
+        ratio = "hardly wider than"
+        if np.max(wider) >= _WIDER:
+            ratio = f"{_range(wider)} times as wide as"
+        lines.append(
+            "Intervals include a discrepancy: a smooth error of the model along"
+            f" {_list([trend.along for trend in diagnosis.significant])}, as large where the fit"
+            f" absorbed it as where it is visible. They are {ratio} with noise alone."
+        )
+    if diagnosis.inflation > 1 and calibration.parameters:
+        lines.append(
+            "Residuals are correlated along a sweep: intervals are"
+            f" {np.sqrt(diagnosis.inflation):.3g} times as wide for it."
+        )
+    if not np.isfinite(diagnosis.noise):
+        lines.append("Too few readings for the number of constants: residuals can't be tested.")
+    return lines
 
 
-def _coverage(calibration: Calibration) -> list[str]:
-    """Parts of the law that the data don't cover."""
+def _pattern_lines(diagnosis: Diagnosis) -> list[str]:
+    """Signs of the residuals, their change with pressure at the least strain, and causes."""
+    lines = []
+    counts = [
+        f"{max(entry.below, entry.count - entry.below)} of {entry.count} readings lie"
+        f" {'below' if 2 * entry.below > entry.count else 'above'} the fit near strain"
+        f" {entry.strain:.3g}"
+        for entry in diagnosis.signs[:_MAX_SIGNS]
+    ]
+    if counts:
+        lines.append(f"{_list(counts)}.")
+    if len(diagnosis.least_strain) >= _MIN_LEVELS and np.isfinite(diagnosis.noise):
+        # end effects and a dead band show here
+        P, means = np.array(diagnosis.least_strain).T
+        low, high = sorted((int(np.argmin(means)), int(np.argmax(means))))
+        if np.ptp(means) >= _CLEAR * diagnosis.noise:
+            lines.append(
+                f"At the least strain residuals range from {means[low]:+.3g} N at"
+                f" {P[low] / 1e3:.4g} kPa to {means[high]:+.3g} N at {P[high] / 1e3:.4g} kPa."
+            )
+    if diagnosis.causes:
+        names = [f"{c.name} (would explain {100 * c.share:.3g} %)" for c in diagnosis.causes]
+        remedy = diagnosis.causes[0].remedy
+        lines.append(f"Likely cause: {'; or '.join(names)}. What to do: {remedy}.")
+    else:
+        lines.append("No known cause would explain much of it.")
+    return lines
+
+
+def _coverage_warnings(calibration: Calibration) -> list[str]:
+    """Parts of the law that the data do not cover."""
     lines, grid = [], calibration.grid
     strain = calibration.problem.strain(calibration.muscle)
     past = grid.measured & (strain > calibration.free_strain[:, None] + 1e-9)
     if calibration.censored:
-        nothing = ", so nothing past the free strain was measured there"
+        effect = ", so nothing past the free strain was measured there"
         lines.append(
             f"{calibration.censored} readings are clipped at {calibration.floor}: they only say"
-            f" that the force was not above it{nothing if calibration.floor == 'zero' else ''}."
+            f" that the force was not above it{effect if calibration.floor == 'zero' else ''}."
         )
     levels = grid.measured.any(axis=1)
     if np.sum(levels) == 1:
@@ -80,255 +136,170 @@ def _coverage(calibration: Calibration) -> list[str]:
     names = [name for name in calibration.names if name in _AFTER_COLLAPSE]
     if calibration.fit_data.pulls or not np.any(past):
         lines.append(
-            "Nothing past the free strain was measured: the data say nothing of bending, collapse"
-            " and the hinge."
+            "Nothing past the free strain was measured: the data contain no information on"
+            " bending, collapse and the hinge."
         )
     elif names:
         columns = [calibration.names.index(name) for name in names]
         if not np.any(calibration.minimum.linear.slopes[: strain.size, columns]):
+            verb = "stay at their priors" if len(names) > 1 else "stays at its prior"
             lines.append(
-                f"No reading lies past a collapse: {_list(names)} can't be determined and"
-                f" {'stay' if len(names) > 1 else 'stays'} at the prior."
+                f"No reading lies past a collapse: {_list(names)} can't be determined and {verb}."
             )
     if calibration.readings is not None and calibration.muscle.tuning.pressures.size > 1:
         highest = float(np.max(calibration.muscle.tuning.pressures))
         lines.append(
-            f"C1 and C2 are read up to {highest / 1e3:.4g} kPa and held constant above it."
+            f"C1 and C2 are determined up to {highest / 1e3:.4g} kPa and held constant above it."
         )
     return lines
 
 
-def _parameters(calibration: Calibration) -> list[str]:
+def _parameter_warnings(calibration: Calibration) -> list[str]:
+    """Parameters and curves that the data do not determine."""
     lines, estimates = [], calibration.parameters
     for estimate in estimates:
         if estimate.bound:
             end = estimate.high if estimate.bound == "upper" else estimate.low
+            article = "an" if estimate.bound == "upper" else "a"
             lines.append(
-                f"The data give {estimate.name} only {'an' if estimate.bound == 'upper' else 'a'}"
-                f" {estimate.bound} limit, {pretty(end, estimate.dimension, 3)} (90 %)."
+                f"The data give {estimate.name} only {article} {estimate.bound} limit,"
+                f" {pretty(end, estimate.dimension, 3)} (90 %)."
             )
-    unknown = [one.name for one in estimates if not one.identifiable and not one.bound]
-    if len(unknown) == 1:
+    undetermined = [e.name for e in estimates if not e.identifiable and not e.bound]
+    if len(undetermined) == 1:
         lines.append(
-            f"{unknown[0]} is not determined by the data; its estimate is dominated by the prior."
+            f"{undetermined[0]} is not determined by the data; its estimate is dominated by the"
+            " prior."
         )
-    elif unknown:
+    elif undetermined:
         lines.append(
-            f"{_list(unknown)} are not determined by the data; their estimates are dominated by"
-            " the priors."
+            f"{_list(undetermined)} are not determined by the data; their estimates are dominated"
+            " by the priors."
         )
-    confounded = calibration.diagnosis.confounded
-    if confounded:
+    if confounded := list(calibration.diagnosis.confounded):
         lines.append(
-            "Not fitted, and not identifiable from these data beside the fitted constants:"
-            f" {_list([*confounded])} {'stay' if len(confounded) > 1 else 'stays'} as given."
+            f"Not fitted: {_list(confounded)}. The data can't distinguish"
+            f" {'them' if len(confounded) > 1 else 'it'} from the fitted constants."
         )
-    for i, one in enumerate(estimates):
-        for j, other in enumerate(estimates[:i]):
+    for i, estimate in enumerate(estimates):
+        for j, previous in enumerate(estimates[:i]):
             r = calibration.correlation[i, j]
-            if abs(r) > _TIED and one.identifiable and other.identifiable:
+            if abs(r) > _TIED and estimate.identifiable and previous.identifiable:
                 lines.append(
-                    f"{other.name} and {one.name} are strongly correlated ({r:.3f}); do not"
-                    " interpret them individually."
+                    f"{previous.name} and {estimate.name} are strongly correlated ({r:.3f}); do"
+                    " not interpret them individually."
                 )
-    return lines
-
-
-def _sampling(calibration: Calibration) -> list[str]:
-    """Whether sweeps are dense enough to see the transition after collapse."""
-    rate = next((one for one in calibration.parameters if one.name == "transition_rate"), None)
-    if rate is None or not rate.identifiable:
-        return []
-    used = calibration.grid.measured
-    strain = np.where(used, calibration.problem.strain(calibration.muscle), np.nan)
-    strain = strain[np.any(used, axis=1)]
-    spacing = np.nanmax(strain, axis=1) - np.nanmin(strain, axis=1)
-    spacing = spacing / np.sum(np.isfinite(strain), axis=1)
-    within = 1 / (rate.value * float(np.median(spacing)))
-    if within >= _DENSE:
-        return []
-    return [
-        f"Only {within:.2g} readings at a pressure fall into the transition after collapse (1/β of"
-        f" strain): below {_DENSE} the collapse moment's interval comes out too narrow."
-    ]
-
-
-def _curves(calibration: Calibration) -> list[str]:
-    lines, readings = [], calibration.readings
-    if readings is None:
-        return []
-    P = readings.pressure
-    unread = P[~readings.valid & (0.01 * P.max() < P)]
-    if unread.size:
-        lines.append(
-            "Blocked force and free strain could not be read at"
-            f" {', '.join(f'{p / 1e3:.4g}' for p in unread)} kPa: too few readings pull there."
-        )
-    what = ("free strain is no polynomial of order 3 or less times the law's",
-            "blocked force is not linear in pressure")  # fmt: skip
-    for misfit, words in zip(readings.misfit, what, strict=True):
-        if misfit > 1:
+    rate = next((e for e in estimates if e.name == "transition_rate" and e.identifiable), None)
+    if rate is not None:
+        used = calibration.grid.measured
+        strain = np.where(used, calibration.problem.strain(calibration.muscle), np.nan)
+        strain = strain[np.any(used, axis=1)]
+        spacing = np.nanmax(strain, axis=1) - np.nanmin(strain, axis=1)
+        spacing = float(np.median(spacing / np.sum(np.isfinite(strain), axis=1)))
+        count = 1 / (rate.value * spacing)
+        if count < _DENSE:
             lines.append(
-                f"The {words} within its readings' errors ({np.sqrt(misfit):.3g} times them): the"
-                " smooth curve misses some of them, and its uncertainty is widened."
+                f"Only {count:.2g} readings at a pressure lie in the transition after collapse"
+                f" (1/β of strain): with fewer than {_DENSE} the collapse moment's interval is too"
+                " narrow."
             )
-    return lines
-
-
-def _noise(calibration: Calibration) -> list[str]:
-    """Whether residuals are noise, and what else they are."""
-    diagnosis = calibration.diagnosis
-    lines = [
-        f"Residuals follow {trend.along}: a smooth curve along it explains"
-        f" {100 * trend.share:.3g} % of their squares (p-value {_chance(trend.chance)}). That is"
-        " an error of the model or of the gauge, not noise."
-        for trend in diagnosis.significant
-    ]
-    lines += [
-        f"Neighboring residuals along {run.along} change sign {run.changes} times in"
-        f" {run.pairs}, where noise would in half of them: they are correlated."
-        for run in diagnosis.autocorrelated
-    ]
-    if not diagnosis.is_white_noise:
-        parts = [
-            f"{max(one.below, one.count - one.below)} of {one.count} lie"
-            f" {'below' if 2 * one.below > one.count else 'above'} the fit near strain"
-            f" {one.strain:.3g}"
-            for one in diagnosis.signs[:_MAX_SIGNS]
+    if (readings := calibration.readings) is not None:
+        P = readings.pressure
+        missing = P[~readings.valid & (0.01 * P.max() < P)]
+        if missing.size:
+            lines.append(
+                "Blocked force and free strain could not be read at"
+                f" {', '.join(f'{p / 1e3:.4g}' for p in missing)} kPa: too few readings pull there."
+            )
+        shapes = ("The free strain over the law's is no polynomial of order 3 or less",
+                  "The blocked force is not linear in pressure")  # fmt: skip
+        lines += [
+            f"{shape} within the errors of its readings ({np.sqrt(misfit):.3g} times them): the"
+            " smooth curve misses some of them, and its uncertainty is increased."
+            for misfit, shape in zip(readings.misfit, shapes, strict=True)
+            if misfit > 1
         ]
-        if parts:
-            lines.append(f"Of the readings {_list(parts)}.")
-        lines += [*_at_rest(calibration), *_causes(calibration)]
-    if diagnosis.significant and calibration.parameters:
-        wider = calibration.wider
-        by = "hardly wider than"
-        if np.max(wider) >= _WIDER:
-            by = f"{_range(wider)} times as wide as"
-        lines.append(
-            "Intervals include a discrepancy for it, a smooth error of the model along"
-            f" {_list([trend.along for trend in diagnosis.significant])}, as large where the fit"
-            f" took it up as where it shows: they are {by} from noise alone."
-        )
-    if diagnosis.inflation > 1 and calibration.parameters:
-        lines.append(
-            "Residuals are correlated along a sweep: intervals are widened by"
-            f" {np.sqrt(diagnosis.inflation):.3g} for it."
-        )
-    if not np.isfinite(diagnosis.noise):
-        lines.append("Too few readings beside the constants to tell whether residuals are noise.")
     return lines
 
 
-def _at_rest(calibration: Calibration) -> list[str]:
-    """Residuals at the least strain over pressure, where they are more than noise: ends and a dead
-    band show there.
-    """
-    diagnosis = calibration.diagnosis
-    if len(diagnosis.at_rest) < _MIN_LEVELS or not np.isfinite(diagnosis.noise):
-        return []
-    P, missed = np.array(diagnosis.at_rest).T
-    if np.ptp(missed) < _CLEAR * diagnosis.noise:
-        return []
-    low, high = sorted((int(np.argmin(missed)), int(np.argmax(missed))))
-    return [
-        f"At the least strain they run from {missed[low]:+.3g} N at {P[low] / 1e3:.4g} kPa to"
-        f" {missed[high]:+.3g} N at {P[high] / 1e3:.4g} kPa."
-    ]
-
-
-def _causes(calibration: Calibration) -> list[str]:
-    causes = calibration.diagnosis.causes
-    if not causes:
-        return ["No known cause would explain much of it."]
-    parts = [f"{cause.name} (would explain {100 * cause.share:.3g} %)" for cause in causes]
-    return [f"Likely cause: {'; or '.join(parts)}. What to do: {causes[0].remedy}."]
-
-
-def _use(calibration: Calibration) -> list[str]:
-    """Effects that its figures leave out, or include besides the model."""
-    lines = []
+def _usage_warnings(calibration: Calibration) -> list[str]:
+    """Effects in use that the errors leave out, and sizes that are not the muscle's."""
+    lines, muscle, rest_length = [], calibration.start, calibration.record.rest_length
     if calibration.loop is None:
         lines.append(
-            "Measured one way, or in an unknown direction: friction's hysteresis loop is not in"
-            " these errors, and a muscle in use has one."
+            "Measured in one direction, or in an unknown one: these errors do not contain the"
+            " hysteresis loop of friction, which a muscle in use has."
         )
     if "active_length" in calibration.names:
-        rest = calibration.record.rest_length
+        reference = "the initial length" if rest_length is None else pretty(rest_length, "length")
+        length = pretty(float(calibration.muscle.length), "length")
         lines.append(
-            f"The fitted muscle is {pretty(float(calibration.muscle.length), 'length')} long: its"
-            " contractions refer to that, the record's to"
-            f" {'the length it began with' if rest is None else pretty(rest, 'length')}."
+            f"The fitted muscle is {length} long: its contractions refer to that length, those of"
+            f" the record to {reference}."
         )
-    return lines + _sizes(calibration)
-
-
-def _sizes(calibration: Calibration) -> list[str]:
-    """Fitted sizes that aren't those that were measured: they make up for something."""
-    given, lines = calibration.start, []
-    rest = calibration.record.rest_length or float(given.length)
-    for one in calibration.parameters:
-        # an active length may be shorter than what lies between the fittings, never longer
-        real = {"active_length": rest}.get(one.name, getattr(given, one.name, None))
-        if real is None or not one.identifiable or one.dimension not in ("length", "angle"):
+    for estimate in calibration.parameters:
+        size, name = getattr(muscle, estimate.name, None), estimate.name
+        if name == "active_length":
+            size = rest_length or float(muscle.length)
+        if size is None or not estimate.identifiable:
             continue
-        longer, shorter = one.low > (1 + _CALIPERS) * real, one.high < (1 - _CALIPERS) * real
-        if longer or (shorter and one.name != "active_length"):
-            value, known = (pretty(x, one.dimension, 3) for x in (one.value, float(real)))
+        if estimate.dimension not in ("length", "angle"):
+            continue
+        larger, smaller = (
+            estimate.low > (1 + _CALIPERS) * size,
+            estimate.high < (1 - _CALIPERS) * size,
+        )
+        # an active length may be shorter than the distance of the fittings, never longer
+        if larger or (smaller and name != "active_length"):
+            value, given = (pretty(x, estimate.dimension, 3) for x in (estimate.value, float(size)))
             lines.append(
-                f"{one.name} is {value}, given as {known}, its whole interval more than"
-                f" {100 * _CALIPERS:g} % off: it makes up for an error of the law, and is no"
+                f"{name} is {value}, given as {given}, and its whole interval is more than"
+                f" {100 * _CALIPERS:g} % off: it compensates for an error of the law and is no"
                 " measured size."
             )
     return lines
 
 
-def _chance(chance: float) -> str:
-    """A chance in words that claim no more than is computed."""
-    return f"{chance:.1g}" if chance > _SMALLEST_CHANCE else f"below {_SMALLEST_CHANCE:.0g}"
-
-
 def hysteresis_message(calibration: Calibration) -> str:
-    """Width of the record's loops, and its share of the muscle's error in use; empty where the
-    record doesn't hold both branches.
-    """
+    """Width of the record's loops and its share of the error in use; empty without loops."""
     loop, friction = calibration.loop, calibration.friction
     if loop is None:
         return ""
-    several = loop.pressure.size > 1
+    count = loop.pressure.size
     if friction is not None and friction.law is None:
         return (
-            "No hysteresis loop stands out of the noise: mean width"
-            f" {float(np.mean(loop.width)):.2g} N at {loop.pressure.size} pressure{'s' * several}."
+            "No hysteresis loop above the noise: mean width"
+            f" {float(np.mean(loop.width)):.2g} N at {count} pressure{'s' * (count > 1)}."
         )
-    where = f"at {loop.pressure.size} pressures" if several else "there"
-    return (
-        f"Hysteresis loop: {_range(100 * loop.share)} % of the pull at a pressure wide,"
-        f" {_range(loop.width)} N {where}. Half of it is in the error of a muscle in use,"
-        f" {calibration.rmse:.4g} N; against the half-way curve the error is"
+    place = f"at {count} pressures" if count > 1 else "there"
+    message = (
+        f"Hysteresis loop: its width is {_range(100 * loop.share)} % of the pull at a pressure,"
+        f" {_range(loop.width)} N {place}. The error of a muscle in use, {calibration.rmse:.4g} N,"
+        f" contains half of it; against the half-way curve the error is"
         f" {calibration.half_way_rmse:.4g} N."
-        f"{'' if friction is None else f' {friction_message(friction)}'}"
     )
+    return message if friction is None else f"{message} {friction_message(friction)}"
 
 
 def friction_message(friction: Friction) -> str:
     """Fitted friction, in a sentence or two."""
     if friction.law is None:
-        return "No friction above the noise: both branches are one."
-    count, still = len(friction.resolved), friction.half_width(0.0)
-    rise, clear = friction.half_width(1e5) - still, _NO_FRICTION * float(np.mean(friction.width))
+        return "No friction above the noise: both branches coincide."
+    count, constant = len(friction.resolved), friction.half_width(0.0)
+    rise, least = friction.half_width(1e5) - constant, _NO_FRICTION * float(np.mean(friction.width))
     # at 10 bar, more than any record holds, a rise may matter that doesn't at one
-    parts = [f"{still:.3g} N"] * (still > clear) + [f"{rise:.3g} N/bar"] * (10 * rise > clear)
-    line = (
-        f"Friction: {count} sliding spring{'s' if count > 1 else ''}, together"
-        f" {' + '.join(parts)} either way; their loops' widths err by {friction.rmse:.3g} N."
+    terms = [f"{constant:.3g} N"] * (constant > least) + [f"{rise:.3g} N/bar"] * (10 * rise > least)
+    message = (
+        f"Friction: {count} sliding spring{'s' if count > 1 else ''}, together ±"
+        f"{' + '.join(terms)}; the error of their loops' widths is {friction.rmse:.3g} N."
     )
     if not all(friction.resolved):
-        line += " Its build-up after a turn is not resolved: it is there at the next reading."
-    return line
+        message += " The build-up after a turn is shorter than a step of the readings."
+    return message
 
 
 def fit_data_lines(data: FitData) -> list[str]:
-    """Readings by what became of them, in sentences."""
+    """Readings by their use in the fit, in sentences."""
     lines = [f"{data.read} readings read"]
     lines += [f"{count} left out: {reason}" for reason, count in data.left_out.items()]
     if not data.left_out:
@@ -338,33 +309,33 @@ def fit_data_lines(data: FitData) -> list[str]:
         lines.append(f"{data.clipped} clipped: they only say that the force was not above {floor}")
     if data.noise_clipped:
         lines.append(
-            f"{data.noise_clipped} of these are small forces past the strain from which the others"
-            " of their pressure are clipped: treated as noise"
+            f"{data.noise_clipped} of these are small forces at strains where the pressure's other"
+            " readings are clipped: treated as noise"
         )
     if data.pushes_clipped:
         verb = "does" if data.pushes_clipped == 1 else "do"
         lines.append(
-            f"{data.pushes_clipped} of these {verb} not pull, too few to fit what resists"
-            f" ({MIN_PUSHES} numbers): `--fit tuning` fits that all the same"
+            f"{data.pushes_clipped} of these {verb} not pull, too few to fit the resisting force"
+            f" ({MIN_PUSHES} numbers): `--fit tuning` fits it nevertheless"
         )
     if data.averaged:
         lines.append(
             f"{data.averaged} averaged into {data.means} means for the fit, in steps of strain,"
-            " each way by itself; errors are those of all readings"
+            " each branch by itself; errors are those of all readings"
         )
     levels, pressures = len(data.grid.pressure), np.unique(data.record.pressure).size
     if pressures > levels:
-        lines.append(f"{pressures} pressures gathered into {levels} level{'s' * (levels > 1)}")
+        lines.append(f"{pressures} pressures grouped into {levels} level{'s' * (levels > 1)}")
     return lines
 
 
 def end_messages(solutions: Solutions) -> list[str]:
     """Ends of the search from all starts, a line each."""
-    least, lines = np.nanmin(solutions.cost), []
+    lowest, lines = np.nanmin(solutions.cost), []
     columns = (solutions.cost.tolist(), solutions.status.tolist(), solutions.steps.tolist())
     for i, (cost, status, steps) in enumerate(zip(*columns, strict=True), start=1):
         line = f"start {i}: {_STATUS[status]} ({steps} step{'' if steps == 1 else 's'})"
-        if cost - least < _SAME_MINIMUM:
+        if cost - lowest < _SAME_MINIMUM:
             line += ", at the best minimum"
         elif np.isfinite(cost):
             line += f", at a worse one (cost {cost:.6g})"
@@ -374,31 +345,31 @@ def end_messages(solutions: Solutions) -> list[str]:
 
 def interval_method(calibration: Calibration) -> str:
     """Method of a calibration's 90 % intervals."""
-    boots, given = calibration.bootstrapped, ", conditional on the selected model"
+    boots, condition = calibration.bootstrapped, ", conditional on the selected model"
     if boots is None:
-        profiles = ", by profile likelihood where that says more" * bool(calibration.profiles)
-        return f"linear approximation (C3){profiles}{given}; use --intervals bootstrap to simulate"
+        profiles = ", profile likelihood where the data give a limit" * bool(calibration.profiles)
+        return f"linear approximation (C3){profiles}{condition}; --intervals bootstrap simulates"
     failed = f", {boots.failed} more failed" if boots.failed else ""
-    return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}{given}"
+    return f"parametric bootstrap of the whole fit, {len(boots.values)} draws{failed}{condition}"
 
 
 def interval_texts(estimate: Estimate) -> tuple[str, str]:
-    """Value and 90 % interval for people, with digits enough to tell them apart."""
+    """Value and 90 % interval of an estimate, with enough digits to distinguish them."""
     width = estimate.high - estimate.low
     size = max(abs(estimate.value), abs(estimate.low), abs(estimate.high))
     digits = 3 if not 0 < width < size else 2 + math.ceil(math.log10(size / width))
     digits = min(max(digits, 3), _MAX_DIGITS)
-    several = max(digits, 4)
-    # an end nearer than half of its last digit, once rounded, may lie past the value
+    value = pretty(estimate.value, estimate.dimension, max(digits, 4))
+    # an end nearer than half of its last digit may round to the other side of the value
     nearest = min(estimate.value - estimate.low, estimate.high - estimate.value)
     if nearest < 5 * 10.0**-digits * size:
-        digits = several
+        digits = max(digits, 4)
     low, high = (pretty(x, estimate.dimension, digits) for x in (estimate.low, estimate.high))
-    return pretty(estimate.value, estimate.dimension, several), f"{low} to {high}"
+    return value, f"{low} to {high}"
 
 
 def identifiability_text(estimate: Estimate) -> str:
-    """How well the data know an estimate; empty where they do."""
+    """Note on an estimate that the data do not determine; else empty."""
     if estimate.identifiable:
         return ""
     return f"{estimate.bound} limit only" if estimate.bound else "not known"
@@ -416,13 +387,10 @@ def calibration_table(calibration: Calibration) -> ReprTable:
         ("intervals", calibration.intervals),
     ]
     rows = [
-        [
-            one.name,
-            *(pretty(x, one.dimension) for x in (one.value, one.low, one.high)),
-            "yes" if one.identifiable else "no",
-        ]
-        for one in calibration.parameters
-    ]
+        [e.name, *(pretty(x, e.dimension) for x in (e.value, e.low, e.high)),
+         "yes" if e.identifiable else "no"]
+        for e in calibration.parameters
+    ]  # fmt: skip
     heads = ("fitted", "value", "from, 90 %", "to", "identifiable")
     kind = "synthetic readings" if calibration.record.synthetic else "a record"
     notes = [f"! {line}" for line in calibration.warnings]
@@ -432,7 +400,7 @@ def calibration_table(calibration: Calibration) -> ReprTable:
 def selection_table(selection: Selection) -> ReprTable:
     """The selected calibration, and the reasons."""
     table = calibration_table(selection.calibration)
-    tried = f"{len(selection.candidates)} candidates" if selection.candidates else "none beside it"
+    tried = f"{len(selection.candidates)} candidates" if selection.candidates else "no others"
     return table._replace(
         title=f"Selected: {table.title[0].lower()}{table.title[1:]}",
         facts=[*table.facts, ("tried", tried)],
@@ -440,82 +408,89 @@ def selection_table(selection: Selection) -> ReprTable:
     )
 
 
-def selection_reasons(
-    trials: Sequence[Trial], best: Trial, parts: str = "pressures"
-) -> tuple[str, ...]:
-    """Why the `best` of the `trials` was selected, a line each; `parts` were left out in turn."""
+def selection_reasons(trials: Sequence[Trial], best: Trial, by_strain: bool = False) -> list[str]:
+    """Reasons for the `best` of the `trials`, a line each.
+
+    `by_strain`: stretches of strain were left out in turn, not pressures.
+    """
     valid = [trial.candidate for trial in trials if trial.valid]
-    chosen, least = best.candidate, min(valid, key=lambda one: one.left_out_rmse)
+    selected, lowest = best.candidate, min(valid, key=lambda c: c.left_out_rmse)
     lines = [
-        f"Selected: {chosen.label} ({_count(chosen)}), cross-validated error {_share(chosen)} of"
-        " the largest force."
+        f"Selected: {selected.label} ({_count(selected)}), cross-validated error"
+        f" {_error(selected)} of the largest force."
     ]
-    if least is chosen:
+    if lowest is selected:
         possible = "" if len(valid) == len(trials) else " possible"
-        lines.append(f"None of the {len(valid)}{possible} candidates has a smaller one.")
+        lines.append(f"None of the {len(valid)}{possible} candidates has a smaller error.")
     else:
         lines.append(
-            f"The smallest is {_share(least)}, with {least.label} ({_count(least)}): no better"
-            " than chance or 2 % make it, so the fewest numbers are selected."
+            f"The smallest error is {_error(lowest)}, with {lowest.label} ({_count(lowest)}): the"
+            " difference is no larger than chance or 2 %, so the fewest numbers are selected."
         )
     lines += [*marginal_gains(trials, best), *exclusions(trials)]
-    tuning = next((one for one in valid if one.label == TUNING and one is not chosen), None)
-    if tuning is not None:
-        lines.append(f"The paper's tuning ({_count(tuning)}): {_share(tuning)}.")
-    part = "pressure" if parts == "pressures" else "stretch-of-strain"
-    return (
+    lines += [
+        f"The paper's tuning ({_count(candidate)}): {_error(candidate)}."
+        for candidate in valid
+        if candidate.label == TUNING and candidate is not selected
+    ]
+    part = "stretch-of-strain" if by_strain else "pressure"
+    return [
         *lines,
         f"Model selected by leave-one-{part}-out cross-validation (one-standard-error rule): the"
         " fewest parameters within one standard error, 2 %, or one reading's share of the best.",
-    )
+    ]
 
 
-def exclusions(trials: Sequence[Trial]) -> Iterator[str]:
-    """Candidates that couldn't be selected, though they may err less, a line each."""
-    for trial in trials:
-        if trial.violation:
-            yield f"Excluded: {trial.candidate.label}: {trial.violation} is impossible."
+def exclusions(trials: Sequence[Trial]) -> list[str]:
+    """Candidates that no muscle can be, though they may have smaller errors, a line each."""
+    return [
+        f"Excluded: {trial.candidate.label}: {trial.violation} is impossible."
+        for trial in trials
+        if trial.violation
+    ]
 
 
 def marginal_gains(trials: Sequence[Trial], best: Trial) -> Iterator[str]:
-    """Gain of each further constant beside the `best` of `trials`, and of each that it has."""
+    """Gain of each constant of the `best` trial, and of each further one, a line each."""
     errors = {
         frozenset(trial.candidate.names): trial.candidate
         for trial in trials
         if trial.valid and trial.candidate.method == "constants"
     }
+    if best.candidate.method != "constants":
+        return
+    names = frozenset(best.candidate.names)
     for name in dict.fromkeys(name for trial in trials for name in trial.candidate.names):
-        yield from _marginal_gain(errors, best.candidate, name)
-
-
-def _marginal_gain(
-    errors: Mapping[frozenset[str], Candidate], best: Candidate, name: str
-) -> Iterator[str]:
-    what, names = _CHOICES.get(name, f"`{name}`"), frozenset(best.names)
-    if best.method != "constants":
-        return
-    other = errors.get(names ^ {name})
-    if other is None:
-        return
-    if name in names:
-        yield (
-            f"Adding {what} reduces the cross-validated error from {_share(other)} to"
-            f" {_share(best)}."
-        )
-    else:
-        yield f"Adding {what} does not pay: the cross-validated error would be {_share(other)}."
+        neighbor, constant = errors.get(names ^ {name}), _CONSTANTS.get(name, f"`{name}`")
+        if neighbor is None:
+            continue
+        if name in names:
+            yield (
+                f"Adding {constant} reduces the cross-validated error from {_error(neighbor)} to"
+                f" {_error(best.candidate)}."
+            )
+        else:
+            yield (
+                f"Adding {constant} does not pay: the cross-validated error would be"
+                f" {_error(neighbor)}."
+            )
 
 
 def length_violation(active: float, rest: float, tolerance: float) -> str:
-    """Why an `active` length [m] is impossible between fittings `rest` [m] apart; empty where it
-    isn't longer by more than a `tolerance` [-].
+    """Message for an `active` length [m] above the distance of the fittings, `rest` [m].
+
+    Empty for one that isn't longer by more than a `tolerance` [-].
     """
     if active <= (1 + tolerance) * rest:
         return ""
     return f"an active length of {pretty(active, 'length')} in a muscle of {pretty(rest, 'length')}"
 
 
-def _share(candidate: Candidate) -> str:
+def _chance(chance: float) -> str:
+    return f"{chance:.1g}" if chance > _SMALLEST_CHANCE else f"below {_SMALLEST_CHANCE:.0g}"
+
+
+def _error(candidate: Candidate) -> str:
     return f"{100 * candidate.relative_left_out_rmse:.3g} %"
 
 

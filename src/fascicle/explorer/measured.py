@@ -170,7 +170,7 @@ def fit_record(
     from ..calibrate.model_selection import Selection, select_model
 
     if tuple(names) == (AUTOMATIC,):
-        return select_model(record, muscle, starts=STARTS, tell=progress)
+        return select_model(record, muscle, starts=STARTS, progress=progress)
     progress("fitting")
     free = None if tuple(names) == (TUNING,) else list(names)
     return Selection(fit(record, muscle, free, starts=STARTS, whole=False))

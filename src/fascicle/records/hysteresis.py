@@ -96,17 +96,20 @@ def averaged(record: Record, points: int = 50) -> Averaged:
     return Averaged(half_way, np.concatenate(widths))
 
 
-def loop_of(record: Record) -> Loop | None:
+def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
     """Widths of a record's hysteresis loops, pressure by pressure.
 
-    **Arguments:** `record`: readings with known branches [SI].
+    **Arguments:**
+
+    - `record`: readings with known branches [SI].
+    - `half_way`: its half-way record [SI]; computed if left out.
 
     **Returns:** the widths [SI], or `None` for a record without loops.
     """
     if not {UP, DOWN} <= set(np.unique(record.branch).tolist()):
         return None
     try:
-        half_way = averaged(record)
+        half_way = half_way or averaged(record)
     except ValueError:  # no sweeps in it
         return None
     both = np.isfinite(half_way.width) & ~half_way.record.censored

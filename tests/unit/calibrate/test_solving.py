@@ -77,7 +77,7 @@ def test_a_start_without_numbers_is_said_to_have_broken(given):
     assert_array_equal(found.status, [BROKE, CONVERGED])
     assert int(found.best) == 1
     first, second = end_messages(found)
-    assert first.startswith("start 1: stopped where the solver could not go on")
+    assert first.startswith("start 1: stopped because")
     assert "minimum" not in first
     assert second.startswith("start 2: converged")
 
@@ -86,7 +86,7 @@ def test_a_search_that_does_not_end_is_said_to_have_stopped(given):
     found = solve(given(winding=True), np.array([[0.0, 0.0]]))
     assert found.cost[0] > 1
     assert_array_equal(found.status, [STOPPED])
-    assert end_messages(found)[0].startswith("start 1: stopped after 200 steps, before it settled")
+    assert end_messages(found)[0].startswith("start 1: stopped after 200 steps")
 
 
 def test_a_search_out_of_steps_with_nothing_left_remaining_has_settled(given, monkeypatch):
@@ -128,9 +128,9 @@ def test_least_squares_of_a_straight_law_are_the_normal_equations(straight):
 def test_words_tell_minima_apart():
     lines = end_messages(ends([5.0, 5.01, 5.05, np.nan], [CONVERGED, STOPPED, CONVERGED, BROKE]))
     assert lines[0] == "start 1: converged (3 steps), at the best minimum"
-    assert lines[1].endswith("before it settled (3 steps), at the best minimum")
+    assert lines[1].endswith("before convergence (3 steps), at the best minimum")
     assert lines[2] == "start 3: converged (3 steps), at a worse one (cost 5.05)"
-    assert lines[3] == "start 4: stopped where the solver could not go on (3 steps)"
+    assert lines[3] == "start 4: stopped because the solver could not continue (3 steps)"
 
 
 def test_no_number_is_never_the_best():

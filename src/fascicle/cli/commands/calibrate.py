@@ -328,7 +328,7 @@ def _fit(
     if names is None:
         from ...calibrate.model_selection import select_model
 
-        choice = select_model(record, start, priors, **settings, tell=update)
+        choice = select_model(record, start, priors, **settings, progress=update)
         return choice.calibration, choice
     from ...calibrate.fitting import fit
 
