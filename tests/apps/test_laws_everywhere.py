@@ -62,7 +62,7 @@ ASKED = {
 # a law with a command that doesn't take it, and what is said
 REFUSED = {
     ("buckling ovalising", "export c"): "can't be written in C",
-    **{(asked, command): "`end_compliance` must be 0 where strain alone says"
+    **{(asked, command): "`end_compliance` must be 0"
        for asked in ("ends that give", "all at once")
        for command in ("recruit free", "efficiency", "design")},
     # without pressure they don't push: nothing holds the scenario's mass at rest

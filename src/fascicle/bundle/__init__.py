@@ -1,6 +1,6 @@
 """Motor units, bundles, their recruitment and the reversal of their free strain.
 
-Names are looked up when they are asked for, so that the command line's help loads no JAX.
+Names are imported on first use, so that the command line's help loads no JAX.
 """
 
 from typing import TYPE_CHECKING

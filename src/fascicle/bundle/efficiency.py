@@ -5,8 +5,8 @@ $$W = L_0 \int_0^\varepsilon F \,\mathrm{d}\varepsilon', \qquad
   \eta = W/E. \tag{28-30}$$
 
 The supply's pressure $P_s$ counts, also for a unit that is throttled below it, and the
-volume is the fluid's: the bladder is incompressible, so its own volume cancels [R17]. Where
-muscles are of unlike length, $L_0$ is the distance between the plates at rest, and each
+volume is the fluid's: the bladder is incompressible, so its own volume cancels [R17]. If
+muscles are of unequal length, $L_0$ is the distance between the plates at rest, and each
 muscle's volume is taken at its own strain.
 
 **Quadrature:** Gauss-Legendre on each stretch between a muscle's kinks, where its force is
@@ -18,7 +18,7 @@ $$W(\varepsilon_j) = L_0 \sum_{i \le j} \int_{\varepsilon_{i-1}}^{\varepsilon_i}
 
 *Isobaric:* pressures are constant along the path from $\varepsilon = 0$, so the work is
 the area under that state's curve. *Isotonic:* the load is constant, so
-$W = F \varepsilon L_0$. Where several states, or several pressures of one, reach a point,
+$W = F \varepsilon L_0$. If several states, or several pressures of one, reach a point,
 the highest efficiency counts. The average is over the points of an even grid, forces
 $F_{max} i/80$ and strains $j/375$, that the bundle reaches [R18].
 
@@ -52,10 +52,11 @@ from .bundle import (
 from .pressurized import muscle_strain, pressurized
 from .schemes import AbstractScheme
 from .states import states_of
+from .workspace import unit_tables
 
 
 PATHS = ("isobaric", "isotonic")
-_LEVELS = 129  # throttled pressures between which a force is looked for
+_LEVELS = 129  # throttled pressures, between which a force is interpolated
 _FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
 _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 _PIECE = 1 / 50  # of strain: the fastest decay in use, 100, falls to exp(-2) over it
@@ -66,53 +67,53 @@ Grid = Float[np.ndarray, "force strain"]
 
 
 def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
-    """Refuse `muscles` [-] whose ends give: what fluid they take in depends on their force, too.
-    Warn of those whose braid swells by its pressure.
+    """Refuse `muscles` with compliant ends: their volume depends on their force, too. Warn of
+    muscles whose braid swells by its pressure.
     """
     for muscle in muscles:
         if muscle.tension.stretches:
             warnings.warn(
-                "fluid is counted in the braid as it is without pressure: what fibers that"
-                " stretch let it swell by isn't in it.",
+                "fluid is counted in the braid as it is without pressure: the volume by which"
+                " fibers that stretch let it swell is not included.",
                 stacklevel=3,
             )
-        give = muscle.ends.compliance
-        if is_concrete(give) and np.any(np.asarray(give) > 0):
+        compliance = muscle.ends.compliance
+        if is_concrete(compliance) and np.any(np.asarray(compliance) > 0):
+            largest = float(np.max(np.asarray(compliance)))
             raise InvalidInputError(
                 "end_compliance",
-                "must be 0 where strain alone says what fluid a muscle takes in, as for"
-                " efficiencies, designs and the least fluid",
-                float(np.max(np.asarray(give))),
+                "must be 0 for efficiencies, designs and the least fluid, which take a muscle's"
+                " volume from its strain alone",
+                largest,
                 "leave it out there; simulations and `conjugate_volume` count fluid at its"
                 " pressure",
-                shown=f"{1e6 * float(np.max(np.asarray(give))):g} mm/kN",
+                shown=f"{1e6 * largest:g} mm/kN",
             )
 
 
 def unit_volume_change(bundle: Bundle, strain: Values) -> PerUnit:
     """Fluid taken in by each motor unit from rest length on.
 
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `strain`: contraction [-].
+    **Arguments:** `bundle`; `strain`: contraction [-].
 
     **Returns:** $n_i (V_i(\\varepsilon) - V_i(0))$ [m³], motor units on the last axis.
 
-    **Raises:** `ValueError` for muscles whose ends give under load.
+    **Raises:** `ValueError` for muscles with compliant ends.
     """
-    check_volume_by_strain(unit.muscle for unit in bundle.motor_units)
-    rests, ends = [0.0] * len(bundle.motor_units), [strain] * len(bundle.motor_units)
-    if bundle.ratios is not None:
-        eps = bundle._strain(strain)
-        ratios = [bundle.ratios[..., i] for i in range(len(bundle.motor_units))]
-        rests = [muscle_strain(ratio, 0.0) for ratio in ratios]
-        ends = [muscle_strain(ratio, eps) for ratio in ratios]
-    taken = [
-        unit.count * (unit.muscle.volume(end) - unit.muscle.volume(rest))
-        for unit, rest, end in zip(bundle.motor_units, rests, ends, strict=True)
+    units, ratios = bundle.motor_units, bundle.ratios
+    check_volume_by_strain(unit.muscle for unit in units)
+    start: list[Values] = [0.0] * len(units)
+    end: list[Values] = [strain] * len(units)
+    if ratios is not None:
+        eps = bundle._check_strain(strain)
+        start, end = (
+            [muscle_strain(ratios[..., i], x) for i in range(len(units))] for x in (0.0, eps)
+        )
+    volumes = [
+        unit.count * (unit.muscle.volume(eps) - unit.muscle.volume(first))
+        for unit, first, eps in zip(units, start, end, strict=True)
     ]
-    return array_namespace(*taken).stack(taken, axis=-1)
+    return array_namespace(*volumes).stack(volumes, axis=-1)
 
 
 def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
@@ -120,10 +121,10 @@ def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = T
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
     - `strain`: contraction at the end [-]; broadcasts against the rest of `pressures`.
-    - `resistance`: whether units past their own free strain push back [-].
+    - `resistance`: units past their own free strain push back.
 
     **Returns:** $W$ [J].
 
@@ -136,19 +137,21 @@ def work(bundle: Bundle, pressures: Values, strain: Values, resistance: bool = T
 def unit_work(
     bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
 ) -> PerUnit:
-    """Work of each motor unit, its muscles together; arguments as of `work`.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
-    - `strain`: contraction at the end [-]; broadcasts against the rest of `pressures`.
-    - `resistance`: whether units past their own free strain push back [-].
-
-    **Returns:** works [J], motor units on the last axis.
+    """Work of each motor unit [J], all its muscles, units on the last axis; `bundle`, `pressures`
+    [Pa], `strain` [-] and `resistance` as for `work`.
     """
-    P, eps = bundle._pressures(pressures), bundle._strain(strain)
+    P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
     return evaluate(_unit_work, bundle, P, eps, static=(bool(resistance),))
+
+
+def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
+    def muscle_work(muscle: Pressurized, strain: Numbers, start: Numbers) -> Numbers:
+        return contraction_work(muscle, strain, start, resistance)
+
+    # a muscle that isn't as long as the plates are apart has a strain at rest; its own length
+    # times its change of strain is the plates' way all the same
+    muscles = pressurized(bundle, pressures)
+    return bundle.counts * muscles.map_units_over_strain(muscle_work, strain, 0.0 * strain)
 
 
 def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active: Values) -> Batch:
@@ -156,83 +159,62 @@ def fluid_energy(bundle: Bundle, strain: Values, supply_pressure: Values, active
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `strain`: contraction at the end [-].
     - `supply_pressure`: $P_s$ [Pa].
-    - `active`: which motor units are fed [-], 0 or 1 each, on the last axis.
+    - `active`: 1 for motor units that are pressurized [-], 0 for others, on the last axis.
 
     **Returns:** $E$ [J].
     """
-    taken = unit_volume_change(bundle, strain)
+    volumes = unit_volume_change(bundle, strain)
     supply_pressure = to_si(supply_pressure, "supply_pressure", "Pa")
-    at_work = array_namespace(taken, supply_pressure)
-    return supply_pressure * at_work.sum(at_work.asarray(active) * taken, axis=-1)
-
-
-def _unit_work(bundle: Bundle, pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
-    def one(muscle: Pressurized, strain: Numbers, rest: Numbers) -> Numbers:
-        return contraction_work(muscle, strain, rest, resistance)
-
-    # of a muscle that isn't as long as the plates are apart, the strain at rest isn't zero;
-    # its own length times its own strain is the plates' way all the same
-    at = pressurized(bundle, pressures)
-    return bundle.counts * at.map_units_over_strain(one, strain, 0.0 * strain)
+    xp = array_namespace(volumes, supply_pressure)
+    return supply_pressure * xp.sum(xp.asarray(active) * volumes, axis=-1)
 
 
 def unit_work_along(
     bundle: Bundle, pressures: Values, strain: Values, resistance: bool = True
 ) -> Float[AnyArray, "level strain unit"]:
-    """Work of each motor unit from rest length to every strain, at constant pressures.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `pressures`: gauge pressures [Pa], a row for each level, one for each unit in it.
-    - `strain`: a list of contractions [-].
-    - `resistance`: whether units past their own free strain push back [-].
-
-    **Returns:** works [J].
-
-    **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+    """Work of each motor unit [J] from rest length to every `strain` of a list [-], at constant
+    `pressures` [Pa], a row for each level; `bundle` and `resistance` as for `work`.
     """
-    P, eps = bundle._pressures(pressures), bundle._strain(strain)
+    P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
     low, high = (float(pick(np.asarray(eps), initial=0.0)) for pick in (np.min, np.max))
     even = np.linspace(low, high, int(np.ceil((high - low) / _PIECE)) + 1)
     stops = np.concatenate([[0.0], np.asarray(eps, float), even])
     widest = float(np.max(np.diff(np.sort(stops)), initial=0.0))
-    static = (int(np.size(eps)), _NODES_NARROW if widest <= _NARROW else _NODES, bool(resistance))
-    return evaluate(_along, bundle, P, stops, static=static)
+    nodes = _NODES_NARROW if widest <= _NARROW else _NODES
+    static = (int(np.size(eps)), nodes, bool(resistance))
+    return evaluate(_unit_work_along, bundle, P, stops, static=static)
 
 
-def _along(
-    bundle: Bundle, pressures: Numbers, stops: Numbers, wanted: int, count: int, resistance: bool
+def _unit_work_along(
+    bundle: Bundle, pressures: Numbers, stops: Numbers, count: int, nodes: int, resistance: bool
 ) -> Numbers:
-    x, weights = np.polynomial.legendre.leggauss(count)
+    x, weights = np.polynomial.legendre.leggauss(nodes)
 
-    def one(muscle: Pressurized, stops: Numbers) -> Numbers:
-        at_work = array_namespace(stops, muscle.collapse)
-        kinks = at_work.moveaxis(muscle.kinks[:, :, 0], 0, 1)  # level, kind, unit
+    def muscle_work(muscle: Pressurized, stops: Numbers) -> Numbers:
+        xp = array_namespace(stops, muscle.collapse)
+        kinks = xp.moveaxis(muscle.kinks[:, :, 0], 0, 1)  # level, kind, unit
         stops = stops + 0.0 * kinks[:, :1]
-        low, high = (pick(stops, axis=1, keepdims=True) for pick in (at_work.min, at_work.max))
-        ends = at_work.concatenate([stops, minimum(maximum(kinks, low), high)], axis=1)
-        order = at_work.argsort(ends, axis=1)
-        ends = at_work.take_along_axis(ends, order, axis=1)
+        low, high = (pick(stops, axis=1, keepdims=True) for pick in (xp.min, xp.max))
+        ends = xp.concatenate([stops, minimum(maximum(kinks, low), high)], axis=1)
+        order = xp.argsort(ends, axis=1)
+        ends = xp.take_along_axis(ends, order, axis=1)
         middle, half = (ends[:, 1:] + ends[:, :-1]) / 2, (ends[:, 1:] - ends[:, :-1]) / 2
         eps = middle + half * node_axis(x, middle)
         F = muscle.force(eps)[0]
         if not resistance:
             F = where(eps <= muscle.column.free_strain, F, 0.0)
         pieces = half * sum_nodes(node_axis(weights, middle) * F)
-        sums = at_work.cumsum(pieces, axis=1)
-        sums = at_work.concatenate([0.0 * ends[:, :1], sums], axis=1)
-        # where each stop has come to lie: exactly at an end, so nothing is interpolated
-        place = at_work.argsort(order, axis=1)[:, : 1 + wanted]
-        works = at_work.take_along_axis(sums, place, axis=1)
+        sums = xp.concatenate([0.0 * ends[:, :1], xp.cumsum(pieces, axis=1)], axis=1)
+        # each stop is exactly an end, so nothing is interpolated
+        index = xp.argsort(order, axis=1)[:, : 1 + count]
+        works = xp.take_along_axis(sums, index, axis=1)
         return muscle.column.rest_length * (works[:, 1:] - works[:, :1])
 
-    return bundle.counts * pressurized(bundle, pressures[:, None, :]).map_units_over_strain(
-        one, stops
-    )
+    muscles = pressurized(bundle, pressures[:, None, :])
+    return bundle.counts * muscles.map_units_over_strain(muscle_work, stops)
 
 
 def constant_cross_section(
@@ -241,7 +223,7 @@ def constant_cross_section(
     supply_pressure: Values = None,
     scheme: AbstractScheme | str = "orderly",
 ) -> Bundle:
-    r"""A muscle's section split evenly into motor units of one muscle each.
+    r"""A bundle that splits a muscle's section evenly into motor units of one muscle each.
 
     $N$ units of radius $r = R/\sqrt N$ take the section of one muscle of radius $R$, with
     $t_0/r_0$, length and braid angle unchanged. $N = 1$ is the single equivalent motor
@@ -249,39 +231,44 @@ def constant_cross_section(
 
     **Arguments:**
 
-    - `muscle`: the single equivalent motor unit's, of radius $R$ [-].
-    - `units`: $N$ [-], at least 1.
-    - `supply_pressure`: the bundle's [Pa], if it is known.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-].
+    - `muscle`: the single equivalent motor unit's, of radius $R$.
+    - `units`: $N$, at least 1.
+    - `supply_pressure`: the bundle's [Pa], if known.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object.
 
-    **Returns:** a bundle [-] of $N$ units.
+    **Returns:** a bundle of $N$ units.
 
     **Raises:** `ValueError` for less than one unit.
     """
     if units < 1:
         raise InvalidInputError("units", "must be at least 1", units)
-    sizes = (muscle.outer_radius / np.sqrt(units), muscle.wall_thickness / np.sqrt(units))
-    thin = with_fields(muscle, outer_radius=sizes[0], wall_thickness=sizes[1])
+    scale = np.sqrt(units)
+    radius, thickness = muscle.outer_radius / scale, muscle.wall_thickness / scale
+    thin = with_fields(muscle, outer_radius=radius, wall_thickness=thickness)
     return Bundle([MotorUnit(thin)] * units, supply_pressure, scheme)
 
 
-def _sheet(found: "EfficiencyMap") -> ReprTable:
-    """How well a bundle did on the map that was `found` [-]."""
-    eta, reached = found.efficiency, np.isfinite(found.efficiency)
+def _efficiency_table(efficiencies: "EfficiencyMap") -> ReprTable:
+    """Range, average and best of a map."""
+    eta, force, strain = efficiencies.efficiency, efficiencies.force, efficiencies.strain
+    covered = np.isfinite(eta)
     facts = [
-        ("path", found.path),
-        ("reached", f"{np.sum(reached)} of {eta.size} points"),
-        ("forces", format_range(found.force, lambda F: f"{format_number(F)} N")),
-        ("strains", format_range(found.strain, lambda strain: f"{strain:.4f}")),
+        ("path", efficiencies.path),
+        ("reached", f"{np.sum(covered)} of {eta.size} points"),
+        ("forces", format_range(force, lambda F: f"{format_number(F)} N")),
+        ("strains", format_range(strain, "{:.4f}".format)),
     ]
-    if np.any(reached):
+    if np.any(covered):
         row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
-        where = f"at {format_number(found.force[row])} N, strain {found.strain[column]:.4f}"
-        facts += [("average", f"{found.average:.4f}"), ("best", f"{np.nanmax(eta):.4f} {where}")]
+        point = f"at {format_number(force[row])} N, strain {strain[column]:.4f}"
+        facts += [
+            ("average", f"{efficiencies.average:.4f}"),
+            ("best", f"{np.nanmax(eta):.4f} {point}"),
+        ]
     return ReprTable("Efficiency", facts)
 
 
-@with_table_repr(_sheet)
+@with_table_repr(_efficiency_table)
 @dataclass(frozen=True)
 class EfficiencyMap:
     """`efficiency` [-] over `force` [N] (rows) and `strain` [-] (columns), NaN where the
@@ -313,13 +300,13 @@ def efficiency_map(
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
-    - `path`: "isobaric" or "isotonic" [-].
-    - `force`: forces [N]; left out, 80 even ones up to the blocked force of all units.
-    - `strain`: positive strains [-]; left out, multiples of 1/375 to the free strain.
-    - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
+    - `bundle`: the bundle.
+    - `supply_pressure`: $P_s$ [Pa]; by default the bundle's own.
+    - `path`: "isobaric" or "isotonic".
+    - `force`: forces [N]; by default 80 even ones up to the blocked force of all units.
+    - `strain`: positive strains [-]; by default multiples of 1/375 to the free strain.
+    - `resistance`: units past their own free strain push back.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
     **Returns:** an `EfficiencyMap`: efficiencies [-] over forces [N] and strains [-].
 
@@ -327,62 +314,53 @@ def efficiency_map(
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     scheme = resolve_scheme(bundle, scheme)
-    check_choice(path, PATHS, "path")
-    if path == "isobaric" and scheme.independent:
+    is_isobaric = check_choice(path, PATHS, "path") == "isobaric"
+    if is_isobaric and scheme.independent:
         raise InvalidInputError(
             "path",
             f"must be 'isotonic' with scheme {scheme.name!r}",
             path,
-            "its units may be at any of many pressures at one force and strain, each with a work of"
-            ' its own on the way; ask for path="isotonic" (--path isotonic)',
+            "many pressures of its units give one force and strain, each with its own work on the"
+            ' way; ask for path="isotonic" (--path isotonic)',
         )
-    few, inverse = distinct_units(bundle)
+    distinct, inverse = distinct_units(bundle)
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(inverse.tolist())
-    full = np.full(len(few.motor_units), supply)
+    full = np.full(len(distinct.motor_units), supply)
     if force is None:
-        blocked = np.asarray(few.unit_forces(full, 0.0))[inverse]
-        largest = float(blocked.sum())
-        force = largest * np.arange(1, _FORCES + 1) / _FORCES
+        blocked = np.asarray(distinct.unit_forces(full, 0.0))[inverse]
+        force = float(blocked.sum()) * np.arange(1, _FORCES + 1) / _FORCES
     if strain is None:
-        reach = float(few.free_strain(full, resistance=False))
-        strain = np.arange(1, int(reach / _STRAIN_STEP) + 1) * _STRAIN_STEP
-    force, strain = (
-        np.atleast_1d(check_finite(x, name, unit))
-        for x, name, unit in ((force, "force", "N"), (strain, "strain", "-"))
-    )
+        largest = float(distinct.free_strain(full, resistance=False))
+        strain = np.arange(1, int(largest / _STRAIN_STEP) + 1) * _STRAIN_STEP
+    force = np.atleast_1d(check_finite(force, "force", "N"))
+    strain = np.atleast_1d(check_finite(strain, "strain", "-"))
     if np.any(strain <= 0):
-        raise InvalidInputError(
-            "strain", "must be positive", strain.min(), shown=f"{strain.min():g}"
-        )
+        lowest = strain.min()
+        raise InvalidInputError("strain", "must be positive", lowest, shown=f"{lowest:g}")
 
     levels = np.linspace(0.0, supply, _LEVELS)
-    pressures = np.r_[levels, 0.0][:, None] * np.ones(len(few.motor_units))
-    forces = np.asarray(few.unit_forces(pressures[:, None, :], strain, resistance))[..., inverse]
-    table = (forces[:-1], forces[-1], forces[-2])
-    taken = np.asarray(unit_volume_change(few, strain))[..., inverse]
-    energy = supply * (states.fed.astype(float) @ taken.T)  # state, strain
-    if path == "isobaric":
-        works = np.asarray(unit_work_along(few, pressures, strain, resistance))[..., inverse]
-        reached = states.sums(*table), states.sums(works[:-1], works[-1], works[-2])
+    forces = unit_tables(bundle, supply, levels, strain, resistance)
+    volumes = np.asarray(unit_volume_change(distinct, strain))[..., inverse]
+    energy = supply * (states.pressurized.astype(float) @ volumes.T)  # state, strain
+    if is_isobaric:
+        pressures = levels[:, None] * np.ones(len(distinct.motor_units))
+        works = np.asarray(unit_work_along(distinct, pressures, strain, resistance))[..., inverse]
+        tables = states.sums(*forces), states.sums(works, works[0], works[-1])
     else:
-        reached = states.edges(*table)
+        tables = states.edges(*forces)
 
-    best, state = (
-        np.full((force.size, strain.size), np.nan),
-        np.zeros((force.size, strain.size), int),
-    )
-    for k, (first, second) in enumerate(zip(*reached, strict=True)):
-        work = force[:, None] * strain * float(bundle.length)
-        if path == "isobaric":
-            work = _best_work(first, second, force)
+    shape = (force.size, strain.size)
+    best, state = np.full(shape, np.nan), np.zeros(shape, int)
+    for k, (first, second) in enumerate(zip(*tables, strict=True)):
+        if is_isobaric:
+            work = _largest_work(first, second, force)
         else:
-            low, high = first, second
-            work = np.where((low <= force[:, None]) & (force[:, None] <= high), work, np.nan)
-        better = np.fmax(best, work / energy[k]) != best
-        better &= np.isfinite(work)
+            covered = (first <= force[:, None]) & (force[:, None] <= second)
+            work = np.where(covered, force[:, None] * strain * float(bundle.length), np.nan)
+        better = (np.fmax(best, work / energy[k]) != best) & np.isfinite(work)
         best = np.where(better, work / energy[k], best)
         state = np.where(better, owner[k] + 1, state)
-    _possible(bundle, best)
+    _warn_impossible(bundle, best)
     return EfficiencyMap(path, force, strain, best, state)
 
 
@@ -397,53 +375,51 @@ def average_efficiency(
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: $P_s$ [Pa]; left out, the bundle's own.
-    - `path`: "isobaric" or "isotonic" [-].
-    - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
+    - `bundle`: the bundle.
+    - `supply_pressure`: $P_s$ [Pa]; by default the bundle's own.
+    - `path`: "isobaric" or "isotonic".
+    - `resistance`: units past their own free strain push back.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
     **Returns:** efficiency [-].
 
     **Raises:** `ValueError` for an unknown path or scheme and values off the domain.
     """
-    return efficiency_map(
-        bundle, supply_pressure, path, resistance=resistance, scheme=scheme
-    ).average
+    options = {"resistance": resistance, "scheme": scheme}
+    return efficiency_map(bundle, supply_pressure, path, **options).average
 
 
-def _possible(bundle: Bundle, efficiency: Grid) -> None:
-    """Warn of an `efficiency` [-] above 1, which laws that are fits and nothing else may say."""
-    most = float(np.nanmax(efficiency, initial=0.0))
-    if most <= 1 + _ROUNDING:
-        return
-    laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
-    warnings.warn(
-        f"an efficiency of {most:.3g} can't be: {' and '.join(laws)} does more work than the fluid"
-        " in a braid of these sizes brings; as a law of another muscle, or one that is only"
-        " fitted, may. The average means as little.",
-        stacklevel=3,
-    )
+def _warn_impossible(bundle: Bundle, efficiency: Grid) -> None:
+    """Warn of an `efficiency` [-] above 1, which laws that are mere fits can give."""
+    largest = float(np.nanmax(efficiency, initial=0.0))
+    if largest > 1 + _ROUNDING:
+        laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
+        warnings.warn(
+            f"an efficiency of {largest:.3g} is impossible: {' and '.join(laws)} does more work"
+            " than the fluid in a braid of these sizes brings, which a law that is only fitted, or"
+            " was fitted to another muscle, may do. Don't rely on the average either.",
+            stacklevel=3,
+        )
 
 
-def _best_work(
+def _largest_work(
     forces: Float[np.ndarray, "level strain"],
     works: Float[np.ndarray, "level strain"],
-    wanted: Float[np.ndarray, " force"],
+    target: Float[np.ndarray, " force"],
 ) -> Grid:
-    """Largest work of the pressures that give a `wanted` force; NaN where none does."""
-    order = np.argsort(wanted)
-    rising, best = wanted[order, None], np.full((len(wanted), forces.shape[1]), -np.inf)
-    least, most = np.minimum(forces[:-1], forces[1:]), np.maximum(forces[:-1], forces[1:])
-    first = np.searchsorted(rising[:, 0], least.min(axis=1))
-    last = np.searchsorted(rising[:, 0], most.max(axis=1), side="right")
+    """Largest work of the pressures that give a `target` force; NaN if none does."""
+    order = np.argsort(target)
+    rising, best = target[order, None], np.full((len(target), forces.shape[1]), -np.inf)
+    lowest, largest = np.minimum(forces[:-1], forces[1:]), np.maximum(forces[:-1], forces[1:])
+    first = np.searchsorted(rising[:, 0], lowest.min(axis=1))
+    last = np.searchsorted(rising[:, 0], largest.max(axis=1), side="right")
     # level by level: few forces lie between two, and all at once don't fit into the cache
     for n, (start, stop) in enumerate(zip(first, last, strict=True)):
-        target, rise = rising[start:stop], forces[n + 1] - forces[n]
+        force, rise = rising[start:stop], forces[n + 1] - forces[n]
         slope = (works[n + 1] - works[n]) / np.where(rise == 0, 1.0, rise)
-        between = (least[n] <= target) & (target <= most[n])
-        there = np.where(between, works[n] + (target - forces[n]) * slope, -np.inf)
-        np.maximum(best[start:stop], there, out=best[start:stop])
-    found = np.empty_like(best)
-    found[order] = best
-    return np.where(np.isfinite(found), found, np.nan)
+        between = (lowest[n] <= force) & (force <= largest[n])
+        work = np.where(between, works[n] + (force - forces[n]) * slope, -np.inf)
+        np.maximum(best[start:stop], work, out=best[start:stop])
+    ordered = np.empty_like(best)
+    ordered[order] = best
+    return np.where(np.isfinite(ordered), ordered, np.nan)

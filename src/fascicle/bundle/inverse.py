@@ -1,27 +1,22 @@
 r"""The inverse of a bundle: the pressures that give a force at a strain.
 
-In recruitment state $k$ the throttled units share one pressure $p$; with $w_{kj}$ muscles of kind
-$j$ among them, and the others at no or at supply pressure, the state's force is
+A demanded force $F_d$ asks for all roots of
 
-$$F_k(p, \varepsilon) = H_k(\varepsilon) + \sum_j w_{kj} F_j(p, \varepsilon) \tag{B8}$$
+$$F_k(p, \varepsilon) = F_d, \qquad 0 \le p \le P_s, \quad k = 1 \dots n, \tag{B9}$$
 
-and a demanded force $F_d$ asks for all roots of
+with the force $F_k$ of recruitment state $k$ over its throttled pressure, (B8).
 
-$$F_k(p, \varepsilon) = F_d, \qquad 0 \le p \le P_s, \quad k = 1 \dots n. \tag{B9}$$
-
-**Method.** Each kind's free and collapse strains are solved for once, on a grid of pressures that
-is kept with the bundle; forces there are closed forms. Cells of the grid that may hold the demand
-get the pressures in between at which a kind has a kink (its free strain, onset of buckling, fold or
-collapse strain comes to be the demand's), then the extrema that may reach it. Every change of sign
-between neighbors is a root, searched for in its bracket; a force that jumps past the demand (at
-some pressure collapse ends for good) is none. Where no state has a root, the nearest force is
-that of the nearest node, of which extrema are some.
+**Method.** Cells of the pressure grid that may hold the demand get the pressures in between at
+which a muscle has a kink at the demand's strain (its free strain, onset of buckling, fold or
+collapse strain), then the extrema that may reach the demand. Every change of sign between
+neighbors brackets a root; a force that jumps past the demand (at some pressure collapse ends for
+good) is none. If no state has a root, the nearest force is that of the nearest node or extremum.
 
 **Choice.** The fluid energy (29) does not depend on the throttled pressure. Where the units that a
-state feeds are among those of the next, the lowest state is the cheapest; within it the lowest
-pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that order holds as well.
+state pressurizes are among those of the next, the lowest state is the cheapest; within it the
+lowest pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that order holds as well.
 
-NumPy alone works here: what JAX traces comes as numbers, by `callback`.
+NumPy alone works here: JAX's arrays come as numbers, by a callback.
 """
 
 from collections.abc import Callable
@@ -31,29 +26,30 @@ import numpy as np
 
 from ..core.types import AnyArray, Bool, Float, Int, Numbers
 from ..repr_table import with_table_repr
-from .pressurized import muscle_strain
-from .printing import recruited_sheet, solutions_sheet
+from .force_curves import StateCurves
+from .printing import recruitment_table, solutions_table
 from .states import States
 
 
 REACHED, ABOVE, BELOW = 0, 1, 2
-EXACT = 2e-10  # N: a force so near to the demand meets it
-ROUNDING = 1e-13  # of a force: rounding of a sum over units
-ALIKE = 1e-10  # N: forces so near to each other are one
-ROOM = 2  # solutions of a state for which a result has room, and as many more for all
-CELLS = 64  # of pressure; nodes are dense at low pressures, where free strains change fastest
-BESIDE = 1e-6  # of the supply: nodes so near to both ends show the slope there
-ASIDE = 1e-3  # of a cell: nodes so near to a kink show the slopes on both sides
-COLUMNS = 129  # strains of the table that selects cells
-FEW = 2**12  # points below which every cell is looked at: a table costs as much
-PART = 2**13  # demands at once, so that they fit into memory
-_CLOSE = 1e-9  # of 1 N and the force: `EXACT` of one unit, and the rounding of a sum
-_BEYOND = 1e3  # times the forces at both ends: no muscle gives as much
+SLOTS_PER_STATE = 2  # for which a result has room: a fold gives a state two, rarely more
+FEW_CELLS = 2**12  # below it all cells are searched: selecting them costs as much
+BATCH = 2**16  # searches at once: their table of forces takes 40 MB
+_ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
+_SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
+_TIE = 1e-10  # N: forces this near to each other are equal
+_KINK_INSET = 1e-3  # of a cell: nodes this near to a kink show the slopes on both sides
+_JUMP = 1e-7  # N, and of the force: two sides of a kink differ by less, but for a jump
+_CLOSE = 1e-9  # of 1 N and the force: `_ROOT_TOLERANCE` of a unit, and the rounding of a sum
+_UNREACHABLE = 1e3  # times the forces at both ends: no muscle gives as much
+_EXTREMUM_WIDTH = 1e-8  # of its bracket: the value of a flat extremum is exact to its square
+_GOLDEN = 0.381966  # (3 − √5)/2, the golden section
 
-Residual = Callable[[Any, Any], Any]
+Array = np.ndarray
+Residual = Callable[[Array, Array], Array]
 
 
-@with_table_repr(solutions_sheet)
+@with_table_repr(solutions_table)
 class Solutions(NamedTuple):
     """All solutions on the last axis, by state and pressure: the throttled `pressure` [Pa],
     the `state`, whether `stable`; NaN, 0 and False where there are fewer. No derivatives.
@@ -64,13 +60,14 @@ class Solutions(NamedTuple):
     stable: Bool[AnyArray, "*points solution"]
 
 
-@with_table_repr(recruited_sheet)
-class Recruited(NamedTuple):
-    """What to do for a demanded force. `pressures` [Pa], units on the last axis; `state`,
-    counted from 1; `force` [N] that they give; `status`: 0 reached, 1 the demanded force is
-    above what is reachable there, 2 below: then all this is the nearest reachable force's.
-    `stable`: the force falls with strain at these pressures. `solutions`, and their `count`.
-    `unit`: the one that is throttled, the first of them, counted from 1.
+@with_table_repr(recruitment_table)
+class RecruitmentResult(NamedTuple):
+    """Pressures for a demanded force.
+
+    `pressures` [Pa], units on the last axis; `state`, counted from 1; `force` [N] that they give;
+    `status`: 0 reached, 1 the demanded force is above what is reachable there, 2 below: then all
+    this is the nearest reachable force's. `stable`: the force falls with strain at these
+    pressures. `solutions`, and their `count`. `unit`: the first throttled one, counted from 1.
     """
 
     pressures: Numbers
@@ -83,697 +80,463 @@ class Recruited(NamedTuple):
     unit: Int[AnyArray, "*points"]
 
 
-class Kind:
-    """One of a bundle's unlike muscles, between no pressure and the supply's."""
+class Roots(NamedTuple):
+    """Solutions in order: index of the `demand`, its `state` and `level` [-], and whether it is
+    `exact`: a demand without a solution has one root, of the nearest force.
+    """
 
-    def __init__(self, muscle: Any, ratio: float | None, supply: float, levels: np.ndarray):
-        """**Arguments:** `muscle`; `ratio`: $L/L_i$ [-] or None; `supply`: $P_s$ [Pa]; `levels`:
-        pressures of the grid over the supply's [-].
-        """
-        self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
-        at = self.at = self.law.at(levels * supply)
-        self.free, self.collapse = at.column.free_strain, at.collapse
-        self.turns: list[tuple[Callable, np.ndarray]] = [(self._pull, self.free)]
-        named: list[Callable] = [lambda at: at.onset, lambda at: at.collapse]
-        folds = at.law.buckling.folds(at.column)
-        named += [lambda at, i=i: at.law.buckling.folds(at.column)[i] for i in range(len(folds))]
-        if at.onset is self.free:  # the same law: it buckles where it no longer pulls
-            named = named[1:]
-        for name in named:
-            nodes = np.broadcast_to(name(at), levels.shape)
-            if not np.all(np.isinf(nodes)):
-                self.turns.append((self._turn(name), nodes))
+    demand: Array
+    state: Array
+    level: Array
+    exact: Array
 
-    def strain(self, plates: np.ndarray) -> np.ndarray:
-        """The muscle's strain [-] at the `plates`' [-]."""
-        return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def at_nodes(self, node: Any, plates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] at numbered levels and the `plates`' strain [-], and its slope in that [N]."""
-        return self._scaled(_picked(self.at, node, self.levels.size).force(self.strain(plates)))
+class Searches(NamedTuple):
+    """Searches, a row each, for the levels at which a `state` gives a `target` [N] at a `strain`
+    [-]; `demand`: the demand that each serves.
+    """
 
-    def force(self, level: np.ndarray, plates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] at `level` and the `plates`' strain [-], and its slope in that [N].
+    curves: StateCurves
+    demand: Array
+    state: Array
+    strain: Array
+    target: Array
 
-        Most of its cost is free and collapse strain at the pressure. Where the muscle surely
-        pulls neither is needed; elsewhere the grid says about where the first is, and mostly that
-        the second is farther than the strain.
-        """
-        strain, pressure = self.strain(plates), level * self.supply
-        force, slope = np.zeros(level.shape), np.zeros(level.shape)
-        cell = self._cell(level)
-        pulls = strain < np.minimum(self.free[cell], self.free[cell + 1])
-        if pulls.any():
-            pull = self.law.tension.pull(pressure[pulls], strain[pulls])
-            force[pulls], slope[pulls] = pull.force, pull.slope
-            pulls[pulls] = pull.force > 0  # a free strain that falls with pressure within a cell
-        bows = ~pulls & (strain < np.minimum(self.collapse[cell], self.collapse[cell + 1]))
-        for some, collapsed in ((bows, False), (~pulls & ~bows, True)):
-            if some.any():
-                P = pressure[some]
-                free = self._free_strain(P, level[some], cell[some])
-                collapse = None if collapsed else np.full(P.shape, np.inf)
-                force[some], slope[some] = self.law.at(P, free, collapse).force(strain[some])
-        return self._scaled((force, slope))
+    def excess(self, row: Array, level: Array) -> Array:
+        """Force beyond the target [N] at a `level` [-]."""
+        force, _ = self.curves.force(self.state[row], level, self.strain[row])
+        return force - self.target[row]
 
-    def _cell(self, level: np.ndarray) -> np.ndarray:
-        place = np.searchsorted(self.levels, level, "right") - 1
-        return np.clip(place, 0, self.levels.size - 2)
-
-    def _free_strain(self, P: np.ndarray, level: np.ndarray, cell: Any) -> np.ndarray | None:
-        """Free strain [-] by Newton's method from the grid's, `None` where it doesn't get there."""
-        left, right = self.levels[cell], self.levels[cell + 1]
-        share = (level - left) / (right - left)
-        free = (1 - share) * self.free[cell] + share * self.free[cell + 1]
-        for _ in range(8):
-            pull = self.law.tension.pull(P, free)
-            step = pull.force / pull.slope
-            free = free - step
-            if np.all(np.abs(step) <= 1e-9):  # the step that was just taken squares that
-                return free
-        return None
-
-    def _scaled(self, found: tuple) -> tuple[np.ndarray, np.ndarray]:
-        force, slope = found
-        return force, slope if self.ratio is None else slope * self.ratio
-
-    def _pull(self, level: np.ndarray, plates: np.ndarray) -> np.ndarray:
-        """What has the sign [N] of the free strain less the strain, and needs no root."""
-        return self.law.tension.pull(level * self.supply, self.strain(plates)).force
-
-    def _turn(self, name: Callable) -> Callable:
-        """How far the strain [-] of a kink that `name` picks is beyond the muscle's."""
-
-        def beyond(level: np.ndarray, plates: np.ndarray) -> np.ndarray:
-            pressure = level * self.supply
-            at = self.law.at(pressure, self._free_strain(pressure, level, self._cell(level)))
-            return np.broadcast_to(name(at), level.shape) - self.strain(plates)
-
-        return beyond
+    def take(self, index: Array) -> "Searches":
+        """Rows by index."""
+        return Searches(self.curves, *(x[index] for x in self[1:]))
 
 
 class Points(NamedTuple):
-    """Places on curves, in order of `lane` and `level` [-]: how far the curve is `above` the
-    demand [N], and whether it is `joined` to the next one. `kink`: whether it is the kink's own.
+    """Points on force curves, in order of `row` and `level` [-]: force beyond the target
+    (`excess` [N]), whether the curve is continuous to the next point (`linked`), and whether the
+    point is a kink.
     """
 
-    lane: np.ndarray
-    level: np.ndarray
-    above: np.ndarray
-    joined: np.ndarray
-    kink: np.ndarray
+    row: Array
+    level: Array
+    excess: Array
+    linked: Array
+    kink: Array
 
-    def insert(self, lane: Any, level: Any, above: Any, joined: Any = True, kink: Any = False):
-        """The same with more places [-], which are joined to their neighbors."""
-        more = (lane, level, above, *(np.full(len(lane), x) for x in (joined, kink)))
-        every = [np.concatenate(pair) for pair in zip(self, more, strict=True)]
-        order = np.lexsort((every[1], every[0]))
-        points = Points(*(x[order] for x in every))
-        twice = np.zeros(len(order), bool)
-        twice[1:] = (np.diff(points.lane) == 0) & (np.diff(points.level) == 0)
-        points.joined[:-1] &= points.joined[1:] | ~twice[1:]
-        return Points(*(x[~twice] for x in points))
+    def insert(
+        self, row: Array, level: Array, excess: Array, linked: Any = True, kink: bool = False
+    ) -> "Points":
+        """Points with additional ones, which are linked to their neighbors."""
+        added = (row, level, excess, *(np.full(len(row), x) for x in (linked, kink)))
+        columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
+        order = np.lexsort((columns[1], columns[0]))
+        points = Points(*(x[order] for x in columns))
+        repeats = np.zeros(len(order), bool)
+        repeats[1:] = (np.diff(points.row) == 0) & (np.diff(points.level) == 0)
+        points.linked[:-1] &= points.linked[1:] | ~repeats[1:]
+        return Points(*(x[~repeats] for x in points))
 
 
-class Found(NamedTuple):
-    """Solutions in order: whose demand it is, its `state` and `level` [-]. For each demand the
-    `nearest` level [-] and state, of use where it has no solution.
+def find_roots(
+    curves: StateCurves, force: Array, strain: Array, state: Array | None = None
+) -> Roots:
+    """All levels of all states, or of one `state` of each demand, that give a `force` [N] at a
+    `strain` [-].
     """
-
-    owner: np.ndarray
-    state: np.ndarray
-    level: np.ndarray
-    nearest_state: np.ndarray
-    nearest: np.ndarray
-
-
-class Curves:
-    """Force over pressure of every state of a bundle, (B8), at any strain."""
-
-    def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
-        """**Arguments:** `bundle` of NumPy's numbers; `supply`: $P_s$ [Pa]; `states` of the scheme:
-        where their units are independent each unit is a state by itself; `resistance`: whether
-        muscles push.
-        """
-        units = bundle.motor_units
-        self.supply, self.resistance, self.bundle = float(supply), resistance, bundle
-        unlike: list[int] = []  # the first unit of each kind
-        for i, unit in enumerate(units):
-            if not any(unit.muscle == units[j].muscle for j in unlike):
-                unlike.append(i)
-        self.kind = [
-            next(k for k, j in enumerate(unlike) if units[j].muscle == unit.muscle)
-            for unit in units
-        ]
-        self.levels = _levels([units[i].muscle.tuning for i in unlike], self.supply)
-        ratios = bundle.ratios
-        self.kinds = [
-            Kind(
-                units[i].muscle,
-                None if ratios is None else float(ratios[i]),
-                self.supply,
-                self.levels,
-            )
-            for i in unlike
-        ]
-        counts = np.eye(len(unlike))[self.kind] * np.reshape(bundle.counts, (-1, 1))
-        masks, self.counted = (states.throttled, states.unfed, states.full), states.counted
-        if states.independent:
-            each = np.eye(len(units), dtype=bool)
-            masks, self.counted = (each, 0 * each, 0 * each), (np.diag(each), np.diag(each))
-        self.throttled, self.vented, self.full = (x.astype(float) @ counts for x in masks)
-        self.states = len(self.throttled)
-        self._table: tuple[np.ndarray, ...] | None = None
-
-    def held(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] of the units that each state doesn't throttle, states last, and its slope."""
-        total = np.zeros((2, len(strain), self.states))
-        for j, kind in enumerate(self.kinds):
-            for node, share in ((0, self.vented), (-1, self.full)):
-                if share[:, j].any():
-                    force, slope = self._counted(*kind.at_nodes(np.full(len(strain), node), strain))
-                    total += np.stack([force, slope])[..., None] * share[:, j]
-        return total[0], total[1]
-
-    def force(
-        self, state: np.ndarray, level: np.ndarray, strain: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] of the units that each `state` throttles, at `level` and `strain` [-], and its
-        slope in strain [N].
-        """
-        return self._sum(state, lambda kind, i: kind.force(level[i], strain[i]))
-
-    def at_nodes(self, state: np.ndarray, node: np.ndarray, strain: np.ndarray) -> np.ndarray:
-        """The force alone [N] at numbered levels."""
-        return self._sum(state, lambda kind, i: kind.at_nodes(node[i], strain[i]))[0]
-
-    def candidates(self, lanes: "Lanes") -> np.ndarray:
-        """Which cells may hold each lane's demand [-], by a table of forces over strain."""
-        low, high, table = self._tabulate(lanes.strain)
-        place = (lanes.strain - low) / (high - low) * (COLUMNS - 1)
-        column = np.clip(place.astype(int), 0, COLUMNS - 2)
-        share = (place - column)[:, None]
-        cells = np.zeros((len(lanes.target), len(self.levels) - 1), bool)
-        for k in range(self.states):
-            some = np.flatnonzero(lanes.state == k)
-            one, other = (table[column[some] + i, k] for i in (0, 1))
-            above = (1 - share[some]) * one + share[some] * other - lanes.target[some, None]
-            # a kink moves through the cells between two columns
-            moved = np.abs(other - one)
-            slack = 0.5 * np.maximum(moved[:, :-1], moved[:, 1:])
-            cells[some] = _near(above, slack)
-        return cells
-
-    def _tabulate(self, strain: np.ndarray) -> tuple:
-        """The table's least and largest strain [-], and forces [N] over strain, state and node."""
-        if self._table is None or strain.min() < self._table[0] or strain.max() > self._table[1]:
-            known = (strain.min(), strain.max()) if self._table is None else self._table[:2]
-            low, high = min(strain.min(), known[0], 0.0), max(strain.max(), known[1], 0.3)
-            columns = np.linspace(low, high, COLUMNS)
-            table = np.zeros((COLUMNS, self.states, len(self.levels)))
-            every = np.arange(len(self.levels))
-            for j, kind in enumerate(self.kinds):
-                force, _ = self._counted(*kind.at_nodes(every, columns[:, None]))
-                table += self.throttled[:, j, None] * force[:, None, :]
-            self._table = (low, high, table)
-        return self._table
-
-    def _sum(self, state: np.ndarray, law: Callable) -> tuple[np.ndarray, np.ndarray]:
-        force, slope = np.zeros(len(state)), np.zeros(len(state))
-        for j, kind in enumerate(self.kinds):
-            share = self.throttled[state, j]
-            some = np.flatnonzero(share)
-            if len(some):
-                value, by = self._counted(*law(kind, some))
-                force[some] += share[some] * value
-                slope[some] += share[some] * by
-        return force, slope
-
-    def _counted(self, force: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if self.resistance:
-            return force, slope
-        return np.where(force > 0, force, 0.0), np.where(force > 0, slope, 0.0)
+    size = max(1, BATCH // (curves.states if state is None else 1))
+    batches = [slice(start, start + size) for start in range(0, max(1, len(force)), size)]
+    parts = []
+    for batch in batches:
+        states = None if state is None else state[batch]
+        roots = _find_roots(curves, force[batch], strain[batch], states)
+        parts.append(roots._replace(demand=roots.demand + batch.start))
+    return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-class Lanes(NamedTuple):
-    """Curves that demands ask: a `state` at a `strain` [-] that is to give a `target` [N]."""
-
-    curves: Curves
-    owner: np.ndarray
-    state: np.ndarray
-    strain: np.ndarray
-    target: np.ndarray
-
-    def above(self, lane: np.ndarray, level: np.ndarray) -> np.ndarray:
-        """How far each lane is above its target [N] at a `level` [-]."""
-        return self.curves.force(self.state[lane], level, self.strain[lane])[0] - self.target[lane]
-
-    def of(self, some: Any) -> "Lanes":
-        """Some of the lanes."""
-        return Lanes(self.curves, *(x[some] for x in self[1:]))
-
-    @property
-    def close(self) -> np.ndarray:
-        """What counts as met [N]."""
-        return EXACT + ROUNDING * np.abs(self.target)
-
-
-def solve(curves: Curves, force: np.ndarray, strain: np.ndarray, which: Any = None) -> Found:
-    """All levels of all states at which the bundle gives each demand's force.
-
-    **Arguments:** `curves`; `force` [N] and `strain` [-] of each demand; `which`: the only state
-    of each demand, or None for all of them.
-    """
-    demands, held = len(force), curves.held(strain)[0]
-    if which is None:
-        owner = np.repeat(np.arange(demands), curves.states)
-        state = np.tile(np.arange(curves.states), demands)
-    else:
-        owner, state = np.arange(demands), np.asarray(which)
-    lanes = Lanes(curves, owner, state, strain[owner], force[owner] - held[owner, state])
-    shape = (len(owner), len(curves.levels) - 1)
-    every = np.ones(shape, bool)
-    cells = every if every.size <= FEW else curves.candidates(lanes)
-    lane, level, _ = _search(lanes, cells, np.zeros(len(owner)))
-    reached = np.zeros(demands, bool)
-    reached[owner[lane]] = True
-
-    nearest_state, nearest = np.zeros(demands, int), np.zeros(demands)
-    each, lost = (curves.states if which is None else 1), np.flatnonzero(~reached)
-    step = max(1, PART // each)
-    for start in range(0, len(lost), step):
-        part = (lost[start : start + step, None] * each + np.arange(each)).reshape(-1)
-        few = lanes.of(part)
-        more, at, points = _search(few, every[: len(part)], None)
-        lane, level = np.append(lane, part[more]), np.append(level, at)
-        whose, away = few.owner[points.lane], np.abs(points.above)
-        least = np.full(demands, np.inf)
-        np.minimum.at(least, whose, away)
-        best = np.flatnonzero(away <= least[whose] + ALIKE)
-        first = best[np.unique(whose[best], return_index=True)[1]]
-        nearest_state[whose[first]] = few.state[points.lane[first]]
-        nearest[whose[first]] = points.level[first]
-    order = np.lexsort((level, lane))
-    lane, level = lane[order], level[order]
-    return Found(owner[lane], state[lane], level, nearest_state, nearest)
+def _find_roots(curves: StateCurves, force: Array, strain: Array, state: Array | None) -> Roots:
+    demand = np.arange(len(force))
+    if state is None:
+        demand = np.repeat(demand, curves.states)
+        state = np.tile(np.arange(curves.states), len(force))
+    target = force[demand] - curves.fixed_force(strain)[0][demand, state]
+    searches = Searches(curves, demand, state, strain[demand], target)
+    every_cell = np.ones((len(demand), len(curves.levels) - 1), bool)
+    cells = every_cell if every_cell.size <= FEW_CELLS else _select_cells(searches)
+    row, level, _ = _search(searches, cells, np.zeros(len(demand)))
+    unreached = np.flatnonzero(~np.isin(demand, demand[row]))
+    exact = np.ones(len(row), bool)
+    if len(unreached):
+        remaining = searches.take(unreached)
+        index, levels, points = _search(remaining, every_cell[: len(unreached)], None)
+        owner, distance = remaining.demand[points.row], np.abs(points.excess)
+        smallest = np.full(len(force), np.inf)
+        np.minimum.at(smallest, owner, distance)
+        smallest[remaining.demand[index]] = -np.inf  # reached, in a cell that was not selected
+        ties = np.flatnonzero(distance <= smallest[owner] + _TIE)
+        nearest = ties[np.unique(owner[ties], return_index=True)[1]]
+        row = np.concatenate([row, unreached[index], unreached[points.row[nearest]]])
+        level = np.concatenate([level, levels, points.level[nearest]])
+        exact = np.arange(len(row)) < len(row) - len(nearest)
+    order = np.lexsort((level, row))
+    row = row[order]
+    return Roots(demand[row], state[row], level[order], exact[order])
 
 
-def _search(lanes: Lanes, cells: np.ndarray, slack: np.ndarray | None) -> tuple:
-    """Solutions by lane and level [-] in some cells, and all points that were looked at. `slack`:
-    how far from the demand [N] a curve's turn is of interest; `None`: as far as the nearest node.
+def _select_cells(searches: Searches) -> Array:
+    """Mask of the grid's cells that may hold each target, by the force table."""
+    force, change = searches.curves.interpolate(searches.state, searches.strain)
+    # a kink moves through the cells between two columns of the table
+    slack = 0.5 * np.maximum(change[:, :-1], change[:, 1:])
+    return _may_reach_zero(force - searches.target[:, None], slack)
+
+
+def _search(searches: Searches, cells: Array, slack: Array | None) -> tuple[Array, Array, Points]:
+    """Roots by row and level [-] in some cells, and all points that were evaluated. `slack`: how
+    far from the target [N] an extremum is of interest; `None`: as far as the nearest node.
     """
     padded = np.pad(cells, ((0, 0), (1, 1)))
-    seen = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]  # neighbors tell where a curve turns
-    padded = np.pad(seen, ((0, 0), (1, 1)))
-    lane, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
-    joined = padded[lane, node + 1]
-    curves = lanes.curves
-    above = curves.at_nodes(lanes.state[lane], node, lanes.strain[lane]) - lanes.target[lane]
-    points = Points(lane, curves.levels[node], above, joined, np.zeros(len(lane), bool))
+    # neighbors show where a curve turns
+    padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
+    row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
+    linked = padded[row, node + 1]
+    curves = searches.curves
+    force = curves.force_at_nodes(searches.state[row], node, searches.strain[row])
+    excess = force - searches.target[row]
+    points = Points(row, curves.levels[node], excess, linked, np.zeros(len(row), bool))
     if slack is None:
-        least = np.full(lanes.owner.max(initial=0) + 1, np.inf)
-        np.minimum.at(least, lanes.owner[lane], np.abs(above))
-        slack = least[lanes.owner]
-    points = _with_kinks(lanes, points, node, slack)
-    points = _with_extrema(lanes, points, slack)
-    return *_roots(lanes, points), points
+        smallest = np.full(searches.demand.max(initial=0) + 1, np.inf)
+        np.minimum.at(smallest, searches.demand[row], np.abs(excess))
+        slack = smallest[searches.demand]
+    points = _insert_kinks(searches, points, node, slack)
+    points = _insert_extrema(searches, points, slack)
+    return *_collect_roots(searches, points), points
 
 
-def _with_kinks(lanes: Lanes, points: Points, node: np.ndarray, slack: np.ndarray) -> Points:
-    """The same with the kinks in cells that come as near to the demand as `slack` [N]."""
-    near = np.flatnonzero(_near(points.above, slack[points.lane][:-1], points.joined[:-1]))
-    lane, here = points.lane[near], node[near]
+def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
+    """Points with the kinks in cells that come as near to the target as `slack` [N]."""
+    is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
+    point = np.flatnonzero(is_near)
+    rows, nodes = points.row[point], node[point]
     kinks = []
-    for j, kind in enumerate(lanes.curves.kinds):
-        own = np.flatnonzero(lanes.curves.throttled[lanes.state[lane], j])
-        strain = kind.strain(lanes.strain[lane[own]])
-        for turn, strains in kind.turns:
-            cross = own[(strains[here[own]] > strain) != (strains[here[own] + 1] > strain)]
-            whose = lane[cross]
-
-            def residual(i: Any, level: Any, turn: Callable = turn, whose: Any = whose) -> Any:
-                return turn(level, lanes.strain[whose[i]])
-
-            start, end = points.level[near[cross]], points.level[near[cross] + 1]
-            left, right, real = _bracketed(residual, start, end)
-            kinks.append(tuple(x[real] for x in (whose, left, right, start, end)))
-    if not any(len(kink[0]) for kink in kinks):
+    for j, muscle in enumerate(searches.curves.muscles):
+        throttled = np.flatnonzero(searches.curves.throttled[searches.state[rows], j])
+        strain = muscle.strain(searches.strain[rows[throttled]])
+        for residual, strains in muscle.kinks:
+            left, right = (strains[nodes[throttled] + i] > strain for i in (0, 1))
+            cells = throttled[left != right]
+            if not len(cells):
+                continue
+            start, end = points.level[point[cells]], points.level[point[cells] + 1]
+            plates = searches.strain[rows[cells]]
+            values = residual(start, plates), residual(end, plates)
+            change = np.flatnonzero((values[0] > 0) != (values[1] > 0))
+            row, start, end, plates = (x[change] for x in (rows[cells], start, end, plates))
+            *_, left, right = _bracketed_root(
+                lambda i, level, residual=residual, plates=plates: residual(level, plates[i]),
+                start, end, values[0][change], values[1][change], np.full(len(row), -1.0),
+            )  # fmt: skip
+            kinks.append((row, left, right, start, end))
+    if not any(len(row) for row, *_ in kinks):
         return points
-    lane, left, right, start, end = map(np.concatenate, zip(*kinks, strict=True))
-    below, over = lanes.above(lane, left), lanes.above(lane, right)
-    # rounding apart the two are one, unless the force jumps
-    jumps = np.abs(over - below) > 1e-7 * (1 + np.abs(below) + np.abs(over))
-    points = points.insert(lane, right, over, kink=True)
-    points = points.insert(lane, left, below, ~jumps, kink=True)
-    for level in (left - ASIDE * (left - start), right + ASIDE * (end - right)):
-        points = points.insert(lane, level, lanes.above(lane, level))
+    row, left, right, start, end = map(np.concatenate, zip(*kinks, strict=True))
+    f_left, f_right = searches.excess(row, left), searches.excess(row, right)
+    # but for rounding both sides are one point, unless the force jumps
+    jumps = np.abs(f_right - f_left) > _JUMP * (1 + np.abs(f_left) + np.abs(f_right))
+    points = points.insert(row, right, f_right, kink=True)
+    points = points.insert(row, left, f_left, ~jumps, kink=True)
+    for level in (left - _KINK_INSET * (left - start), right + _KINK_INSET * (end - right)):
+        points = points.insert(row, level, searches.excess(row, level))
     return points
 
 
-def _with_extrema(lanes: Lanes, points: Points, slack: np.ndarray) -> Points:
-    """The same with the extrema that come as near to the demand as `slack` [N]."""
-    if len(points.lane) < 3:
+def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
+    """Points with the extrema that come as near to the target as `slack` [N]."""
+    if len(points.row) < 3:
         return points
-    sense = np.where(points.above[1:-1] > 0, 1.0, -1.0)
-    before, here, after = (
-        sense * x for x in (points.above[:-2], points.above[1:-1], points.above[2:])
-    )
-    turns = points.joined[:-2] & points.joined[1:-1] & ~points.kink[1:-1]
-    turns &= (here > 0) & (before >= here) & (after >= here)
-    span = np.maximum(before, after) - here
+    sign = np.where(points.excess[1:-1] > 0, 1.0, -1.0)
+    windows = (slice(None, -2), slice(1, -1), slice(2, None))
+    before, middle, after = (sign * points.excess[window] for window in windows)
+    is_extremum = points.linked[:-2] & points.linked[1:-1] & ~points.kink[1:-1]
+    is_extremum &= (middle > 0) & (before >= middle) & (after >= middle)
+    span = np.maximum(before, after) - middle
     # a parabola through three nodes turns less than their span below the lowest
-    turns &= (span > EXACT) & (here - span < slack[points.lane[1:-1]])
-    i = np.flatnonzero(turns)
-    lane, sign = points.lane[1:-1][i], sense[i]
-    level = _extremum(
-        lambda some, x: sign[some] * lanes.above(lane[some], x),
-        *(x[i] for x in (points.level[:-2], points.level[1:-1], points.level[2:])),
-        *(x[i] for x in (before, here, after)),
+    is_extremum &= (span > _ROOT_TOLERANCE) & (middle - span < slack[points.row[1:-1]])
+    i = np.flatnonzero(is_extremum)
+    if not len(i):
+        return points
+    row, sign = points.row[1:-1][i], sign[i]
+    level = _bracketed_minimum(
+        lambda index, x: sign[index] * searches.excess(row[index], x),
+        np.stack([points.level[window][i] for window in windows]),
+        np.stack([before[i], middle[i], after[i]]),
     )
-    return points.insert(lane, level, lanes.above(lane, level)) if len(i) else points
+    return points.insert(row, level, searches.excess(row, level))
 
 
-def _roots(lanes: Lanes, points: Points) -> tuple[np.ndarray, np.ndarray]:
-    """Solutions by lane and level [-]: nodes that meet the demand, and changes of sign."""
-    close = lanes.close[points.lane]
-    met = np.abs(points.above) <= close
-    # a row of nodes that all meet it counts once, by its first
-    follows = np.zeros(len(met), bool)
-    follows[1:] = met[1:] & met[:-1] & points.joined[:-1]
-    first = met & ~follows
-    begins, ends = (x[lanes.state[points.lane]] for x in lanes.curves.counted)
-    first &= ((points.level > 0) | begins) & ((points.level < 1) | ends)
-    # a later state's beginning is an earlier one, which has counted it
-    lane, level = points.lane[first], points.level[first]
-    change = points.joined[:-1] & ~met[:-1] & ~met[1:]
-    i = np.flatnonzero(change & ((points.above[:-1] > 0) != (points.above[1:] > 0)))
-    whose, goal = points.lane[i], 1e-2 * close[i]
-    root, miss = _root(
-        lambda some, x: lanes.above(whose[some], x),
-        points.level[i], points.level[i + 1], points.above[i], points.above[i + 1], goal,
-    )[:2]  # fmt: skip
-    real = np.abs(miss) <= close[i]  # else it jumps there
-    return np.append(lane, whose[real]), np.append(level, root[real])
+def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
+    """Roots by row and level [-]: points that meet the target, and changes of sign."""
+    tolerance = (_ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[points.row]
+    meets = np.abs(points.excess) <= tolerance
+    # a run of points that all meet it counts once, by its first
+    follows = np.zeros(len(meets), bool)
+    follows[1:] = meets[1:] & meets[:-1] & points.linked[:-1]
+    first = meets & ~follows
+    # an endpoint that is an earlier state's, too, counts there
+    owns_start, owns_end = (
+        x[searches.state[points.row]] for x in searches.curves.owns_endpoints
+    )  # fmt: skip
+    first &= ((points.level > 0) | owns_start) & ((points.level < 1) | owns_end)
+    change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
+    i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
+    row = points.row[i]
+    level, miss, *_ = _bracketed_root(
+        lambda index, x: searches.excess(row[index], x),
+        points.level[i], points.level[i + 1], points.excess[i], points.excess[i + 1],
+        1e-2 * tolerance[i],
+    )  # fmt: skip
+    crosses = np.abs(miss) <= tolerance[i]  # else the force jumps past the target
+    return (
+        np.append(points.row[first], row[crosses]),
+        np.append(points.level[first], level[crosses]),
+    )
 
 
-def _near(above: np.ndarray, slack: Any, joined: Any = True) -> np.ndarray:
-    """Which cells between neighbors on the last axis may come as near to zero as `slack` [N], by
-    their ends and how much the curve changes there and beside.
+def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:
+    """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N], by
+    its ends and by how much it changes there and in the neighboring cells.
     """
-    change = np.where(joined, np.abs(np.diff(above)), 0.0)
-    before, after = _sides(change)
-    margin = np.maximum(np.maximum(before[..., :-1], after[..., 1:]), change)
-    left, right = above[..., :-1], above[..., 1:]
-    away = np.maximum(np.minimum(left, right), -np.maximum(left, right))
-    return joined & (away - margin < slack)  # a plateau at the nearest force holds nothing nearer
+    change = np.where(linked, np.abs(np.diff(excess)), 0.0)
+    padded = np.pad(change, [*[(0, 0)] * (change.ndim - 1), (1, 1)])
+    margin = np.maximum(np.maximum(padded[..., :-2], padded[..., 2:]), change)
+    left, right = excess[..., :-1], excess[..., 1:]
+    distance = np.maximum(np.minimum(left, right), -np.maximum(left, right))
+    # strictly: a plateau at the nearest force holds nothing nearer
+    return linked & (distance - margin < slack)
 
 
-def _sides(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of each place between the entries `x` on the last axis the one before and the one after."""
-    ends = [(0, 0)] * (x.ndim - 1)
-    return np.pad(x, [*ends, (1, 0)]), np.pad(x, [*ends, (0, 1)])
-
-
-def _bracketed(residual: Residual, low: Any, high: Any) -> tuple[Any, Any, Any]:
-    """The last bracket of a root [-] between `low` and `high` [-], and whether there is one."""
-    every = np.arange(len(low))
-    if not len(every):
-        return low, high, every > 0
-    ends = (residual(every, low), residual(every, high))
-    real = (ends[0] > 0) != (ends[1] > 0)
-    some, (f_low, f_high) = np.flatnonzero(real), ends
-    left, right = low.copy(), high.copy()
-    left[some], right[some] = _root(
-        lambda i, x: residual(some[i], x), low[some], high[some], f_low[some], f_high[some], -1.0
-    )[2:]
-    return left, right, real
-
-
-def _root(
-    residual: Residual, low: Any, high: Any, f_low: Any, f_high: Any, close: Any
-) -> tuple[np.ndarray, ...]:
-    """Roots in brackets by Chandrupatla's method, all at once: the best place [-], its residual,
-    and the ends of the last bracket [-]. It ends at a residual of `close`, or at rounding.
+def _bracketed_root(
+    residual: Residual,
+    low: Array,
+    high: Array,
+    f_low: Array,
+    f_high: Array,
+    tolerance: Array,
+) -> tuple[Array, Array, Array, Array]:
+    """Roots by Chandrupatla's method, all at once: the best level [-], its residual, and the ends
+    of the last bracket [-]. It ends at a residual of `tolerance`, or at rounding. (SciPy's of the
+    same method takes as long for one root as a whole demand takes here.)
     """
-    x = np.stack([low, high, high])  # newest, its counterpart, the one before
+    x = np.stack([low, high, high])  # the newest, the other side of the bracket, the one before
     f = np.stack([f_low, f_high, f_high])
-    goal, every = np.broadcast_to(close, low.shape), np.arange(len(low))
-    share = f_low / (f_low - f_high)  # the secant, at which a straight line ends
-    for _ in range(100):
-        width = np.abs(x[1, every] - x[0, every])
-        least = (2e-16 * np.abs(x[0, every]) + 1e-300) / np.where(width > 0, width, 1.0)
-        best = np.minimum(np.abs(f[0, every]), np.abs(f[1, every]))
-        going = (best > goal[every]) & (least < 0.5) & (width > 0)
-        every, share, least = every[going], share[going], least[going]
-        if not len(every):
+    index = np.arange(len(low))
+    fraction = f_low / (f_low - f_high)  # the secant, exact on a straight line
+    for _ in range(100):  # bisection alone would need 53
+        width = np.abs(x[1, index] - x[0, index])
+        smallest = (2e-16 * np.abs(x[0, index]) + 1e-300) / np.where(width > 0, width, 1.0)
+        best = np.minimum(np.abs(f[0, index]), np.abs(f[1, index]))
+        active = (best > tolerance[index]) & (smallest < 0.5) & (width > 0)
+        index, fraction, smallest = index[active], fraction[active], smallest[active]
+        if not len(index):
             break
-        share = np.clip(np.where(np.isfinite(share), share, 0.5), least, 1 - least)
-        (x1, x2, _), (f1, f2, _) = x[:, every], f[:, every]
-        new = x1 + share * (x2 - x1)
-        value = residual(every, new)
-        same = (value > 0) == (f1 > 0)
-        x[:, every] = x1, x2, x3 = new, np.where(same, x2, x1), np.where(same, x1, x2)
-        f[:, every] = f1, f2, f3 = value, np.where(same, f2, f1), np.where(same, f1, f2)
+        fraction = np.clip(np.where(np.isfinite(fraction), fraction, 0.5), smallest, 1 - smallest)
+        (x1, x2, _), (f1, f2, _) = x[:, index], f[:, index]
+        new = x1 + fraction * (x2 - x1)
+        value = residual(index, new)
+        keeps_side = (value > 0) == (f1 > 0)
+        x1, x2, x3 = new, np.where(keeps_side, x2, x1), np.where(keeps_side, x1, x2)
+        f1, f2, f3 = value, np.where(keeps_side, f2, f1), np.where(keeps_side, f1, f2)
+        x[:, index], f[:, index] = (x1, x2, x3), (f1, f2, f3)
         xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
         inverse = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
         quadratic = f1 / (f2 - f1) * f3 / (f2 - f3)
         quadratic += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-        share = np.where(inverse, quadratic, 0.5)
+        fraction = np.where(inverse, quadratic, 0.5)
     newest = np.abs(f[0]) < np.abs(f[1])
     ends = np.minimum(x[0], x[1]), np.maximum(x[0], x[1])
     return np.where(newest, x[0], x[1]), np.where(newest, f[0], f[1]), *ends
 
 
-def _extremum(
-    residual: Residual, a: Any, m: Any, b: Any, f_a: Any, f_m: Any, f_b: Any
-) -> np.ndarray:
-    """Minima [-] between `a` and `b`, lower at `m`, by parabolas and golden sections, all at once;
-    where the residual falls below zero before, the place where it does.
+def _bracketed_minimum(residual: Residual, x: Array, f: Array) -> Array:
+    """Minima [-] by parabolas and golden sections, all at once, from three points `x` each, the
+    middle one lowest, with residuals `f`; or a point at which the residual is negative.
     """
-    x, f, every = np.stack([a, m, b]), np.stack([f_a, f_m, f_b]), np.arange(len(a))
-    limit = 1e-8 * (b - a)  # a minimum is flat: its value is exact to the square of this
-    for n in range(60):
-        width = x[2, every] - x[0, every]
-        every = every[(f[1, every] > 0) & (width > 4 * limit[every])]
-        if not len(every):
+    limits, index = _EXTREMUM_WIDTH * (x[2] - x[0]), np.arange(x.shape[1])
+    for n in range(60):  # golden sections alone would need 38
+        index = index[(f[1, index] > 0) & (x[2, index] - x[0, index] > 4 * limits[index])]
+        if not len(index):
             break
-        (a, m, b), (f_a, f_m, f_b), tiny = x[:, every], f[:, every], limit[every]
+        (a, m, b), (f_a, f_m, f_b), limit = x[:, index], f[:, index], limits[index]
         p, q = (m - a) * (f_m - f_b), (m - b) * (f_m - f_a)
         vertex = m - 0.5 * ((m - a) * p - (m - b) * q) / (p - q)
-        golden = m + 0.381966 * np.where(b - m > m - a, b - m, a - m)
-        inside = (a + tiny < vertex) & (vertex < b - tiny) & (n % 3 < 2)
-        new = np.where(inside, vertex, golden)
-        side = np.where(b - m > m - a, tiny, -tiny)
-        new = np.where(np.abs(new - m) < tiny, m + side, new)
-        value = residual(every, new)
-        lower, left = value < f_m, new < m
-        for table, mid, fresh in ((x, m, new), (f, f_m, value)):
-            low, high = table[0, every], table[2, every]
-            table[0, every] = np.where(lower, np.where(left, low, mid), np.where(left, fresh, low))
-            table[2, every] = np.where(
-                lower, np.where(left, mid, high), np.where(left, high, fresh)
-            )
-            table[1, every] = np.where(lower, fresh, mid)
+        right_is_wider = b - m > m - a
+        inside = (a + limit < vertex) & (vertex < b - limit) & (n % 3 < 2)
+        new = np.where(inside, vertex, m + _GOLDEN * np.where(right_is_wider, b - m, a - m))
+        step = np.where(right_is_wider, limit, -limit)
+        new = np.where(np.abs(new - m) < limit, m + step, new)
+        value = residual(index, new)
+        lower = value < f_m
+        cuts_right = lower == (new < m)  # the higher of both points becomes an end
+        for table, (low, middle, high), added in (
+            (x, (a, m, b), new),
+            (f, (f_a, f_m, f_b), value),
+        ):
+            end = np.where(lower, middle, added)
+            table[0, index] = np.where(cuts_right, low, end)
+            table[2, index] = np.where(cuts_right, end, high)
+            table[1, index] = np.where(lower, added, middle)
     return x[1]
 
 
-def _levels(tunings: list, supply: float) -> np.ndarray:
-    """Pressures of the grid over the supply's [-], those at which tunings have kinks among them."""
-    even = (np.arange(CELLS + 1) / CELLS) ** 2
-    kinks = [np.ravel((t.pressures + np.asarray(t.dead_band)[..., None]) / supply) for t in tunings]
-    given = np.concatenate([*kinks, [0.0]])
-    given = given[given < 1]
-    every = np.concatenate([even, given, given + BESIDE, given - BESIDE, [1 - BESIDE]])
-    return np.unique(every[(every >= 0) & (every <= 1)])
-
-
-def _picked(part: Any, node: Any, count: int) -> Any:
-    """Of what is solved for at `count` pressures on the last axis that at some of them."""
-    if isinstance(part, tuple):
-        picked = [_picked(x, node, count) for x in part]
-        return type(part)(*picked) if hasattr(part, "_fields") else tuple(picked)
-    inside = isinstance(part, np.ndarray) and part.shape[-1:] == (count,)
-    return part[..., node] if inside else part
-
-
-def recruited(
-    curves: Curves,
-    force: np.ndarray,
-    strain: np.ndarray,
+def solve_inverse(
+    curves: StateCurves,
+    force: Array,
+    strain: Array,
     states: States,
-    present: np.ndarray | None = None,
-    taken: np.ndarray | None = None,
-) -> Recruited:
-    """Equation (B9) solved, and one of its solutions chosen.
+    present: Array | None = None,
+    volume: Array | None = None,
+) -> RecruitmentResult:
+    """Solve equation (B9) for each `force` [N] and `strain` [-] and choose one of its solutions.
 
-    **Arguments:**
-
-    - `curves`: the bundle's.
-    - `force`: demanded [N], one for each `strain`.
-    - `strain`: the bundle's contractions [-].
-    - `states`: of the scheme.
-    - `present`: pressures now [Pa], units last; the nearest solution to them is taken.
-    - `taken`: fluid of each unit since rest [m³], units last, where it decides.
-
-    **Returns:** what to do for each demand, without derivatives.
+    That is the nearest to the `present` pressures [Pa], or the one that takes least fluid, or the
+    first. `volume`: fluid of each unit since rest [m³], units last, if it decides.
     """
-    found, demands = solve(curves, force, strain), len(force)
-    count = np.bincount(found.owner, minlength=demands)
-    rank = np.arange(len(found.owner)) - (np.cumsum(count) - count)[found.owner]
-    cost = rank + 0.0  # they are in this order already
+    roots, fixed = find_roots(curves, force, strain), curves.fixed_force(strain)
+    cost = np.zeros(len(roots.demand))  # they are in order of their energy already
     if present is not None:
-        pressures = states.pressures(found.state, found.level, curves.supply)
-        cost = np.sum((pressures - present[found.owner]) ** 2, axis=-1)
-    elif taken is not None:
-        fluid = np.maximum(taken, 0.0) @ states.fed.T.astype(float)
-        cost = fluid[found.owner, found.state]
-    order = np.lexsort((rank, cost, found.owner))
-    owner, first = np.unique(found.owner[order], return_index=True)
-    state, level = found.nearest_state.copy(), found.nearest.copy()
-    state[owner], level[owner] = (x[order[first]] for x in (found.state, found.level))
-    reached = count > 0
-
-    held, held_slope = curves.held(strain)
-    every = np.arange(demands)
-    value, slope = curves.force(state, level, strain)
-    given, slope = value + held[every, state], slope + held_slope[every, state]
-    _, own = curves.force(found.state, found.level, strain[found.owner])
-    stable = own + held_slope[found.owner, found.state] < 0
-    shape = (demands, max(ROOM * curves.states + 2, int(count.max(initial=0))))
+        pressures = states.pressures(roots.state, roots.level, curves.supply)
+        cost = np.sum((pressures - present[roots.demand]) ** 2, axis=-1)
+    elif volume is not None:
+        fluid = np.maximum(volume, 0.0) @ states.pressurized.T.astype(float)
+        cost = fluid[roots.demand, roots.state]
+    order = np.lexsort((cost, roots.demand))
+    chosen = order[np.unique(roots.demand[order], return_index=True)[1]]
+    forces, slopes = (
+        x + y[roots.demand, roots.state]
+        for x, y in zip(
+            curves.force(roots.state, roots.level, strain[roots.demand]), fixed, strict=True
+        )
+    )
+    count = np.bincount(roots.demand[roots.exact], minlength=len(force))
+    slots = max(SLOTS_PER_STATE * curves.states + 2, int(count.max(initial=0)))
+    shape = (len(force), slots)
     solutions = Solutions(np.full(shape, np.nan), np.zeros(shape, int), np.zeros(shape, bool))
-    values = (found.level * curves.supply, found.state + 1, stable)
-    for table, column in zip(solutions, values, strict=True):
-        table[found.owner, rank] = column
-    return Recruited(
-        pressures=states.pressures(state, level, curves.supply),
+    slot = np.arange(len(roots.demand)) - np.searchsorted(roots.demand, roots.demand)
+    columns = (roots.level * curves.supply, roots.state + 1, slopes < 0)
+    for table, column in zip(solutions, columns, strict=True):
+        table[roots.demand[roots.exact], slot[roots.exact]] = column[roots.exact]
+    state = roots.state[chosen]
+    return RecruitmentResult(
+        pressures=states.pressures(state, roots.level[chosen], curves.supply),
         state=state + 1,
-        force=given,
-        status=np.where(reached, REACHED, np.where(given < force, ABOVE, BELOW)),
-        stable=slope < 0,
+        force=forces[chosen],
+        status=_status(roots.exact[chosen], forces[chosen], force),
+        stable=slopes[chosen] < 0,
         solutions=solutions,
         count=count,
-        unit=states.leading[state] + 1,
+        unit=states.throttled_unit[state] + 1,
     )
 
 
-def freed(
-    curves: Curves,
-    force: np.ndarray,
-    strain: np.ndarray,
-    taken: np.ndarray,
-    sets: States,
-    owner: np.ndarray,
-) -> Recruited:
-    r"""The cheapest pressures where each unit has one of its own.
+def minimum_energy_pressures(
+    curves: StateCurves, force: Array, strain: Array, volume: Array, sets: States, owner: Array
+) -> RecruitmentResult:
+    r"""The cheapest pressures if each unit has one of its own, for each `force` [N] and `strain`.
 
-    The forces of a set $A$ of fed units are independent, so together they give what lies between
+    The forces of a set $A$ of pressurized units are independent, so together they give what lies
+    between
 
     $$F_0 + \sum_{i \in A} (\min_p F_i - F_i(0)) \le F_d \le
       F_0 + \sum_{i \in A} (\max_p F_i - F_i(0)), \tag{B11}$$
 
-    $F_0$ with none fed. Of all sets that reach a demand the one is taken whose units take in least,
-    of equal ones that with fewer units, then the earlier ones. All its units but the last pull most
-    (below $F_0$: resist most), and the last is throttled, at the lowest pressure that meets the
-    demand; where its force jumps past that, one before it.
-
-    **Arguments:**
-
-    - `curves`: of independent units.
-    - `force`: demanded [N], one for each `strain`.
-    - `strain`: the bundle's contractions [-].
-    - `taken`: fluid of each unit since rest [m³], units last.
-    - `sets`: of units that may be fed.
-    - `owner`: the state that each set belongs to.
-
-    **Returns:** what to do for each demand, without derivatives.
+    $F_0$ with all units vented. Of all `sets` that reach a demand (`owner`: the state of each) the
+    one is taken whose units take in least `volume` [m³] since rest, units last; of equal ones that
+    with fewer units, then the earlier ones. All its units but the last pull most (below $F_0$:
+    resist most), and the last is throttled, at the lowest pressure that meets the demand; if its
+    force jumps past that, a unit before it.
     """
-    units, close = len(curves.kind), _CLOSE * (1 + np.abs(force))
-    once, place = np.unique(strain, return_inverse=True)  # strains that many demands share
-    none, full, least, most, at_least, at_most = (
-        x[place][:, curves.kind] * share
-        for x, share in zip(
-            _limits(curves, once), (*[curves.throttled.sum(axis=1)] * 4, 1, 1), strict=True
-        )
+    units, tolerance = len(curves.kind), _CLOSE * (1 + np.abs(force))
+    unique, inverse = np.unique(strain, return_inverse=True)  # many demands may share a strain
+    limits = (x[inverse][:, list(curves.kind)] for x in _unit_limits(curves, unique))
+    counts = curves.throttled.sum(axis=1)
+    vented, full, least_force, most_force, least_level, most_level = (
+        x * scale for x, scale in zip(limits, (counts, counts, counts, counts, 1, 1), strict=True)
     )
-    base = full @ sets.full.T.astype(float) + none @ (~sets.full).T.astype(float)
-    chosen = sets.throttled.T.astype(float)
-    low, high = base + (least - none) @ chosen, base + (most - none) @ chosen
-    off = np.maximum(np.maximum(low - force[:, None], force[:, None] - high), 0.0)
-    reached = off.min(axis=1) <= EXACT
-    # what flows back counts as nothing: then the fewest units are taken
-    cost = np.maximum(taken, 0.0) @ sets.fed.T.astype(float)
-    choice = np.argmin(
-        np.where(reached[:, None], np.where(off <= EXACT, cost, np.inf), off), axis=1
-    )
+    base = full @ sets.full.T.astype(float) + vented @ (~sets.full).T.astype(float)
+    members = sets.throttled.T.astype(float)
+    low, high = base + (least_force - vented) @ members, base + (most_force - vented) @ members
+    miss = np.maximum(np.maximum(low - force[:, None], force[:, None] - high), 0.0)
+    is_reached = miss.min(axis=1) <= _ROOT_TOLERANCE
+    # fluid that flows back counts as nothing: then the fewest units are taken
+    cost = np.maximum(volume, 0.0) @ sets.pressurized.T.astype(float)
+    cost = np.where(miss <= _ROOT_TOLERANCE, cost, np.inf)
+    choice = np.argmin(np.where(is_reached[:, None], cost, miss), axis=1)
 
-    every = np.arange(len(force))
-    target = np.clip(force, low[every, choice], high[every, choice])
-    held, fed = sets.full[choice], sets.throttled[choice]
-    more = (target >= base[every, choice])[:, None]
-    begun = np.where(held, 1.0, np.where(fed, np.where(more, at_most, at_least), 0.0))
-    given = np.where(held, full, np.where(fed, np.where(more, most, least), none))
-    unit = units - 1 - np.argmax(fed[:, ::-1], axis=1)
-    level, there, slope = begun.copy(), np.zeros(len(force)), np.zeros(len(force))
-    again = every
-    while len(again):
-        parts = (x[again] for x in (begun, given, unit, target, strain))
-        level[again], there[again], slope[again] = _throttle(curves, *parts)
-        earlier = fed & (np.arange(units) < unit[:, None])
-        again = np.flatnonzero(reached & (np.abs(there - force) > close) & earlier.any(axis=1))
-        unit[again] = units - 1 - np.argmax(earlier[again, ::-1], axis=1)
-    reached &= np.abs(there - force) <= close
-    state, stable = owner[choice], slope < 0
-    own = level[every, unit] * curves.supply
-    return Recruited(
-        pressures=level * curves.supply,
-        state=state + 1,
-        force=there,
-        status=np.where(reached, REACHED, np.where(there < force, ABOVE, BELOW)),
-        stable=stable,
-        solutions=Solutions(
-            pressure=np.where(reached, own, np.nan)[:, None],
-            state=np.where(reached, state + 1, 0)[:, None],
-            stable=(reached & stable)[:, None],
-        ),
-        count=np.where(reached, 1, 0),
-        unit=unit + 1,
+    rows = np.arange(len(force))
+    target = np.clip(force, low[rows, choice], high[rows, choice])
+    in_set = sets.throttled[choice]
+    pulls = (target >= base[rows, choice])[:, None]
+    cases = [sets.full[choice], in_set & pulls, in_set]
+    start = np.select(cases, [1.0, most_level, least_level], 0.0)
+    unit_force = np.select(cases, [full, most_force, least_force], vented)
+    unit = units - 1 - np.argmax(in_set[:, ::-1], axis=1)
+    level, value, slope = start.copy(), np.zeros(len(force)), np.zeros(len(force))
+    index = rows
+    while len(index):
+        arrays = (x[index] for x in (start, unit_force, unit, target, strain))
+        level[index], value[index], slope[index] = _throttle(curves, *arrays)
+        earlier = in_set & (np.arange(units) < unit[:, None])
+        missed = is_reached & (np.abs(value - force) > tolerance)
+        index = np.flatnonzero(missed & earlier.any(axis=1))
+        unit[index] = units - 1 - np.argmax(earlier[index, ::-1], axis=1)
+    is_reached &= np.abs(value - force) <= tolerance
+    pressures, state, stable = level * curves.supply, owner[choice] + 1, slope < 0
+    solutions = Solutions(
+        np.where(is_reached, pressures[rows, unit], np.nan)[:, None],
+        np.where(is_reached, state, 0)[:, None],
+        (is_reached & stable)[:, None],
     )
+    status, count = _status(is_reached, value, force), is_reached.astype(int)
+    return RecruitmentResult(pressures, state, value, status, stable, solutions, count, unit + 1)
 
 
-def _limits(curves: Curves, strain: np.ndarray) -> list[np.ndarray]:
-    """Force [N] of one muscle of each kind, kinds last, at no and at supply pressure, the least and
-    the largest; and the levels [-] of these two.
+def _status(is_reached: Array, value: Array, force: Array) -> Array:
+    return np.where(is_reached, REACHED, np.where(value < force, ABOVE, BELOW))
+
+
+def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
+    """Force [N] of one muscle of each kind, kinds last: vented, at supply pressure, the least and
+    the largest; and the levels [-] of the last two.
     """
-    shape = (len(strain), len(curves.kinds))
-    every = [np.zeros(shape) for _ in range(6)]
-    for k in range(len(curves.kinds)):
+    limits = [np.zeros((len(strain), len(curves.muscles))) for _ in range(6)]
+    for k in range(len(curves.muscles)):
         unit = np.full(len(strain), curves.kind.index(k))
         count = curves.throttled[unit, k]
-        ends = (curves.at_nodes(unit, np.full(len(strain), n), strain) / count for n in (0, -1))
-        every[0][:, k], every[1][:, k] = ends
-        size = _BEYOND * (10.0 + np.abs(every[0][:, k]) + np.abs(every[1][:, k])) * count
-        for side, sense in ((2, -1.0), (3, 1.0)):
-            level = solve(curves, sense * size, strain, unit).nearest
-            every[side][:, k] = curves.force(unit, level, strain)[0] / count
-            every[side + 2][:, k] = level
-    return every
+        for i, node in enumerate((0, -1)):
+            nodes = np.full(len(strain), node)
+            limits[i][:, k] = curves.force_at_nodes(unit, nodes, strain) / count
+        size = 10.0 + np.abs(limits[0][:, k]) + np.abs(limits[1][:, k])
+        for i, sign in ((2, -1.0), (3, 1.0)):
+            level = find_roots(curves, sign * _UNREACHABLE * size * count, strain, unit).level
+            limits[i][:, k] = curves.force(unit, level, strain)[0] / count
+            limits[i + 2][:, k] = level
+    return limits
 
 
 def _throttle(
-    curves: Curves, level: Any, given: Any, unit: Any, target: Any, strain: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    curves: StateCurves, level: Array, unit_force: Array, unit: Array, target: Array, strain: Array
+) -> tuple[Array, Array, Array]:
     """Levels [-] with that of one `unit` changed so that all together give the `target` [N], the
-    lowest that does or the nearest; their force [N] and its slope in `strain` [N]. `given`: what
-    each unit gives at its `level` [N].
+    lowest that does or the nearest; their force [N] and its slope in `strain` [N]. `unit_force`:
+    force of each unit at its `level` [N].
     """
-    every = np.arange(len(unit))
-    rest = target - given.sum(axis=1) + given[every, unit]
-    found = solve(curves, rest, strain, unit)
+    rows, units = np.arange(len(unit)), level.shape[1]
+    required = target - unit_force.sum(axis=1) + unit_force[rows, unit]
+    roots = find_roots(curves, required, strain, unit)
+    first = np.unique(roots.demand, return_index=True)[1]
     level = level.copy()
-    level[every, unit] = found.nearest
-    owner, first = np.unique(found.owner, return_index=True)
-    level[owner, unit[owner]] = found.level[first]
-    units = level.shape[1]
-    state, flat = np.tile(np.arange(units), len(unit)), level.reshape(-1)
-    force, slope = curves.force(state, flat, np.repeat(strain, units))
-    return level, force.reshape(level.shape).sum(axis=1), slope.reshape(level.shape).sum(axis=1)
+    level[rows, unit] = roots.level[first]
+    state = np.tile(np.arange(units), len(unit))
+    forces = curves.force(state, level.reshape(-1), np.repeat(strain, units))
+    force, slope = (x.reshape(level.shape).sum(axis=1) for x in forces)
+    return level, force, slope

@@ -1,4 +1,4 @@
-r"""Muscles between the plates of a bundle, at pressures that their kinks are solved for.
+r"""Muscles between the plates of a bundle, at given pressures.
 
 Units whose muscles have the same laws are one batch of muscles, evaluated together.
 
@@ -36,8 +36,8 @@ from ..muscle.validation import check_strain, lowest_strain, strain_domain
 
 
 class Pressurized(Module):
-    """A bundle at given pressures: `groups` of its units' muscles, the `indices` of their units,
-    units last; how many muscles each unit has, and its $L/L_i$ [-] where lengths differ.
+    """A bundle at given pressures: `groups` of its units' muscles, the `indices` of their units;
+    muscles of each unit, units last, and $L/L_i$ [-] if lengths differ.
     """
 
     groups: tuple[PressurizedMuscles, ...]
@@ -46,51 +46,56 @@ class Pressurized(Module):
     ratios: Numbers | None
 
     @property
-    def farthest(self) -> Numbers:
-        """Largest strain of the bundle [-] that all of its muscles' laws are made for."""
+    def largest_strain(self) -> Numbers:
+        """Largest strain of the bundle [-] in the domain of all its muscles' laws."""
         if self.ratios is None:
             return LARGEST_STRAIN
         strain = plate_strain(self.ratios, LARGEST_STRAIN)
         return array_namespace(strain).min(strain, axis=-1)
 
     @property
-    def nearest(self) -> Numbers:
-        """Strain of the bundle [-] at which the fibers of one of its muscles are straight."""
-        straight = self._of_plates(self.map_units(_straight_strain))
-        return array_namespace(straight).max(straight, axis=-1)
+    def least_strain(self) -> Numbers:
+        """Strain of the bundle [-] at which the fibers of a first muscle are straight."""
+        strains = self.map_units(
+            lambda muscle: (
+                muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain
+            )
+        )
+        return array_namespace(strains).max(self._plate_strains(strains), axis=-1)
 
     @property
     def kinks(self) -> Numbers:
         """Strains of the bundle [-] at which its muscles' forces have kinks, units last."""
-        return self._of_plates(self.map_units(lambda muscle: muscle.kinks))
+        return self._plate_strains(self.map_units(lambda muscle: muscle.kinks))
 
     @property
     def free_strains(self) -> Numbers:
-        """Strain of the bundle [-] at which each unit alone neither pulls nor pushes."""
-        return self._of_plates(self.map_units(lambda muscle: muscle.column.free_strain))
+        """Strain of the bundle [-] at which each unit by itself neither pulls nor pushes."""
+        return self._plate_strains(self.map_units(lambda muscle: muscle.column.free_strain))
 
     def take(self, index: Any) -> "Pressurized":
-        """Some bundles of a batch, where the batch is the last axis but two."""
+        """Some bundles of a batch, which is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
     def map_units(self, function: Callable[[PressurizedMuscles], Any]) -> Any:
         """`function` of one muscle of every unit, units on the last axis."""
-        return self._ordered([function(group) for group in self.groups])
+        return self._in_order([function(group) for group in self.groups])
 
     def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
-        """`function` of one muscle of every unit and of its own strains [-] at the bundle's,
-        units on the last axis.
+        """`function` of one muscle of every unit and of its strains [-] at the bundle's `strains`
+        [-], units on the last axis.
         """
         values = []
         for group, index in zip(self.groups, self.indices, strict=True):
-            own = [add_table_axis(strain) for strain in strains]
+            arguments = [add_table_axis(strain) for strain in strains]
             if self.ratios is not None:
-                own = [muscle_strain(self.ratios[..., np.array(index)], x) for x in own]
-            values.append(function(group, *own))
-        return self._ordered(values)
+                ratios = self.ratios[..., np.array(index)]
+                arguments = [muscle_strain(ratios, x) for x in arguments]
+            values.append(function(group, *arguments))
+        return self._in_order(values)
 
     def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
-        """Force of each unit [N], its muscles together, at `strain` [-], and its slope [N]."""
+        """Force of each unit [N], all its muscles, at `strain` [-], and its slope [N]."""
         force, slope = self.map_units_over_strain(lambda muscle, eps: muscle.force(eps), strain)
         if self.ratios is not None:
             slope = slope * self.ratios
@@ -102,12 +107,13 @@ class Pressurized(Module):
         total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 
-    def _of_plates(self, strains: Numbers) -> Numbers:
+    def _plate_strains(self, strains: Numbers) -> Numbers:
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
-    def _ordered(self, values: list[Any]) -> Any:
+    def _in_order(self, values: list[Any]) -> Any:
+        """Values of all groups in the order of their units, on the last axis."""
         if isinstance(values[0], tuple):
-            return tuple(self._ordered(list(parts)) for parts in zip(*values, strict=True))
+            return tuple(self._in_order(list(entries)) for entries in zip(*values, strict=True))
         if len(values) == 1:
             return values[0]
         order = np.argsort([i for index in self.indices for i in index])
@@ -120,20 +126,16 @@ class Pressurized(Module):
 
 def pressurized(bundle: Any, pressures: PerUnit) -> Pressurized:
     """A `bundle` at `pressures` [Pa], one for each unit on the last axis."""
+    indices = tuple(index for index, _ in bundle.groups)
     groups = tuple(
         muscles.law.at(pressures[..., np.array(index)]) for index, muscles in bundle.groups
     )
-    indices = tuple(index for index, _ in bundle.groups)
     return Pressurized(groups, indices, bundle.counts, bundle.ratios)
 
 
-def _straight_strain(muscle: PressurizedMuscles) -> Numbers:
-    return muscle.law.tension.bladder.braid.straight + 0.0 * muscle.column.free_strain
-
-
 class BundleBatch(NamedTuple):
-    """A `bundle` whose numbers are those of all of a batch, or one for each on an axis ahead of an
-    axis of one; gauge `pressures` [Pa], the batch first.
+    """A `bundle` whose numbers are common to a batch, or one for each on an axis ahead of an axis
+    of one; gauge `pressures` [Pa], the batch first.
     """
 
     bundle: Any
@@ -141,7 +143,7 @@ class BundleBatch(NamedTuple):
 
     @property
     def is_numpy(self) -> bool:
-        """Whether all of it is NumPy's."""
+        """True if all arrays are NumPy's."""
         return array_namespace(self.pressures, *tree_leaves(self.bundle)) is np
 
     def pressurized(self) -> Pressurized:
@@ -149,7 +151,7 @@ class BundleBatch(NamedTuple):
         return pressurized(self.bundle, self.pressures[:, None, :])
 
     def take(self, index: Any) -> "BundleBatch":
-        """Some of them."""
+        """Bundles of the batch by index."""
         bundle = tree_map(lambda x: x[index] if np.ndim(x) > 1 else x, self.bundle)
         return BundleBatch(bundle, self.pressures[index])
 
@@ -163,22 +165,22 @@ def bundle_shape(bundle: Any) -> tuple[int, ...]:
 
 
 def flatten_batch(
-    bundle: Any, pressures: PerUnit, *others: Numbers
+    bundle: Any, pressures: PerUnit, force: Numbers = 0.0
 ) -> tuple[BundleBatch, tuple[int, ...]]:
-    """A bundle at pressures, or a batch of bundles, with one axis for all points.
+    """A bundle, or a batch of bundles, at pressures and forces, with one axis for all points.
 
     **Arguments:**
 
     - `bundle`: one, or a batch of them.
     - `pressures`: gauge pressures [Pa], units on the last axis, the rest broadcasts.
-    - `others`: whatever broadcasts against both.
+    - `force`: that broadcasts against both [N].
 
     **Returns:** the batch, and the shape that it had.
     """
-    units, own_shape = np.shape(pressures)[-1], bundle_shape(bundle)
-    shape = np.broadcast_shapes(own_shape, np.shape(pressures)[:-1], *map(np.shape, others))
+    units, batch = np.shape(pressures)[-1], bundle_shape(bundle)
+    shape = np.broadcast_shapes(batch, np.shape(pressures)[:-1], np.shape(force))
     flat = array_namespace(pressures).broadcast_to(pressures, (*shape, units)).reshape(-1, units)
-    if not own_shape:
+    if not batch:
         return BundleBatch(bundle, flat), shape
     tables = set().union(*(tuning_tables(unit.muscle) for unit in bundle.motor_units))
 
@@ -192,8 +194,8 @@ def flatten_batch(
 
 
 def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Muscle]]:
-    """Muscles of the same laws as one, with their indices among `muscles` on its last axis; several
-    that are one and the same stay that one, which broadcasts.
+    """Muscles of the same laws stacked on the last axis, with their indices among `muscles`;
+    repetitions of one object stay that object, which broadcasts.
     """
     groups: dict[Any, list[int]] = {}
     for i, muscle in enumerate(muscles):
@@ -206,14 +208,12 @@ def _stack(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
     if all(muscle is first for muscle in muscles) and not batch_shape(first):
         return first
-    leaves, tables = zip(*map(tree_leaves, muscles), strict=True), tuning_tables(first)
-    return tree_replace(
-        first,
-        [
-            array_namespace(*row).stack(row, axis=-2 if id(row[0]) in tables else -1)
-            for row in leaves
-        ],
-    )
+    tables = tuning_tables(first)
+    leaves = [
+        array_namespace(*row).stack(row, axis=-2 if id(row[0]) in tables else -1)
+        for row in zip(*map(tree_leaves, muscles), strict=True)
+    ]
+    return tree_replace(first, leaves)
 
 
 def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
@@ -222,8 +222,8 @@ def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
     """
     unique: list[int] = []
     inverse = []
-    for i, thing in enumerate(objects):
-        equal = (k for k, j in enumerate(unique) if thing == objects[j])
+    for i, entry in enumerate(objects):
+        equal = (k for k, j in enumerate(unique) if entry == objects[j])
         inverse.append(next(equal, len(unique)))
         if inverse[-1] == len(unique):
             unique.append(i)
@@ -241,59 +241,43 @@ def plate_strain(ratio: Batch, strain: Batch) -> Batch:
 
 
 def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
-    """The distance between the plates at rest, where it isn't simply the muscles' length.
+    """Distance [m] between the plates at rest, or `None` if all muscles are as long.
 
-    **Arguments:**
+    **Arguments:** `length`: the distance [m], or `None` for the muscles' common length;
+    `muscles`: between the plates.
 
-    - `length`: the distance [m], or `None` for the muscles' common length.
-    - `muscles`: between the plates [-].
-
-    **Returns:** the distance [m], or `None` where all muscles are as long.
-
-    **Raises:** `ValueError` for unlike lengths and no distance, and for muscles that no
-    plates can hold together.
+    **Raises:** `ValueError` for unequal lengths without a distance, and for muscles that no
+    plates can hold.
     """
     lengths = [muscle.length for muscle in muscles]
     if length is None:
         if is_concrete(*lengths):
-            _check_equal(lengths)
+            _check_equal([np.asarray(x) for x in lengths])
         return None
     L = check_size(length, "length")
     if not is_concrete(L, *lengths):
         return L
-    if all(np.array_equal(np.broadcast_arrays(L, one)[0], one) for one in lengths):
+    if all(np.array_equal(np.broadcast_arrays(L, x)[0], x) for x in lengths):
         return None
     if is_concrete(*(muscle.braid_angle for muscle in muscles)):
-        _check_lengths(L, muscles)
+        _check_taut(L, muscles)
     return L
 
 
 def plate_strain_in_domain(strain: Values, length: Batch, muscles: Sequence[Muscle]) -> Batch:
-    """Return the plates' `strain` as a float array, refusing what leaves a muscle's domain.
-
-    **Arguments:**
-
-    - `strain`: the plates' contraction [-].
-    - `length`: their distance at rest [m].
-    - `muscles`: between them [-].
-
-    **Returns:** the strain [-].
-
-    **Raises:** `ValueError` for a concrete strain at which a muscle's own is off the domain.
+    """The plates' `strain` [-] as floats, checked against the domain of each muscle; `length`: of
+    the plates' distance at rest [m].
     """
     if not is_concrete(length, *((muscle.length, muscle.braid_angle) for muscle in muscles)):
         return traced_floats(strain)
-    low: Batch = np.float64(-np.inf)
-    high: Batch = np.float64(np.inf)
-    for muscle in muscles:
-        ratio = np.asarray(length / muscle.length)
-        straight = lowest_strain(*strain_domain(muscle))
-        low = np.maximum(low, plate_strain(ratio, straight))
-        high = np.minimum(high, plate_strain(ratio, LARGEST_STRAIN))
+    ratios = [np.asarray(length / muscle.length) for muscle in muscles]
+    straight = [lowest_strain(*strain_domain(muscle)) for muscle in muscles]
+    low = reduce(np.maximum, map(plate_strain, ratios, straight))
+    high = reduce(np.minimum, [plate_strain(ratio, LARGEST_STRAIN) for ratio in ratios])
     return check_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
 
 
-def _check_lengths(length: Batch, muscles: Sequence[Muscle]) -> None:
+def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
     """Refuse muscles of which one is overstretched before another one is even taut."""
     longest = reduce(np.maximum, [np.asarray(m.length) for m in muscles], np.asarray(length))
     for i, muscle in enumerate(muscles, start=1):
@@ -309,15 +293,15 @@ def _check_lengths(length: Batch, muscles: Sequence[Muscle]) -> None:
             )
 
 
-def _check_equal(lengths: Sequence[Batch]) -> None:
-    first = np.asarray(lengths[0])
+def _check_equal(lengths: Sequence[np.ndarray]) -> None:
+    first = lengths[0]
     for i, length in enumerate(lengths[1:], start=2):
-        if not np.allclose(length, first, rtol=1e-9, atol=0):
+        if not np.allclose(length, first, rtol=1e-9, atol=0):  # a file's decimals
             raise InvalidInputError(
                 "motor_units",
                 "must hold muscles of one length, or `length` say how far apart the plates are at"
                 " rest, in m",
-                float(np.max(np.asarray(length))),
-                shown=f"{float(np.max(first)):g} m in unit 1 and"
-                f" {float(np.max(np.asarray(length))):g} m in unit {i}",
+                float(np.max(length)),
+                shown=f"{float(np.max(first)):g} m in unit 1 and {float(np.max(length)):g} m in"
+                f" unit {i}",
             )

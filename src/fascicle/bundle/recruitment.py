@@ -1,10 +1,10 @@
-r"""Recruitment: which motor units are active at which pressure.
+r"""Recruitment: the pressures of motor units in each recruitment state, and for a force.
 
 A scheme says which units are held at supply pressure in recruitment state $k$ and which
 are throttled: *orderly* recruitment holds $1 \dots k-1$ and throttles unit $k$, *batch*
 recruitment gives all of $1 \dots k$ one pressure, *free* recruitment has one state, in
-which each unit has a pressure of its own. `space` is what that reaches, `recruit` the way back,
-from a force to the pressures that give it.
+which each unit has a pressure of its own. `space` is the region that they reach, `recruit` the
+inverse, from a force to the pressures that give it.
 
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4, Fig. 8.
 """
@@ -17,6 +17,8 @@ import numpy as np
 
 from ..core.array_namespace import is_numpy, where
 from ..core.errors import InvalidInputError
+from ..core.lazy import attach_lazy
+from ..core.module import tree_map
 from ..core.roots import guarded, stop_gradient
 from ..core.types import Float, Numbers, Values
 from ..core.validation import (
@@ -29,7 +31,15 @@ from ..core.validation import (
 )
 from .bundle import Bundle, resolve_scheme, resolve_supply_pressure
 from .efficiency import unit_volume_change
-from .inverse import PART, REACHED, ROOM, Curves, Recruited, Solutions, freed, recruited
+from .force_curves import StateCurves
+from .inverse import (
+    REACHED,
+    SLOTS_PER_STATE,
+    RecruitmentResult,
+    Solutions,
+    minimum_energy_pressures,
+    solve_inverse,
+)
 from .pressurized import pressurized, unique_indices
 from .schemes import AbstractScheme, scheme_of
 from .states import States, states_of
@@ -38,7 +48,7 @@ from .workspace import Overlap, Space, overlap, space
 
 __all__ = [
     "Overlap",
-    "Recruited",
+    "RecruitmentResult",
     "Solutions",
     "Space",
     "overlap",
@@ -46,9 +56,11 @@ __all__ = [
     "recruit",
     "space",
 ]
+__getattr__, _ = attach_lazy(__name__, {}, renamed={"Recruited": "RecruitmentResult"})
 
 PREFERENCES = ("efficiency", "nearest")
-_SETS = 2**22  # of a set of units and a demand at once: some 0.2 GB
+_MAX_PAIRS = 2**22  # of a set of units and a demand at once: some 0.2 GB
+_BATCH = 2**13  # demands at once, of independent units
 
 
 def pressures_of(
@@ -62,13 +74,12 @@ def pressures_of(
 
     **Arguments:**
 
-    - `state`: which [-], counted from 1.
+    - `state`: number of the state, counted from 1.
     - `level`: the throttled pressure [Pa]: of unit `state` in orderly recruitment, of all
-      active units in batch recruitment. Any shape.
+      pressurized units in batch and free recruitment. Any shape.
     - `supply_pressure`: of the units before it in orderly recruitment [Pa].
-    - `units`: number of motor units [-].
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; all units of free
-      recruitment have the one `level` here.
+    - `units`: number of motor units.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object.
 
     **Returns:** pressures [Pa], units on a new last axis.
 
@@ -93,257 +104,196 @@ def recruit(
     *,
     present: Values = None,
     resistance: bool = True,
-) -> Recruited:
-    """Which state and pressures give a force at a strain, equation (B9).
+) -> RecruitmentResult:
+    """State and pressures that give a force at a strain, equation (B9).
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
+    - `bundle`: the bundle.
     - `force`: the demanded pulling force [N].
     - `strain`: the bundle's contraction [-]; broadcasts against `force`.
-    - `supply`: the supply's pressure [Pa], one for all; left out, the bundle's own.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
+    - `supply`: the supply's pressure [Pa], one for all; by default the bundle's own.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
     - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
-      "nearest" for the one whose pressures are nearest to `present` [-].
-    - `present`: the pressures now [Pa], units on the last axis; the rest broadcasts.
-    - `resistance`: whether units past their own free strain push back [-].
+      "nearest" for the one whose pressures are nearest to `present`.
+    - `present`: the present pressures [Pa], units on the last axis; the rest broadcasts.
+    - `resistance`: units past their own free strain push back.
 
-    **Returns:** `Recruited`: pressures [Pa], state [-], force [N] and status [-], and all
-    solutions. Where the demanded force can't be reached, the nearest that can, and a status.
+    **Returns:** `RecruitmentResult`: pressures [Pa], state, force [N], status and all solutions.
+    If the demanded force can't be reached, the nearest that can, and a status.
 
     **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure, and
     "nearest" without `present`.
     """
     scheme = resolve_scheme(bundle, scheme)
     check_choice(prefer, PREFERENCES, "prefer")
-    F, eps = match_array_type(force, check_finite(force, "force", "N")), bundle._strain(strain)
-    P = _supply(bundle, supply)
-    now = None
+    F = match_array_type(force, check_finite(force, "force", "N"))
+    eps = bundle._check_strain(strain)
+    supply = bundle.supply_pressure if supply is None else supply
+    if is_concrete(supply):  # a traced one can't be checked
+        supply = np.float64(resolve_supply_pressure(bundle, supply))
+    arrays: tuple[Numbers, ...] = (F, eps)
+    shapes = {"force": np.shape(F), "strain": np.shape(eps)}
     if prefer == "nearest":
         if scheme.independent:
             raise InvalidInputError(
                 "prefer",
                 f"must be 'efficiency' with scheme {scheme.name!r}",
                 prefer,
-                "its units' pressures are free, so what is nearest isn't one of a few solutions",
+                "its units' pressures are free: there is no list of solutions of which one is the"
+                " nearest",
             )
         if present is None:
             raise InvalidInputError(
                 "present",
                 "must be given in Pa with `prefer` 'nearest'",
                 None,
-                f"a pressure for each of the {len(bundle.motor_units)} motor units",
+                f"pass a pressure for each of the {len(bundle.motor_units)} motor units",
             )
-        now = bundle._pressures(present)
-    before = {} if now is None else {"present": np.shape(now)[:-1]}
-    broadcast_shape(force=np.shape(F), strain=np.shape(eps), **before)
-    arrays = (F, eps) if now is None else (F, eps, now)
-    static = (scheme, bool(resistance))
-    if bundle.is_numpy and is_numpy(P, *arrays):
-        return _solved(bundle, P, *arrays, *static)
-    return _traced(bundle, P, *arrays, static=static)
-
-
-def _solved(bundle: Bundle, supply: Any, *arguments: Any) -> Recruited:
-    """Demands of NumPy's, part by part, so that they fit into memory."""
-    *arrays, scheme, resistance = arguments
-    force, strain, *present = arrays
-    units = len(bundle.motor_units)
-    shape = np.broadcast_shapes(
-        np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
+        arrays = (F, eps, bundle._check_pressures(present))
+        shapes["present"] = np.shape(arrays[2])[:-1]
+    shape, units = broadcast_shape(**shapes), len(bundle.motor_units)
+    solve = _solve if bundle.is_numpy and is_numpy(supply, *arrays) else _solve_traced
+    xp = np if solve is _solve else _jax_numpy()
+    arrays = tuple(xp.broadcast_to(x, shape) for x in arrays[:2]) + tuple(
+        xp.broadcast_to(x, (*shape, units)) for x in arrays[2:]
     )
-    flat: dict[str, Any] = {
-        key: np.broadcast_to(x, shape).reshape(-1) + 0.0
-        for key, x in (("force", force), ("strain", strain))
-    }
-    for now in present:
-        flat["present"] = np.broadcast_to(now, (*shape, units)).reshape(-1, units)
-    states, count = states_of(scheme, units), flat["force"].size
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        curves = _curves(bundle, float(supply), states, resistance)
-        search: Callable[..., Recruited] = partial(recruited, curves, states=states)
-        step = PART
-        if states.independent:
-            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
-            search = partial(freed, curves, sets=sets, owner=owner)
-            step = max(1, min(step, _SETS // sets.size))
-        if states.independent or not states.nested:
-            # what each unit takes in decides which of them are fed
-            flat["taken"] = unit_volume_change(bundle, flat["strain"])
-        parts = [
-            search(**{key: x[start : start + step] for key, x in flat.items()})
-            for start in range(0, max(1, count), step)
-        ]
-    whole = parts[0] if len(parts) == 1 else _joined(parts)
-    return _each(whole, lambda x: x.reshape((*shape, *x.shape[1:]))[()])
+    return solve(bundle, supply, *arrays, scheme=scheme, resistance=bool(resistance))
 
 
-def _each(found: Any, function: Callable[[Any], Any]) -> Any:
-    """`function` of every array of what was `found`."""
-    if isinstance(found, tuple):
-        return type(found)(*(_each(x, function) for x in found))
-    return function(found)
-
-
-def _joined(parts: list[Recruited]) -> Recruited:
-    slots = max(part.solutions.state.shape[1] for part in parts)
-    wide = [part._replace(solutions=_wide(part.solutions, slots)) for part in parts]
-    solutions = Solutions(*map(np.concatenate, zip(*(x.solutions for x in wide), strict=True)))
-    names = [name for name in Recruited._fields if name != "solutions"]
-    rest = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return Recruited(solutions=solutions, **rest)
-
-
-def _wide(solutions: Solutions, slots: int) -> Solutions:
-    """The same with room for so many `slots` [-] on the last axis."""
-    size = np.shape(solutions.state)[-1]
-    more = [(0, 0)] * (np.ndim(solutions.state) - 1) + [(0, max(slots - size, 0))]
-    fills = (np.nan, 0, False)
-    return Solutions(*(
-        np.pad(x, more, constant_values=fill)[..., :slots]
-        for x, fill in zip(solutions, fills, strict=True)
-    ))  # fmt: skip
-
-
-def _curves(bundle: Bundle, supply: float, states: States, resistance: bool) -> Curves:
-    """The curves of a bundle's states at `supply` [Pa]; kept, as they take longer than a demand."""
-    kept, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
-    known = kept.get(key)
-    if known is None or known[0] != supply or known[1] is not states:
-        kept[key] = known = (supply, states, Curves(bundle, supply, states, resistance))
-    return known[2]
-
-
-def _traced(bundle: Bundle, supply: Any, *arrays: Any, static: tuple) -> Recruited:
-    """Demands of which JAX has some number: found by NumPy, and carried by JAX."""
-    import jax
+def _jax_numpy() -> Any:
     import jax.numpy as jnp
 
-    scheme, _ = static
-    states, units = states_of(scheme, len(bundle.motor_units)), len(bundle.motor_units)
-    force, strain, *present = arrays
-    shape = np.broadcast_shapes(
-        np.shape(force), np.shape(strain), *(np.shape(now)[:-1] for now in present)
-    )
-    force, strain = (jnp.broadcast_to(x, shape) for x in (force, strain))
-    present = [jnp.broadcast_to(now, (*shape, units)) for now in present]
-    slots = 1 if states.independent else ROOM * states.size + 2
+    return jnp
 
-    def answer(single: tuple, *arrays: Any) -> Recruited:
-        found = _solved(*single, *arrays, *static)
+
+def _solve(
+    bundle: Bundle,
+    supply: Any,
+    force: np.ndarray,
+    strain: np.ndarray,
+    *present: np.ndarray,
+    scheme: AbstractScheme,
+    resistance: bool,
+) -> RecruitmentResult:
+    """Result for demands of one shape, by NumPy."""
+    shape, units = np.shape(force), len(bundle.motor_units)
+    F, eps = (np.reshape(x, -1) + 0.0 for x in (force, strain))
+    states = states_of(scheme, units)
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        curves = _cached_curves(bundle, float(supply), states, resistance)
         if states.independent:
-            return found
-        return found._replace(solutions=_wide(found.solutions, slots))
+            volume = unit_volume_change(bundle, eps)
+            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
+            size = max(1, min(_BATCH, _MAX_PAIRS // sets.size))
+            parts = [
+                minimum_energy_pressures(curves, F[batch], eps[batch], volume[batch], sets, owner)
+                for batch in (slice(i, i + size) for i in range(0, max(1, F.size), size))
+            ]
+            result = tree_map(lambda *x: np.concatenate(x), *parts)
+        else:
+            pressures = present[0].reshape(-1, units) if present else None
+            # otherwise the order of states is that of their energies
+            volume = None if states.nested else unit_volume_change(bundle, eps)
+            result = solve_inverse(curves, F, eps, states, pressures, volume)
+    return tree_map(lambda x: x.reshape((*shape, *x.shape[1:]))[()], result)
 
-    number = jax.ShapeDtypeStruct(shape, float)
-    whole, mark = (jax.ShapeDtypeStruct(shape, kind) for kind in (int, bool))
-    rows = ((*shape, slots), (*shape, units))
-    shapes = Recruited(
-        jax.ShapeDtypeStruct(rows[1], float), whole, number, whole, mark,
-        Solutions(*(jax.ShapeDtypeStruct(rows[0], kind) for kind in (float, int, bool))),
-        whole, whole,
-    )  # fmt: skip
-    found = numpy_callback(
-        answer, shapes, *stop_gradient(((bundle, supply), force, strain, *present))
+
+def _cached_curves(bundle: Bundle, supply: float, states: States, resistance: bool) -> StateCurves:
+    """Force curves at a `supply` [Pa], kept with the bundle: they take longer than a demand."""
+    cache, key = bundle.cache.setdefault("curves", {}), (states.scheme, resistance)
+    curves = cache.get(key)
+    if curves is None or curves.supply != supply or curves.scheme_states is not states:
+        curves = cache[key] = StateCurves(bundle, supply, states, resistance)
+    return curves
+
+
+def _solve_traced(
+    bundle: Bundle,
+    supply: Any,
+    force: Any,
+    strain: Any,
+    *present: Any,
+    scheme: AbstractScheme,
+    resistance: bool,
+) -> RecruitmentResult:
+    """Result for demands with arrays of JAX's: solved by NumPy, with derivatives by JAX."""
+    import jax
+
+    states, shape = states_of(scheme, len(bundle.motor_units)), np.shape(force)
+    slots = 1 if states.independent else SLOTS_PER_STATE * states.size + 2
+
+    def solve(*arguments: Any) -> RecruitmentResult:
+        # in single precision only arguments and results are; the search itself is not
+        arguments = tree_map(
+            lambda x: np.asarray(x, float if x.dtype.kind == "f" else None), arguments
+        )
+        result = _solve(*arguments, scheme=scheme, resistance=resistance)
+        result = result._replace(solutions=Solutions(*(x[..., :slots] for x in result.solutions)))
+        return tree_map(lambda x, shape: np.asarray(x, shape.dtype), result, shapes)
+
+    def array(kind: type, *columns: int) -> Any:
+        return jax.ShapeDtypeStruct((*shape, *columns), jax.dtypes.canonicalize_dtype(kind))
+
+    solutions = Solutions(*(array(kind, slots) for kind in (float, int, bool)))
+    shapes = RecruitmentResult(
+        pressures=array(float, len(bundle.motor_units)),
+        state=array(int),
+        force=array(float),
+        status=array(int),
+        stable=array(bool),
+        solutions=solutions,
+        count=array(int),
+        unit=array(int),
     )
-    return _carry(*static)(bundle, force, strain, supply, found)
+    arguments = stop_gradient((bundle, supply, force, strain, *present))
+    result = jax.pure_callback(solve, shapes, *arguments, vmap_method="sequential")
+    return _derivatives_for(scheme, resistance)(bundle, force, strain, supply, result)
 
 
 @cache
-def _carry(scheme: AbstractScheme, resistance: bool) -> Callable[..., Recruited]:
+def _derivatives_for(scheme: AbstractScheme, resistance: bool) -> Callable[..., RecruitmentResult]:
     import jax
 
-    return jax.jit(partial(_carried, scheme=scheme, resistance=resistance))
+    return jax.jit(partial(_attach_derivatives, scheme=scheme, resistance=resistance))
 
 
-def _carried(
+def _attach_derivatives(
     bundle: Bundle,
     force: Any,
     strain: Any,
     supply: Any,
-    found: Recruited,
+    result: RecruitmentResult,
     scheme: AbstractScheme,
     resistance: bool,
-) -> Recruited:
-    r"""What was found without derivatives, with them: one step of Newton's from the root of (B9),
+) -> RecruitmentResult:
+    r"""A result with its derivatives, by one step of Newton's from the root of (B9),
 
     $$\mathrm{d}p = (\mathrm{d}F_d - \mathrm{d}F|_p)/(\partial F/\partial p), \tag{B12}$$
 
-    where $p$ is what the throttled units share. The others stay at their share of the supply, which
-    also holds of those throttled where the demand wasn't reached.
+    where $p$ is the pressure that the throttled units share. The others stay at their fraction of
+    the supply, and so do throttled units if the demand wasn't reached.
     """
     import jax
 
     units, states = len(bundle.motor_units), states_of(scheme, len(bundle.motor_units))
-    throttled = np.arange(units) == found.unit[..., None] - 1
+    throttled = np.arange(units) == result.unit[..., None] - 1
     if not states.independent:
-        throttled = jax.numpy.asarray(states.throttled)[found.state - 1]
+        throttled = jax.numpy.asarray(states.throttled)[result.state - 1]
 
     def total(bundle: Bundle, pressures: Any, strain: Any) -> Any:
         forces, _ = pressurized(bundle, pressures).unit_forces(strain)
         return where((forces > 0) | resistance, forces, 0.0).sum(axis=-1)
 
-    P = found.pressures / stop_gradient(supply) * supply
-    given_force = total(bundle, P, strain)
-    fixed, eps = stop_gradient((bundle, strain))
-    slope = jax.jvp(lambda p: total(fixed, p, eps), (stop_gradient(P),), (1.0 * throttled,))[1]
-    reached = found.status == REACHED
-    moves = reached & (slope != 0)
-    short = where(moves, force - given_force, 0.0)
-    step = (short - stop_gradient(short)) / guarded(moves, slope)
-    return found._replace(
+    P = result.pressures / stop_gradient(supply) * supply
+    value = total(bundle, P, strain)
+    constant, eps = stop_gradient((bundle, strain))
+    slope = jax.jvp(lambda p: total(constant, p, eps), (stop_gradient(P),), (1.0 * throttled,))[1]
+    is_reached = result.status == REACHED
+    moves = is_reached & (slope != 0)
+    miss = where(moves, force - value, 0.0)
+    step = (miss - stop_gradient(miss)) / guarded(moves, slope)
+    return result._replace(
         pressures=P + where(throttled, step[..., None], 0.0),
-        force=where(reached, force + stop_gradient(found.force - force), given_force),
+        force=where(is_reached, force + stop_gradient(result.force - force), value),
     )
-
-
-def _supply(bundle: Bundle, supply: Values) -> Numbers:
-    supply = bundle.supply_pressure if supply is None else supply
-    # a traced one can't be looked at, nor made a float
-    return np.float64(resolve_supply_pressure(bundle, supply)) if is_concrete(supply) else supply
-
-
-def numpy_callback(function: Callable[..., Any], shapes: Any, single: Any, *arrays: Any) -> Any:
-    """`function(single, *arrays)` by NumPy, without derivatives, also under `jit` and `vmap`.
-
-    **Arguments:**
-
-    - `function`: of modules and arrays of NumPy's; elementwise in `arrays`.
-    - `shapes`: a tree of `jax.ShapeDtypeStruct`, as the result is for these arguments.
-    - `single`: a tree of modules and arrays, one at a time.
-    - `arrays`: that may have more axes in front, where `vmap` adds them.
-
-    **Returns:** the result, JAX's.
-    """
-    import jax
-
-    leaves, structure = jax.tree.flatten(single)
-    # in single precision results are, too; the search itself is not
-    shapes = jax.tree.map(
-        lambda x: jax.ShapeDtypeStruct(x.shape, jax.dtypes.canonicalize_dtype(x.dtype)), shapes
-    )
-    own = [np.ndim(x) for x in (*leaves, *arrays)]
-
-    def answer(*values: Any) -> Any:
-        numbers = [np.asarray(x, float if x.dtype.kind == "f" else None) for x in values]
-        fronts = [x.shape[: x.ndim - n] for x, n in zip(numbers, own, strict=True)]
-        batch, several = (
-            np.broadcast_shapes(*some) for some in (fronts, fronts[: len(leaves)] or [()])
-        )
-        tails = [x.shape[len(front) :] for x, front in zip(numbers, fronts, strict=True)]
-        asked = [
-            np.broadcast_to(x, (*batch, *tail)) for x, tail in zip(numbers, tails, strict=True)
-        ]
-        if np.prod(several) == 1:  # one module, whatever it is asked
-            one = [x.reshape(tail) for x, tail in zip(numbers[: len(leaves)], tails, strict=False)]
-            found = function(jax.tree.unflatten(structure, one), *asked[len(leaves) :])
-            return jax.tree.map(lambda x, like: np.asarray(x, like.dtype), found, shapes)
-        rows = []
-        for i in np.ndindex(batch):
-            module = jax.tree.unflatten(structure, [x[i] for x in asked[: len(leaves)]])
-            rows.append(function(module, *(x[i] for x in asked[len(leaves) :])))
-        return jax.tree.map(
-            lambda like, *x: np.reshape(x, (*batch, *like.shape)).astype(like.dtype), shapes, *rows
-        )
-
-    return jax.pure_callback(answer, shapes, *leaves, *arrays, vmap_method="expand_dims")

@@ -1,12 +1,10 @@
-"""Recruitment schemes: which motor units are fed in which state, each declared once, here.
+"""Recruitment schemes: the motor units that each recruitment state pressurizes.
 
 A scheme is a list of states. In each, some units are held at full supply pressure, some are
-throttled between none and it, and the rest isn't fed. Forces, work, pressures, the way back from
-a force, the judging of designs, the command line's choices and the explorer's all read that list.
-Wherever a scheme is asked for, its name or an object will do; files and the command line know the
-names in `SCHEMES`.
-
-Nothing is imported here that takes time: the command line's help shows the names.
+throttled between none and it, and the rest is vented. Forces, work, pressures, the inverse, the
+evaluation of designs, the command line's choices and the explorer's all read that list.
+Arguments named `scheme` take a name or an object; files and the command line know the names in
+`SCHEMES`. This module imports nothing slow: the command line's help shows the names.
 
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4, Fig. 8, for orderly and batch.
 """
@@ -19,8 +17,8 @@ from ..core.errors import InvalidInputError
 
 
 class State(NamedTuple):
-    """A recruitment state: the units at `full` supply pressure and those that are `throttled`
-    [-], both counted from 0. The others are at no pressure.
+    """A recruitment state: units at `full` supply pressure and `throttled` units, both counted
+    from 0. The others are vented.
     """
 
     full: Sequence[int]
@@ -28,10 +26,9 @@ class State(NamedTuple):
 
 
 class AbstractScheme(ABC):
-    """In which order a bundle's motor units are fed. Compares equal to its `name`, prints as it.
+    """Order in which a bundle's motor units are pressurized; equals its `name` and prints as it.
 
-    `independent`: whether every throttled unit of a state has a pressure of its own; else they
-    share one.
+    `independent`: every throttled unit of a state has a pressure of its own; else they share one.
     """
 
     name: ClassVar[str]
@@ -39,78 +36,72 @@ class AbstractScheme(ABC):
 
     @abstractmethod
     def states(self, units: int) -> Sequence[State]:
-        """The states [-] of a bundle of so many `units` [-], in the order of recruitment."""
+        """States of a bundle of so many `units`, in the order of recruitment."""
 
     @property
     def about(self) -> str:
-        """What it is, in a sentence: the first one of its docstring."""
+        """First sentence of the scheme's docstring."""
         return " ".join((self.__doc__ or "").split()).split(". ")[0].rstrip(".")
 
-    def __eq__(self, other: object) -> bool:
-        """Whether `other` is the same scheme, or its name [-]."""
-        if isinstance(other, str):
-            return self.name == other
-        return type(self) is type(other) and vars(self) == vars(other)
+    def __eq__(self, scheme: object) -> bool:
+        """True for an equal scheme, and for its name."""
+        if isinstance(scheme, str):
+            return self.name == scheme
+        return type(self) is type(scheme) and vars(self) == vars(scheme)
 
     def __hash__(self) -> int:
-        """As its name's, which it equals."""
+        """Hash of the name, which the scheme equals."""
         return hash(self.name)
 
     def __str__(self) -> str:
-        """Its name."""
+        """Name of the scheme."""
         return self.name
 
     def __repr__(self) -> str:
-        """As it is made."""
-        given = ", ".join(f"{key}={value!r}" for key, value in vars(self).items())
-        return f"{type(self).__name__}({given})"
+        """Python expression of the scheme."""
+        arguments = ", ".join(f"{key}={value!r}" for key, value in vars(self).items())
+        return f"{type(self).__name__}({arguments})"
 
 
-Kind = TypeVar("Kind", bound=AbstractScheme)
+Scheme = TypeVar("Scheme", bound=AbstractScheme)
 SCHEMES: dict[str, AbstractScheme] = {}
 
 
-def register(kind: type[Kind]) -> type[Kind]:
-    """Let files, the command line and the explorer know a scheme by its name; a class decorator.
+def register(scheme: type[Scheme]) -> type[Scheme]:
+    """Class decorator: let files, the command line and the explorer know a scheme by its name.
 
-    **Arguments:** `kind`: a final class of scheme, which is made without arguments [-].
+    **Arguments:** `scheme`: a final class of scheme, whose `__init__` takes no arguments.
 
-    **Returns:** the same class [-].
+    **Returns:** the same class.
 
-    **Raises:** `ValueError` for a name that another class has.
+    **Raises:** `ValueError` for the name of another class.
     """
-    known = SCHEMES.get(kind.name)
-    if known is not None and type(known) is not kind:
-        raise InvalidInputError(
-            "name",
-            f"{kind.name!r} is another scheme's",
-            kind.name,
-            "choose one that is free",
-            shown="",
-        )
-    SCHEMES[kind.name] = kind()
-    return kind
+    if scheme.name in SCHEMES and type(SCHEMES[scheme.name]) is not scheme:
+        rule, remedy = f"{scheme.name!r} is another scheme's", "choose a name that is free"
+        raise InvalidInputError("name", rule, scheme.name, remedy, shown="")
+    SCHEMES[scheme.name] = scheme()
+    return scheme
 
 
 @register
 class Orderly(AbstractScheme):
-    """Unit after unit: those before it at supply pressure, one throttled, those after it unfed."""
+    """Unit after unit: those before it at supply pressure, one throttled, those after it vented."""
 
     name = "orderly"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state [-] for each of the `units` [-]."""
+        """A state for each of the `units`."""
         return [State(full=range(k), throttled=(k,)) for k in range(units)]
 
 
 @register
 class Batch(AbstractScheme):
-    """More and more units together: those that are fed share one throttled pressure."""
+    """More and more units together: those pressurized share one throttled pressure."""
 
     name = "batch"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state [-] for each of the `units` [-]."""
+        """A state for each of the `units`."""
         return [State(full=(), throttled=range(k + 1)) for k in range(units)]
 
 
@@ -122,54 +113,34 @@ class Free(AbstractScheme):
     independent = True
 
     def states(self, units: int) -> Sequence[State]:
-        """One state [-], in which each of the `units` [-] has a pressure of its own."""
+        """One state, in which each of the `units` has a pressure of its own."""
         return [State(full=(), throttled=range(units))]
 
 
 def scheme_of(
-    scheme: AbstractScheme | str | type[AbstractScheme], what: str = "scheme"
+    scheme: AbstractScheme | str | type[AbstractScheme], argument: str = "scheme"
 ) -> AbstractScheme:
-    """A scheme by its name, or the one that is given.
-
-    **Arguments:**
-
-    - `scheme`: one of `SCHEMES` by name, or an object [-]; a class is refused.
-    - `what`: the argument that it is given for [-].
-
-    **Returns:** the scheme [-].
-
-    **Raises:** `ValueError` for an unknown name; the nearest is suggested.
+    """A `scheme` by its name or as an object, given as an `argument`; `ValueError` for an unknown
+    name (the nearest is suggested) and for a class.
     """
     if isinstance(scheme, AbstractScheme):
         return scheme
-    from ..core.validation import (
-        check_choice,  # brings JAX, which the command line's help does without
-    )
+    from ..core.validation import check_choice  # imports JAX, which help does without
 
     if isinstance(scheme, type):
+        remedy, description = f"write {scheme.__name__}()", f"the class {scheme.__name__}"
         raise InvalidInputError(
-            what,
-            "takes a name or an object",
-            scheme,
-            f"write {scheme.__name__}()",
-            shown=f"the class {scheme.__name__}",
+            argument, "takes a name or an object", scheme, remedy, shown=description
         )
-    return SCHEMES[check_choice(scheme, SCHEMES, what)]
+    return SCHEMES[check_choice(scheme, SCHEMES, argument)]
 
 
-def name_of(scheme: AbstractScheme) -> str:
-    """The name by which a file can tell a scheme.
-
-    **Arguments:** `scheme`: the one in use [-].
-
-    **Returns:** its name [-].
-
-    **Raises:** `ValueError` for a scheme by object that no file can name.
-    """
+def serializable_name(scheme: AbstractScheme) -> str:
+    """Name by which a file can refer to a `scheme`; `ValueError` for one that isn't registered."""
     if SCHEMES.get(scheme.name) != scheme:
         raise InvalidInputError(
             "scheme",
-            f"{scheme.name!r} is an object of Python's, which files can't tell",
+            f"{scheme.name!r} is a Python object that no file can name",
             scheme,
             f"register its class, or take one of {', '.join(sorted(SCHEMES))}",
             shown="",
@@ -177,15 +148,7 @@ def name_of(scheme: AbstractScheme) -> str:
     return scheme.name
 
 
-def listed(quote: str = "", but: int = 0) -> str:
-    """The names in words, such as "orderly, batch or free".
-
-    **Arguments:**
-
-    - `quote`: put before and after each [-].
-    - `but`: so many of the first are left out [-].
-
-    **Returns:** the words [-].
-    """
-    *others, last = (f"{quote}{name}{quote}" for name in list(SCHEMES)[but:])
-    return f"{', '.join(others)} or {last}" if others else last
+def format_names(quote: str = "", start: int = 0) -> str:
+    """Names as text, such as "orderly, batch or free", each in a `quote`, from a `start` on."""
+    *first, last = (f"{quote}{name}{quote}" for name in list(SCHEMES)[start:])
+    return f"{', '.join(first)} or {last}" if first else last

@@ -1,7 +1,7 @@
-r"""The force-strain space of a bundle: what each recruitment state reaches, and where two overlap.
+r"""Force-strain space of a bundle: the region of each recruitment state, and overlaps of two.
 
 As the throttled pressure goes from zero to the supply's, a state sweeps a region of the
-force-strain space. The force isn't monotone in that pressure where resistance counts, so a region's
+force-strain space. With resistance the force isn't monotone in that pressure, so a region's
 edges are the least and the largest force over all pressures, and regions of different states
 overlap: points that two states reach.
 
@@ -19,16 +19,18 @@ from ..core.types import Float, Values
 from ..core.validation import check_interval, has_units, to_si
 from ..repr_table import with_table_repr
 from .bundle import Bundle, distinct_units, resolve_scheme, resolve_supply_pressure
-from .printing import space_sheet
+from .printing import space_table
 from .schemes import AbstractScheme
-from .states import common, states_of
+from .states import overlap_edges, states_of
 
 
 _LEVELS = 241  # pressures over which a region's edges are taken
+_TOUCH = 1e-9  # of the largest force: regions that share an edge alone differ by rounding
 Forces = Float[np.ndarray, "state strain"]
+Outline = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]
 
 
-@with_table_repr(space_sheet)
+@with_table_repr(space_table)
 @dataclass(frozen=True)
 class Space:
     """Force-strain space of a bundle: curves at constant pressure, and regions.
@@ -45,15 +47,12 @@ class Space:
     low: Forces
     high: Forces
 
-    def outline(self, state: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-        """Outline of the region of a `state`, counted from 1: strain [-] and force [N].
-
-        Where the bundle would push, the outline is at zero force.
+    def outline(self, state: int) -> Outline:
+        """Outline of the region of a `state`, counted from 1: strain [-] and force [N]; at zero
+        force where the bundle would push.
         """
         low, high = (np.maximum(edge[state - 1], 0.0) for edge in (self.low, self.high))
-        reached = self.high[state - 1] >= 0
-        strain = self.strain[reached]
-        return np.r_[strain, strain[::-1]], np.r_[high[reached], low[reached][::-1]]
+        return _outline(self.strain, low, high, self.high[state - 1] >= 0)
 
 
 @dataclass(frozen=True)
@@ -73,12 +72,15 @@ class Overlap:
         """Height of the overlap in force [N] at each strain, zero where there is none."""
         return np.nan_to_num(self.high - self.low)
 
-    def outline(self, pair: int) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-        """Outline of a row `pair`: strain [-] and force [N], empty where there is none."""
-        there = np.isfinite(self.low[pair])
-        strain = self.strain[there]
-        low, high = self.low[pair][there], self.high[pair][there]
-        return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
+    def outline(self, pair: int) -> Outline:
+        """Outline of a row `pair`: strain [-] and force [N], empty if there is none."""
+        low, high = self.low[pair], self.high[pair]
+        return _outline(self.strain, low, high, np.isfinite(low))
+
+
+def _outline(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: np.ndarray) -> Outline:
+    strain, low, high = strain[inside], low[inside], high[inside]
+    return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]
 
 
 def space(
@@ -89,21 +91,21 @@ def space(
     resistance: bool = True,
     scheme: AbstractScheme | str | None = None,
 ) -> Space:
-    """The force-strain space of every recruitment state.
+    """Force-strain space of every recruitment state.
 
     **Arguments:**
 
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: [Pa]; left out, the bundle's own.
-    - `levels`: throttled pressures of the curves [Pa], or how many of them [-], evenly from
-      zero to the supply's.
-    - `strain`: rising strains [-]; left out, 201 from zero to the largest free strain.
-    - `resistance`: whether units past their own free strain push back [-].
-    - `scheme`: one of `fascicle.schemes`, by name or as an object [-]; left out, the bundle's own.
+    - `bundle`: the bundle.
+    - `supply_pressure`: [Pa]; by default the bundle's own.
+    - `levels`: throttled pressures of the curves [Pa], or their number, evenly from zero to
+      the supply's.
+    - `strain`: rising strains [-]; by default 201 from zero to the largest free strain.
+    - `resistance`: units past their own free strain push back.
+    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
 
     **Returns:** a `Space`: forces [N], strains [-], pressures [Pa].
 
-    **Raises:** `ValueError` where no supply pressure is known or a value is off.
+    **Raises:** `ValueError` for no supply pressure and values off the domain.
     """
     supply = resolve_supply_pressure(bundle, supply_pressure)
     scheme = resolve_scheme(bundle, scheme)
@@ -116,28 +118,27 @@ def space(
         full = np.full(len(bundle.motor_units), supply)
         strain = np.linspace(0.0, float(bundle.free_strain(full, resistance=False)), 201)
     strain = np.asarray(to_si(strain, "strain", "-"), dtype=float)
-    fine = np.linspace(0.0, supply, _LEVELS)
     states = states_of(scheme, len(bundle.motor_units))
-    region = unit_tables(bundle, supply, np.union1d(fine, levels), strain, resistance)
+    fine = np.union1d(np.linspace(0.0, supply, _LEVELS), levels)
+    region = unit_tables(bundle, supply, fine, strain, resistance)
     curves = states.sums(*unit_tables(bundle, supply, levels, strain, resistance))
     return Space(scheme.name, supply, strain, levels, curves, *states.edges(*region))
 
 
 def overlap(space: Space) -> Overlap:
-    """Where the regions of two states overlap, at forces of zero and above.
+    """Overlaps of the regions of two states, at forces of zero and above.
 
-    **Arguments:** `space`: a force-strain space [-].
+    **Arguments:** `space`: a force-strain space.
 
     **Returns:** an `Overlap`, a row for each pair of states: forces [N], areas [N].
     """
     pairs = tuple(combinations(range(1, len(space.low) + 1), 2))
     shape = (len(pairs), len(space.strain))
     low, high = np.full(shape, np.nan), np.full(shape, np.nan)
-    for row, (i, j) in enumerate(pairs):
-        bottom, top = common(*((space.low[k - 1], space.high[k - 1]) for k in (i, j)))
-        # regions that share an edge alone don't overlap: it is the same sum, rounded
-        there = top - bottom > 1e-9 * np.abs(space.high).max()
-        low[row, there], high[row, there] = bottom[there], top[there]
+    for row, pair in enumerate(pairs):
+        bottom, top = overlap_edges(*((space.low[k - 1], space.high[k - 1]) for k in pair))
+        inside = top - bottom > _TOUCH * np.abs(space.high).max()
+        low[row, inside], high[row, inside] = bottom[inside], top[inside]
     area = np.trapezoid(np.nan_to_num(high - low), space.strain, axis=1)
     return Overlap(pairs, space.strain, low, high, area)
 
@@ -149,19 +150,11 @@ def unit_tables(
     strain: Float[np.ndarray, " strain"],
     resistance: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force of every unit at every level, and at no and at full pressure, as `States` takes them.
-
-    **Arguments:**
-
-    - `bundle`: the bundle [-].
-    - `supply_pressure`: the supply's [Pa].
-    - `levels`: throttled pressures [Pa].
-    - `strain`: contractions [-].
-    - `resistance`: whether units past their own free strain push back [-].
-
-    **Returns:** forces [N], with level, strain and unit axes, the last two without levels.
+    """Force of every unit [N] at each of `levels` [Pa], with level, strain and unit axes, and at no
+    and at full pressure, without levels: the arguments of `States.sums` and `States.edges`.
     """
-    few, inverse = distinct_units(bundle)
-    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None] * np.ones(len(few.motor_units))
-    table = np.asarray(few.unit_forces(pressures, strain, resistance))[..., inverse]
+    distinct, inverse = distinct_units(bundle)
+    pressures = np.r_[levels, 0.0, supply_pressure][:, None, None]
+    pressures = pressures * np.ones(len(distinct.motor_units))
+    table = np.asarray(distinct.unit_forces(pressures, strain, resistance))[..., inverse]
     return table[:-2], table[-2], table[-1]

@@ -12,7 +12,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand
 
-from ..bundle.schemes import SCHEMES, listed
+from ..bundle.schemes import SCHEMES, format_names
 from ..core.errors import InvalidInputError
 from .errors import UserError
 from .outputs import check_file, write_text
@@ -88,7 +88,7 @@ SPACE_STRAIN = option(
 NO_RESISTANCE = flag("No resisting force of muscles past their free strain.", "--no-resistance")
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
-    f"Recruitment scheme: {listed()}; default: the bundle's.",
+    f"Recruitment scheme: {format_names()}; default: the bundle's.",
     "--scheme",
     autocompletion=lambda: list(SCHEMES),
 )

@@ -157,7 +157,7 @@ def unit_strain(bundle: Bundle, unit: int, strain: Values) -> Batch:
     """Strain of a unit's muscles [-] at the `bundle`'s [-] `strain` [-], the `unit` counted from 1
     [-].
     """
-    eps = bundle._strain(strain)
+    eps = bundle._check_strain(strain)
     return eps if bundle.ratios is None else muscle_strain(bundle.ratios[..., unit - 1], eps)
 
 

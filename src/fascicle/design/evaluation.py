@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..bundle.schemes import AbstractScheme
-from ..bundle.states import extends
+from ..bundle.states import is_prefix_consistent
 from ..core.array_namespace import where
 from ..core.errors import InvalidInputError
 from ..core.types import Float, Int, Whole
@@ -87,9 +87,9 @@ def outcomes(
     for index, units, uniform in _groups(designs, task.scheme):
         some = designs.take(index, units)
         states = states_for(demand.scheme, units)
-        shared = uniform and states.joined
+        shared = uniform and states.gapless
         chosen = resolution or (UNIFORM if shared else MIXED)
-        if shared or (states.joined and states.apart and "curves" not in needs):
+        if shared or (states.gapless and states.separable and "curves" not in needs):
             for part, found in _batches(some, uniform, demand, needs, chosen):
                 yield index[part], found
             continue
@@ -142,7 +142,7 @@ def room_for_units(designs: Designs, scheme: AbstractScheme) -> Int[np.ndarray, 
     where a `scheme` doesn't take a design of fewer units as the beginning of one of more.
     """
     most = designs.counts.shape[1]
-    if scheme.independent or extends(scheme, most):
+    if scheme.independent or is_prefix_consistent(scheme, most):
         return np.full(len(designs), most)
     return designs.units
 

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bundle.schemes import AbstractScheme
-from ..bundle.states import States, extends, states_of
+from ..bundle.states import States, is_prefix_consistent, states_of
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.module import Module, static
 from ..core.types import Marks, Numbers, Whole
@@ -143,7 +143,7 @@ def states_for(scheme: AbstractScheme, units: int) -> States:
 
     **Raises:** `ValueError` where there are too many.
     """
-    return states_of(scheme, units).sets(most=MOST_SETS)[0]
+    return states_of(scheme, units).sets(max_sets=MOST_SETS)[0]
 
 
 def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
@@ -158,7 +158,7 @@ def existing_states(scheme: AbstractScheme, exists: Marks) -> Marks:
     """
     xp, units = array_namespace(exists), len(exists)
     states = states_for(scheme, units)
-    if scheme.independent or not extends(scheme, units):
+    if scheme.independent or not is_prefix_consistent(scheme, units):
         # sets with a unit that doesn't exist repeat those without it
         return xp.ones((states.size, *exists.shape[1:]), bool)
     numbers = [0, *(states_of(scheme, fewer).size for fewer in range(1, units + 1))]
@@ -229,7 +229,7 @@ def sum_fed(values: Numbers, states: States) -> Numbers:
     """Sum of `values` over the units that each of the `states` feeds [any unit]; units last, and
     states first in what is returned.
     """
-    sums = values @ states.fed.T.astype(float)
+    sums = values @ states.pressurized.T.astype(float)
     return array_namespace(sums).moveaxis(sums, -1, 0)
 
 
@@ -262,7 +262,7 @@ def outcome(
     cost = None if states.nested else sum_fed(maximum(volume, 0.0), states)
     visited = visit(
         demand, length, high, existing_states(demand.scheme, exists),
-        None if states.joined else low, cost,
+        None if states.gapless else low, cost,
     )  # fmt: skip
     taken = xp.take_along_axis(sum_fed(volume, states), visited.state[None], axis=0)[0]
     size = None

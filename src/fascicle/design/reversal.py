@@ -15,7 +15,7 @@ alone, which many designs share.
 
 import numpy as np
 
-from ..bundle.states import States, common
+from ..bundle.states import States, overlap_edges
 from ..core.array_namespace import array_namespace, minimum, where
 from ..core.types import AnyArray, Float, Int, Marks, Numbers, Whole
 
@@ -128,7 +128,7 @@ def overlap_width(
         xp.moveaxis(counts * x, -counts.ndim, -1) for x in (curves[0], curves[-1], levels)
     )
     low, high = states.edges(throttled, off, full)
-    bottom, top = common((low[:-1], high[:-1]), (low[1:], high[1:]))
+    bottom, top = overlap_edges((low[:-1], high[:-1]), (low[1:], high[1:]))
     height = (top - bottom).max(axis=1, initial=0.0)
     return where(exists[1:], height, 0.0).max(axis=0, initial=0.0)
 

@@ -136,7 +136,7 @@ def _states_used(
     length, F = sizes.length[0], demand.force
     table, _ = every_level_table(drawing, sizes, demand, (), resolution)
     table = table.take(np.zeros(len(counts), int) if len(sizes.length) == 1 else slice(None))
-    sets, owner = states_of(demand.scheme, len(counts)).sets(most=MOST_SETS)
+    sets, owner = states_of(demand.scheme, len(counts)).sets(max_sets=MOST_SETS)
     low, high = state_edges(counts, table, sets)
     exists = np.ones(sets.size, bool)
     cost = None if sets.nested else sum_fed(np.maximum(counts * table.volume, 0.0), sets)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
-from ..bundle.schemes import name_of
+from ..bundle.schemes import serializable_name
 from ..core.errors import InvalidInputError
 from ..core.parameters import Constant
 from ..core.validation import check_choice
@@ -456,7 +456,7 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
         ("length", bundle.plate_distance, "length"),
     ):
         if key == "scheme":
-            lines.append(f"scheme = {json.dumps(name_of(bundle.scheme))}")
+            lines.append(f"scheme = {json.dumps(serializable_name(bundle.scheme))}")
         elif value is not None:
             lines.append(f"{key} = {_quantity(value, dimension, key)}")
     for unit, index in zip(bundle.motor_units, indices, strict=True):

@@ -170,7 +170,7 @@ def space(found: recruitment.Space) -> Table:
     )
 
 
-def recruited(found: recruitment.Recruited, forces: Values, strains: Values) -> Table:
+def recruited(found: recruitment.RecruitmentResult, forces: Values, strains: Values) -> Table:
     """The states and pressures of a bundle that give forces at strains.
 
     **Arguments:**

@@ -31,9 +31,9 @@ def test_equilibria_mark_the_unstable_ones():
 def test_recruited_pressures_are_told_with_what_was_not_reached():
     found = fs.recruitment.recruit(BUNDLE, [50.0, 5000.0], 0.1)
     lines = str(found).splitlines()
-    assert lines[0] == "Recruited, 2 points"
+    assert lines[0] == "Recruitment, 2 points"
     assert lines[3].split()[2] == f"{found.pressures[0, 0] / 1e3:.4g}"
-    assert "above what is reachable" in lines[4] and "the nearest force" in lines[-1]
+    assert "above what is reachable" in lines[4] and "nearest force" in lines[-1]
     assert str(found.solutions).startswith("Solutions, 1")
     none = fs.recruitment.recruit(BUNDLE, 5000.0, 0.1).solutions
     assert "none for demand 1: it can't be reached" in str(none)

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.bundle import inverse, recruitment
+from fascicle.bundle import inverse
 from fascicle.bundle.recruitment import pressures_of, recruit
 from unlike import SUPPLY, random_bundle
 
@@ -104,8 +104,8 @@ def test_many_are_answered_as_few_are(monkeypatch, scheme):
     one = three(3, scheme)
     force, strain = demands(4, one, 60)
     few = recruit(one, force, strain)
-    monkeypatch.setattr(inverse, "FEW", 0)  # cells are selected by a table
-    monkeypatch.setattr(recruitment, "PART", 7)
+    monkeypatch.setattr(inverse, "FEW_CELLS", 0)  # cells are selected by a table
+    monkeypatch.setattr(inverse, "BATCH", 7)
     many = recruit(one, force, strain)
     for x, y in zip(jax.tree.leaves(few), jax.tree.leaves(many), strict=True):
         # where the nearest force is a turn's, its level is known to the root of rounding

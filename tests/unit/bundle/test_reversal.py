@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.bundle.bundle import check_single
-from fascicle.bundle.reversal import _counted, free_strain_curve, onset_pressure, reversal
+from fascicle.bundle.reversal import free_strain_curve, onset_pressure, reversal
 
 
 SUPPLY = 344.7e3
@@ -81,9 +81,9 @@ def test_refuses_a_unit_that_does_not_exist():
 
 def test_refuses_a_pressure_where_a_unit_is_due():
     with pytest.raises(ValueError, match=r"`unit` must be a whole number.* got '3 bar'"):
-        _counted(even, "3 bar")
+        reversal(even, unit="3 bar")
 
 
 def test_refuses_a_muscle_where_a_bundle_is_due():
-    with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: make one of it"):
+    with pytest.raises(ValueError, match=r"`bundle` must be a Bundle, got Muscle: build one"):
         check_single(even.motor_units[0].muscle)

@@ -110,7 +110,7 @@ def test_compiled_rows_are_the_same():
 def test_what_takes_one_bundle_says_so(ask):
     units = BUNDLES["angles"](slice(None))
     with pytest.raises(
-        fs.InvalidInputError, match=r"^`bundle` must be a single one here, got rows of"
+        fs.InvalidInputError, match=r"^`bundle` must be a single one here, got a batch of"
     ):
         ask(fs.Bundle(units, supply_pressure=300e3))
 

@@ -15,11 +15,11 @@ from fascicle.bundle.schemes import (
     Free,
     Orderly,
     State,
-    listed,
-    name_of,
+    format_names,
     scheme_of,
+    serializable_name,
 )
-from fascicle.bundle.states import States, extends, states_of
+from fascicle.bundle.states import States, is_prefix_consistent, states_of
 from fascicle.design import Designs, Task, evaluate
 
 
@@ -63,8 +63,12 @@ def test_the_two_of_the_paper():
     assert orderly.throttled.tolist() == np.eye(3, dtype=bool).tolist()
     assert orderly.full.tolist() == np.tri(3, k=-1, dtype=bool).tolist()
     assert batch.throttled.tolist() == np.tri(3, dtype=bool).tolist() and not batch.full.any()
-    assert orderly.in_turn and batch.together and orderly.joined and batch.joined
-    assert extends(Orderly(), 5) and extends(Batch(), 5) and not extends(LastFirst(), 3)
+    assert orderly.gapless and batch.gapless
+    assert (
+        is_prefix_consistent(Orderly(), 5)
+        and is_prefix_consistent(Batch(), 5)
+        and not is_prefix_consistent(LastFirst(), 3)
+    )
     assert states_of(Free(), 3).size == 1 and states_of(Free(), 3).sets()[0].size == 7
     # few before many, of as many the earlier: of sets that take as little the first is taken
     fed = states_of(Free(), 3).sets()[0].throttled
@@ -94,7 +98,6 @@ class Detour(AbstractScheme):
 def test_states_are_nested_where_each_feeds_more_than_the_one_before():
     assert states_of(Orderly(), 3).nested and not states_of(Detour(), 3).nested
     assert not states_of(EachThenBoth(), 3).nested
-    assert not states_of(Detour(), 3).in_turn and not states_of(LastFirst(), 3).together
 
 
 class OneOrOther(AbstractScheme):
@@ -117,8 +120,8 @@ def test_of_states_that_feed_other_units_the_one_with_least_fluid_is_taken():
 
 
 def test_names_are_listed_in_words():
-    assert listed() == "orderly, batch or free"
-    assert listed("`", but=1) == "`batch` or `free`" and listed(but=2) == "free"
+    assert format_names() == "orderly, batch or free"
+    assert format_names("`", start=1) == "`batch` or `free`" and format_names(start=2) == "free"
 
 
 def test_one_of_the_users_own_everywhere():
@@ -186,18 +189,18 @@ def test_a_gap_between_states_is_none_that_is_reached():
 def test_a_file_holds_what_it_can_name(tmp_path):
     fs.save(three.replace(scheme="free"), str(tmp_path / "free.toml"))
     assert fs.load(str(tmp_path / "free.toml")).scheme == Free()
-    with pytest.raises(ValueError, match="`scheme` 'last first' is an object of Python's"):
+    with pytest.raises(ValueError, match="`scheme` 'last first' is a Python object"):
         fs.save(three.replace(scheme=LastFirst()), str(tmp_path / "mine.toml"))
     assert not (tmp_path / "mine.toml").exists()
-    assert name_of(Batch()) == "batch" and scheme_of("batch") is SCHEMES["batch"]
+    assert serializable_name(Batch()) == "batch" and scheme_of("batch") is SCHEMES["batch"]
 
 
 @pytest.mark.parametrize(
     ("states", "text"),
     [
         ([], "has no state for 3 motor units"),
-        ([State([], [])], "must throttle a unit in state 1"),
-        ([State([0], [0])], "name each once"),
+        ([State([], [])], "must throttle a unit"),
+        ([State([0], [0])], "name each unit once"),
         ([State([], [3])], "must name units of 0 to 2 in state 1"),
     ],
 )

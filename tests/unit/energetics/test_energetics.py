@@ -126,7 +126,7 @@ def test_refuses_what_can_not_be(call, message):
 def test_an_efficiency_that_cannot_be_is_said():
     """A fit of a wide muscle on a thin one works more than the thin one's fluid brings."""
     thin = fs.example("kim2021_figure_6").replace(tension="sarosi")
-    with pytest.warns(UserWarning, match=r"can't be: sarosi does more work"):
+    with pytest.warns(UserWarning, match="is impossible: sarosi does more work"):
         found = energetics.efficiency_map(
             fs.Bundle([fs.MotorUnit(thin)]), 3e5, force=[50.0], strain=[0.1]
         )

@@ -4,7 +4,7 @@ from importlib.resources import files
 from math import degrees
 from string import Template
 
-from ...bundle.schemes import listed
+from ...bundle.schemes import format_names
 from .. import options
 from ..errors import UserError, user_errors
 from ..options import argument, complete_target, flag, option
@@ -48,7 +48,7 @@ def run(
 def template(kind: str, **values: str) -> str:
     """Commented file of a kind, "muscle" or "task"; `values`: by the names that it leaves open."""
     text = (files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(encoding="utf-8")
-    return Template(text).substitute(values, schemes=listed('"', 1))
+    return Template(text).substitute(values, schemes=format_names('"', 1))
 
 
 def _laws() -> dict[str, str]:
