@@ -29,7 +29,7 @@ SINES = {
 def told(name: str, policy: str) -> dict[str, Any]:
     """A map of a scenario [-] with a policy [-]: errors [-], and the system's efficiency [-]."""
     scenario = fs.example(name)
-    controller = scenario.taking(policy).controlled.controller
+    controller = scenario.with_policy(policy).control.controller
     found = control.frequency_response(
         scenario.plant, controller, MEAN, AMPLITUDES, FREQUENCIES, scenario.start
     )
@@ -44,8 +44,8 @@ def told(name: str, policy: str) -> dict[str, Any]:
 
 def missed(compensate: bool) -> float:
     """The root mean square of what a stride is missed by [deg]."""
-    one = fs.example("joint_gait").taking(compensate=compensate)
-    worth = control.control_metrics(one.controlled.controller, one.run(), one.controlled.reference)
+    one = fs.example("joint_gait").with_policy(compensate=compensate)
+    worth = control.control_metrics(one.control.controller, one.run(), one.control.reference)
     return float(f"{np.degrees(worth.rms):.5g}")
 
 

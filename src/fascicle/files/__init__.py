@@ -1,7 +1,7 @@
 """Muscles, bundles, scenarios and tasks as TOML files, and the named examples.
 
-Names are imported when they are first used: listing the examples, as the shell's completion does,
-loads neither pydantic nor JAX.
+Names are imported at their first use: the shell's completion, which lists the examples, needs
+neither pydantic nor JAX.
 """
 
 import os
@@ -34,10 +34,10 @@ __getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED)
 def load(path: str | os.PathLike[str]) -> Any:
     """Read a muscle, bundle or scenario file.
 
-    **Arguments:** `path`: the TOML file [-].
+    **Arguments:** `path`: the TOML file.
 
-    **Returns:** a `Scenario` if the file has a `[load]` and a `[run]`, a `Bundle` if it has a
-    `[bundle]` alone, else its `Muscle` [SI].
+    **Returns:** a `Scenario` if the file has a `[load]` or a `[run]`, a `Bundle` if it has a
+    `[bundle]` alone, else its `Muscle`.
 
     **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
     values that aren't valid.
@@ -56,9 +56,9 @@ def load(path: str | os.PathLike[str]) -> Any:
 def example(name: str) -> Any:
     """Build a named muscle, bundle or scenario.
 
-    **Arguments:** `name`: one of `examples()` or `scenarios()` [-].
+    **Arguments:** `name`: one of `examples()` or `scenarios()`.
 
-    **Returns:** the `Muscle`, `Bundle` or `Scenario` [SI].
+    **Returns:** the `Muscle`, `Bundle` or `Scenario`.
 
     **Raises:** `ValueError` for an unknown name; the nearest is suggested.
     """

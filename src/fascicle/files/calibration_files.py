@@ -1,4 +1,4 @@
-"""Files of a calibration: the fitted muscle, and a log of all that the fit found.
+"""Files of a calibration: the fitted muscle, and a log of the whole fit.
 
 Values are written with their units. The muscle's numbers have as many digits as the data support:
 each fitted constant stays within `SHARE` of the width of its interval, and each reading's force
@@ -9,13 +9,11 @@ nearly dependent constants a rounded covariance is useless.
 
 import os
 import warnings
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..calibrate.calibration import Calibration, Estimate
-from ..calibrate.friction import Friction
 from ..calibrate.parameters import parameters_of, put, select_parameters
 from ..core.module import tree_leaves, tree_replace
 from ..core.validation import HIGHEST_PRESSURE
@@ -30,10 +28,10 @@ if TYPE_CHECKING:
     from ..calibrate.calibration import Selection
 
 
-SHARE = 0.01  # of an interval, and of the residual: far below what anyone can tell
-_FEWEST, _MOST = 3, 17  # digits; with 17 every float is itself
+SHARE = 0.01  # of an interval, and of the residual: far below the scatter of a measurement
+_MIN_DIGITS, _MAX_DIGITS = 3, 17  # with 17 digits every float is exact
 _ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
-_PRIOR_DIGITS = 10  # past the rounding of going to a coordinate and back
+_PRIOR_DIGITS = 10  # beyond the rounding of a coordinate's transformation
 _SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse",
             "relative_rmse", "rest_length", "fitted_length", "rounded", "warnings")  # fmt: skip
 
@@ -74,14 +72,27 @@ def provenance_of(
     **Arguments:**
 
     - `calibration`: the fit.
-    - `date`: its day, such as "2026-05-04".
-    - `choice`: the model selection that it comes from, or `None`.
+    - `date`: of the fit, such as "2026-05-04".
+    - `choice`: the model selection that chose it, or `None`.
 
     **Returns:** text, numbers and lists by key, one level of tables deep, for `save`.
     """
     from .. import __version__
 
-    record, loop = calibration.record, calibration.loop
+    record, diagnosis = calibration.record, calibration.diagnosis
+    rest_length = "the muscle's own length"
+    if record.rest_length is not None:
+        rest_length = exact(record.rest_length, "length")
+    residuals = [
+        {"against": trend.along, "share": _short(trend.share), "chance": _short(trend.chance),
+         "noise": not trend.found}
+        for trend in diagnosis.trends
+    ]  # fmt: skip
+    residuals += [
+        {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
+         "chance": _short(run.chance), "noise": not run.found}
+        for run in diagnosis.runs
+    ]  # fmt: skip
     table = {
         "method": calibration.method,
         "date": date,
@@ -91,16 +102,14 @@ def provenance_of(
         "loss": calibration.problem.loss,
         "points": calibration.points,
         "censored": calibration.censored,
-        "rmse": pretty(calibration.rmse, "force", _ERROR_DIGITS),
+        "rmse": _force_text(calibration.rmse),
         "relative_rmse": _short(calibration.relative_rmse),
-        "noise": pretty(float(calibration.problem.noise), "force", _ERROR_DIGITS),
-        "inflation": _short(calibration.diagnosis.inflation),
+        "noise": _force_text(calibration.problem.noise),
+        "inflation": _short(diagnosis.inflation),
         "wider": [_short(x) for x in calibration.wider.tolist()],
         "intervals": "quick" if calibration.bootstrapped is None else "bootstrap",
-        "not_told": list(calibration.diagnosis.confounded),
-        "rest_length": "the muscle's own length"
-        if record.rest_length is None
-        else exact(record.rest_length, "length"),
+        "not_told": list(diagnosis.confounded),
+        "rest_length": rest_length,
         "fitted_length": exact(float(calibration.muscle.length), "length"),
         "warnings": list(calibration.warnings),
         "notes": list(record.notes),
@@ -111,23 +120,14 @@ def provenance_of(
         "record": [{"file": source.name, "sha256": source.sha256} for source in record.sources],
         "parameter": [_parameter(estimate) for estimate in calibration.parameters],
         "readings": calibration.fit_data.counts(),
-        "residuals": [
-            {"against": trend.along, "share": _short(trend.share), "chance": _short(trend.chance),
-             "noise": not trend.found}
-            for trend in calibration.diagnosis.trends
-        ]
-        + [
-            {"against": f"signs along {run.along}", "pairs": run.pairs, "changes": run.changes,
-             "chance": _short(run.chance), "noise": not run.found}
-            for run in calibration.diagnosis.runs
-        ],
-    }  # fmt: skip
-    if loop is not None:
+        "residuals": residuals,
+    }
+    if (loop := calibration.loop) is not None:
         table["hysteresis"] = {
             "pressure": [pretty(float(x), "pressure", _ERROR_DIGITS) for x in loop.pressure],
-            "width": [pretty(float(x), "force", _ERROR_DIGITS) for x in loop.width],
-            "half": pretty(loop.half, "force", _ERROR_DIGITS),
-            **_springs(calibration.friction),
+            "width": [_force_text(x) for x in loop.width],
+            "half": _force_text(loop.half),
+            **_springs(calibration),
         }
     if choice is not None:
         table["reasons"] = list(choice.reasons)
@@ -151,7 +151,7 @@ def round_to_uncertainty(value: float, dimension: str, width: float) -> str:
     """A fitted `value` [SI] and its unit, in the fewest digits, at least three, that keep it within
     `SHARE` of its interval's `width` [SI].
     """
-    for digits in range(_FEWEST, _MOST):
+    for digits in range(_MIN_DIGITS, _MAX_DIGITS):
         text = pretty(value, dimension, digits)
         if abs(parse(text, dimension) - value) <= SHARE * width:
             return text
@@ -160,8 +160,9 @@ def round_to_uncertainty(value: float, dimension: str, width: float) -> str:
 
 def rounded_muscle(calibration: Calibration) -> tuple[Muscle, str]:
     """The fitted muscle as its file has it, and a description of the rounding."""
-    unfitted = set(_numbers(calibration.start))
-    for digits in range(_FEWEST, _MOST):
+    leaves = [np.asarray(leaf) for leaf in tree_leaves(calibration.start)]
+    unfitted = {x for leaf in leaves if leaf.dtype.kind == "f" for x in leaf.ravel().tolist()}
+    for digits in range(_MIN_DIGITS, _MAX_DIGITS):
         muscle = _round_constants(calibration.muscle, unfitted, digits)
         deviation = _force_deviation(calibration, muscle)
         if deviation is not None:
@@ -194,7 +195,7 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
     names = list(table["coordinate_names"])
     parameters = select_parameters(names, muscle)
     center, covariance = np.array(table["coordinates"]), np.array(table["covariance"])
-    # the parameters' own order needn't be that of the names in the file
+    # the parameters' order may differ from that of the names in the file
     order = [names.index(parameter.name) for parameter in parameters]
     z = np.random.default_rng(seed).multivariate_normal(center, covariance, draws)[:, order]
     import jax
@@ -211,28 +212,21 @@ def _rounded_with_provenance(
     return muscle, table | {"fitted_length": fitted_length, "rounded": rounding}
 
 
-def _springs(friction: Friction | None) -> dict[str, Any]:
+def _springs(calibration: Calibration) -> dict[str, Any]:
     """Keys of a scenario's `[hysteresis]`."""
+    friction = calibration.friction
     if friction is None:
         return {}
-    law = friction.law
-    if law is None:
+    if friction.law is None:
         return {"kind": "none"}
-    numbers = {
-        "stiffness": (law.stiffness, "stiffness"),
-        "slip_force": (law.slip_force, "force"),
-        "slip_force_slope": (law.slip_force_slope, "slip"),
-    }
+    keys = {"stiffness": "stiffness", "slip_force": "force", "slip_force_slope": "slip"}
     springs = {
-        key: [pretty(float(x), unit, _ERROR_DIGITS) for x in row]
-        for key, (row, unit) in numbers.items()
+        key: [pretty(float(x), unit, _ERROR_DIGITS) for x in getattr(friction.law, key)]
+        for key, unit in keys.items()
     }
-    return {
-        "kind": "maxwell_slip",
-        **springs,
-        "width_rmse": pretty(friction.rmse, "force", _ERROR_DIGITS),
-        "told": list(friction.resolved),
-    }
+    width = _force_text(friction.rmse)
+    resolved = list(friction.resolved)
+    return {"kind": "maxwell_slip", **springs, "width_rmse": width, "told": resolved}
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:
@@ -245,6 +239,10 @@ def _parameter(estimate: Estimate) -> dict[str, Any]:
     return {"name": estimate.name, **values, "prior": prior, "identifiable": estimate.identifiable}
 
 
+def _force_text(force: Any) -> str:
+    return pretty(float(force), "force", _ERROR_DIGITS)
+
+
 def _short(number: float) -> float:
     return float(f"{number:.{_ERROR_DIGITS}g}")
 
@@ -253,15 +251,15 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
     """Largest change of a reading's force by rounding [N]; `None` if that, or the change of a
     constant, is too large.
     """
-    known = parameters_of(calibration.muscle)
+    parameters = parameters_of(calibration.muscle)
     for estimate in calibration.parameters:
-        value = known[estimate.name].value
+        value = parameters[estimate.name].value
         change = abs(float(value(muscle)) - float(value(calibration.muscle)))
         if not change <= SHARE * (estimate.high - estimate.low):
             return None
     pressure = np.clip(calibration.record.pressure, 0.0, HIGHEST_PRESSURE)
     strain = calibration.record.strain
-    with warnings.catch_warnings():  # a level's pressure is its mean: readings lie above the last
+    with warnings.catch_warnings():  # readings may lie above the last level, the mean of its own
         warnings.simplefilter("ignore")
         forces = [np.asarray(m.force(pressure, strain)) for m in (muscle, calibration.muscle)]
     change = float(np.max(np.abs(forces[0] - forces[1])))
@@ -269,7 +267,14 @@ def _force_deviation(calibration: Calibration, muscle: Muscle) -> float | None:
 
 
 def _round_constants(muscle: Muscle, unfitted: set[float], digits: int) -> Muscle:
-    leaves = [_round_leaf(leaf, unfitted, digits) for leaf in tree_leaves(muscle)]
+    """Round all numbers of a muscle but the `unfitted` ones."""
+    leaves = []
+    for leaf in tree_leaves(muscle):
+        values = np.asarray(leaf)
+        if values.dtype.kind == "f":
+            short = [x if x in unfitted else float(f"{x:.{digits}g}") for x in values.flat]
+            leaf = np.reshape(np.array(short, values.dtype), values.shape)[()]  # noqa: PLW2901
+        leaves.append(leaf)
     rounded: Muscle = tree_replace(muscle, leaves)
     angle = float(muscle.braid_angle)
     if angle in unfitted:
@@ -277,17 +282,3 @@ def _round_constants(muscle: Muscle, unfitted: set[float], digits: int) -> Muscl
     # in degrees, as it is written
     degrees = angle / float(DIMENSIONS["angle"].factors["deg"])
     return rounded.replace(braid_angle=parse(f"{degrees:.{digits}g} deg", "angle"))
-
-
-def _round_leaf(leaf: object, unfitted: set[float], digits: int) -> object:
-    values = np.asarray(leaf)
-    if values.dtype.kind != "f":
-        return leaf
-    short = [x if x in unfitted else float(f"{x:.{digits}g}") for x in values.ravel().tolist()]
-    return values.dtype.type(short[0]) if values.ndim == 0 else np.reshape(short, values.shape)
-
-
-def _numbers(muscle: Muscle) -> Iterable[float]:
-    for leaf in tree_leaves(muscle):
-        if np.asarray(leaf).dtype.kind == "f":
-            yield from np.asarray(leaf).ravel().tolist()

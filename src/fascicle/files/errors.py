@@ -1,7 +1,7 @@
 """Errors of a file in one line: path, key, the value as written, the rule.
 
 The laws refuse invalid arguments by the argument's name. A `FileLocation` turns that into the
-file's error, with the key that the argument was given by.
+file's error, with the key of the argument.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from ..core.errors import InvalidInputError
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
-from .table_model import location_message, validation_message, value_at
+from ..table_model import location_message, validation_message, value_at
 
 
 # keys of a constructor's arguments, where they differ from the arguments' names
@@ -37,43 +37,41 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
         **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
         "units": ("spool",),
     },
-    "moved": {"position": ("load",), "pressures": ("run", "pressures")},
+    "motion": {"position": ("load",), "pressures": ("run", "pressures")},
     "part": {"gas": ("medium",), "liquid": ("medium",)},
 }
-# keys that only a file of that kind has, save a scenario's muscle and bundle
-_MARKS = {
-    "scenario": ("load", "supply", "run", "schedule"),
-    "task": ("task", "design"),
-    "muscle or bundle": ("muscle", "bundle"),
-}
-_COMMANDS = {
-    "scenario": "`fascicle simulate` runs it",
-    "task": "`fascicle design` takes it",
-    "muscle or bundle": "`fascicle force` and `fascicle bundle` take it",
-}
+# tables that only a file of a kind has, and its command; scenarios may hold a muscle, too
+_KINDS = {
+    "scenario": (("load", "supply", "run", "schedule"), "`fascicle simulate` runs it"),
+    "task": (("task", "design"), "`fascicle design` takes it"),
+    "muscle or bundle": (
+        ("muscle", "bundle"), "`fascicle force` and `fascicle bundle` take it",
+    ),
+}  # fmt: skip
 
 
 class FileLocation:
-    """A section of a file, which an error in it names.
+    """A section of a file, for errors about it.
 
     - `source`: the file's path.
-    - `data`: the whole file's tables.
+    - `data`: all tables of the file.
     - `keys`: the keys that lead to the section.
-    - `kind`: what the section describes: a key of `_KEYS`, or another word.
+    - `kind`: of the section: a key of `_KEYS`, or another word.
     """
 
     def __init__(self, source: str, data: Any, keys: tuple[Any, ...] = (), kind: str = ""):
         self.source, self.data, self.keys, self.kind = source, data, keys, kind
 
-    def inner(self, *keys: Any, kind: str = "") -> "FileLocation":
+    def child(self, *keys: Any, kind: str = "") -> "FileLocation":
         """The location at `keys` below this one."""
         return FileLocation(self.source, self.data, self.keys + keys, kind)
 
     def error(self, keys: tuple[Any, ...], rule: str) -> ValueError:
         """The error for the value at `keys` below this location, which breaks a `rule`."""
         path = self.keys + keys
-        shown = [part for part in path if part != ""]  # a lone muscle's name is empty
-        return ValueError(location_message(self.source, shown, rule, value_at(self.data, path)))
+        value = value_at(self.data, path)
+        # a single muscle has the empty name
+        return ValueError(location_message(self.source, [k for k in path if k != ""], rule, value))
 
     @contextlib.contextmanager
     def error_context(self) -> Iterator[None]:
@@ -96,11 +94,10 @@ def validate(model: type[BaseModel], data: Any, source: str) -> Any:
 
 def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:
     """Refuse a file with tables of another kind than "muscle or bundle", "scenario" or "task"."""
-    # a scenario has muscles as well: these don't tell it from their own file
-    if kind != "muscle or bundle" and any(key in data for key in _MARKS[kind]):
+    if kind != "muscle or bundle" and any(key in data for key in _KINDS[kind][0]):
         return
-    for other, keys in _MARKS.items():
+    for actual, (keys, command) in _KINDS.items():
         key = next((key for key in keys if key in data), None)
-        if other != kind and key is not None:
-            rule = f"a {other}, not a {kind}: {_COMMANDS[other]}."
+        if actual != kind and key is not None:
+            rule = f"a {actual}, not a {kind}: {command}."
             raise ValueError(location_message(source, [key], rule))

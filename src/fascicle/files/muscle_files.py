@@ -18,17 +18,12 @@ from ..core.validation import check_choice
 from ..io.atomic import write_text
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
-from ..muscle import Muscle
-from ..muscle.fitted_length import (
-    END_PARAMETERS,
-    fit_info_entries,
-    warn_fitted_length,
-    with_fitted_length,
-)
+from ..muscle import Muscle, fitted_length
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
+from ..table_model import TableModel, did_you_mean, location_message
 from ..units import DIMENSIONS, exact, parse
 from .errors import FileLocation, check_kind, validate
 from .schema import (
@@ -40,13 +35,12 @@ from .schema import (
     MuscleSection,
     TuningSection,
 )
-from .table_model import TableModel, did_you_mean, location_message
 
 
-_LARGEST_FILE = 1_000_000  # bytes; a muscle takes 500
+_MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
 _TABLES = ("material", "tuning", *LAWS)  # keys of a muscle that hold a table
-_DIMENSIONS = (("length", "length"), ("outer_radius", "length"), ("wall_thickness", "length"),
-               ("braid_angle", "angle"))  # fmt: skip
+_SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
+          "braid_angle": "angle"}  # fmt: skip
 _CALIBRATION = "calibration"
 
 
@@ -68,10 +62,10 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
     **Arguments:**
 
-    - `text`: the TOML [-].
-    - `source`: its name in errors [-].
+    - `text`: the TOML.
+    - `source`: its name in errors.
 
-    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle` [SI].
+    **Returns:** a `Bundle` if there is a `[bundle]`, else the `Muscle`.
 
     **Raises:** `ValueError`, in one line, for values that aren't valid.
     """
@@ -81,9 +75,9 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read the `[calibration]` of a muscle file, and of the log that it names.
 
-    **Arguments:** `path`: the TOML file [-].
+    **Arguments:** `path`: the TOML file.
 
-    **Returns:** nested tables and lists; empty if it has none [SI].
+    **Returns:** nested tables and lists; empty if it has none.
 
     **Raises:** as `load_muscle`.
     """
@@ -105,9 +99,9 @@ def save(
 
     **Arguments:**
 
-    - `obj`: a `Muscle` or a `Bundle` [-].
-    - `path`: the file [-]; an existing file is replaced.
-    - `calibration`: provenance, as for `dumps` [-].
+    - `obj`: a `Muscle` or a `Bundle`.
+    - `path`: the file; an existing file is replaced.
+    - `calibration`: provenance, as for `dumps`.
 
     **Raises:** `ValueError` for an object that a file can't describe; `OSError` if it can't be
     written.
@@ -120,23 +114,34 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
     **Arguments:**
 
-    - `obj`: a `Muscle` or a `Bundle` [-].
-    - `calibration`: provenance [-]: text, numbers, booleans and lists of them by key, and one
-      level of tables or lists of tables, for `provenance`. Default: of a fitted muscle, the length
-      at which it was fitted.
+    - `obj`: a `Muscle` or a `Bundle`.
+    - `calibration`: provenance: text, numbers, booleans and lists of them by key, and one level of
+      tables or lists of tables, for `provenance`. Default: of a fitted muscle, the length at which
+      it was fitted.
 
-    **Returns:** the TOML; `loads` gives back every parameter to the bit [-].
+    **Returns:** the TOML; `loads` gives back every parameter to the bit.
 
     **Raises:** `ValueError` for an object that a file can't describe.
     """
-    text = "\n".join(["format = 1", "", *_object_lines(obj)]) + "\n"
-    table = _fitted_length(obj) or None if calibration is None else calibration
-    return text if table is None else f"{text}\n{calibration_text(table)}"
+    # lines, not tomlkit: it writes inline tables without spaces inside the braces
+    if isinstance(obj, Muscle):
+        muscles, lines = [obj], _table_lines("muscle", _muscle_tables(obj))
+    elif isinstance(obj, Bundle):
+        muscles, lines = [unit.muscle for unit in obj.motor_units], _bundle_lines(obj)
+    else:
+        raise ValueError(f"only a Muscle or a Bundle can be saved, got {type(obj).__name__}.")
+    text = "\n".join(["format = 1", "", *lines]) + "\n"
+    if calibration is None:
+        # a bundle of equal fitted muscles has their fitted length
+        entries = [fitted_length.fit_info_entries(muscle) for muscle in muscles]
+        equal = all(muscle == muscles[0] for muscle in muscles) and entries[1:] == entries[:-1]
+        calibration = (entries[0] if equal else None) or None
+    return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
 def calibration_text(calibration: Mapping[str, Any]) -> str:
-    """TOML of a `[calibration]`, with its tables last; see `dumps` for what it may hold."""
-    import tomlkit  # loading takes as long as a whole file
+    """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
+    import tomlkit  # its import takes as long as reading a file
 
     table = {key: _plain_entry(value, key) for key, value in calibration.items()}
     if "intervals_of" in table:  # one line, so that the muscle's file stays short
@@ -148,7 +153,7 @@ def calibration_text(calibration: Mapping[str, Any]) -> str:
 
 def read_text(path: Path) -> str:
     """Text of a TOML file; `OSError` or `ValueError` if it can't be read."""
-    raw = read_bytes(path, _LARGEST_FILE, "muscle file")
+    raw = read_bytes(path, _MAX_FILE_SIZE, "muscle file")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -171,18 +176,23 @@ def parse_file(text: str, source: str) -> dict[str, Any]:
 def from_dict(data: dict[str, Any], source: str) -> Muscle | Bundle:
     """The muscle or bundle in a file's tables; `ValueError` as `loads`."""
     check_kind(data, "muscle or bundle", source)
-    data = _normalize_muscles(data)
+    sections = data.get("muscle")
+    if isinstance(sections, dict):
+        named = sections and all(
+            isinstance(section, dict) and name not in MuscleSection.model_fields
+            for name, section in sections.items()
+        )
+        data = data if named else data | {"muscle": {"": sections}}
     file = validate(MuscleFile, data, source)
-    whole = FileLocation(source, data)
+    root = FileLocation(source, data)
     muscles = {
-        name: _muscle(section, whole.inner("muscle", name, kind="muscle"))
+        name: _muscle(section, root.child("muscle", name, kind="muscle"))
         for name, section in file.muscle.items()
     }
     if len(muscles) == 1:
-        (name,) = muscles
-        muscles[name] = _with_fitted_length(muscles[name], data.get(_CALIBRATION), whole)
+        _set_fitted_length(next(iter(muscles.values())), data.get(_CALIBRATION), root)
     if file.bundle is not None:
-        return _bundle(file.bundle, muscles, whole.inner("bundle", kind="bundle"))
+        return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"))
     if len(muscles) > 1:
         names = ", ".join(muscles)
         raise ValueError(
@@ -200,45 +210,32 @@ def _calibration_table(path: Path) -> dict[str, Any]:
 
 
 def _duplicate_key_message(message: str, text: str) -> str:
-    """An error of TOML, with the key's name and line if it is there twice."""
+    """An error of TOML, with the name and line of a key that is there twice."""
     match = re.search(r"(not TOML: )Cannot overwrite a value \(at (?:line (\d+)|end)", message)
     if match is None:
         return message
-    # the place is where the value ends; at the end of the text, on its last line
+    # the parser reports the end of the value; at the end of the text, that is its last line
     lines = text.rstrip().replace("\r\n", "\n").split("\n")
     number = int(match[2] or len(lines))
     key = lines[number - 1].partition("=")[0].strip()
-    where = f"{key} is there twice, again on line {number}: keep one."
-    return message[: match.end(1)] + where
+    return f"{message[: match.end(1)]}{key} is there twice, again on line {number}: keep one."
 
 
-def _normalize_muscles(data: dict[str, Any]) -> dict[str, Any]:
-    """`data` with its muscles by name; one unnamed muscle goes under the empty name."""
-    muscles = data.get("muscle")
-    if not isinstance(muscles, dict):
-        return data
-    named = muscles and all(
-        isinstance(section, dict) and name not in MuscleSection.model_fields
-        for name, section in muscles.items()
-    )
-    return data if named else data | {"muscle": {"": muscles}}
-
-
-def _with_fitted_length(muscle: Muscle, calibration: Any, whole: FileLocation) -> Muscle:
-    """The muscle with the length that its file's `[calibration]` is for, if there is one."""
+def _set_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) -> None:
+    """Give the muscle the length of its file's `[calibration]`, if there is one."""
     text = calibration.get("fitted_length") if isinstance(calibration, dict) else None
     if text is None:
-        return muscle
-    names = calibration.get("coordinate_names", ())
+        return
     try:
         length = parse(text, "length")
     except ValueError:
         rule = 'must be a length with its unit, such as "127 mm".'
-        raise whole.error((_CALIBRATION, "fitted_length"), rule) from None
-    ends = calibration.get("fitted_ends") is True or not END_PARAMETERS.isdisjoint(names)
-    with_fitted_length(muscle, length, ends)
-    warn_fitted_length(muscle)
-    return muscle
+        raise root.error((_CALIBRATION, "fitted_length"), rule) from None
+    names = calibration.get("coordinate_names", ())
+    ends = calibration.get("fitted_ends") is True
+    ends = ends or not fitted_length.END_PARAMETERS.isdisjoint(names)
+    fitted_length.with_fitted_length(muscle, length, ends)
+    fitted_length.warn_fitted_length(muscle)
 
 
 def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
@@ -249,9 +246,9 @@ def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
         arguments |= section.collapse.model_dump(exclude_none=True, include={"transition_rate"})
     for kind in LAWS:
         if (law := getattr(section, kind)) is not None:
-            arguments[kind] = _law(kind, law, location.inner(kind, kind=kind))
+            arguments[kind] = _law(kind, law, location.child(kind, kind=kind))
     if section.tuning is not None:
-        arguments["tuning"] = _tuning(section.tuning, location.inner("tuning", kind="tuning"))
+        arguments["tuning"] = _tuning(section.tuning, location.child("tuning", kind="tuning"))
     with location.error_context():
         if section.material is not None:
             arguments["material"] = _material(section.material)
@@ -278,11 +275,11 @@ def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | 
     name = section.law or next(iter(laws))
     with location.error_context():
         law: Any = laws[check_choice(name, laws, kind)]
-    known = [field.name for field in fields(law)]
-    numbers = section.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*known})
+    names = [field.name for field in fields(law)]
+    numbers = section.model_dump(exclude_none=True, exclude={"law", "transition_rate"} - {*names})
     for key in numbers:
-        if key not in known:
-            rule = did_you_mean(key, known) if known else ": it has none, drop it."
+        if key not in names:
+            rule = did_you_mean(key, names) if names else ": it has none, drop it."
             raise location.error((key,), f"not a parameter of {name}{rule}")
     with location.error_context():
         return law(**numbers)
@@ -306,7 +303,7 @@ def _bundle(
     section: BundleSection, muscles: Mapping[str, Muscle], location: FileLocation
 ) -> Bundle:
     units = [
-        _motor_unit(unit, muscles, location.inner("motor_unit", index))
+        _motor_unit(unit, muscles, location.child("motor_unit", index))
         for index, unit in enumerate(section.motor_unit)
     ]
     with location.error_context():
@@ -321,7 +318,7 @@ def _motor_unit(
         rule = f"missing, write which muscle it has: {', '.join(muscles)}."
         raise location.error(("muscle",), rule)
     if name is not None and name not in muscles:
-        names = [known for known in muscles if known]
+        names = [muscle for muscle in muscles if muscle]
         hint = did_you_mean(name, names) if names else ", drop the key: the only one is [muscle]."
         raise location.error(("muscle",), f"no such muscle in the file{hint}")
     muscle = next(iter(muscles.values())) if name is None else muscles[name]
@@ -329,54 +326,95 @@ def _motor_unit(
         return MotorUnit(muscle, **section.model_dump(exclude_none=True, include={"count"}))
 
 
-def _fitted_length(obj: Any) -> dict[str, Any]:
-    """The fitted length of a fitted muscle, or of a bundle of such ones alone."""
-    muscles = [obj] if isinstance(obj, Muscle) else [unit.muscle for unit in obj.motor_units]
-    entries = [fit_info_entries(muscle) for muscle in muscles]
-    equal = all(muscle == muscles[0] for muscle in muscles) and entries[1:] == entries[:-1]
-    return entries[0] if equal else {}
+Tables = dict[str, dict[str, str]]  # TOML values by key, by name of the inner table
 
 
-def _object_lines(obj: Any) -> list[str]:
-    # lines, not tomlkit: it has no inline tables spaced as people write them
-    if isinstance(obj, Muscle):
-        return _muscle_lines(obj, "muscle")
-    if isinstance(obj, Bundle):
-        return _bundle_lines(obj)
-    raise ValueError(f"only a Muscle or a Bundle can be saved, got {type(obj).__name__}.")
+def _table_lines(name: str, tables: Tables) -> list[str]:
+    lines = []
+    for inner, entries in tables.items():
+        header = f"[{name}.{inner}]" if inner else f"[{name}]"
+        lines += ["", header, *(f"{key} = {text}" for key, text in entries.items())]
+    return lines[1:]
 
 
-def _muscle_lines(muscle: Muscle, table: str) -> list[str]:
-    laws = [
-        kind for kind in LAWS if kind != "collapse" and is_written_out(kind, getattr(muscle, kind))
-    ]
-    lines = [
-        f"[{table}]",
-        *(f"{name} = {_quantity(getattr(muscle, name), dim, name)}" for name, dim in _DIMENSIONS),
-        f"material = {_material_text(muscle.material)}",
-        *(f"{kind} = {_law_text(getattr(muscle, kind), kind)}" for kind in laws),
-        "",
-        f"[{table}.collapse]",
-        f"law = {_law_name(muscle.collapse, 'collapse')}",
-        f"transition_rate = {_number(muscle.transition_rate, 'transition_rate')}",
-        *(f"{key} = {text}" for key, text in _law_numbers(muscle.collapse).items()),
-    ]
-    tuning = _tuning_lines(muscle.tuning)
-    return [*lines, "", f"[{table}.tuning]", *tuning] if tuning else lines
+def _muscle_tables(muscle: Muscle) -> Tables:
+    sizes = {name: _quantity(getattr(muscle, name), unit, name) for name, unit in _SIZES.items()}
+    laws = {}
+    for kind in LAWS:
+        law = getattr(muscle, kind)
+        if kind != "collapse" and is_written_out(kind, law):
+            name, numbers = _law_name(law, kind), _law_numbers(law)
+            laws[kind] = _inline_table({"law": name, **numbers}) if numbers else name
+    rate = _number(muscle.transition_rate, "transition_rate")
+    collapse = {"law": _law_name(muscle.collapse, "collapse"), "transition_rate": rate}
+    tables = {
+        "": sizes | {"material": _material_text(muscle.material)} | laws,
+        "collapse": collapse | _law_numbers(muscle.collapse),
+    }
+    tuning = _tuning_entries(muscle.tuning)
+    return tables | {"tuning": tuning} if tuning else tables
 
 
-def _law_text(law: Any, kind: str) -> str:
-    """The law's name, with its own numbers if they aren't the default ones."""
-    name, numbers = _law_name(law, kind), _law_numbers(law)
-    if not numbers:
-        return name
-    return f"{{ law = {name}, {', '.join(f'{key} = {text}' for key, text in numbers.items())} }}"
+def _tuning_entries(tuning: Tuning) -> dict[str, str]:
+    entries = {}
+    if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
+        columns = (("pressure", "pressures", "pressure"), ("c1", "c1", "force"), ("c2", "c2", ""))
+        for key, name, dimension in columns:
+            values = getattr(tuning, name)
+            if np.ndim(values) != 1:
+                rule = f"has the shape {np.shape(values)}"
+                raise InvalidInputError(key, rule, None, "a file takes one list")
+            texts = [
+                f'"{exact(float(x), dimension)}"' if dimension else repr(float(x)) for x in values
+            ]
+            entries[key] = f"[{', '.join(texts)}]"
+    for key in ("youngs_modulus_factor", "collapse_moment_factor"):
+        if _scalar(getattr(tuning, key), key) != 1:
+            entries[key] = _number(getattr(tuning, key), key)
+    constant = _scalar(tuning.hinge_stiffness_factor, "hinge_stiffness_factor")
+    slope = _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope")
+    if slope:
+        slope_text = f'"{exact(slope, "inverse_pressure")}"'
+        hinge = {"constant": repr(constant), "slope": slope_text}
+        entries["hinge_stiffness_factor"] = _inline_table(hinge)
+    elif constant != 1:
+        entries["hinge_stiffness_factor"] = repr(constant)
+    if tuning.transition_rate is not None:
+        entries["transition_rate"] = _number(tuning.transition_rate, "transition_rate")
+    if _scalar(tuning.dead_band, "dead_band"):
+        entries["dead_band"] = _quantity(tuning.dead_band, "pressure", "dead_band")
+    return entries
+
+
+def _bundle_lines(bundle: Bundle) -> list[str]:
+    tables: list[Tables] = []  # of each different muscle, in the order of their first unit
+    indices = []
+    for unit in bundle.motor_units:
+        table = _muscle_tables(unit.muscle)
+        if table not in tables:
+            tables.append(table)
+        indices.append(tables.index(table))
+    names = [f"unit_{index + 1}" for index in range(len(tables))] if len(tables) > 1 else []
+    lines = []
+    for index, table in enumerate(tables):
+        lines += [*_table_lines(f"muscle.{names[index]}" if names else "muscle", table), ""]
+    lines.append("[bundle]")
+    if bundle.supply_pressure is not None:
+        supply = _quantity(bundle.supply_pressure, "pressure", "supply_pressure")
+        lines.append(f"supply_pressure = {supply}")
+    lines.append(f"scheme = {json.dumps(serializable_name(bundle.scheme))}")
+    if bundle.plate_distance is not None:
+        lines.append(f"length = {_quantity(bundle.plate_distance, 'length', 'length')}")
+    for unit, index in zip(bundle.motor_units, indices, strict=True):
+        lines += ["", "[[bundle.motor_unit]]", f"count = {int(unit.count)}"]
+        lines += [f'muscle = "{names[index]}"'] if names else []
+    return lines
 
 
 def _law_name(law: Any, kind: str) -> str:
-    name, known = getattr(law, "name", ""), LAWS[kind]
-    if name not in known or type(law) is not known[name]:
-        raise InvalidInputError(kind, f"can be saved if it is one of {', '.join(known)}", law)
+    name, laws = getattr(law, "name", ""), LAWS[kind]
+    if name not in laws or type(law) is not laws[name]:
+        raise InvalidInputError(kind, f"can be saved if it is one of {', '.join(laws)}", law)
     return json.dumps(name)
 
 
@@ -401,68 +439,12 @@ def _material_text(material: Any) -> str:
     if type(material) is not MooneyRivlin:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     constants = {c.name: _constant_text(getattr(material, c.name), c) for c in material.constants()}
-    for name, known in MATERIALS.items():
-        if material == known:
-            return json.dumps(name)
-    return f"{{ {', '.join(f'{key} = {text}' for key, text in constants.items())} }}"
+    name = next((name for name, named in MATERIALS.items() if material == named), None)
+    return _inline_table(constants) if name is None else json.dumps(name)
 
 
-def _tuning_lines(tuning: Tuning) -> list[str]:
-    lines = []
-    if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
-        for key, values, dimension in (
-            ("pressure", tuning.pressures, "pressure"),
-            ("c1", tuning.c1, "force"),
-        ):
-            texts = ", ".join(f'"{exact(float(x), dimension)}"' for x in _vector(values, key))
-            lines.append(f"{key} = [{texts}]")
-        lines.append(f"c2 = [{', '.join(repr(float(x)) for x in _vector(tuning.c2, 'c2'))}]")
-    lines += [
-        f"{key} = {_number(getattr(tuning, key), key)}"
-        for key in ("youngs_modulus_factor", "collapse_moment_factor")
-        if _scalar(getattr(tuning, key), key) != 1
-    ]
-    constant = _scalar(tuning.hinge_stiffness_factor, "hinge_stiffness_factor")
-    slope = _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope")
-    if slope:
-        rise = exact(slope, "inverse_pressure")
-        lines.append(f'hinge_stiffness_factor = {{ constant = {constant!r}, slope = "{rise}" }}')
-    elif constant != 1:
-        lines.append(f"hinge_stiffness_factor = {constant!r}")
-    if tuning.transition_rate is not None:
-        lines.append(f"transition_rate = {_number(tuning.transition_rate, 'transition_rate')}")
-    if _scalar(tuning.dead_band, "dead_band"):
-        lines.append(f"dead_band = {_quantity(tuning.dead_band, 'pressure', 'dead_band')}")
-    return lines
-
-
-def _bundle_lines(bundle: Bundle) -> list[str]:
-    tables: list[list[str]] = []  # of each different muscle, in the order of their first unit
-    indices = []
-    for unit in bundle.motor_units:
-        table = _muscle_lines(unit.muscle, "muscle.@")
-        if table not in tables:
-            tables.append(table)
-        indices.append(tables.index(table))
-    several = len(tables) > 1
-    lines = []
-    for index, table in enumerate(tables):
-        name = f"[muscle.unit_{index + 1}" if several else "[muscle"
-        lines += [line.replace("[muscle.@", name, 1) for line in table] + [""]
-    lines.append("[bundle]")
-    for key, value, dimension in (
-        ("supply_pressure", bundle.supply_pressure, "pressure"),
-        ("scheme", None, ""),
-        ("length", bundle.plate_distance, "length"),
-    ):
-        if key == "scheme":
-            lines.append(f"scheme = {json.dumps(serializable_name(bundle.scheme))}")
-        elif value is not None:
-            lines.append(f"{key} = {_quantity(value, dimension, key)}")
-    for unit, index in zip(bundle.motor_units, indices, strict=True):
-        lines += ["", "[[bundle.motor_unit]]", f"count = {int(unit.count)}"]
-        lines += [f'muscle = "unit_{index + 1}"'] if several else []
-    return lines
+def _inline_table(entries: Mapping[str, str]) -> str:
+    return f"{{ {', '.join(f'{key} = {text}' for key, text in entries.items())} }}"
 
 
 def _quantity(value: Any, dimension: str, key: str) -> str:
@@ -481,13 +463,6 @@ def _scalar(value: Any, key: str) -> float:
     return float(value)
 
 
-def _vector(values: Any, key: str) -> Any:
-    if np.ndim(values) != 1:
-        rule = f"has the shape {np.shape(values)}"
-        raise InvalidInputError(key, rule, None, "a file takes one list")
-    return np.asarray(values)
-
-
 def _plain_entry(value: Any, key: str, depth: int = 0) -> Any:
     """A value of a `[calibration]` as Python's own types."""
     if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays
@@ -500,5 +475,5 @@ def _plain_entry(value: Any, key: str, depth: int = 0) -> Any:
     if isinstance(value, bool | str | int | float):
         return value
     rule = "takes text, numbers, booleans, lists and one level of tables"
-    shown = f"a {type(value).__name__} for {key!r}"
-    raise InvalidInputError(_CALIBRATION, rule, (type(value).__name__, key), shown=shown)
+    kind = type(value).__name__
+    raise InvalidInputError(_CALIBRATION, rule, (kind, key), shown=f"a {kind} for {key!r}")

@@ -1,6 +1,7 @@
 """Scenario files: from TOML to a plant, its commands or controller, and its initial state."""
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,64 +10,38 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
+from .. import dynamics, fluid
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
-from ..dynamics import (
-    AntagonisticJoint,
-    MaxwellSlip,
-    Plant,
-    Schedule,
-    State,
-    Stop,
-    Trajectory,
-    equilibrium_state,
-    simulate,
-)
-from ..fluid import (
-    AIR,
-    NITROGEN,
-    OIL,
-    WATER,
-    Accumulator,
-    AdiabaticWall,
-    Gas,
-    Isothermal,
-    Line,
-    LiquidChamber,
-    OrderlyValve,
-    Orifice,
-    PumpedAccumulator,
-    SonicValve,
-    Tank,
-    validate_commands,
-)
+from ..dynamics import Plant, Schedule, State, Trajectory
 from ..muscle import Muscle
+from ..table_model import did_you_mean
 from .errors import FileLocation, check_kind, validate
 from .muscle_files import from_dict, load_muscle, loads, parse_file, provenance, read_text
 from .scenario_schema import PARTS, PUMPED, choose_schema, pump_class
 from .shipped_files import shipped_names, shipped_text
-from .table_model import did_you_mean
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
     from ..control import Cascade, Gains, PolicyChoice
 
-MEDIA = {"air": AIR, "nitrogen": NITROGEN, "oil": OIL, "water": WATER}
-_MOST_STEPS = 2_000_000
-# numbers of a run's results, a gigabyte: what two motor units make in as many steps
-_MOST_NUMBERS, _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 128_000_000, 40, 12
-_DT = 1e-3  # s
-_GRID = 1e-6  # of a step, by which a time may miss one: rounding
+MEDIA = {"air": fluid.AIR, "nitrogen": fluid.NITROGEN, "oil": fluid.OIL, "water": fluid.WATER}
+_MAX_STEPS = 2_000_000
+# numbers of a run's results, a gigabyte: as many as of two motor units in that many steps
+_MAX_NUMBERS, _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 128_000_000, 40, 12
+_STEP = 1e-3  # s: resolves valves and muscles
+_ROUNDING = 1e-6  # of a step, by which rounding may shift a time
 _GAINS = ("position_gain", "velocity_gain", "force_gain")
 _TIMES = ("integral_time", "force_integral_time", "pressure_time")
+_RENAMED = {"controlled": "control", "taking": "with_policy"}
 _SPRINGS = ("stiffness", "slip_force", "slip_force_slope")
 
 
-class Controlled(NamedTuple):
-    """The controller of a scenario.
+class ScenarioControl(NamedTuple):
+    """Controller of a scenario.
 
-    - `controller`, `reference`: and its demand at each step [SI].
+    - `controller`, `reference`: the controller, and its demand at each step [SI].
     - `choice`: the comparison by which `auto` chose the policy, or `None`.
     - `policy`: its name; `options`: the controller's other arguments.
     """
@@ -80,48 +55,43 @@ class Controlled(NamedTuple):
     @property
     def notes(self) -> tuple[str, ...]:
         """The choice of `auto`, and warnings of likely instability."""
-        warnings = tuple(f"{warning}." for warning in self.controller.warnings)
+        notes = tuple(f"{warning}." for warning in self.controller.warnings)
         if self.choice is None:
-            return warnings
-        return (f"auto took {self.choice.policy}: {self.choice.why}.", *warnings)
+            return notes
+        return (f"auto took {self.choice.policy}: {self.choice.why}.", *notes)
 
-    def taking(self, policy: str | None = None, compensate: bool | None = None) -> "Controlled":
-        """A copy with another policy, or with or without feedforward of friction.
-
-        **Arguments:**
-
-        - `policy`: `auto` or one of `control.POLICIES`.
-        - `compensate`: true to feed friction forward.
-        """
+    def with_policy(
+        self, policy: str | None = None, compensate: bool | None = None
+    ) -> "ScenarioControl":
+        """Change the policy, or the feedforward of friction, as `Scenario.with_policy`."""
         from ..control import POLICIES, cascade, select_policy
 
-        if compensate is not None:
-            other = self._replace(options={**self.options, "compensate": compensate})
-            return other.taking(policy or self.policy)
-        if policy is None:
+        if policy is None and compensate is None:
             return self
-        plant, output = self.controller.plant, self.controller.of
-        if policy != "auto":
-            check_choice(policy, (*POLICIES, "auto"), "policy")
-        choice = None
+        policy, options = policy or self.policy, self.options
+        if compensate is not None:
+            options = {**options, "compensate": compensate}
+        plant, output, choice = self.controller.plant, self.controller.of, None
         if policy == "auto":
-            choice = select_policy(plant, self.reference, self.options["dt"], output)
+            choice = select_policy(plant, self.reference, options["dt"], output)
             policy = choice.policy
-        controller = cascade(plant, policy, output, **self.options)
-        return Controlled(controller, self.reference, choice, policy, self.options)
+        else:
+            check_choice(policy, (*POLICIES, "auto"), "policy")
+        controller = cascade(plant, policy, output, **options)
+        return ScenarioControl(controller, self.reference, choice, policy, options)
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
     """A plant with its commands or controller.
 
-    - `name`, `plant`.
-    - `schedule`: of the commands, or `None` if it is `controlled`.
+    - `name`, `plant`: of the scenario.
+    - `schedule`: commands in time, or `None` for a scenario with `control`.
     - `start`: initial state [SI].
     - `dt`, `duration`: step and length of the run [s].
-    - `source`: of its figures.
-    - `notes`: on what isn't done as it is written.
-    - `controlled`: controller and reference, or `None`.
+    - `source`: of the file's numbers.
+    - `notes`: on settings that the run can't follow exactly.
+    - `control`: controller and reference, or `None`.
     """
 
     name: str
@@ -132,238 +102,201 @@ class Scenario:
     duration: float
     source: str = ""
     notes: tuple[str, ...] = ()
-    controlled: Controlled | None = None
+    control: ScenarioControl | None = None
 
-    def taking(self, policy: str | None = None, compensate: bool | None = None) -> "Scenario":
+    def with_policy(self, policy: str | None = None, compensate: bool | None = None) -> "Scenario":
         """Change the policy, or the feedforward of friction.
 
         **Arguments:**
 
-        - `policy`: its name [-].
-        - `compensate`: true to feed friction forward [-].
+        - `policy`: `auto` or one of `control.POLICIES`; default: as it is.
+        - `compensate`: true to feed friction forward; default: as it is.
 
-        **Returns:** the changed copy [SI].
+        **Returns:** the changed copy.
 
         **Raises:** `InvalidInputError` for another name, and for a scenario without [control].
         """
-        if self.controlled is None:
+        if self.control is None:
             rule = "needs a scenario with [control]: this one is commanded by a schedule"
             name = "compensate" if policy is None else "policy"
             raise InvalidInputError(name, rule, policy, shown="")
-        controlled = self.controlled.taking(policy, compensate)
-        return replace(self, controlled=controlled, notes=controlled.notes)
+        control = self.control.with_policy(policy, compensate)
+        return replace(self, control=control, notes=control.notes)
+
+    def __getattr__(self, name: str) -> Any:
+        """Attributes by the names of the last release."""
+        if name not in _RENAMED:
+            raise AttributeError(f"a Scenario has no attribute {name!r}.")
+        message = f"`Scenario.{name}` is now `Scenario.{_RENAMED[name]}`."
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return getattr(self, _RENAMED[name])
 
     def run(self) -> Trajectory:
-        """Simulate it: the run [SI]."""
-        if self.controlled is not None:
-            control = self.controlled
-            return simulate(
-                self.plant, control.controller, control.reference, dt=self.dt, start=self.start
+        """Simulate the scenario."""
+        options: dict[str, Any] = {"dt": self.dt, "start": self.start}
+        if self.control is not None:
+            return dynamics.simulate(
+                self.plant, self.control.controller, self.control.reference, **options
             )
         assert self.schedule is not None
-        return simulate(
-            self.plant, self.schedule, dt=self.dt, duration=self.duration, start=self.start
-        )
+        return dynamics.simulate(self.plant, self.schedule, duration=self.duration, **options)
 
 
 def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     """Read a scenario file.
 
-    **Arguments:** `path`: the TOML file [-]; bundles that it names by a path stand beside it.
+    **Arguments:** `path`: the TOML file; bundles that it names by a path stand beside it.
 
-    **Returns:** the scenario [SI].
+    **Returns:** the scenario.
 
     **Raises:** `OSError` if it can't be read; `ValueError`, in one line with path and key, for
     values that aren't valid.
     """
     path = Path(path)
-    data = parse_file(read_text(path), str(path))
-    return scenario_from_dict(data, str(path), path.parent, path.stem)
+    return loads_scenario(read_text(path), str(path), path.parent, path.stem)
 
 
-def loads_scenario(text: str, source: str = "<text>", folder: Path = Path()) -> Scenario:
+def loads_scenario(
+    text: str, source: str = "<text>", folder: Path = Path(), name: str = ""
+) -> Scenario:
     """Read a scenario from text.
 
     **Arguments:**
 
-    - `text`: the TOML [-].
-    - `source`: its name in errors [-].
-    - `folder`: where files of bundles stand that it names [-].
+    - `text`: the TOML.
+    - `source`: its name in errors.
+    - `folder`: of the files that the scenario names.
+    - `name`: of a scenario that has none in the file; default: `source`.
 
-    **Returns:** as `load_scenario` [SI].
+    **Returns:** the scenario.
 
     **Raises:** as `load_scenario`.
     """
-    return scenario_from_dict(parse_file(text, source), source, folder, source)
+    return scenario_from_dict(parse_file(text, source), source, folder, name or source)
 
 
 def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: str) -> Scenario:
-    """The scenario in a file's tables.
-
-    **Arguments:**
-
-    - `data`: the tables.
-    - `source`: the file's name in errors.
-    - `folder`: where files of bundles stand that it names.
-    - `name`: of the scenario, if the file has none.
-
-    **Returns:** as `load_scenario`.
-
-    **Raises:** as `load_scenario`.
-    """
+    """The scenario in a file's tables; arguments as for `loads_scenario`."""
     check_kind(data, "scenario", source)
-    whole = FileLocation(source, data, kind="scenario")
-    data = _with_measured_friction(data, whole, folder)
-    schema, classes = choose_schema(data, whole)
+    root = FileLocation(source, data, kind="scenario")
+    data = _with_measured_friction(data, root, folder)
+    schema, classes = choose_schema(data, root)
     file = validate(schema, data, source)
-    bundles = _bundles(data, source, whole, folder)
+    bundles = _bundles(data, source, root, folder)
     tables = {key: _values(getattr(file, key)) for key in classes}
     units = sum(len(bundle.motor_units) for bundle in bundles)
-    sides = 2 if classes["load"] is AntagonisticJoint else 1
+    sides = 2 if classes["load"] is dynamics.AntagonisticJoint else 1
     if len(bundles) != sides:
         rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
-        raise whole.error(("bundle",), f"{rule}, got {len(bundles)}.")
-    _check_list_lengths(tables, classes, units, whole)
-    medium, room = _medium_and_room(tables["fluid"], classes["fluid"], whole.inner("fluid"))
-    parts = _parts(tables, classes, medium, room, units, whole)
-    run, run_location = file.run, whole.inner("run", kind="part")
+        raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
+    _check_list_lengths(tables, classes, units, root)
+    parts = _parts(tables, classes, units, root)
+    run, run_location = file.run, root.child("run", kind="part")
     options = {key: x for key in ("law", "volume") if (x := getattr(run, key)) is not None}
-    with whole.error_context():
+    with root.error_context():
         plant = Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
     if not np.subtract(*plant.stroke) < 0:
-        rule = "leaves no way on which all muscles' strains are known: check its sizes."
-        raise whole.error(("load",), rule)
+        rule = "leaves no stroke on which all muscles' strains are valid: check its sizes."
+        raise root.error(("load",), rule)
     dt, duration = _times(run, units, run_location)
-    schedule = controlled = None
+    schedule = control = None
     if isinstance(data.get("control"), dict):
         supply, pressures = plant.supply_pressure, run.pressures
         if pressures is not None and np.max(pressures) > supply:
             with run_location.error_context():
-                rule, highest = f"must be at most the supply's {supply:g} Pa", np.max(pressures)
-                shown = f"{highest:g} Pa"
-                raise InvalidInputError("pressures", rule, float(highest), shown=shown)
-        controlled = _controlled(file, plant, dt, duration, whole)
-        notes = controlled.notes
+                rule, highest = (
+                    f"must be at most the supply's {supply:g} Pa",
+                    float(np.max(pressures)),
+                )
+                raise InvalidInputError("pressures", rule, highest, shown=f"{highest:g} Pa")
+        control = _control(file, plant, dt, duration, root)
+        notes = control.notes
     else:
-        schedule, notes = _schedule(file.schedule, plant, dt, duration, whole)
+        schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
     if plant.load.moved and run.position is not None:
-        raise whole.error(("run", "position"), "the load's motion is given: drop this key.")
-    # a prescribed motion itself may lead too far
-    begins = FileLocation(source, data, kind="moved") if plant.load.moved else whole
-    with begins.error_context():
+        raise root.error(("run", "position"), "the load's motion is given: drop this key.")
+    # a prescribed motion itself may leave the stroke
+    start_location = FileLocation(source, data, kind="motion") if plant.load.moved else root
+    with start_location.error_context():
         pressures = 0.0 if run.pressures is None else run.pressures
-        start = equilibrium_state(plant, pressures, run.position)
-    return Scenario(
-        file.name or name,
-        plant,
-        schedule,
-        start,
-        dt,
-        duration,
-        file.source or "",
-        notes,
-        controlled,
-    )
+        start = dynamics.equilibrium_state(plant, pressures, run.position)
+    name, source = file.name or name, file.source or ""
+    return Scenario(name, plant, schedule, start, dt, duration, source, notes, control)
 
 
 def _with_measured_friction(
-    data: dict[str, Any], whole: FileLocation, folder: Path
+    data: dict[str, Any], root: FileLocation, folder: Path
 ) -> dict[str, Any]:
     """A scenario's tables, with a calibration's springs in place of `kind = "measured"`.
 
-    The springs of one muscle are read from the file that `muscle` or the scenario's `bundle` names,
-    in `folder`. They hold for each of the scenario's muscles. If both branches were one, there is
-    no friction, and the scenario has no `[hysteresis]`.
+    The springs of one muscle hold for each of the scenario's muscles. A calibration without
+    friction leaves the scenario without `[hysteresis]`.
     """
     table = data.get("hysteresis")
     if not isinstance(table, dict) or table.get("kind") != "measured":
         return data
     for key in table:
         if key not in ("kind", "muscle"):
-            raise whole.error(("hysteresis", key), "measured: the file of the muscle has it.")
+            raise root.error(("hysteresis", key), "measured: the file of the muscle has it.")
     name = table.get("muscle", data.get("bundle"))
     if not isinstance(name, str) or not (folder / name).is_file():
         rule = 'must name the calibrated muscle\'s file: write muscle = "muscle.toml".'
-        raise whole.error(("hysteresis", "muscle"), rule)
-    with whole.inner("hysteresis").error_context():
+        raise root.error(("hysteresis", "muscle"), rule)
+    with root.child("hysteresis").error_context():
         springs = provenance(folder / name).get("hysteresis")
-    kind = springs.get("kind") if isinstance(springs, dict) else None
-    rest = {key: value for key, value in data.items() if key != "hysteresis"}
+    springs = springs if isinstance(springs, dict) else {}
+    kind = springs.get("kind")
     if kind == "none":
-        return rest
-    if kind is None or not isinstance(springs, dict) or any(key not in springs for key in _SPRINGS):
+        return {key: value for key, value in data.items() if key != "hysteresis"}
+    if kind is None or any(key not in springs for key in _SPRINGS):
         rule = f"{name} has no friction: `fascicle calibrate` finds it in records of both ways."
-        raise whole.error(("hysteresis", "kind"), rule)
-    return rest | {"hysteresis": {"kind": kind} | {key: springs[key] for key in _SPRINGS}}
+        raise root.error(("hysteresis", "kind"), rule)
+    return data | {"hysteresis": {"kind": kind} | {key: springs[key] for key in _SPRINGS}}
 
 
 def _values(section: BaseModel) -> dict[str, Any]:
-    """Values of a table, by key."""
-    values = {name: getattr(section, name) for name in type(section).model_fields}
-    return {
-        name: _values(x) if isinstance(x, BaseModel) else x
-        for name, x in values.items()
-        if x is not None and name not in ("kind", "chamber")
-    }
+    """Values of a table by key, without the names of classes."""
+    names = {"kind": True, "chamber": True, "pump": {"kind"}}
+    return section.model_dump(exclude_none=True, exclude=names)
 
 
 def _check_list_lengths(
     tables: Mapping[str, Mapping[str, Any]],
     classes: Mapping[str, type],
     units: int,
-    whole: FileLocation,
+    root: FileLocation,
 ) -> None:
     """Refuse lists that aren't one value for each motor unit, or each spring of the friction."""
-    for name, part in PARTS.items():
-        if name not in tables or not part.many:
+    for name, table in tables.items():
+        if not PARTS[name].many:
             continue
-        springs = classes[name] is MaxwellSlip
-        many = np.size(tables[name].get("stiffness", 0)) if springs else units
-        for key, value in tables[name].items():
-            if isinstance(value, np.ndarray) and len(value) != many:
-                what = "springs" if springs else "motor units"
-                rule = f"must be one value, or a list of one for each of the {what}, {many}"
-                raise whole.error((name, key), f"{rule}, got {len(value)}.")
+        springs = classes[name] is dynamics.MaxwellSlip
+        count = np.size(table.get("stiffness", 0)) if springs else units
+        for key, value in table.items():
+            if isinstance(value, np.ndarray) and len(value) != count:
+                items = "springs" if springs else "motor units"
+                rule = f"must be one value, or a list of one for each of the {items}, {count}"
+                raise root.error((name, key), f"{rule}, got {len(value)}.")
 
 
-def _medium_and_room(
-    fluid: dict[str, Any], chamber: type, location: FileLocation
-) -> tuple[Any, dict[str, Any]]:
-    """The fluid, and the room's absolute pressure [Pa] and temperature [K] where they are given."""
-    liquid = chamber is LiquidChamber
-    name = fluid.pop("medium", None) or ("oil" if liquid else "air")
-    with location.error_context():
-        medium = MEDIA[check_choice(name, MEDIA, "medium")]
-    if liquid == isinstance(medium, Gas):
-        kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
-        what = "gas" if liquid else "liquid"
-        raise location.error(("medium",), f"{name} is a {what}: take chamber = {kinds}.")
-    if liquid and not np.all(np.asarray(fluid.get("compliance", 0.0)) > 0):
-        rule = "must be there and positive for a liquid, which hardly gives way itself: write"
-        example = 'compliance = "2e-11 m^3/Pa", of bladder, hose and fittings of each motor unit.'
-        raise location.error(("compliance",), f"{rule} {example}")
-    keys = ("room_pressure", "room_temperature")
-    return medium, {key: fluid[key] for key in keys if key in fluid}
-
-
-def _bundles(data: dict[str, Any], source: str, whole: FileLocation, folder: Path) -> list[Bundle]:
+def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path) -> list[Bundle]:
     names: Any = data.get("bundle")
     if "muscle" in data:
         if not isinstance(names, dict | None):
-            raise whole.error(("bundle",), "there is a [muscle], too: keep one of them.")
+            raise root.error(("bundle",), "there is a [muscle], too: keep one of them.")
         inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
         return [_as_bundle(from_dict(inline, source))]
     names = list(names) if isinstance(names, list) else [names]
     if not names or not all(isinstance(name, str) for name in names):
         rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
-        raise whole.error(("bundle",), f"{rule}; or write [muscle] and [bundle] as in its file.")
+        raise root.error(("bundle",), f"{rule}; or write [muscle] and [bundle] as in its file.")
     shipped, bundles = shipped_names("examples"), []
     for name in names:
         path = folder / name
         if name not in shipped and not path.exists():
             rule = f"{name!r} is neither a file nor a named example{did_you_mean(name, shipped)}"
-            raise whole.error(("bundle",), rule)
-        with whole.inner("bundle").error_context():
+            raise root.error(("bundle",), rule)
+        with root.child("bundle").error_context():
             if name in shipped:
                 bundles.append(_as_bundle(loads(shipped_text("examples", name), name)))
             else:
@@ -376,137 +309,152 @@ def _as_bundle(obj: Muscle | Bundle) -> Bundle:
 
 
 def _parts(
-    tables: dict[str, dict[str, Any]],
-    classes: Mapping[str, type],
-    medium: Any,
-    room: dict[str, Any],
-    units: int,
-    whole: FileLocation,
+    tables: dict[str, dict[str, Any]], classes: Mapping[str, type], units: int, root: FileLocation
 ) -> dict[str, Any]:
     """Parts of the plant by the name of its argument."""
-    gas = isinstance(medium, Gas)
-    tables["fluid"]["gas" if gas else "liquid"] = medium
+    section = tables["fluid"]
+    medium = _medium(section, classes["fluid"] is fluid.LiquidChamber, root.child("fluid"))
+    gas = isinstance(medium, fluid.Gas)
+    room = {key: section[key] for key in ("room_pressure", "room_temperature") if key in section}
+    section["gas" if gas else "liquid"] = medium
     parts: dict[str, Any] = {}
     for key, table in tables.items():
-        kind, location = classes[key], whole.inner(key, kind="part")
-        for inner, part in (("stop", Stop), ("line", Line)):
+        kind, location = classes[key], root.child(key, kind="part")
+        for inner, part in (("stop", dynamics.Stop), ("line", fluid.Line)):
             if inner in table:
-                with location.inner(inner, kind="part").error_context():
+                with location.child(inner, kind="part").error_context():
                     table[inner] = part(**table[inner])
-        if kind is OrderlyValve:
+        if kind is fluid.OrderlyValve:
             table["units"] = units
-        if kind is Orifice and not gas:
+        if kind is fluid.Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
-        if kind is SonicValve and gas and medium is not AIR:
+        if kind is fluid.SonicValve and gas and medium is not fluid.AIR:
             # the same hole, for another gas
-            ratio = AIR.specific_gas_constant / medium.specific_gas_constant
-            table.setdefault(
-                "reference_density", float(SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
-            )
+            ratio = fluid.AIR.specific_gas_constant / medium.specific_gas_constant
+            density = float(fluid.SonicValve(1e-9, 0.3).reference_density * np.sqrt(ratio))
+            table.setdefault("reference_density", density)
         if key == "supply":
-            parts[key] = _supply(table, kind, medium, room, location)
+            parts[key] = _supply(table, kind, medium, room, root)
             continue
         with location.error_context():
             parts["chamber" if key == "fluid" else key] = kind(**table)
     return parts
 
 
+def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:
+    """The gas or liquid, taken out of the values of [fluid]."""
+    name = section.pop("medium", None) or ("oil" if liquid else "air")
+    with location.error_context():
+        medium = MEDIA[check_choice(name, MEDIA, "medium")]
+    if liquid == isinstance(medium, fluid.Gas):
+        kinds = "adiabatic_wall, isothermal or polytropic" if liquid else "liquid"
+        phase = "gas" if liquid else "liquid"
+        raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
+    if liquid and not np.all(np.asarray(section.get("compliance", 0.0)) > 0):
+        rule = "must be positive for a liquid, which itself is nearly incompressible: write"
+        example = 'compliance = "2e-11 m^3/Pa", of bladder, hose and fittings of each motor unit.'
+        raise location.error(("compliance",), f"{rule} {example}")
+    return medium
+
+
 def _supply(
-    table: dict[str, Any], kind: type, medium: Any, room: dict[str, Any], location: FileLocation
+    table: dict[str, Any], kind: type, medium: Any, room: dict[str, Any], root: FileLocation
 ) -> Any:
-    gas = isinstance(medium, Gas)
-    if kind in (Accumulator, PumpedAccumulator) and gas:
+    gas, location = isinstance(medium, fluid.Gas), root.child("supply", kind="part")
+    if kind in (fluid.Accumulator, fluid.PumpedAccumulator) and gas:
         raise location.error(("kind",), "it holds a liquid: take constant or tank for a gas.")
-    if kind is Tank and not gas:
+    if kind is fluid.Tank and not gas:
         rule = "it holds a gas: take constant, accumulator or pumped for a liquid."
         raise location.error(("kind",), rule)
-    parts: dict[str, Any] = {}
-    if kind is PumpedAccumulator:
-        whole = FileLocation(location.source, location.data)
-        for key, part in {"pump": pump_class(location.data, whole), **PUMPED}.items():
+    pump_parts: dict[str, Any] = {}
+    if kind is fluid.PumpedAccumulator:
+        for key, part in {"pump": pump_class(root.data, root), **PUMPED}.items():
             if key in table:
                 options = table.pop(key) | ({"liquid": medium} if key == "pump" else {})
-                with location.inner(key, kind="part").error_context():
-                    parts[key] = part(**options)
+                with location.child(key, kind="part").error_context():
+                    pump_parts[key] = part(**options)
     with location.error_context():
-        if kind is PumpedAccumulator:
-            return PumpedAccumulator(Accumulator(**table, liquid=medium, **room), **parts)
-        if kind is Accumulator:
-            return Accumulator(**table, liquid=medium, **room)
-        if kind is Tank:
+        if kind in (fluid.Accumulator, fluid.PumpedAccumulator):
+            store = fluid.Accumulator(**table, liquid=medium, **room)
+            return (
+                store if kind is fluid.Accumulator else fluid.PumpedAccumulator(store, **pump_parts)
+            )
+        if kind is fluid.Tank:
             wall = table.pop("conductance", None)
-            chamber: Any = Isothermal if wall is None else AdiabaticWall
+            chamber: Any = fluid.Isothermal if wall is None else fluid.AdiabaticWall
             options = {} if wall is None else {"conductance": wall}
-            return Tank(chamber(gas=medium, **options, **room), **table)
+            return fluid.Tank(chamber(gas=medium, **options, **room), **table)
         if "room_temperature" in room:
             table.setdefault("supply_temperature", room["room_temperature"])
-        around = {key: x for key, x in room.items() if key == "room_pressure"}
-        return kind(**table, **around)
+        pressure = {key: x for key, x in room.items() if key == "room_pressure"}
+        return kind(**table, **pressure)
 
 
 def _times(run: Any, units: int, location: FileLocation) -> tuple[float, float]:
-    dt, duration = _DT if run.dt is None else run.dt, run.duration
-    for key, value, example in (("dt", dt, _DT), ("duration", duration, 10.0)):
+    """Step and duration of a run [s]."""
+    dt, duration = _STEP if run.dt is None else run.dt, run.duration
+    for key, value, example in (("dt", dt, _STEP), ("duration", duration, 10.0)):
         if value <= 0:
             raise location.error((key,), f"must be positive, such as {example:g} s.")
     steps = round(duration / dt)
-    if abs(steps - duration / dt) > _GRID * max(1, steps):
-        shown = f"{max(steps, 1) * dt:.12g} s"
-        raise location.error(("duration",), f"must be whole steps of {dt:g} s: take {shown}.")
-    most = min(_MOST_STEPS, _MOST_NUMBERS // (_NUMBERS_PER_STEP + _NUMBERS_PER_UNIT * units))
-    if steps > most:
-        plant = f" of {units} motor units" if most < _MOST_STEPS else ""
-        rule = f"makes {steps} steps of {dt:g} s{plant}, more than {most}: take a longer `dt`."
+    if abs(steps - duration / dt) > _ROUNDING * max(1, steps):
+        suggestion = f"{max(steps, 1) * dt:.12g} s"
+        raise location.error(("duration",), f"must be whole steps of {dt:g} s: take {suggestion}.")
+    limit = min(_MAX_STEPS, _MAX_NUMBERS // (_NUMBERS_PER_STEP + _NUMBERS_PER_UNIT * units))
+    if steps > limit:
+        plant = f" of {units} motor units" if limit < _MAX_STEPS else ""
+        rule = f"makes {steps} steps of {dt:g} s{plant}, more than {limit}: take a longer `dt`."
         raise location.error(("duration",), rule)
     return dt, duration
 
 
 def _schedule(
-    rows: list[Any], plant: Plant, dt: float, duration: float, whole: FileLocation
+    rows: list[Any], plant: Plant, dt: float, duration: float, root: FileLocation
 ) -> tuple[Schedule, tuple[str, ...]]:
+    """Commands in time, and notes on those that the run can't follow exactly."""
     if not rows:
-        raise whole.error(("schedule",), "is empty: write [[schedule]] with time and command.")
+        raise root.error(("schedule",), "is empty: write [[schedule]] with time and command.")
     last, commands, notes = None, [], []
     for index, row in enumerate(rows):
-        location = whole.inner("schedule", index)
+        location = root.child("schedule", index)
         if last is None and row.time != 0:
             raise location.error(("time",), "the first must be 0 s.")
         if last is not None and row.time <= last:
             raise location.error(("time",), f"times must rise, it comes after {last:g} s.")
         last = row.time
-        many, size = plant.commands, np.size(row.command)
-        if size != many and (np.ndim(row.command) or size != 1):
-            rule = f"must be one number, or a list of one for each command, {many}"
+        count, size = plant.commands, np.size(row.command)
+        if size != count and (np.ndim(row.command) or size != 1):
+            rule = f"must be one number, or a list of one for each command, {count}"
             raise location.error(("command",), f"{rule}, got {size}.")
         with location.error_context():
-            commands.append(np.broadcast_to(validate_commands(row.command), (many,)))
+            commands.append(np.broadcast_to(fluid.validate_commands(row.command), (count,)))
+        command = f"the command at {row.time:g} s"
         if row.time >= duration:
-            notes.append(
-                f"the command at {row.time:g} s never comes: the run ends at {duration:g} s."
-            )
-        elif abs(row.time / dt - round(row.time / dt)) > _GRID:
-            then = dt * np.ceil(row.time / dt)
-            notes.append(f"the command at {row.time:g} s comes with the next step, at {then:g} s.")
+            notes.append(f"{command} never comes: the run ends at {duration:g} s.")
+        elif abs(row.time / dt - round(row.time / dt)) > _ROUNDING:
+            step = dt * np.ceil(row.time / dt)
+            notes.append(f"{command} comes with the next step, at {step:g} s.")
     times = np.array([row.time for row in rows])
     return Schedule(times, np.array(commands)), tuple(notes)
 
 
-def _controlled(
-    file: Any, plant: Plant, dt: float, duration: float, whole: FileLocation
-) -> Controlled:
+def _control(
+    file: Any, plant: Plant, dt: float, duration: float, root: FileLocation
+) -> ScenarioControl:
     from ..control import cascade
 
-    output, reference = _reference(file, dt, duration, whole)
+    output, reference = _reference(file, dt, duration, root)
     values = _values(file.control)
     policy = values.pop("policy")
-    location = whole.inner("control", kind="part")
+    location = root.child("control", kind="part")
     if values.get("delay", 0.0) > duration:
         rule = f"must be at most the run's {duration:g} s, in which nothing would be measured."
         raise location.error(("delay",), rule)
     options = {"gains": _gains(values, location), "dt": dt, **values}
     with location.error_context():
-        plain = cascade(plant, "orderly", output, **options)
-        return Controlled(plain, reference, None, "orderly", options).taking(policy)
+        controller = cascade(plant, "orderly", output, **options)
+        control = ScenarioControl(controller, reference, None, "orderly", options)
+        return control.with_policy(policy)
 
 
 def _gains(values: dict[str, Any], location: FileLocation) -> "Gains":
@@ -533,25 +481,23 @@ def _gains(values: dict[str, Any], location: FileLocation) -> "Gains":
     )
 
 
-def _reference(
-    file: Any, dt: float, duration: float, whole: FileLocation
-) -> tuple[str, np.ndarray]:
+def _reference(file: Any, dt: float, duration: float, root: FileLocation) -> tuple[str, np.ndarray]:
     """The controlled output, "force" or "position", and its demand at each step [SI]."""
     time = dt * np.arange(round(duration / dt))
     if (file.demand is None) == (file.sine is None):
         rule = "write [[demand]] with time and force or position, or [sine], one of both."
-        raise whole.error(("demand",), rule)
+        raise root.error(("demand",), rule)
     if file.sine is not None:
         if file.sine.frequency <= 0:
-            raise whole.error(("sine", "frequency"), "must be positive.")
+            raise root.error(("sine", "frequency"), "must be positive.")
         phase = 2 * np.pi * file.sine.frequency * time
         return "position", file.sine.mean + file.sine.amplitude * np.sin(phase)
     if not file.demand:
-        raise whole.error(("demand",), "is empty: write [[demand]] with time and force.")
+        raise root.error(("demand",), "is empty: write [[demand]] with time and force.")
     output = "force" if file.demand[0].force is not None else "position"
     times, values = [], []
     for index, row in enumerate(file.demand):
-        location = whole.inner("demand", index)
+        location = root.child("demand", index)
         if (row.force is None) == (row.position is None) or getattr(row, output) is None:
             raise location.error((output,), "write `force` in each row, or `position` in each.")
         if (not times and row.time != 0) or (times and row.time <= times[-1]):

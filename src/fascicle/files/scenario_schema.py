@@ -1,49 +1,19 @@
 """Schema of a scenario file, format 1: tables of a plant's parts, the run, commands, control.
 
-A part's table holds what its class declares; the class is chosen by the table's `kind`. Only each
+A part's table holds the arguments of its class; the table's `kind` chooses the class. Only each
 name's dimension is given here, once for all classes.
 """
 
 from collections.abc import Mapping
-from functools import partial
 from inspect import Parameter, signature
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
-from ..dynamics import (
-    AntagonisticJoint,
-    Coulomb,
-    Dahl,
-    HangingMass,
-    InertiaSpringDamper,
-    MaxwellSlip,
-    PrescribedMotion,
-    Stop,
-)
-from ..fluid import (
-    Accumulator,
-    AdiabaticWall,
-    ConstantSupply,
-    Direct,
-    FixedPump,
-    Isothermal,
-    Line,
-    LiquidChamber,
-    OrderlyValve,
-    Orifice,
-    Polytropic,
-    PressureBand,
-    PumpedAccumulator,
-    Relief,
-    Servovalve,
-    SonicValve,
-    Tank,
-    VariablePump,
-)
+from .. import dynamics, fluid
+from ..table_model import Quantity, TableModel, did_you_mean
 from ..units import sample
 from .errors import FileLocation
-from .table_model import Quantity, TableModel, did_you_mean
 
 
 _CONTROL_DIMENSIONS = {
@@ -75,25 +45,19 @@ _ROTARY_DIMENSIONS = {
 }  # fmt: skip
 # dimensions of a name in one class alone
 _CLASS_DIMENSIONS: Mapping[type, Mapping[str, str]] = {
-    PressureBand: {"low": "pressure", "high": "pressure"},
-    VariablePump: {"band": "pressure"},
+    fluid.PressureBand: {"low": "pressure", "high": "pressure"},
+    fluid.VariablePump: {"band": "pressure"},
 }
 _NAME: tuple[Any, Any] = (str | None, None)
-_INNER = {"stop": Stop, "line": Line}  # tables in a table
-PUMPED = {"band": PressureBand, "relief": Relief}  # and in that of a supply with a pump
-
-
-def _key(dimension: str, many: bool = False, needed: bool = True) -> tuple[Any, Any]:
-    """Type and default of a key."""
-    kind: Any = Annotated[Any, Quantity(dimension, many)]
-    return kind, Field(examples=[sample(dimension)]) if needed else None
+_INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
+PUMPED = {"band": fluid.PressureBand, "relief": fluid.Relief}  # and in that of a supply with a pump
 
 
 class Part(NamedTuple):
     """A part of a plant.
 
-    - `key`: the key by which its class is chosen.
-    - `kinds`: classes by name; `default`: the one if none is named.
+    - `key`: the key by which its class is chosen; `kinds`: classes by name.
+    - `default`: name of the class if the file has none.
     - `supplied`: arguments that don't come from its table.
     - `optional`: true if the table may be missing.
     - `many`: true if its numbers may be a list, one for each motor unit, spring, ….
@@ -107,70 +71,35 @@ class Part(NamedTuple):
     many: bool = True
 
 
-_VALVES = {"sonic_valve": SonicValve, "orifice": Orifice}
+_VALVES = {"sonic_valve": fluid.SonicValve, "orifice": fluid.Orifice}
 _ROOM = ("room_pressure", "room_temperature", "gas", "liquid")
 PARTS = {
     "load": Part("kind", {
-        "hanging_mass": HangingMass, "inertia_spring_damper": InertiaSpringDamper,
-        "antagonistic_joint": AntagonisticJoint, "prescribed_motion": PrescribedMotion,
+        "hanging_mass": dynamics.HangingMass,
+        "inertia_spring_damper": dynamics.InertiaSpringDamper,
+        "antagonistic_joint": dynamics.AntagonisticJoint,
+        "prescribed_motion": dynamics.PrescribedMotion,
     }, many=False),
     "fluid": Part("chamber", {
-        "adiabatic_wall": AdiabaticWall, "isothermal": Isothermal, "polytropic": Polytropic,
-        "liquid": LiquidChamber,
+        "adiabatic_wall": fluid.AdiabaticWall, "isothermal": fluid.Isothermal,
+        "polytropic": fluid.Polytropic, "liquid": fluid.LiquidChamber,
     }, supplied=("gas", "liquid")),
     "supply": Part("kind", {
-        "constant": ConstantSupply, "tank": Tank, "accumulator": Accumulator,
-        "pumped": PumpedAccumulator,
+        "constant": fluid.ConstantSupply, "tank": fluid.Tank, "accumulator": fluid.Accumulator,
+        "pumped": fluid.PumpedAccumulator,
     }, supplied=(*_ROOM, "chamber"), many=False),
     "valve": Part("kind", _VALVES),
     "exhaust_valve": Part("kind", _VALVES, optional=True),
     "spool": Part("kind", {
-        "direct": Direct, "servovalve": Servovalve, "orderly": OrderlyValve,
+        "direct": fluid.Direct, "servovalve": fluid.Servovalve, "orderly": fluid.OrderlyValve,
     }, "direct", supplied=("units",), optional=True),
     "hysteresis": Part("kind", {
-        "maxwell_slip": MaxwellSlip, "dahl": Dahl, "coulomb": Coulomb,
+        "maxwell_slip": dynamics.MaxwellSlip, "dahl": dynamics.Dahl, "coulomb": dynamics.Coulomb,
     }, optional=True),
 }  # fmt: skip
-_PUMPS = Part("kind", {"fixed": FixedPump, "variable": VariablePump}, "fixed",
+_PUMPS = Part("kind", {"fixed": fluid.FixedPump, "variable": fluid.VariablePump}, "fixed",
               supplied=("liquid",), many=False)  # fmt: skip
-
-
-def _table(part: Part, kind: type, turns: bool) -> type[TableModel]:
-    """Table of a class: the arguments of its constructor."""
-    keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
-    for name, parameter in signature(kind).parameters.items():
-        if name in part.supplied:
-            continue
-        if name in _INNER:
-            inner: Any = _table(Part("", {}, many=False), _INNER[name], turns)
-            keys[name] = (inner | None, None)
-            continue
-        names = _CLASS_DIMENSIONS.get(kind, _ROTARY_DIMENSIONS if turns else {})
-        dimension = names.get(name)
-        needed = parameter.default is Parameter.empty
-        keys[name] = _key(dimension or _DIMENSIONS[name], part.many, needed)
-    if kind is Tank:  # it stands behind a wall of its own
-        keys["conductance"] = _key("wall_conductance", needed=False)
-    return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
-
-
-def _pumped(data: Mapping[str, Any], location: FileLocation) -> type[TableModel]:
-    """The table of an accumulator with the kind of pump that a scenario's `data` name."""
-    keys: dict[str, Any] = {
-        name: (_table(Part("", {}, many=False), kind, turns=False) | None, None)
-        for name, kind in PUMPED.items()
-    }
-    pump = _table(_PUMPS, pump_class(data, location), turns=False)
-    keys["pump"] = (pump, Field(examples=["[supply.pump]"]))
-    store = _table(PARTS["supply"], Accumulator, turns=False)
-    return create_model("PumpedSection", __base__=store, **keys)
-
-
-def pump_class(data: Mapping[str, Any], location: FileLocation) -> type:
-    """Class of the pump in a scenario's tables."""
-    table = data["supply"].get("pump")
-    inner = location.inner("supply", kind="part")
-    return _class("pump", _PUMPS, table if isinstance(table, dict) else {}, inner)
+_NAMELESS = Part("", {}, many=False)  # a table of one class, such as [load.stop]
 
 
 class CommandSection(TableModel):
@@ -180,19 +109,6 @@ class CommandSection(TableModel):
     command: Annotated[Any, Quantity("number", many=True)] = Field(examples=["[1, 0]"])
 
 
-def _run(turns: bool) -> type[TableModel]:
-    return create_model(
-        "RunSection",
-        __base__=TableModel,
-        duration=(Annotated[float, Quantity("time")], Field(examples=['"10 s"'])),
-        dt=_key("time", needed=False),
-        law=_NAME,
-        volume=_NAME,
-        pressures=_key("pressure", many=True, needed=False),
-        position=_key("angle" if turns else "length", needed=False),
-    )
-
-
 def choose_schema(
     data: Mapping[str, Any], location: FileLocation
 ) -> tuple[type[BaseModel], dict[str, type]]:
@@ -200,12 +116,12 @@ def choose_schema(
 
     Raises a `ValueError`, in one line, for an unknown kind.
     """
-    classes = {}
-    for name, part in PARTS.items():
-        table = data.get(name)
-        if isinstance(table, dict):
-            classes[name] = _class(name, part, table, location)
-    turns = classes.get("load") is AntagonisticJoint
+    classes = {
+        name: _class(name, part, data[name], location)
+        for name, part in PARTS.items()
+        if isinstance(data.get(name), dict)
+    }
+    rotary = classes.get("load") is dynamics.AntagonisticJoint
     keys: dict[str, Any] = {
         "format": (StrictInt, Field(examples=["1"])),
         "name": _NAME,
@@ -214,42 +130,95 @@ def choose_schema(
         "muscle": (Any, None),
     }
     for name, part in PARTS.items():
-        kind: Any = TableModel
-        if classes.get(name) is PumpedAccumulator:
-            kind = _pumped(data, location)
+        table: Any = TableModel
+        if classes.get(name) is fluid.PumpedAccumulator:
+            table = _pumped_table(pump_class(data, location))
         elif name in classes:
-            kind = _table(part, classes[name], turns and name == "load")
+            table = _table(part, classes[name], rotary and name == "load")
         if name == "fluid" and name in classes:
-            kind = create_model("FluidSection", __base__=kind, medium=_NAME)
-        needed = (kind, Field(examples=[f"[{name}]"]))
-        keys[name] = (kind | None, None) if part.optional else needed
-    keys["run"] = (_run(turns), Field(examples=["[run]"]))
+            table = create_model("FluidSection", __base__=table, medium=_NAME)
+        required = (table, Field(examples=[f"[{name}]"]))
+        keys[name] = (table | None, None) if part.optional else required
+    position = "angle" if rotary else "length"
+    run = create_model(
+        "RunSection",
+        __base__=TableModel,
+        duration=(Annotated[float, Quantity("time")], Field(examples=['"10 s"'])),
+        dt=_key("time", required=False),
+        law=_NAME,
+        volume=_NAME,
+        pressures=_key("pressure", many=True, required=False),
+        position=_key(position, required=False),
+    )
+    keys["run"] = (run, Field(examples=["[run]"]))
     if isinstance(data.get("control"), dict):
-        keys |= _control_keys(turns)
+        keys |= _control_keys(rotary)
     else:
         keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
     return create_model("ScenarioFileSection", __base__=TableModel, **keys), classes
 
 
-def _control_keys(turns: bool) -> dict[str, Any]:
-    """Keys of a controlled scenario's file; `turns`: true for a joint."""
-    may = partial(_key, needed=False)
-    keys: dict[str, Any] = {name: may(dimension) for name, dimension in _CONTROL_DIMENSIONS.items()}
-    keys["position_gain"] = may("angular_stiffness" if turns else "stiffness")
-    keys["velocity_gain"] = may("angular_damping" if turns else "damping")
-    named: Any = (str, Field(examples=['"hand_over"']))
+def pump_class(data: Mapping[str, Any], location: FileLocation) -> type:
+    """Class of the pump in a scenario's tables."""
+    table = data["supply"].get("pump")
+    table = table if isinstance(table, dict) else {}
+    return _class("pump", _PUMPS, table, location.child("supply", kind="part"))
+
+
+def _key(dimension: str, many: bool = False, required: bool = True) -> tuple[Any, Any]:
+    """Type and default of a key."""
+    kind: Any = Annotated[Any, Quantity(dimension, many)]
+    return kind, Field(examples=[sample(dimension)]) if required else None
+
+
+def _table(part: Part, kind: type, rotary: bool = False) -> type[TableModel]:
+    """Table of a class: the arguments of its constructor."""
+    keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
+    dimensions = _CLASS_DIMENSIONS.get(kind, _ROTARY_DIMENSIONS if rotary else {})
+    for name, parameter in signature(kind).parameters.items():
+        if name in part.supplied:
+            continue
+        if name in _INNER:
+            inner: Any = _table(_NAMELESS, _INNER[name], rotary)
+            keys[name] = (inner | None, None)
+            continue
+        dimension = dimensions.get(name) or _DIMENSIONS[name]
+        keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
+    if kind is fluid.Tank:  # the tank's wall, apart from that of the chambers
+        keys["conductance"] = _key("wall_conductance", required=False)
+    return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
+
+
+def _pumped_table(pump: type) -> type[TableModel]:
+    """Table of an accumulator with a class of pump."""
+    keys: dict[str, Any] = {
+        name: (_table(_NAMELESS, kind) | None, None) for name, kind in PUMPED.items()
+    }
+    keys["pump"] = (_table(_PUMPS, pump), Field(examples=["[supply.pump]"]))
+    store = _table(PARTS["supply"], fluid.Accumulator)
+    return create_model("PumpedSection", __base__=store, **keys)
+
+
+def _control_keys(rotary: bool) -> dict[str, Any]:
+    """Keys of a controlled scenario's file; `rotary`: true for a joint."""
+    position, force = ("angle", "moment") if rotary else ("length", "force")
+    prefix = "angular_" if rotary else ""
+    dimensions = _CONTROL_DIMENSIONS | {
+        "position_gain": f"{prefix}stiffness",
+        "velocity_gain": f"{prefix}damping",
+    }
+    keys: dict[str, Any] = {name: _key(x, required=False) for name, x in dimensions.items()}
+    policy: Any = (str, Field(examples=['"hand_over"']))
     control: Any = create_model(
-        "ControlSection", __base__=TableModel, policy=named,
+        "ControlSection", __base__=TableModel, policy=policy,
         compensate=(StrictBool | None, None), **keys,
     )  # fmt: skip
-    where = "angle" if turns else "length"
-    force = "moment" if turns else "force"
     demand: Any = create_model(
-        "DemandSection", __base__=TableModel, time=_key("time"), force=may(force),
-        position=may(where),
+        "DemandSection", __base__=TableModel, time=_key("time"),
+        force=_key(force, required=False), position=_key(position, required=False),
     )  # fmt: skip
     sine: Any = create_model(
-        "SineSection", __base__=TableModel, mean=_key(where), amplitude=_key(where),
+        "SineSection", __base__=TableModel, mean=_key(position), amplitude=_key(position),
         frequency=_key("frequency"),
     )  # fmt: skip
     return {
@@ -260,15 +229,17 @@ def _control_keys(turns: bool) -> dict[str, Any]:
 
 
 def _class(name: str, part: Part, table: Mapping[str, Any], location: FileLocation) -> type:
+    """Class of a part, by the name in its table."""
     kind = table.get(part.key, part.default or None)
     if name == "fluid" and kind is None:
         kind = "liquid" if table.get("medium") in ("oil", "water") else "adiabatic_wall"
+    choices = ", ".join(part.kinds)
     if kind is None:
-        known = ", ".join(part.kinds)
-        raise location.error((name, part.key), f"missing, write {part.key} = one of {known}.")
-    if not isinstance(kind, str):
-        rule = f"must be a name in quotes, one of {', '.join(part.kinds)}."
-        raise location.error((name, part.key), rule)
-    if kind not in part.kinds:
-        raise location.error((name, part.key), f"there is none{did_you_mean(kind, part.kinds)}")
-    return part.kinds[kind]
+        rule = f"missing, write {part.key} = one of {choices}."
+    elif not isinstance(kind, str):
+        rule = f"must be a name in quotes, one of {choices}."
+    elif kind not in part.kinds:
+        rule = f"there is none{did_you_mean(kind, part.kinds)}"
+    else:
+        return part.kinds[kind]
+    raise location.error((name, part.key), rule)

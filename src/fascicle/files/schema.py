@@ -1,9 +1,9 @@
 """Schemas of muscle, bundle, task and catalog files, format 1: their keys and kinds of values.
 
-A section knows units and types only. What a muscle may be is checked by the laws' constructors;
-`muscle_files` adds the file's name and key to what they say. A key that is left out stays `None`
-here, so a default is written in one place, the constructor. The keys of a law are those of the
-constants that it declares.
+A section knows units and types only. The laws' constructors check the values; `errors` adds the
+file's name and key to their messages. A key that is left out stays `None` here, so a default is
+written in one place, the constructor. The keys of a law are those of the constants that it
+declares.
 """
 
 import math
@@ -25,8 +25,8 @@ from ..core.errors import InvalidInputError
 from ..muscle.law import AbstractLaw
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
+from ..table_model import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
 from ..units import parse, parse_list
-from .table_model import PLAIN, TABLE, Quantity, TableModel, plain_or_table, value_at
 
 
 Length = Annotated[float, Quantity("length")]
@@ -45,47 +45,45 @@ class LawSection(TableModel):
     def known_keys(cls, table: Any) -> list[str]:
         """Keys of the law that the `table` names, or of all laws of its kind."""
         laws = LAWS[cls.__name__.removesuffix("Section").lower()]
-        chosen = laws.get(str(value_at(table, ["law"])))
-        if chosen is None:
+        law = laws.get(str(value_at(table, ["law"])))
+        if law is None:
             return list(cls.model_fields)
-        others = {key for law in laws.values() for key in _law_keys(law)} - _law_keys(chosen)
-        return [key for key in cls.model_fields if key not in others]
+        keys = {key for kind in laws.values() for key in _law_keys(kind)} - _law_keys(law)
+        return [key for key in cls.model_fields if key not in keys]
 
 
 def _law_keys(law: type[AbstractLaw]) -> set[str]:
     return {key.name for key in (*law.constants(), *law.switches())}
 
 
-def _optional(reader: Any) -> Any:
-    return (Annotated[float | None, reader], None)  # no file says `None`: it is left out
+def _optional(validator: Any) -> Any:
+    return (Annotated[float | None, validator], None)  # `None` is a key that is left out
 
 
 def _constant_of(kind: str, name: str) -> BeforeValidator:
-    """Parser of a constant of whichever law of a kind was named before it in the table."""
+    """Parser of a constant of the law that the table has named before."""
     dimensions = {
         law.name: constant.dimension
         for law in LAWS[kind].values()
         for constant in law.constants()
         if constant.name == name
     }
-    first = next(iter(LAWS[kind]))
+    # a law without this constant refuses it later, by the law's name
+    default = next(iter(dimensions.values()))
 
     def read(value: Any, info: Any) -> float:
-        # a law that has none of this name refuses it later, by its own name
-        default = next(iter(dimensions.values()))
-        dimension = dimensions.get(info.data.get("law") or first, default)
-        return parse(value, dimension, info.field_name)
+        law = info.data.get("law") or next(iter(LAWS[kind]))
+        return parse(value, dimensions.get(law, default), info.field_name)
 
     return BeforeValidator(read)
 
 
-def _law_table(kind: str, **first: Any) -> type[LawSection]:
-    """Table of a kind of law: all that its laws declare."""
-    keys: dict[str, Any] = {}
+def _law_table(kind: str, **fields: Any) -> type[LawSection]:
+    """Table of a kind of law: constants and switches of all its laws."""
     for law in LAWS[kind].values():
-        keys |= {c.name: _optional(_constant_of(kind, c.name)) for c in law.constants()}
-        keys |= {switch.name: (str | None, None) for switch in law.switches()}
-    return create_model(f"{kind.title()}Section", __base__=LawSection, **first, **keys)
+        fields |= {c.name: _optional(_constant_of(kind, c.name)) for c in law.constants()}
+        fields |= {switch.name: (str | None, None) for switch in law.switches()}
+    return create_model(f"{kind.title()}Section", __base__=LawSection, **fields)
 
 
 def _or_table(plain: Any, table: Any) -> Any:
@@ -96,7 +94,7 @@ def _or_table(plain: Any, table: Any) -> Any:
 
 
 def _law(kind: str) -> Any:
-    """A law by name or, if its kind has any with numbers of their own, by a table."""
+    """A law by name or, if any law of its kind has numbers, by a table."""
     laws = LAWS[kind].values()
     if not any(map(_law_keys, laws)):
         return StrictStr
@@ -111,7 +109,7 @@ class HingeSection(TableModel):
     slope: Annotated[float, Quantity("inverse_pressure")] | None = None
 
 
-if TYPE_CHECKING:  # made of what the laws declare, which no type checker sees
+if TYPE_CHECKING:  # models made from the laws' declarations, which no type checker sees
     MaterialSection = TableModel
     CollapseSection = LawSection
     Material = str | TableModel
@@ -161,7 +159,7 @@ class MuscleSection(TableModel):
 
 
 class MotorUnitSection(TableModel):
-    """`[[bundle.motor_unit]]`: how many muscles share a pressure, and which."""
+    """`[[bundle.motor_unit]]`: count and name of the muscles that share a pressure."""
 
     count: StrictInt | None = None
     muscle: StrictStr | None = None
@@ -179,7 +177,7 @@ class BundleSection(TableModel):
 
 
 class MuscleFile(TableModel):
-    """A muscle or bundle file; one unnamed muscle stands under the empty name."""
+    """A muscle or bundle file; a muscle without a name has the empty name."""
 
     format: StrictInt = Field(examples=["1"])
     muscle: dict[str, MuscleSection] = Field(examples=["[muscle]"])
@@ -197,7 +195,7 @@ class Price(NamedTuple):
 _PRICE = re.compile(
     r"\s*([€$£¥])?\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]{1,6}|[€$£¥])?\s*(?:(?:/|\bper\b)\s*(\S.*?))?\s*"
 )
-_HIGHEST_PRICE = 1e9  # of a currency
+_MAX_PRICE = 1e9  # of a currency: more is a slip
 _EXAMPLES = {None: "95 EUR", "volume": "0.025 EUR/m^3", "energy": "0.30 EUR/kWh",
              "length": "40 EUR/m"}  # fmt: skip
 
@@ -215,30 +213,34 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
 
     **Raises:** `ValueError`, in one line, for anything else.
     """
-    shown = repr(text)
-    shown = shown if len(shown) <= 60 else f"{shown[:40]}…{shown[-1]}"
-    what = f'`{name}` must be a price, such as "{_EXAMPLES[dimension]}", got {shown}'
+    value = repr(text)
+    value = value if len(value) <= 60 else f"{value[:40]}…{value[-1]}"
+    rule = f'`{name}` must be a price, such as "{_EXAMPLES[dimension]}", got {value}'
     match = _PRICE.fullmatch(text) if isinstance(text, str) and len(text) <= 60 else None
     if match is None:
-        raise ValueError(f"{what}.")
+        raise ValueError(f"{rule}.")
     sign, digits, word, unit = match.groups()
     if bool(sign) == bool(word):
-        raise ValueError(f"{what}: write one currency.")
+        raise ValueError(f"{rule}: write one currency.")
     if bool(unit) != (dimension is not None):
-        more = "by which unit?" if dimension else "it is for one, drop the unit."
-        raise ValueError(f"{what}: {more}")
+        remedy = "by which unit?" if dimension else "it is for one, drop the unit."
+        raise ValueError(f"{rule}: {remedy}")
     amount = float(digits)
-    if not math.isfinite(amount) or amount > _HIGHEST_PRICE:
-        raise ValueError(f"{what}: it must lie in [0, {_HIGHEST_PRICE:g}].")
+    if not math.isfinite(amount) or amount > _MAX_PRICE:
+        raise ValueError(f"{rule}: it must lie in [0, {_MAX_PRICE:g}].")
     if dimension is None or not unit:
         return Price(amount, sign or word)
-    # a normal cubic meter is written Nm³ by many
+    # a normal cubic meter is often written Nm³
     plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
     try:
         size = parse(f"1 {plain}", dimension, name)
     except ValueError:
-        raise ValueError(f"{what}: {unit!r} is no unit of {dimension}.") from None
+        raise ValueError(f"{rule}: {unit!r} is no unit of {dimension}.") from None
     return Price(amount / size, sign or word)
+
+
+def _price(dimension: str | None) -> BeforeValidator:
+    return BeforeValidator(lambda text, info: parse_price(text, str(info.field_name), dimension))
 
 
 def _quantities(dimension: str) -> BeforeValidator:
@@ -257,7 +259,7 @@ def _quantities(dimension: str) -> BeforeValidator:
 
 
 def _entries(kind: type, rule: str) -> BeforeValidator:
-    """One entry or a list of them."""
+    """An entry of a kind, or a list of them."""
 
     def read(value: Any, info: Any) -> tuple[Any, ...]:
         entries = value if isinstance(value, list) else [value]
@@ -266,17 +268,6 @@ def _entries(kind: type, rule: str) -> BeforeValidator:
         return tuple(entries)
 
     return BeforeValidator(read)
-
-
-def _price(dimension: str | None) -> BeforeValidator:
-    def read(value: Any, info: Any) -> Price:
-        return parse_price(value, info.field_name, dimension)
-
-    return BeforeValidator(read)
-
-
-def _name_or_tables(value: Any) -> str:
-    return TABLE if isinstance(value, list) else PLAIN
 
 
 PriceEach = Annotated[Price, _price(None)]
@@ -330,7 +321,7 @@ class ProductSection(TableModel):
 
 
 class CatalogFile(TableModel):
-    """A whole catalog file."""
+    """A catalog file."""
 
     format: StrictInt = Field(examples=["1"])
     product: list[ProductSection] = Field(examples=["[[product]]"])
@@ -362,7 +353,7 @@ class DesignSection(TableModel):
     catalog: (
         Annotated[
             Annotated[StrictStr, Tag(PLAIN)] | Annotated[list[ProductSection], Tag(TABLE)],
-            Discriminator(_name_or_tables),
+            Discriminator(lambda value: TABLE if isinstance(value, list) else PLAIN),
             BeforeValidator(lambda value: [value] if isinstance(value, dict) else value),
         ]
         | None
@@ -376,7 +367,7 @@ class SweepSection(TableModel):
 
 
 class ScatterSection(TableModel):
-    """`[scatter]`: fabrication scatter, and whether constants are drawn, too."""
+    """`[scatter]`: fabrication scatter; `calibrated`: true to draw constants, too."""
 
     length: Number | None = None
     braid_angle: Angle | None = None
@@ -385,7 +376,7 @@ class ScatterSection(TableModel):
 
 
 class TaskFileSection(TableModel):
-    """A whole task file."""
+    """A task file."""
 
     format: StrictInt = Field(examples=["1"])
     task: TaskSection = Field(examples=["[task]"])

@@ -1,8 +1,8 @@
-"""Task files: from TOML to a task, a space of designs, what is good, and a catalog of products.
+"""Task files: from TOML to a task, a space of designs, objectives and limits, and a catalog.
 
-A catalog's product has a radius, and lengths: those it is stocked in, or a range that it is cut
-from to order. What it doesn't say, wall and braid angle among it, is taken from the drawing whose
-material and laws it has. One product of one length becomes one drawing.
+A catalog's product has a radius, and lengths: those in stock, or a range of lengths cut to order.
+Sizes that it doesn't give, such as wall and braid angle, are those of the muscle that gives it
+material and laws. One product of one length becomes one drawing.
 """
 
 import os
@@ -45,12 +45,15 @@ _DIMENSIONS = {"-": "number", "J": "energy", "N": "force", "m": "length"}
 _BOUNDS = {"at_least": "least", "at_most": "most"}
 _WARNING = "warn_below"  # of a margin, in its table
 _LISTS = ("force", "strain", "stroke", "weight")
-_OF_PRODUCTS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
+_PRODUCT_KEYS = ("radius", "radius_rule", "wall_ratio", "braid_angle", "unit_factors")
 _RADII = ("outer_radius", "outer_diameter", "inner_diameter")
-_BLOCK = 4096  # designs of a study evaluated at once, unless it says otherwise
-_MOST_DRAWINGS = 10_000
-_MOST = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
-         "mass_per_length": (1e6, "kg/m")}  # fmt: skip
+_BLOCK = 4096  # designs evaluated together: some 100 MB
+_MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
+_DRAWS = 200  # of the scatter: quantiles of 5 % rest on ten of them
+_MAX_DRAWINGS = 10_000  # more products are a slip in a list of lengths
+# more than any product's, a slip in the unit
+_MAX_VALUES = {"largest_pressure": (1e9, "Pa"), "largest_strain": (1.0, "-"), "mass": (1e6, "kg"),
+               "mass_per_length": (1e6, "kg/m")}  # fmt: skip
 
 
 class Chance(NamedTuple):
@@ -65,7 +68,7 @@ class Chance(NamedTuple):
 
 class Offer(NamedTuple):
     """Muscles on sale by name, the `products` they are, the `currency` of their prices ("" if none
-    has one), and `notes` on what was left out.
+    has one), and `notes` on products that aren't available.
     """
 
     drawings: dict[str, Muscle]
@@ -80,11 +83,11 @@ class TaskFile:
 
     - `task`, `space`: the task, and the designs to choose from.
     - `senses`, `limits`: "min" or "max", and bounds, by objective.
-    - `catalog`: what can be bought, and for how much.
+    - `catalog`: products with their prices.
     - `chance`: scatter to evaluate, or `None`.
-    - `block`: designs of a study evaluated at once.
+    - `block`: number of a study's designs that are evaluated together.
     - `data`: the file's tables.
-    - `notes`: on what was left out.
+    - `notes`: on products that aren't available, and on fit errors.
     - `least_margin`: relative margin of force below which a design is warned of [-].
     """
 
@@ -121,63 +124,68 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
 
     - `text`: the TOML.
     - `source`: its name in errors.
-    - `folder`: where muscle files stand that it names.
+    - `folder`: of the muscle files that the task names.
 
-    **Returns:** as `load_task`.
+    **Returns:** its contents.
 
     **Raises:** as `load_task`.
     """
     data = parse_file(text, source)
     check_kind(data, "task", source)
     file = validate(TaskFileSection, data, source)
-    whole = FileLocation(source, data)
-    task = _task(file.task, whole.inner("task"))
-    limits_location = whole.inner("limits", kind="limits")
+    root = FileLocation(source, data)
+    task = _task(file.task, root.child("task"))
+    limits_location = root.child("limits", kind="limits")
     limits, least_margin = _limits(file.limits or {}, limits_location)
-    senses = _senses(file.objectives, whole.inner("objectives", kind="objectives"))
-    location = whole.inner("design", kind="design")
+    senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     with limits_location.error_context():
         check_search(senses, with_reach_limits(limits))
-    offer = _offer(file.design, location, folder)
-    space = _space(file.design, location, limits, folder, offer)
+    design, location = file.design, root.child("design", kind="design")
+    offer = _offer(design, location, folder)
+    space = _space(design, location, limits, folder, offer)
     prices = file.prices or PricesSection()
-    catalog = _catalog(prices, whole.inner("prices"), file.design.density, offer)
+    catalog = _catalog(prices, root.child("prices"), design.density, offer)
     block = _BLOCK if file.sweep is None or file.sweep.block is None else file.sweep.block
-    if not 1 <= block <= 2**20:
-        raise whole.error(("sweep", "block"), "must lie in [1, 1048576] designs.")
-    density = file.design.density
-    if density is not None and not 1.0 <= density <= 3e4:
+    if not 1 <= block <= _MAX_BLOCK:
+        raise root.error(("sweep", "block"), f"must lie in [1, {_MAX_BLOCK}] designs.")
+    if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
     chance = None
     if file.scatter is not None:
-        scatter_location = whole.inner("scatter")
-        if len(space.drawings) > 1 or len(file.design.muscle) > 1:
+        scatter_location = root.child("scatter")
+        if len(space.drawings) > 1 or len(design.muscle) > 1:
             raise scatter_location.error((), "needs a space of one muscle, search each alone.")
-        chance = _chance(file.scatter, file.design, scatter_location, folder)
-    notes = (*_fit_error_notes(file.design, folder), *(() if offer is None else offer.notes))
-    return TaskFile(task, space, senses, limits, catalog, chance, block, data, notes, least_margin)
+        chance = _chance(file.scatter, design, scatter_location, folder)
+    notes = [
+        f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
+        for name in design.muscle
+        if name not in examples() and isinstance(rmse := provenance(folder / name).get("rmse"), str)
+    ]
+    notes += () if offer is None else offer.notes
+    return TaskFile(
+        task, space, senses, limits, catalog, chance, block, data, tuple(notes), least_margin
+    )
 
 
 def _task(section: TaskSection, location: FileLocation) -> Task:
     values: dict[str, Any] = section.model_dump(exclude_none=True)
     supply = values.pop("supply_pressure")
     if section.example is not None:
-        others = [key for key in values if key not in ("example", "scheme", "fluid")]
-        if others:
-            rule = "an example has its own, drop this key or `example`."
-            raise location.error((others[0],), rule)
+        key = next((key for key in values if key not in ("example", "scheme", "fluid")), None)
+        if key is not None:
+            raise location.error((key,), "an example has its own, drop this key or `example`.")
         with location.error_context():
             task = example_task(section.example, supply)
             scheme = scheme_of(section.scheme or task.scheme)
             fluid = check_choice(section.fluid or "air", FLUIDS, "fluid")
             return replace(task, scheme=scheme, fluid=fluid)
     if "strain" in values and "stroke" in values:
-        rule = "`strain` is there too, and says the same of a bundle of one length: keep one."
+        rule = "`strain` is there too, and gives the same for bundles of one length: keep one."
         raise location.error(("stroke",), rule)
     for key in ("force", "strain"):
         if key not in values and not (key == "strain" and "stroke" in values):
-            other = ' (or stroke = ["25 mm", …])' if key == "strain" else ""
-            raise location.error((key,), f'missing, write {key} = […]{other}, or example = "…".')
+            stroke = ' (or stroke = ["25 mm", …])' if key == "strain" else ""
+            raise location.error((key,), f'missing, write {key} = […]{stroke}, or example = "…".')
     if "time" in values and "weight" in values:
         rule = "points in time count for as long as they last: drop it."
         raise location.error(("weight",), rule)
@@ -186,23 +194,68 @@ def _task(section: TaskSection, location: FileLocation) -> Task:
         if key in values and isinstance(location.data["task"][key], str | int | float):
             values[key] = values[key][0] if len(values[key]) == 1 else values[key]
     with location.error_context():
-        make = Task.in_time if "time" in values else Task.of
-        return make(**({"strain": None, "supply_pressure": supply} | values))
+        build = Task.in_time if "time" in values else Task.of
+        return build(**({"strain": None, "supply_pressure": supply} | values))
 
 
-def _catalog(
-    section: PricesSection, location: FileLocation, density: float | None, offer: Offer | None
-) -> Catalog:
-    prices: dict[str, Price] = {key: price for key, price in section if price is not None}
-    currency = "" if offer is None else offer.currency
-    for key, price in prices.items():
-        currency = currency or price.currency
-        if price.currency != currency:
-            rule = f"another price is in {currency}: give all in one currency."
-            raise location.error((key,), rule)
-    amounts = {key: price.amount for key, price in prices.items()}
-    products = {} if offer is None else offer.products
-    return Catalog(products, currency, density=density, **amounts)
+def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[str, str]:
+    senses = dict(USUAL if section is None else section)
+    for name, sense in senses.items():
+        with location.error_context():
+            known([name])
+        if sense not in ("min", "max"):
+            raise location.error((name,), 'must be "min" or "max".')
+    return senses
+
+
+def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[str, Limit], float]:
+    """Limits by objective, and the relative margin below which a design is warned of."""
+    limits, least_margin = {}, LEAST_MARGIN
+    for name, bounds in section.items():
+        with location.error_context():
+            known([name])
+        if name == "margin" and not isinstance(bounds, dict):
+            least_margin = _margin(bounds, location, (name,))
+            continue
+        if not isinstance(bounds, dict):
+            raise location.error((name,), "must be a table: write { at_most = … }.")
+        ends = dict(bounds)
+        if name == "margin" and _WARNING in ends:
+            least_margin = _margin(ends.pop(_WARNING), location, (name, _WARNING))
+            if not ends:
+                continue
+        limits[name] = _limit(name, ends, location)
+    return limits, least_margin
+
+
+def _margin(text: Any, location: FileLocation, keys: tuple[str, ...]) -> float:
+    """Margin as a share of the demanded force [-]."""
+    rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
+    try:
+        share = parse(text, "number", keys[-1])
+    except ValueError:
+        raise location.error(keys, rule) from None
+    if not 0 <= share <= 10:
+        raise location.error(keys, rule)
+    return share
+
+
+def _limit(name: str, bounds: Mapping[str, Any], location: FileLocation) -> Limit:
+    dimension = _DIMENSIONS[OBJECTIVES[name].unit]
+    ends = {}
+    for key, text in bounds.items():
+        if key not in _BOUNDS:
+            raise location.error((name, key), "unknown key: write at_least or at_most.")
+        try:
+            ends[_BOUNDS[key]] = parse(text, dimension, key)
+        except ValueError as error:
+            raise location.error((name, key), str(error)) from None
+    if not ends:
+        raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
+    if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
+        rule = 'a share of the task: must lie in [0, 1), as "10 %" does: a part must be reached.'
+        raise location.error((name,), rule)
+    return Limit(**ends)
 
 
 def _space(
@@ -236,40 +289,14 @@ def _space(
         return Space(drawings, splits=rows, **options)
 
 
-def _chance(
-    section: ScatterSection, design: DesignSection, location: FileLocation, folder: Path
-) -> Chance:
-    draws = 200 if section.draws is None else section.draws
-    if not 2 <= draws <= 100_000:
-        raise location.error(("draws",), "must lie in [2, 100000].")
-    name, muscles = design.muscle[0], None
-    with location.error_context():
-        scatter = Scatter(
-            **section.model_dump(exclude_none=True, include={"length", "braid_angle"})
-        )
-        if section.calibrated:
-            from .calibration_files import sample_muscles
-
-            path = folder / name
-            if not path.exists():
-                rule = f"needs a muscle file, {name!r} is none"
-                raise InvalidInputError("calibrated", rule, None)
-            muscles = sample_muscles(path)
-            if design.buckling is not None:
-                rule = "constants hold for the law they were fitted with"
-                raise InvalidInputError("calibrated", rule, None)
-        return Chance(scatter, draws, muscles)
-
-
 def _drawing(name: str, section: DesignSection, location: FileLocation, folder: Path) -> Muscle:
     with location.error_context():
         if name in examples():
             muscle = loads(shipped_text("examples", name), name)
         else:
-            path = folder / name
-            if not path.exists():
+            if not (folder / name).exists():
                 check_choice(name, examples(), "muscle")
-            muscle = load_muscle(path)
+            muscle = load_muscle(folder / name)
         if isinstance(muscle, Bundle):
             raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")
         if section.buckling is not None:
@@ -278,101 +305,71 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
         return muscle
 
 
-def _fit_error_notes(section: DesignSection, folder: Path) -> list[str]:
-    """Errors of calibrated muscles, which no margin accounts for."""
-    notes = []
-    for name in section.muscle:
-        rmse = provenance(folder / name).get("rmse") if name not in examples() else None
-        if isinstance(rmse, str):
-            notes.append(
-                f"{name} was fitted with an error of {rmse} (rmse): a margin doesn't count it."
-            )
-    return notes
+def _chance(
+    section: ScatterSection,
+    design: DesignSection,
+    location: FileLocation,
+    folder: Path,
+) -> Chance:
+    draws = _DRAWS if section.draws is None else section.draws
+    if not 2 <= draws <= 100_000:
+        raise location.error(("draws",), "must lie in [2, 100000].")
+    muscles = None
+    with location.error_context():
+        options = section.model_dump(exclude_none=True, include={"length", "braid_angle"})
+        scatter = Scatter(**options)
+        if section.calibrated:
+            from .calibration_files import sample_muscles
+
+            path = folder / design.muscle[0]
+            if not path.exists():
+                rule = f"needs a muscle file, {design.muscle[0]!r} is none"
+                raise InvalidInputError("calibrated", rule, None)
+            muscles = sample_muscles(path)
+            if design.buckling is not None:
+                rule = "constants hold for the law they were fitted with"
+                raise InvalidInputError("calibrated", rule, None)
+        return Chance(scatter, draws, muscles)
 
 
-def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[str, str]:
-    senses = dict(USUAL if section is None else section)
-    for name, sense in senses.items():
-        with location.error_context():
-            known([name])
-        if sense not in ("min", "max"):
-            raise location.error((name,), 'must be "min" or "max".')
-    return senses
-
-
-def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[str, Limit], float]:
-    """Limits by objective, and the relative margin below which a design is warned of."""
-    limits, least_margin = {}, LEAST_MARGIN
-    for name, bounds in section.items():
-        with location.error_context():
-            known([name])
-        if name == "margin" and not isinstance(bounds, dict):
-            least_margin = _share(bounds, location, (name,))
-            continue
-        if not isinstance(bounds, dict):
-            raise location.error((name,), "must be a table: write { at_most = … }.")
-        if name == "margin" and _WARNING in bounds:
-            least_margin = _share(bounds[_WARNING], location, (name, _WARNING))
-            if len(bounds) == 1:
-                continue
-        ends = {key: end for key, end in bounds.items() if (name, key) != ("margin", _WARNING)}
-        limits[name] = _limit(name, ends, location)
-    return limits, least_margin
-
-
-def _share(text: Any, location: FileLocation, keys: tuple[str, ...]) -> float:
-    """The share of a demanded force that `[limits] margin` gives."""
-    rule = 'must be a share in [0, 10], as "20 %" is; a limit is margin = { at_least = "50 N" }.'
-    try:
-        share = parse(text, "number", keys[-1])
-    except ValueError:
-        raise location.error(keys, rule) from None
-    if not 0 <= share <= 10:
-        raise location.error(keys, rule)
-    return share
-
-
-def _limit(name: str, bounds: Mapping[str, Any], location: FileLocation) -> Limit:
-    dimension = _DIMENSIONS[OBJECTIVES[name].unit]
-    ends = {}
-    for key, text in bounds.items():
-        if key not in _BOUNDS:
-            raise location.error((name, key), "unknown key: write at_least or at_most.")
-        try:
-            ends[_BOUNDS[key]] = parse(text, dimension, key)
-        except ValueError as error:
-            raise location.error((name, key), str(error)) from None
-    if not ends:
-        raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
-    if name in SHARES and not all(0 <= end < 1 for end in ends.values()):
-        rule = 'a share of the task: must lie in [0, 1), as "10 %" does. Something must be reached.'
-        raise location.error((name,), rule)
-    return Limit(**ends)
+def _catalog(
+    section: PricesSection,
+    location: FileLocation,
+    density: float | None,
+    offer: Offer | None,
+) -> Catalog:
+    prices: dict[str, Price] = {key: price for key, price in section if price is not None}
+    currency = "" if offer is None else offer.currency
+    for key, price in prices.items():
+        currency = currency or price.currency
+        if price.currency != currency:
+            rule = f"another price is in {currency}: give all in one currency."
+            raise location.error((key,), rule)
+    amounts = {key: price.amount for key, price in prices.items()}
+    products = {} if offer is None else offer.products
+    return Catalog(products, currency, density=density, **amounts)
 
 
 def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offer | None:
     """Muscles on sale, if there is a catalog."""
     if section.catalog is None:
         return None
-    for key in _OF_PRODUCTS:
+    for key in _PRODUCT_KEYS:
         if getattr(section, key) is not None:
             rule = "products have their own: drop this key, or the catalog."
             raise location.error((key,), rule)
     if len(section.muscle) != 1:
         rule = "must be one for a catalog; a product may name its own, muscle = …."
         raise location.error(("muscle",), rule)
-    catalog = location.inner("catalog", kind="catalog")
-    products: Sequence[ProductSection] = ()
-    if isinstance(section.catalog, str):
-        products, catalog = _catalog_file(section.catalog, catalog, folder)
-    else:
-        products = section.catalog
-    drawings: dict[str | None, tuple[str, Muscle]] = {}
+    catalog, products = location.child("catalog", kind="catalog"), section.catalog
+    if isinstance(products, str):
+        products, catalog = _catalog_file(products, catalog, folder)
+    bases: dict[str | None, tuple[str, Muscle]] = {}
     for i, product in enumerate(products):
         name = product.muscle or section.muscle[0]
-        where = location if product.muscle is None else catalog.inner(i, kind="catalog")
-        drawings[product.muscle] = name, _drawing(name, section, where, folder)
-    return _offer_of(products, catalog, section.length or (), drawings)
+        name_location = location if product.muscle is None else catalog.child(i, kind="catalog")
+        bases[product.muscle] = name, _drawing(name, section, name_location, folder)
+    return _build_offer(products, catalog, section.length or (), bases)
 
 
 def _catalog_file(
@@ -392,56 +389,56 @@ def _catalog_file(
     return file.product, FileLocation(source, data, ("product",), "catalog")
 
 
-def _offer_of(
+def _build_offer(
     sections: Sequence[ProductSection],
-    location: FileLocation,
+    catalog: FileLocation,
     lengths: Sequence[float],
     bases: Mapping[str | None, tuple[str, Muscle]],
 ) -> Offer:
-    """Muscles on sale, in `lengths` [m] where they are cut to order; `bases`: names and muscles
-    whose material and laws products have, by the name that they give.
+    """Muscles on sale, in `lengths` [m] if they are cut to order; `bases`: names and muscles that
+    give products their material and laws, by the name in the product's table.
     """
     if not sections:
-        raise location.error((), "holds no product.")
+        raise catalog.error((), "holds no product.")
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
     currencies: dict[str, FileLocation] = {}
     notes: list[str] = []
-    borrowed: dict[tuple[str, str], list[str]] = {}  # products by what they take from a base
+    borrowed: dict[tuple[str, str], list[str]] = {}  # products by the sizes they take from a base
     for i, section in enumerate(sections):
-        where = location.inner(i, kind="catalog")
+        location = catalog.child(i, kind="catalog")
         base_name, base = bases[section.muscle]
-        wished = section.length or tuple(lengths) or (float(base.length),)
+        candidates = section.length or tuple(lengths) or (float(base.length),)
         low, high = section.least_length or 0.0, section.most_length or float("inf")
         if low > high:
-            raise where.error(("least_length",), "must not be more than most_length.")
-        available = [length for length in wished if low <= length <= high]
-        if len(available) < len(wished):
-            rest = ", ".join(f"{1e3 * x:g}" for x in wished if x not in available)
+            raise location.error(("least_length",), "must not be more than most_length.")
+        available = [length for length in candidates if low <= length <= high]
+        if len(available) < len(candidates):
+            missing = ", ".join(f"{1e3 * x:g}" for x in candidates if x not in available)
             end = "" if high == float("inf") else f" to {1e3 * high:g}"
-            notes.append(f"{section.name} isn't made {rest} mm long, but {1e3 * low:g}{end} mm.")
+            notes.append(f"{section.name} isn't made {missing} mm long, but {1e3 * low:g}{end} mm.")
         for price in (section.price, section.price_per_length):
             if price is not None:
-                currencies.setdefault(price.currency, where)
+                currencies.setdefault(price.currency, location)
         for length in available:
             name = f"{section.name}, {1e3 * length:.6g} mm"
             if name in drawings:
-                raise where.error(("name",), "is there twice with this length.")
-            with where.error_context():
+                raise location.error(("name",), "is there twice with this length.")
+            with location.error_context():
                 drawings[name] = _product_muscle(section, base, length)
                 products[name] = _product(section, length)
-        missing = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
-        words = [*(word for word, value in missing.items() if value is None), "rubber and laws"]
-        borrowed.setdefault((base_name, ", ".join(words)), []).append(section.name)
-        if len(drawings) > _MOST_DRAWINGS:
-            raise location.error((), f"holds more than {_MOST_DRAWINGS} products and lengths.")
+        sizes = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
+        defaults = [*(size for size, value in sizes.items() if value is None), "rubber and laws"]
+        borrowed.setdefault((base_name, ", ".join(defaults)), []).append(section.name)
+        if len(drawings) > _MAX_DRAWINGS:
+            raise catalog.error((), f"holds more than {_MAX_DRAWINGS} products and lengths.")
     if len(currencies) > 1:
         rule = f"prices in {' and '.join(currencies)}: give all in one currency."
         raise list(currencies.values())[1].error((), rule)
     if not drawings:
-        raise location.error((), f"none of its products can be had: {' '.join(notes)}")
-    for (base_name, words), names in borrowed.items():
-        notes.append(f"of {', '.join(names)} {words} are taken from {base_name}.")
+        raise catalog.error((), f"none of its products is available: {' '.join(notes)}")
+    for (base_name, defaults), names in borrowed.items():
+        notes.append(f"{', '.join(names)}: {defaults} are taken from {base_name}.")
     return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
 
 
@@ -451,7 +448,7 @@ def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Mus
     wall = section.wall_thickness
     sizes = [key for key in _RADII if getattr(section, key) is not None]
     if len(sizes) != 1:
-        rule = ", outer_diameter or inner_diameter tells how wide it is"
+        rule = ", outer_diameter or inner_diameter is needed"
         remedy = f"give one of them, got {' and '.join(sizes) or 'none'}"
         raise InvalidInputError("outer_radius", rule, None, remedy)
     if section.inner_diameter is not None:
@@ -468,9 +465,9 @@ def _product_muscle(section: ProductSection, base: Muscle, length: float) -> Mus
 
 
 def _product(section: ProductSection, length: float) -> Product:
-    for key, (most, unit) in _MOST.items():
-        if getattr(section, key) is not None:
-            check_interval(getattr(section, key), 0.0, most, key, unit, closed=(False, True))
+    for key, (most, unit) in _MAX_VALUES.items():
+        if (value := getattr(section, key)) is not None:
+            check_interval(value, 0.0, most, key, unit, closed=(False, True))
     return Product(
         section.name,
         _total(section.price, section.price_per_length, length),
@@ -481,11 +478,9 @@ def _product(section: ProductSection, length: float) -> Product:
     )
 
 
-def _total(
-    fixed: Price | float | None, per_length: Price | float | None, length: float
-) -> float | None:
-    """A price or mass: a fixed part and one that grows with the length, if either is known."""
-    if fixed is None and per_length is None:
+def _total(fixed: Price | float | None, rate: Price | float | None, length: float) -> float | None:
+    """A price or mass: a fixed part and a rate per length, if one of them is known."""
+    if fixed is None and rate is None:
         return None
-    amounts = [x.amount if isinstance(x, Price) else x or 0.0 for x in (fixed, per_length)]
+    amounts = [x.amount if isinstance(x, Price) else x or 0.0 for x in (fixed, rate)]
     return amounts[0] + amounts[1] * length

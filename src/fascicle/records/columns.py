@@ -1,6 +1,6 @@
 """Roles and units of a table's columns, inferred from the header.
 
-A column is recognized by its name, in the words of this field, and by its unit: a
+A column is recognized by its name, in the terms of this field, and by its unit: a
 `contraction [mm]` is a displacement, a `contraction [%]` a strain. Every inference becomes a note
 of the record; an ambiguous header is refused.
 """
@@ -27,7 +27,7 @@ from .units import (
 
 OPTIONAL = ("time", "branch")  # a wrong guess of these doesn't stop the reading
 ROLES = ("pressure", "force", "strain", "length", "displacement", "time", "branch", "clipped")
-_WORDS = {
+_TERMS = {
     "pressure": ("pressure", "p", "press", "pgauge", "druck", "p gauge"),
     "force": ("force", "f", "load", "tension", "pull", "kraft", "thrust"),
     "strain": ("strain", "contraction", "contraction ratio", "eps", "epsilon", "ε", "kappa",
@@ -42,7 +42,7 @@ _WORDS = {
 }  # fmt: skip
 _DIMENSIONS = {"displacement": "length"}
 _LONGER = {"extension", "elongation"}  # these grow as the muscle lengthens
-# words for something else about a quantity than its reading
+# qualifiers of a column that holds something else than a quantity's readings
 _QUALIFIERS = {
     "setpoint", "target", "command", "commanded", "reference", "desired", "rate", "velocity",
     "speed", "std", "sd", "error", "uncertainty", "rest", "initial", "nominal", "rms", "work",
@@ -79,26 +79,26 @@ def choose_columns(
     `headers` and `units`, by role, overrule what the table's header says. Raises a `ValueError`
     for a column or a unit that is missing, unknown or ambiguous.
     """
-    found: dict[str, Column] = {}
+    chosen: dict[str, Column] = {}
     for role, header in headers.items():
-        found[role] = Column(role, _index_of(table, role, header), header)
-    taken = {column.index for column in found.values()}
+        chosen[role] = Column(role, _index_of(table, role, header), header)
+    used = {column.index for column in chosen.values()}
     for role in ROLES:
-        if role in found or (role in POSITIONS and any(p in found for p in POSITIONS)):
+        if role in chosen or (role in POSITIONS and any(p in chosen for p in POSITIONS)):
             continue
-        indices = _candidates(table, role, taken, units.get(role))
+        indices = _candidates(table, role, used, units.get(role))
         if len(indices) > 1 and role not in OPTIONAL:
             raise _ambiguous(table, role, indices)
         if len(indices) == 1:
-            found[role] = Column(role, indices[0], table.header[indices[0]])
-            taken.add(indices[0])
+            chosen[role] = Column(role, indices[0], table.header[indices[0]])
+            used.add(indices[0])
     for role in ("pressure", "force"):
-        if role not in found:
-            raise _missing(table, role, found)
-    if not any(role in found for role in POSITIONS):
-        raise _missing(table, "length", found)
+        if role not in chosen:
+            raise _missing(table, role, used)
+    if not any(role in chosen for role in POSITIONS):
+        raise _missing(table, "length", used)
     columns = {}
-    for role, column in found.items():
+    for role, column in chosen.items():
         try:
             columns[role] = _with_unit(table, column, units.get(role))
         except ValueError:
@@ -110,49 +110,51 @@ def choose_columns(
         for role in units
         if role not in columns
     ]
-    taken = {column.index for column in columns.values()}
+    used = {column.index for column in columns.values()}
     # a nameless last column is a trailing delimiter
-    unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in taken]
+    unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in used]
     if unread:
         notes.append(f"columns not read: {', '.join(unread)}")
     return columns, tuple(notes)
 
 
-def check_roles(mapping: Mapping[str, object], argument: str) -> None:
+def check_roles(mapping: Mapping[str, str], argument: str) -> None:
     """Refuse keys of a `mapping` that are no roles; `argument` names it in the error."""
     for role in mapping:
         if role not in ROLES:
-            near = difflib.get_close_matches(str(role), ROLES, n=1, cutoff=0.5)
-            hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(ROLES)}"
+            hint = _nearest(str(role), ROLES, '"') or f"choose one of {', '.join(ROLES)}"
             raise InvalidInputError(argument, f"has the unknown key {role!r}", role, hint, shown="")
+
+
+def _nearest(name: str, choices: Sequence[str], quote: str) -> str:
+    """A question for the most similar name; empty if none is similar."""
+    near = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
+    return f"did you mean {quote}{near[0]}{quote}?" if near else ""
 
 
 def _index_of(table: Table, role: str, header: str) -> int:
     """Index of the column that the caller named."""
-    target = header.strip().lower()
-    indices = [i for i, name in enumerate(table.header) if name.lower() == target]
+    target, names = header.strip().lower(), table.header
+    indices = [i for i, name in enumerate(names) if name.lower() == target]
     if not indices:
         indices = [
-            i
-            for i, name in enumerate(table.header)
-            if any(plain == target for plain, _ in _readings(name))
+            i for i, name in enumerate(names) if target in [plain for plain, _ in _readings(name)]
         ]
     if not indices:
-        names = [name for name in table.header if name]
-        near = difflib.get_close_matches(header, names, n=1, cutoff=0.5)
-        hint = f"did you mean `{near[0]}`?" if near else f"there are {_listed(names)}."
+        names = [name for name in names if name]
+        hint = _nearest(header, names, "`") or f"there are {_listed(names)}."
         raise ValueError(f"{table.where}: no column `{header}` for {role}: {hint}")
     if len(indices) > 1:
         raise _ambiguous(table, role, indices)
     return indices[0]
 
 
-def _candidates(table: Table, role: str, taken: set[int], unit: str | None) -> list[int]:
+def _candidates(table: Table, role: str, used: set[int], unit: str | None) -> list[int]:
     """Indices of the columns that could have a role."""
     scores = {
         i: _score(header, table.units[i] or unit or "", role)
         for i, header in enumerate(table.header)
-        if header and i not in taken
+        if header and i not in used
     }
     best = max(scores.values(), default=0)
     return [i for i, score in scores.items() if score == best > 0]
@@ -170,29 +172,29 @@ def _score(header: str, unit: str, role: str) -> int:
                 continue
         elif role == "displacement" and name in {"contraction", "shortening", *_LONGER, "x"}:
             continue  # without a unit these are strains, and x is anything
-        words = set(name.split())
-        if name in _WORDS[role]:
+        terms = set(name.split())
+        if name in _TERMS[role]:
             best = 2
-        elif not words & _QUALIFIERS and words & {w for w in _WORDS[role] if len(w) > 1}:
+        elif not terms & _QUALIFIERS and terms & {term for term in _TERMS[role] if len(term) > 1}:
             best = max(best, 1)
     return best
 
 
 def _readings(header: str) -> list[tuple[str, str]]:
-    """Possible meanings of a header: its name in plain words, and the unit that follows it."""
-    found = []
+    """Possible meanings of a header: its name in lower case, and its unit."""
+    readings = []
     brackets = re.findall(r"[\[({<]([^\[\](){}<>]*(?:\([ga]\))?)[\])}>]", header)
     outside = re.sub(r"[\[({<].*?[\])}>]+", " ", header) if brackets else header
     units = [text for text in brackets if is_unit(text)]
     if brackets:
         # a bracket that is no unit may be a misspelled one, or a remark
-        found.append((_plain(outside), (units or brackets)[-1].strip()))
+        readings.append((_plain(outside), (units or brackets)[-1].strip()))
     for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)", r"(.+)[_\s]+(\S+)"):
         match = re.fullmatch(pattern, outside.strip())
         if match and is_unit(match[2]) and not units:
-            found.append((_plain(match[1]), strip_brackets(match[2])))
-    understood = any(is_unit(unit) for _, unit in found)
-    return found if understood else [*found, (_plain(outside), "")]
+            readings.append((_plain(match[1]), strip_brackets(match[2])))
+    has_unit = any(is_unit(unit) for _, unit in readings)
+    return readings if has_unit else [*readings, (_plain(outside), "")]
 
 
 def _plain(text: str) -> str:
@@ -209,8 +211,8 @@ def _with_unit(table: Table, column: Column, override: str | None) -> Column:
     dimension = _DIMENSIONS.get(column.role, column.role)
     units = [unit for _, unit in readings if unit]
     units.sort(key=lambda unit: not is_unit(unit, (dimension,)))
-    own_unit = row_unit or next(iter(units), "")
-    unit = override or own_unit or None
+    header_unit = row_unit or next(iter(units), "")
+    unit = override or header_unit or None
     where = f"{table.where}, column `{header}`"
     if unit is None and column.role in USUAL_UNITS:
         if column.role == "time":
@@ -226,8 +228,8 @@ def _with_unit(table: Table, column: Column, override: str | None) -> Column:
         if column.role != "strain" or override is not None or is_unit(unit or ""):
             raise _wrong_unit(where, column.role, unit or "", dimension, error) from None
         unit, factor = "", 1.0
-    known = is_unit(own_unit) or is_absolute(own_unit)
-    meant = own_unit if known else weight_unit(own_unit, dimension)
+    is_valid = is_unit(header_unit) or is_absolute(header_unit)
+    meaning = header_unit if is_valid else weight_unit(header_unit, dimension)
     longer = any(set(name.split()) & _LONGER for name, _ in readings)
     return replace(
         column,
@@ -235,7 +237,7 @@ def _with_unit(table: Table, column: Column, override: str | None) -> Column:
         unit=unit or "",
         factor=factor,
         sign=-1 if longer and column.role in {"strain", "displacement"} else 1,
-        replaced_unit=own_unit if override and meant not in ("", override) else "",
+        replaced_unit=header_unit if override and meaning not in ("", override) else "",
     )
 
 
@@ -264,17 +266,16 @@ def _ambiguous(table: Table, role: str, indices: Sequence[int]) -> ValueError:
     return MissingMetadataError(how, "columns", role, names[0], ".")
 
 
-def _missing(table: Table, role: str, found: Mapping[str, Column]) -> ValueError:
-    what = "length, strain or displacement" if role == "length" else role
-    taken = {column.index for column in found.values()}
-    left = [name for i, name in enumerate(table.header) if name and i not in taken]
-    none = f"{table.where}: no column of {what} found: "
-    if not left:
-        return ValueError(f"{none}add it, such as `{role} [{USUAL_UNITS[role]}]`.")
-    after = f" if it is one of {_listed(left)}."
-    return MissingMetadataError(f"{none}name it with ", "columns", role, left[0], after)
+def _missing(table: Table, role: str, used: set[int]) -> ValueError:
+    quantity = "length, strain or displacement" if role == "length" else role
+    names = [name for i, name in enumerate(table.header) if name and i not in used]
+    message = f"{table.where}: no column of {quantity} found: "
+    if not names:
+        return ValueError(f"{message}add it, such as `{role} [{USUAL_UNITS[role]}]`.")
+    after = f" if it is one of {_listed(names)}."
+    return MissingMetadataError(f"{message}name it with ", "columns", role, names[0], after)
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = ", ".join(f"`{name}`" for name in names[:8])
-    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown
+    text = ", ".join(f"`{name}`" for name in names[:8])
+    return f"{text} and {len(names) - 8} more" if len(names) > 8 else text

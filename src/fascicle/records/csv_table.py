@@ -4,7 +4,7 @@ Commas, semicolons or tabs; a byte order mark, Windows' line ends, decimal comma
 `#`; titles above the header, and a row of units below it.
 
 pandas reads a regular table. A table with gaps, remarks between its rows or a bad cell is read
-again row by row, to skip what is empty and to name the line of what is wrong.
+again row by row, to skip empty rows and to name the line of a bad cell.
 """
 
 import csv
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MAX_ROWS = 20_000_000  # five hours at a kilohertz
 _LONGEST_LINE = 100_000  # bytes: what is longer is no header
 _LONGEST_NAME = 100  # characters of a column's name
-_HEADER_LINES = 60  # lines in which the header is looked for
+_HEADER_LINES = 60  # lines in which the header may stand
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0\u202f]\d{3})+(?:[.,]\d+)?", re.ASCII)
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
@@ -38,12 +38,12 @@ class Cells:
     """Columns of a table, by index in the header.
 
     - `numbers`: as the file writes them.
-    - `words`: as categories.
+    - `texts`: as categories.
     - `lines`: the file's line of each row.
     """
 
     numbers: dict[int, np.ndarray]
-    words: dict[int, "pd.Categorical"]
+    texts: dict[int, "pd.Categorical"]
     lines: np.ndarray
 
 
@@ -52,10 +52,10 @@ class Table:
     """A file with its header read, and its cells still as text.
 
     - `source`: the file's name in errors.
-    - `header`: the columns' names; `line`: where they stand.
+    - `header`: the columns' names; `line`: their line.
     - `units`: from a row of units below the header, or empty.
     - `remarks`: lines after `#` above the header; `titles`: other lines above it.
-    - `delimiter`, `decimal`: the signs between and in the cells.
+    - `delimiter`, `decimal`: the signs between cells and in numbers.
     - `body`: the rows; `first`: the line of the first one.
     """
 
@@ -72,15 +72,15 @@ class Table:
 
     @property
     def where(self) -> str:
-        """The header's place, for messages."""
+        """File and line of the header, for messages."""
         return f"{self.source}, line {self.line}"
 
-    def read(self, numbers: Sequence[int], words: Sequence[int]) -> Cells:
-        """Read the columns with indices `numbers` as finite floats, those in `words` as text.
+    def read(self, numbers: Sequence[int], texts: Sequence[int]) -> Cells:
+        """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
 
-        Raises a `ValueError` with line and column for the first cell that is wrong.
+        Raises a `ValueError` with line and column for the first bad cell.
         """
-        cells = self._read_regular(numbers, words) or self._read_rows(numbers, words)
+        cells = self._read_regular(numbers, texts) or self._read_rows(numbers, texts)
         if not cells.lines.size:
             raise ValueError(f"{self.source}: no readings below the header in line {self.line}.")
         return cells
@@ -89,13 +89,13 @@ class Table:
         """The error for a cell that breaks a `rule`."""
         return ValueError(f"{self.source}, line {line}, column `{self.header[column]}`: {rule}")
 
-    def _read_regular(self, numbers: Sequence[int], words: Sequence[int]) -> Cells | None:
-        """All rows at once, or `None` if they aren't all regular."""
+    def _read_regular(self, numbers: Sequence[int], texts: Sequence[int]) -> Cells | None:
+        """All rows read by pandas, or `None` if they aren't regular."""
         import pandas as pd
 
         body, width = self.body.rstrip(), len(self.header)
         rows = body.count(b"\n") + 1
-        # pandas fills short rows: rows without an odd cell have this many delimiters in all
+        # pandas fills short rows: regular rows have this many delimiters in all
         regular = body.count(self.delimiter.encode()) == rows * (width - 1)
         if not regular or b"#" in body or not body:
             return None
@@ -109,21 +109,21 @@ class Table:
             )  # fmt: skip
         except (ValueError, OverflowError):
             return None
-        # the last name takes a cell too many
+        # a row with a cell too many fills the last column
         if len(frame) != rows or any(map(str, frame[width].cat.categories)):
             return None
         if not np.isfinite(frame[list(numbers)].to_numpy()).all():
             return None
         return Cells(
             {i: frame[i].to_numpy() for i in numbers},
-            {i: frame[i].cat.rename_categories(str).array for i in words},
+            {i: frame[i].cat.rename_categories(str).array for i in texts},
             np.arange(self.first, self.first + rows),
         )
 
-    def _read_rows(self, numbers: Sequence[int], words: Sequence[int]) -> Cells:
+    def _read_rows(self, numbers: Sequence[int], texts: Sequence[int]) -> Cells:
         import pandas as pd
 
-        columns: dict[int, list[Any]] = {i: [] for i in (*numbers, *words)}
+        columns: dict[int, list[Any]] = {i: [] for i in (*numbers, *texts)}
         lines = []
         text = io.StringIO(self.body.decode(), newline="")
         uncommented = ("\n" if line.lstrip().startswith("#") else line for line in text)
@@ -133,29 +133,28 @@ class Table:
                 line = self.first + rows.line_num - 1
                 if not any(cell.strip() for cell in row):
                     continue
-                if len(row) != len(self.header):
-                    raise ValueError(self._row_length_message(len(row), line))
+                if (count := len(row)) != (width := len(self.header)):
+                    remedy = "quote or drop the odd ones"
+                    if self.delimiter == "," and width < count <= 2 * width:
+                        remedy = (
+                            "if its decimals stand after commas, part the columns by semicolons"
+                        )
+                    cells = f"{count} cell{'' if count == 1 else 's'}"
+                    message = f"{cells}, where the header has {width}: {remedy}."
+                    raise ValueError(f"{self.source}, line {line}: {message}")
                 lines.append(line)
                 for i in numbers:
                     columns[i].append(self._number(row[i], line, i))
-                for i in words:
+                for i in texts:
                     columns[i].append(row[i].strip())
         except csv.Error as error:
             line = self.first + rows.line_num - 1
             raise ValueError(f"{self.source}, line {line}: no row of a table: {error}.") from None
         return Cells(
             {i: np.array(columns[i], dtype=float) for i in numbers},
-            {i: pd.Categorical(columns[i]) for i in words},
+            {i: pd.Categorical(columns[i]) for i in texts},
             np.array(lines, dtype=int),
         )
-
-    def _row_length_message(self, cells: int, line: int) -> str:
-        width = len(self.header)
-        remedy = "quote or drop the odd ones"
-        if self.delimiter == "," and width < cells <= 2 * width:
-            remedy = "if its decimals stand after commas, part the columns by semicolons"
-        counted = f"{cells} cell{'' if cells == 1 else 's'}"
-        return f"{self.source}, line {line}: {counted}, where the header has {width}: {remedy}."
 
     def _number(self, cell: str, line: int, column: int) -> float:
         text = cell.strip()
@@ -167,18 +166,18 @@ class Table:
                 return value
         if text.lower().lstrip("+-") in _NO_VALUE:
             raise self.cell_error(line, column, f"{text} is no reading: drop the line.")
-        shown = text if len(text) <= 30 else text[:27] + "…"
+        excerpt = text if len(text) <= 30 else text[:27] + "…"
         hint = ": write the decimals after a point" if _DECIMAL_COMMA.fullmatch(text) else ""
         if _THOUSANDS.fullmatch(text):
             hint = ": write it without signs between thousands"
-        raise self.cell_error(line, column, f"{shown!r} is no finite number{hint}.")
+        raise self.cell_error(line, column, f"{excerpt!r} is no finite number{hint}.")
 
 
 def open_table(raw: bytes, source: str, header_line: int | None = None) -> Table:
-    """Read the header of a table from the `raw` bytes of a file; its cells stay unread.
+    """Read the header of a table from the `raw` bytes of a file; its cells stay text.
 
-    `source` names the file in errors; `header_line` is the header's line, counted from 1, and is
-    looked for if left out. Raises a `ValueError` for anything but a table.
+    `source` names the file in errors; `header_line` is the header's line, counted from 1;
+    default: it is inferred. Raises a `ValueError` for anything but a table.
     """
     raw = _to_utf8(raw, source)
     lines, remarks = _first_lines(raw, source)
@@ -270,7 +269,7 @@ def _count_titles(lines: Sequence[str]) -> int:
 
 
 def _to_utf8(raw: bytes, source: str) -> bytes:
-    """`raw` as UTF-8 with plain line ends, whatever the instrument wrote."""
+    """`raw` as UTF-8 with plain line ends, from any encoding of instruments."""
     if raw[:2] in {b"\xff\xfe", b"\xfe\xff"}:
         raw = raw.decode("utf-16", errors="replace").encode()
     raw = raw.removeprefix(b"\xef\xbb\xbf")
@@ -280,7 +279,7 @@ def _to_utf8(raw: bytes, source: str) -> bytes:
         try:
             raw.decode()
         except UnicodeDecodeError:
-            raw = raw.decode("latin-1").encode()  # older Windows programs
+            raw = raw.decode("latin-1").encode()  # of older Windows programs
     if b"\n" not in raw:
         raw = raw.replace(b"\r", b"\n")
     return raw if raw.endswith(b"\n") else raw + b"\n"

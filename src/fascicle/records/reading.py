@@ -1,6 +1,6 @@
 """From a dynamometer's file, and the TOML file beside it, to a checked `Record`.
 
-The TOML file, or `sidecar`, says what the table's header can't:
+The TOML file, or `sidecar`, holds what the table's header can't:
 
 ```toml
 rest_length = "300 mm"
@@ -10,10 +10,10 @@ source = "who measured it, and when"
 notes = ["what was measured, and how"]
 synthetic = false
 
-[columns]                             # where a header isn't recognized
+[columns]                             # a header that isn't recognized
 force = "Load cell 2"
 
-[units]                               # where a header has none
+[units]                               # a unit that no header has
 force = "N"
 
 [signs]
@@ -22,28 +22,23 @@ strain = "extension positive"         # or "contraction positive"; displacement 
 ```
 """
 
-import difflib
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, StrictStr, ValidationError
 
 from ..core.errors import InvalidInputError
 from ..core.validation import to_si
 from ..io.input_file import read_bytes
 from ..io.toml import parse_toml
+from ..table_model import Quantity, TableModel, validation_message
 from ..units import parse, pretty
-from .columns import (
-    OPTIONAL,
-    MissingMetadataError,
-    check_roles,
-    choose_columns,
-)
+from .columns import OPTIONAL, MissingMetadataError, check_roles, choose_columns
 from .csv_table import Cells, Table, open_table
 from .record import DOWN, UNKNOWN, UP, Record, Source, join
 from .units import (
@@ -58,7 +53,7 @@ from .units import (
 
 
 LARGEST_FILE = 1_000_000_000  # bytes
-_LARGEST_SIDECAR = 1_000_000  # bytes
+_MAX_SIDECAR_SIZE = 1_000_000  # bytes
 _STRETCHED = -1e-3  # strain: a gauge's zero is off by that much
 
 _BRANCHES = {
@@ -74,39 +69,58 @@ _FLAGS = {
     **dict.fromkeys(("1", "1.0", "true", "yes", "y", "x", "clipped", "censored"), True),
     **dict.fromkeys(("0", "0.0", "false", "no", "n", "", "-", "ok"), False),
 }
-_WORD_ROLES = ("branch", "clipped")
+_TEXT_ROLES = ("branch", "clipped")
 _NUMBER = re.compile(r"[+−-]?\d+(?:\.\d*)?", re.ASCII)
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
-_CONTRACTION = {"contraction positive": 1, "extension positive": -1}
-_SIGNS = {
-    "force": {"pulling positive": 1, "pushing positive": -1},
-    "strain": _CONTRACTION,
-    "displacement": _CONTRACTION,
-}
-_SIDECAR_KEYS = ("rest_length", "displacement_at_rest", "clipped_at_zero", "columns", "units",
-                 "signs", "synthetic", "source", "notes")  # fmt: skip
+_NEGATIVE = ("pushing positive", "extension positive")
 
 
-@dataclass(frozen=True)
-class Sidecar:
+def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
+    check_roles(table, str(info.field_name))
+    return table
+
+
+Contraction = Literal["contraction positive", "extension positive"]
+Notes = Annotated[
+    list[StrictStr], BeforeValidator(lambda note: [note] if isinstance(note, str) else note)
+]
+TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
+
+
+class Signs(TableModel):
+    """`[signs]`: the direction in which the file counts."""
+
+    force: Literal["pulling positive", "pushing positive"] | None = None
+    strain: Contraction | None = None
+    displacement: Contraction | None = None
+
+    def sign(self, role: str) -> int | None:
+        """1 or −1 for a role, or `None`."""
+        direction = getattr(self, role, None)
+        return None if direction is None else -1 if direction in _NEGATIVE else 1
+
+
+class Sidecar(TableModel):
     """Information about a table that its header doesn't hold.
 
     - `rest_length`: reference length of the strains [m].
     - `displacement_at_rest`: the displacement's reading there [m].
     - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
-    - `columns`, `units`: headers and units by role; `signs`: 1 or −1 by role.
+    - `columns`, `units`: headers and units by role.
+    - `signs`: directions of force, strain and displacement.
     - `synthetic`: true for readings of a model.
-    - `notes`: remarks, the source among them.
+    - `source`, `notes`: remarks.
     """
 
-    rest_length: float | None = None
-    displacement_at_rest: float | None = None
-    clipped_at_zero: bool | None = None
-    columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    signs: Mapping[str, int] = field(default_factory=dict)
-    synthetic: bool = False
-    notes: tuple[str, ...] = ()
+    rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
+    displacement_at_rest: Annotated[float, Quantity("length")] | None = None
+    clipped_at_zero: StrictBool | None = None
+    columns: TextsByRole = Field(default_factory=dict)
+    units: TextsByRole = Field(default_factory=dict)
+    signs: Signs = Signs()
+    synthetic: StrictBool = False
+    source: StrictStr | None = None
+    notes: Notes = Field(default_factory=list)
 
 
 def load(
@@ -125,16 +139,16 @@ def load(
 
     **Arguments:**
 
-    - `path`: the CSV file, or several of one muscle [-].
+    - `path`: the CSV file, or several of one muscle.
     - `columns`: headers of columns that aren't recognized, by role: pressure, force, strain,
-      length, displacement, time, branch, clipped [-].
-    - `units`: units of columns whose header has none, by role [-].
+      length, displacement, time, branch, clipped.
+    - `units`: units of columns whose header has none, by role.
     - `rest_length`: reference length of the strains [m]; lengths and displacements need it.
-    - `clipped_at_zero`: true if forces of exactly zero are clipped readings [-].
-    - `header`: line of the columns' names, counted from 1 [-]; default: it is looked for.
-    - `sidecar`: the TOML file [-]; default: the one of the table's name, if there is one.
+    - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
+    - `header`: line of the columns' names, counted from 1; default: it is inferred.
+    - `sidecar`: the TOML file; default: the one of the table's name, if there is one.
 
-    **Returns:** the record [SI].
+    **Returns:** the record.
 
     **Raises:** `OSError` if a file can't be read; `ValueError`, in one line with file, line and
     column, for contents that aren't valid.
@@ -171,15 +185,11 @@ def loads(
 
     **Arguments:**
 
-    - `text`: the table [-].
-    - `source`: its name in errors [-].
-    - `columns`: as for `load` [-].
-    - `units`: as for `load` [-].
-    - `rest_length`: as for `load` [m].
-    - `clipped_at_zero`: as for `load` [-].
-    - `header`: as for `load` [-].
+    - `text`: the table.
+    - `source`: its name in errors.
+    - `columns`, `units`, `rest_length`, `clipped_at_zero`, `header`: as for `load`.
 
-    **Returns:** the record [SI].
+    **Returns:** the record.
 
     **Raises:** `ValueError` as `load`.
     """
@@ -188,8 +198,36 @@ def loads(
 
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
-    """Read a sidecar file; `ValueError` names file and key of what isn't valid."""
-    return _check_sidecar(_sidecar_tables(Path(path)), str(path))
+    """Read a sidecar file; `ValueError` names file and key of an invalid value."""
+    return _validate_sidecar(_sidecar_tables(Path(path)), str(path))
+
+
+def _sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
+    """The sidecar of a table's own name, empty if there is none, and a note of it."""
+    toml = path.with_suffix(".toml")
+    if toml == path or not toml.is_file():
+        return Sidecar(), ()
+    data = _sidecar_tables(toml)
+    if {"muscle", "bundle"} & set(data):
+        # a calibrated muscle's file may have its record's name
+        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
+    return _validate_sidecar(data, str(toml)), (f"{toml.name} beside it read",)
+
+
+def _sidecar_tables(path: Path) -> dict[str, Any]:
+    raw = read_bytes(path, _MAX_SIDECAR_SIZE, "record's TOML")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
+    return parse_toml(text, str(path))
+
+
+def _validate_sidecar(data: dict[str, Any], source: str) -> Sidecar:
+    try:
+        return Sidecar.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(validation_message(error, source, data, Sidecar)) from None
 
 
 def _overrule(
@@ -202,24 +240,26 @@ def _overrule(
     """The sidecar's information, overruled by the caller's."""
     for argument, mapping in (("columns", columns or {}), ("units", units or {})):
         check_roles(mapping, argument)
+    changes: dict[str, Any] = {
+        "columns": {**info.columns, **(columns or {})},
+        "units": {**info.units, **(units or {})},
+    }
     rest_length = to_si(rest_length, "rest_length", "m")
-    if rest_length is not None and not (np.isfinite(rest_length) and rest_length > 0):
-        rule, shown = "must be positive and finite", f"{rest_length} m"
-        raise InvalidInputError("rest_length", rule, rest_length, shown=shown)
-    return replace(
-        info,
-        rest_length=info.rest_length if rest_length is None else float(rest_length),
-        clipped_at_zero=info.clipped_at_zero if clipped_at_zero is None else clipped_at_zero,
-        columns={**info.columns, **(columns or {})},
-        units={**info.units, **(units or {})},
-    )
+    if rest_length is not None:
+        if not (np.isfinite(rest_length) and rest_length > 0):
+            rule, shown = "must be positive and finite", f"{rest_length} m"
+            raise InvalidInputError("rest_length", rule, rest_length, shown=shown)
+        changes["rest_length"] = float(rest_length)
+    if clipped_at_zero is not None:
+        changes["clipped_at_zero"] = clipped_at_zero
+    return info.model_copy(update=changes)
 
 
 def _read_record(
     raw: bytes, source: str, name: str, info: Sidecar, notes: tuple[str, ...], header: int | None
 ) -> Record:
     table = open_table(raw, source, header)
-    columns, guesses = choose_columns(table, info.columns, info.units)
+    columns, column_notes = choose_columns(table, info.columns, info.units)
     above = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, above) if match]
     rest, rest_notes = _rest_length(table, info, dict(remarks))
@@ -234,7 +274,7 @@ def _read_record(
     for column in misread:
         del columns[column.role]
         note = f"column `{column.header}` not read as {column.role}: it holds something else"
-        guesses = (*(guess for guess in guesses if guess != column.note()), note)
+        column_notes = (*(text for text in column_notes if text != column.note()), note)
 
     def cell_error(row: int, column: Column, rule: str) -> ValueError:
         return table.cell_error(int(cells.lines[row]), column.index, rule)
@@ -242,13 +282,14 @@ def _read_record(
     raws = {
         role: cells.numbers[column.index]
         for role, column in columns.items()
-        if role not in _WORD_ROLES
+        if role not in _TEXT_ROLES
     }
-    force = to_si_units(raws["force"], columns["force"].factor) * info.signs.get("force", 1)
-    pressure, doubts = check_pressures(columns["pressure"], raws["pressure"], force, cell_error)
-    doubts += check_forces(columns["force"], raws["force"], force, pressure, cell_error)
-    strain, stretched = _strain(position, raws[position.role], rest or np.nan, info, cell_error)
-    censored, clipped = _censored(table, cells, columns.get("clipped"), force, info)
+    force = to_si_units(raws["force"], columns["force"].factor) * (info.signs.sign("force") or 1)
+    pressure, warnings = check_pressures(columns["pressure"], raws["pressure"], force, cell_error)
+    top = float(np.max(pressure))
+    warnings += check_forces(columns["force"], raws["force"], force, top, cell_error)
+    strain, strain_notes = _strain(position, raws[position.role], rest or np.nan, info, cell_error)
+    censored, clip_notes = _censored(table, cells, columns.get("clipped"), force, info)
     branch = np.full(force.size, UNKNOWN, dtype=np.int8)
     if "branch" in columns:
         branch = _meanings(table, cells, columns["branch"], _BRANCHES, "up or down")
@@ -257,11 +298,12 @@ def _read_record(
         time = to_si_units(raws["time"], columns["time"].factor)
         back = np.flatnonzero(np.diff(time) < 0)
         if back.size:
-            doubts += (f"time goes back in line {cells.lines[back[0] + 1]}",)
-    own = tuple(f"{key}: {text}" for key, text in remarks if key in {"source", "note"})
+            warnings += (f"time goes back in line {cells.lines[back[0] + 1]}",)
+    texts = [] if info.source is None else [f"source: {info.source}"]
     all_notes = (
-        *notes, *_title_note(table), *guesses, *rest_notes, *stretched, *clipped, *doubts,
-        *info.notes, *own,
+        *notes, *_title_note(table), *column_notes, *rest_notes, *strain_notes, *clip_notes,
+        *warnings, *(" ".join(text.split()) for text in [*texts, *info.notes]),
+        *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
     )  # fmt: skip
     return Record(
         pressure, strain, force, censored, branch.astype(np.int8), time, rest,
@@ -274,26 +316,26 @@ def _read_record(
 def _read_cells(
     table: Table, columns: Mapping[str, Column], info: Sidecar
 ) -> tuple[Cells, list[Column]]:
-    """The columns' cells, and guessed optional columns that hold something else."""
+    """The columns' cells, and inferred optional columns that hold something else."""
 
     def read(roles: Sequence[str]) -> Cells:
-        words = [columns[role].index for role in roles if role in _WORD_ROLES]
-        return table.read([columns[r].index for r in roles if r not in _WORD_ROLES], words)
+        texts = [columns[role].index for role in roles if role in _TEXT_ROLES]
+        return table.read([columns[r].index for r in roles if r not in _TEXT_ROLES], texts)
 
     named = {*info.columns, *info.units}
-    guessed = [role for role in OPTIONAL if role in columns and role not in named]
+    inferred = [role for role in OPTIONAL if role in columns and role not in named]
     misread = []
-    if "branch" in guessed:
+    if "branch" in inferred:
         column = columns["branch"]
-        words = read(["branch"]).words[column.index].categories
-        # sweeps that are counted: numbers other than those of branches
-        if all(map(_NUMBER.fullmatch, words)) and not set(words) <= set(_BRANCHES):
+        texts = read(["branch"]).texts[column.index].categories
+        # numbers other than those of branches count the sweeps
+        if all(map(_NUMBER.fullmatch, texts)) and not set(texts) <= set(_BRANCHES):
             misread.append(column)
     roles = [role for role, column in columns.items() if column not in misread]
     try:
         return read(roles), misread
     except ValueError:
-        if "time" not in guessed:
+        if "time" not in inferred:
             raise
     misread.append(columns["time"])
     return read([role for role in roles if role != "time"]), misread
@@ -335,7 +377,7 @@ def _strain(
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     """Contraction, from a column of strains, displacements or lengths."""
     values = to_si_units(raw, column.factor)
-    sign = info.signs.get(column.role, info.signs.get("strain", column.sign))
+    sign = info.signs.sign(column.role) or info.signs.sign("strain") or column.sign
     if column.role == "strain":
         strain = values * sign
     elif column.role == "displacement":
@@ -346,7 +388,7 @@ def _strain(
             rule = f"{raw[wrong[0]]:g} is no length of a muscle"
             if raw[wrong[0]] == 0:
                 option = f'columns {{"displacement": "{column.header}"}}'
-                rule += f": if it counts from rest, say so with {option}"
+                rule += f": if it counts from rest, give {option}"
             raise cell_error(int(wrong[0]), column, f"{rule}.")
         strain = (rest - values) / rest
     check_strains(column, raw, strain, cell_error)
@@ -377,93 +419,12 @@ def _censored(
 def _meanings(
     table: Table, cells: Cells, column: Column, meanings: Mapping[str, int], rule: str
 ) -> np.ndarray:
-    """The meaning of the word in each cell of a column."""
-    words = cells.words[column.index]
-    values = [meanings.get(word.strip().lower()) for word in words.categories]
-    for code, value in enumerate(values):
-        if value is None:
-            line = int(cells.lines[int(np.argmax(words.codes == code))])
-            word = words.categories[code]
-            raise table.cell_error(line, column.index, f"{word!r} isn't known: write {rule}.")
-    return np.array(values, dtype=int)[words.codes]
-
-
-def _sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
-    """The sidecar of a table's own name, empty if there is none, and a note of it."""
-    toml = path.with_suffix(".toml")
-    if toml == path or not toml.is_file():
-        return Sidecar(), ()
-    data = _sidecar_tables(toml)
-    if {"muscle", "bundle"} & set(data):
-        # a calibrated muscle may well stand beside its data, under the same name
-        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
-    return _check_sidecar(data, str(toml)), (f"{toml.name} beside it read",)
-
-
-def _sidecar_tables(path: Path) -> dict[str, Any]:
-    raw = read_bytes(path, _LARGEST_SIDECAR, "record's TOML")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not a text file; this one is TOML in UTF-8.") from None
-    return parse_toml(text, str(path))
-
-
-def _check_sidecar(data: dict[str, Any], source: str) -> Sidecar:
-    for key in data:
-        _check_known(key, _SIDECAR_KEYS, f"{source}: {key}")
-    lengths: dict[str, float] = {}
-    for key in ("rest_length", "displacement_at_rest"):
-        if key in data:
-            try:
-                lengths[key] = parse(data[key], "length", key)
-            except ValueError as error:
-                raise ValueError(f"{source}: {key}: {error}") from None
-    if lengths.get("rest_length", 1) <= 0:
-        raise ValueError(f"{source}: rest_length = {data['rest_length']!r}: must be positive.")
-    for key in ("clipped_at_zero", "synthetic"):
-        if not isinstance(data.get(key, False), bool):
-            raise ValueError(f"{source}: {key} = {data[key]!r}: must be true or false.")
-    tables = {}
-    for key in ("columns", "units", "signs"):
-        tables[key] = table = data.get(key, {})
-        if not isinstance(table, dict) or not all(isinstance(x, str) for x in table.values()):
-            rule = 'must be a table of names in quotes, such as force = "N".'
-            raise ValueError(f"{source}: {key}: {rule}")
-    signs = {}
-    for role, sign in tables["signs"].items():
-        _check_known(role, _SIGNS, f"{source}: signs.{role}")
-        _check_known(sign, _SIGNS[role], f"{source}: signs.{role} = {sign!r}")
-        signs[role] = _SIGNS[role][sign]
-    try:
-        for key in ("columns", "units"):
-            check_roles(tables[key], key)
-    except ValueError as error:
-        raise ValueError(f"{source}: {error}") from None
-    return Sidecar(
-        **lengths,
-        columns=tables["columns"],
-        units=tables["units"],
-        signs=signs,
-        clipped_at_zero=data.get("clipped_at_zero"),
-        synthetic=data.get("synthetic", False),
-        notes=_sidecar_notes(data, source),
-    )
-
-
-def _sidecar_notes(data: dict[str, Any], source: str) -> tuple[str, ...]:
-    notes = data.get("notes", [])
-    notes = [notes] if isinstance(notes, str) else notes
-    texts = [data["source"]] if "source" in data else []
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in [*notes, *texts]):
-        raise ValueError(f"{source}: source and notes must be texts in quotes.")
-    notes = [*(f"source: {text}" for text in texts), *notes]
-    return tuple(" ".join(note.split()) for note in notes)
-
-
-def _check_known(name: str, choices: Iterable[str], where: str) -> None:
-    known = list(choices)
-    if name not in known:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-        hint = f'did you mean "{near[0]}"?' if near else f"choose one of {', '.join(known)}."
-        raise ValueError(f"{where}: unknown, {hint}")
+    """The meaning of the text in each cell of a column."""
+    texts = cells.texts[column.index]
+    values = [meanings.get(text.strip().lower()) for text in texts.categories]
+    if None in values:
+        code = values.index(None)
+        line = int(cells.lines[int(np.argmax(texts.codes == code))])
+        rule = f"{texts.categories[code]!r} isn't known: write {rule}."
+        raise table.cell_error(line, column.index, rule)
+    return np.array(values, dtype=int)[texts.codes]

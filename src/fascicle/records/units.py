@@ -1,15 +1,14 @@
 """Units of a table's columns: spellings of instruments, and checks of the numbers against them.
 
-`fascicle.units` reads a quantity strictly, since a person has just typed it. A header comes from
-an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are understood here as well. An
-absolute pressure is refused.
+`fascicle.units` reads quantities strictly, since a person types them. A header comes from an
+instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are understood here as well. An absolute
+pressure is refused.
 
-A column of pressures in kPa under `pressure [Pa]` is no error that a parser sees, but a fit would
-give a muscle a thousand times too strong. So readings must lie where muscles do: gauge pressures
-up to 1 MPa, contractions from −0.2 to 0.9, and a force that a muscle's cross section can bear.
+Pressures in kPa under `pressure [Pa]` can be parsed, but a fit would give a muscle a thousand times
+too strong. So readings must lie in the range of muscles: gauge pressures up to 1 MPa, contractions
+from −0.2 to 0.9, and a force that a muscle's cross section can bear.
 """
 
-import functools
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,15 +19,15 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..units import DIMENSIONS, parse
 
 
-POSITIONS = ("strain", "length", "displacement")  # one is enough: the first that is there
+POSITIONS = ("strain", "length", "displacement")  # the first of them in a table is read
 USUAL_UNITS = {
     "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
 }  # fmt: skip
 STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
-_LOWEST = 2e3  # Pa: a record that never gets there, but pulls, is in another unit
-_WIDEST = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a fifth of it
+_MIN_PRESSURE = 2e3  # Pa: a record that stays below, but pulls, is in another unit
+_MAX_AREA = 0.05  # m²: the largest muscles reach 6 kN at 0.6 MPa, a fifth of it
 _NOISE = (0.02, 5e3)  # of the highest pressure, and Pa: a transducer's zero may be off by that
-_NEARLY_NO_FORCE = 1.0  # N: too little to infer a unit from
+_MIN_FORCE = 1.0  # N: less is too little to infer a unit from
 _TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 _DIMENSIONLESS = {"", "-", "1", "mm/mm", "m/m", "in/in", "fraction", "ratio", "dimensionless"}
 # other spellings, in lower case, of the units that `fascicle.units` or `_TIME` know
@@ -72,7 +71,7 @@ _SUGGESTIONS = {"pressure": ("kPa", "bar", "psi", "Pa", "MPa"), "force": ("N", "
 class Column:
     """A column to read.
 
-    - `role`: what it holds, such as "pressure".
+    - `role`: its quantity, such as "pressure".
     - `index`: its position in the header; `header`: its name there.
     - `unit`: as written; `factor`: SI units in it.
     - `sign`: −1 if the file counts the other way.
@@ -88,12 +87,12 @@ class Column:
     replaced_unit: str = ""
 
     def note(self) -> str:
-        """Describe how the column is read."""
+        """Description of how the column is read."""
         has_unit = self.role in {*POSITIONS, *USUAL_UNITS}
         unit = f" in {self.unit or 'fractions'}" if has_unit else ""
-        turned = ", its sign turned" if self.sign < 0 else ""
-        instead = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
-        return f"column `{self.header}` read as {self.role}{unit}{instead}{turned}"
+        replaced = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
+        sign = ", its sign turned" if self.sign < 0 else ""
+        return f"column `{self.header}` read as {self.role}{unit}{replaced}{sign}"
 
 
 CellError = Callable[[int, Column, str], ValueError]  # row, its column, the rule
@@ -109,7 +108,6 @@ def is_absolute(unit: str) -> bool:
     return _ABSOLUTE.match(unit.strip().lower()) is not None
 
 
-@functools.lru_cache(maxsize=512)
 def unit_factor(unit: str, dimension: str) -> float:
     """SI units in one `unit`, as a header writes it, without brackets.
 
@@ -159,29 +157,29 @@ def to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
     A thousandth has no float, but a division by a thousand rounds only once: 9 mm are the float
     9e-3, and nine times a thousandth is not.
     """
-    whole = round(1 / factor)
-    if factor < 1 and whole > 1 and 1 / whole == factor:
-        return values / whole
+    divisor = round(1 / factor)
+    if factor < 1 and divisor > 1 and 1 / divisor == factor:
+        return values / divisor
     return values * factor if factor != 1 else values
 
 
 def check_pressures(
     column: Column, raw: np.ndarray, force: np.ndarray, cell_error: CellError
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Convert `raw` readings to gauge pressures [Pa] and check them against the `force` [N].
+    """Gauge pressures [Pa] of raw readings, checked against the `force` [N], and notes.
 
-    Returns pressures with noise below zero set to zero, and notes. Raises what `cell_error` makes
-    of a unit that can't be right, and of pressures below zero.
+    Noise below zero is set to zero. Raises what `cell_error` returns for a unit that can't be
+    right, and for pressures below zero.
     """
     pressure = to_si_units(raw, column.factor)
-    top, strongest = float(np.max(pressure)), float(np.max(np.abs(force)))
     row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
-    highest = _with_unit(raw[row], column)
+    top, strongest = float(pressure[row]), float(np.max(np.abs(force)))
+    highest, rule = _with_unit(raw[row], column), ""
     if top > HIGHEST_PRESSURE:
         rule = f"{highest} is above {HIGHEST_PRESSURE / 1e6:g} MPa, more than muscles bear"
-        raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
-    if 0 < top <= _LOWEST and strongest > _NEARLY_NO_FORCE:
+    elif 0 < top <= _MIN_PRESSURE and strongest > _MIN_FORCE:
         rule = f"the highest is {highest}, with forces up to {strongest:.3g} N"
+    if rule:
         raise cell_error(row, column, f"{rule}{_suggest_unit(column, raw[row])}")
     if pressure[lowest] < -min(_NOISE[0] * max(top, 0.0), _NOISE[1]):
         rule = f"{_with_unit(raw[lowest], column)} is below zero by more than noise:"
@@ -198,18 +196,14 @@ def check_pressures(
 
 
 def check_forces(
-    column: Column,
-    raw: np.ndarray,
-    force: np.ndarray,
-    pressure: np.ndarray,
-    cell_error: CellError,
+    column: Column, raw: np.ndarray, force: np.ndarray, top: float, cell_error: CellError
 ) -> tuple[str, ...]:
-    """Refuse a `force` [N] over `pressure` [Pa] that needs too large an area; return notes."""
-    row, top = int(np.argmax(np.abs(force))), float(np.max(pressure))
-    area = abs(float(force[row])) / top if top > _LOWEST else 0.0
-    if area > _WIDEST:
+    """Refuse a `force` [N] that needs too large an area at the pressure `top` [Pa]; notes."""
+    row = int(np.argmax(np.abs(force)))
+    area = abs(float(force[row])) / top if top > _MIN_PRESSURE else 0.0
+    if area > _MAX_AREA:
         rule = f"{_with_unit(raw[row], column)} at no more than {top / 1e3:.4g} kPa"
-        suggestion = _suggest_unit(column, raw[row], area / _WIDEST)
+        suggestion = _suggest_unit(column, raw[row], area / _MAX_AREA)
         message = f"{rule} needs {area:.2g} m² of cross section{suggestion}"
         raise cell_error(row, column, message)
     if np.max(force) <= 0 < -np.min(force):
@@ -233,11 +227,10 @@ def check_strains(
     elif column.role == "strain":
         hint = f"it must lie from {low} to {high}, check its unit and sign."
     else:
-        beyond = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
-        hint = f"{abs(strain[row]):.3g} of it {beyond}: check rest length, unit and sign."
+        side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
+        hint = f"{abs(strain[row]):.3g} of it {side}: check rest length, unit and sign."
     reading = _with_unit(raw[row], column)
-    message = f"{reading} is a contraction of {strain[row]:.4g}: {hint}"
-    raise cell_error(row, column, message)
+    raise cell_error(row, column, f"{reading} is a contraction of {strain[row]:.4g}: {hint}")
 
 
 def _with_unit(value: float, column: Column) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..control import ControlMetrics
     from ..dynamics import Audit, Balance, Plant, Trajectory
     from ..files import Scenario
-    from ..files.scenario import Controlled
+    from ..files.scenario import ScenarioControl
 
 _FORCE = {"m": "N", "rad": "N·m"}
 _REFERENCE = "threshold"  # the policy that energies are compared with
@@ -26,7 +26,7 @@ class PolicyRun(NamedTuple):
     [SI], and `doubts`, reasons not to trust it.
     """
 
-    controlled: "Controlled"
+    controlled: "ScenarioControl"
     run: "Trajectory"
     worth: "ControlMetrics"
     demand: Demand
@@ -53,7 +53,7 @@ def report(
     from ..dynamics import events
 
     plant, control = scenario.plant, None
-    if (controlled := scenario.controlled) is not None:
+    if (controlled := scenario.control) is not None:
         quantity, metrics = controlled.controller.of, control_worth(controlled, run)
         control = {
             "quantity": quantity,
@@ -79,14 +79,14 @@ def report(
     )  # fmt: skip
 
 
-def control_worth(controlled: "Controlled", run: "Trajectory") -> "ControlMetrics":
+def control_worth(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":
     """Metrics of a controlled `run` [SI]."""
     return control_metrics(controlled.controller, run, controlled.reference)
 
 
 def run_demand(scenario: "Scenario", run: "Trajectory") -> Demand | None:
     """Demand on a `run` [SI]; none for a run by schedule."""
-    if (controlled := scenario.controlled) is None:
+    if (controlled := scenario.control) is None:
         return None
     controller, reference = controlled.controller, controlled.reference
     can = reachability(controller, run.seen, reference).can

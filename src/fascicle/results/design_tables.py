@@ -1,7 +1,5 @@
 """Tables of a search for designs: the front, every evaluated design, one design's load cases."""
 
-from typing import Any
-
 import numpy as np
 
 from ..design.designs import Designs
@@ -9,119 +7,107 @@ from ..design.exhaustive_search import SearchResult
 from ..design.objectives import OBJECTIVES
 from ..design.robust import Spread
 from ..design.summary import Summary
-from .labelled import Variable
+from .labelled import Table, Variable, build_table
 
 
-def front_variables(found: SearchResult, sure: Spread | None = None) -> dict[str, Variable]:
+_INDEX = "index in the space of designs"
+_ON_FRONT = "true if no other design is better in all objectives"
+
+
+def front_variables(result: SearchResult, spread: Spread | None = None) -> dict[str, Variable]:
     """Front of a search, a design a row, and the recommended design if it isn't on the front.
 
-    `sure`: the designs' robustness, or `None`. Objectives come first, then composition and sizes.
+    `spread`: the designs' robustness, or `None`. Objectives come first, then composition and sizes.
     """
-    indices = found.reported
+    indices = result.reported
     recommended = np.zeros(len(indices), bool)
-    if found.recommended is not None:
-        recommended[found.recommended] = True
-    on_front = np.arange(len(indices)) < len(found.front)
+    if result.recommended is not None:
+        recommended[result.recommended] = True
+    on_front = np.arange(len(indices)) < len(result.front)
     about = "cheapest of the designs that do the task within the limits"
-    return {
-        "design": Variable(("design",), found.index[indices], "-", "index in the space of designs"),
-        **_objectives({name: values[indices] for name, values in found.values.items()}),
-        "recommended": Variable(("design",), recommended, "-", about),
-        "front": Variable(("design",), on_front, "-", "whether no other betters it"),
-        **_prices(found),
-        **({} if sure is None else _sure(sure)),
-        **design_variables(found.designs),
-    }
+    rows: list[tuple] = [
+        ("design", "design", result.index[indices], "-", _INDEX),
+        *_objectives({name: values[indices] for name, values in result.values.items()}),
+        ("recommended", "design", recommended, "-", about),
+        ("front", "design", on_front, "-", _ON_FRONT),
+    ]
+    prices = result.catalog.price(result.designs)
+    if not np.all(np.isnan(prices)):
+        about = f"of muscles and valves, in {result.catalog.currency}"
+        rows.append(("price", "design", prices, "-", about))
+    if spread is not None:
+        about = "share of draws that meet the task and all limits"
+        rows.append(("probability", "design", spread.probability, "-", about))
+        for share in (0.05, 0.5, 0.95):
+            prefix, suffix = f"{100 * share:g} % quantile of: ", f"_q{100 * share:02.0f}"
+            rows += _objectives(spread.quantile(share), prefix, suffix)
+    return {**build_table(*rows), **design_variables(result.designs)}
 
 
-def case_variables(summary: Summary) -> dict[str, Variable]:
+def case_variables(summary: Summary) -> Table:
     """Performance of one design at each load case, a case a row, its mass and diameter."""
     cases = summary.cases
     task, fluid = cases.task, cases.task.fluid
     kind = "normal volume at 20 °C and 100 kPa (ISO 8778)" if fluid == "air" else "volume"
-
-    def each(values: Any, unit: str, about: str) -> Variable:
-        return Variable(("case",), np.asarray(values), unit, about)
-
-    def one(value: Any, unit: str, about: str) -> Variable:
-        return Variable((), np.asarray(np.nan if value is None else value), unit, about)
-
-    return {
-        "case": each(np.arange(1, len(task) + 1), "-", "load case, as in the task"),
-        "case_force": each(task.force, "N", "demanded"),
-        "case_stroke": each(task.stroke_of(cases.length), "m", "demanded"),
-        "case_strain": each(task.strain_of(cases.length), "-", "demanded of this design"),
-        "case_largest_force": each(cases.largest, "N", "that the design gives there"),
-        "case_spare": each(cases.spare, "N", "force to spare, negative where it isn't reached"),
-        "case_reached": each(cases.reached, "-", "whether it is reached"),
-        "case_state": each(cases.state + 1, "-", "recruitment state that meets it"),
-        "case_fluid": each(cases.fluid, "m³", f"{fluid} from rest to it and back, {kind}"),
-        "fluid_of_a_cycle": one(cases.fluid_of_a_cycle, "m³", f"{fluid}, {kind}"),
-        "mass": one(summary.mass, "kg", "as the report says, NaN if not known"),
-        "outer_diameter": one(summary.diameter, "m", "at the largest contraction"),
-    }
+    mass, diameter = (np.nan if x is None else x for x in (summary.mass, summary.diameter))
+    spare = "spare force, negative for a case that isn't reached"
+    return build_table(
+        ("case", "case", np.arange(1, len(task) + 1), "-", "load case, as in the task"),
+        ("case_force", "case", task.force, "N", "demanded"),
+        ("case_stroke", "case", task.stroke_of(cases.length), "m", "demanded"),
+        ("case_strain", "case", task.strain_of(cases.length), "-", "demanded of this design"),
+        ("case_largest_force", "case", cases.largest, "N", "largest force at this strain"),
+        ("case_spare", "case", cases.spare, "N", spare),
+        ("case_reached", "case", cases.reached, "-", "true if the case is reached"),
+        ("case_state", "case", cases.state + 1, "-", "recruitment state that meets it"),
+        ("case_fluid", "case", cases.fluid, "m³", f"{fluid} from rest to it and back, {kind}"),
+        ("fluid_of_a_cycle", "", cases.fluid_of_a_cycle, "m³", f"{fluid}, {kind}"),
+        ("mass", "", mass, "kg", "as in the report, NaN if unknown"),
+        ("outer_diameter", "", diameter, "m", "at the largest contraction"),
+    )
 
 
-def every_variables(found: SearchResult) -> dict[str, Variable]:
+def every_variables(result: SearchResult) -> Table:
     """All evaluated designs, a row each, by index."""
-    front = np.zeros(len(found.index), bool)
-    front[found.front] = True
-    return {
-        "design": Variable(("design",), found.index, "-", "index in the space of designs"),
-        **_objectives(found.values),
-        "allowed": Variable(("design",), found.allowed, "-", "whether it keeps all limits"),
-        "front": Variable(("design",), front, "-", "whether no other betters it"),
-    }
+    front = np.zeros(len(result.index), bool)
+    front[result.front] = True
+    return build_table(
+        ("design", "design", result.index, "-", _INDEX),
+        *_objectives(result.values),
+        ("allowed", "design", result.allowed, "-", "true if it meets all limits"),
+        ("front", "design", front, "-", _ON_FRONT),
+    )
 
 
-def design_variables(designs: Designs) -> dict[str, Variable]:
+def design_variables(designs: Designs) -> Table:
     """Composition and sizes, a design a row."""
     names = list(designs.drawings)
-    gone = designs.counts == 0
-
-    def sizes(values: np.ndarray) -> np.ndarray:
-        return np.where(gone, np.nan, values)
-
-    def by_unit(values: Any, unit: str, about: str) -> Variable:
-        return Variable(("design", "unit"), values, unit, about)
-
-    unit = np.arange(1, designs.counts.shape[1] + 1)
-    return {
-        "unit": Variable(("unit",), unit, "-", "motor unit, in the order of recruitment"),
-        "composition": Variable(("design",), np.array(designs.labels, object), "-"),
-        "drawing": Variable(
-            ("design",), np.array([names[i] for i in designs.kind], object), "-",
-            "muscle whose material and laws are taken",
-        ),
-        "count": by_unit(designs.counts, "-", "muscles in the unit"),
-        "length": Variable(("design",), designs.length, "m", "of the muscles at rest"),
-        "outer_radius": by_unit(sizes(designs.radius), "m", "of the unit's muscles at rest"),
-        "wall_thickness": by_unit(sizes(designs.wall), "m", "of the unit's muscles at rest"),
-        "braid_angle": by_unit(sizes(designs.angle), "rad", "from the axis, at rest"),
-    }  # fmt: skip
+    drawings = np.array([names[i] for i in designs.kind], object)
+    radius, wall, angle = (
+        np.where(designs.counts == 0, np.nan, sizes)
+        for sizes in (designs.radius, designs.wall, designs.angle)
+    )
+    unit, at_rest = np.arange(1, designs.counts.shape[1] + 1), "of the unit's muscles at rest"
+    return build_table(
+        ("unit", "unit", unit, "-", "motor unit, in the order of recruitment"),
+        ("composition", "design", np.array(designs.labels, object), "-"),
+        ("drawing", "design", drawings, "-", "muscle that gives material and laws"),
+        ("count", "design unit", designs.counts, "-", "muscles in the unit"),
+        ("length", "design", designs.length, "m", "of the muscles at rest"),
+        ("outer_radius", "design unit", radius, "m", at_rest),
+        ("wall_thickness", "design unit", wall, "m", at_rest),
+        ("braid_angle", "design unit", angle, "rad", "from the axis, at rest"),
+    )
 
 
-def _prices(found: SearchResult) -> dict[str, Variable]:
-    prices = found.catalog.price(found.designs)
-    if np.all(np.isnan(prices)):
-        return {}
-    about = f"of muscles and valves, in {found.catalog.currency}"
-    return {"price": Variable(("design",), prices, "-", about)}
-
-
-def _sure(sure: Spread) -> dict[str, Variable]:
-    about = "share of draws that meet the task and all limits"
-    told = {"probability": Variable(("design",), sure.probability, "-", about)}
-    for share in (0.05, 0.5, 0.95):
-        for name, one in sure.quantile(share).items():
-            key = f"{name}_q{100 * share:02.0f}"
-            words = f"{100 * share:g} % quantile of: {OBJECTIVES[name].about}"
-            told[key] = Variable(("design",), one, OBJECTIVES[name].unit, words)
-    return told
-
-
-def _objectives(values: dict[str, np.ndarray]) -> dict[str, Variable]:
-    return {
-        name: Variable(("design",), one, OBJECTIVES[name].unit, OBJECTIVES[name].about)
-        for name, one in values.items()
-    }
+def _objectives(values: dict[str, np.ndarray], prefix: str = "", suffix: str = "") -> list[tuple]:
+    return [
+        (
+            f"{name}{suffix}",
+            "design",
+            column,
+            OBJECTIVES[name].unit,
+            prefix + OBJECTIVES[name].about,
+        )
+        for name, column in values.items()
+    ]

@@ -10,7 +10,7 @@ import importlib.util
 import io
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     import xarray
 
 SUFFIXES = (".nc", ".zarr", ".csv", ".json")
-_ZARR_MARKS = ("zarr.json", ".zgroup", ".zattrs")  # of its versions 3 and 2
+_ZARR_FILES = ("zarr.json", ".zgroup", ".zattrs")  # of a store in zarr's formats 3 and 2
 
 
 class Variable(NamedTuple):
-    """Values over named dimensions. One named for its own dimension is a coordinate."""
+    """Values over named dimensions. A variable named for its own dimension is a coordinate."""
 
     dims: tuple[str, ...]
     values: Any
@@ -37,106 +37,59 @@ class Variable(NamedTuple):
     source: str = ""
 
 
-class Table(dict[str, Variable]):
-    """Variables by name, in their order; it prints as a list of them."""
-
-    def dataset(self, **attributes: str) -> "xarray.Dataset":
-        """As `xarray` has it.
-
-        **Arguments:** `attributes`: what holds for all: `title`, `source` [-].
-
-        **Returns:** the dataset [-], with unit, meaning and source on each variable.
-        """
-        return dataset(self, **attributes)
-
-    def to_csv(self) -> str:
-        """As CSV [-], a row for each point; what has more dimensions than that is left out."""
-        return to_csv(self)
-
-    def to_json(self) -> str:
-        """As JSON [-]; what isn't finite is null."""
-        return to_json(self)
-
-    def write(self, path: str | os.PathLike[str], **attributes: str) -> None:
-        """Write it, whole or not at all, in the format that the name's end says.
-
-        **Arguments:**
-
-        - `path`: ends in `.nc`, `.zarr`, `.csv` or `.json` [-]; what is there is replaced.
-        - `attributes`: what holds for all: `title`, `source` [-].
-
-        **Raises:** `ValueError` for another ending; `OSError` where it can't be written.
-        """
-        write(self, path, **attributes)
-
-    def __repr__(self) -> str:
-        """A line for each variable: name, unit, dimensions, meaning."""
-        rows = [
-            (
-                name,
-                f"[{one.unit or '-'}]",
-                " × ".join(
-                    f"{dim} {size}"
-                    for dim, size in zip(one.dims, np.shape(one.values), strict=True)
-                ),
-                one.about,
-            )
-            for name, one in self.items()
-        ]
-        widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
-        lines = (
-            "  ".join([*(x.ljust(n) for x, n in zip(row, widths, strict=False)), row[3]]).rstrip()
-            for row in rows
-        )
-        return "\n".join(lines)
-
-
 def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dataset":
-    """A labelled dataset of `variables`.
+    """A labelled dataset of variables.
 
     **Arguments:**
 
-    - `variables`: by name, each in its own unit [-].
-    - `attributes`: what holds for all: `title`, `source` [-].
+    - `variables`: by name, each in its own unit.
+    - `attributes`: of the whole dataset: `title`, `source`.
 
-    **Returns:** the dataset [-], with unit, meaning and source on each variable.
+    **Returns:** the dataset, with unit, meaning and source on each variable.
     """
     import xarray
 
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
     for name, variable in variables.items():
-        given = {
+        labels = {
             "units": variable.unit if variable.unit not in ("", "-") else "1",
             "long_name": variable.about or name.replace("_", " "),
             "source": variable.source or attributes.get("source", ""),
         }
-        home = coordinates if variable.dims == (name,) else data
         values = np.asarray(variable.values)
         # text of any length: the only kind that zarr's format specifies
         values = values.astype(object) if values.dtype.kind == "U" else values
-        home[name] = (variable.dims, values, given)
+        group = coordinates if variable.dims == (name,) else data
+        group[name] = (variable.dims, values, labels)
     return xarray.Dataset(data, coordinates, attributes)
 
 
 def to_json(variables: Mapping[str, Variable]) -> str:
-    """`variables` as one JSON object of nested lists.
+    """Variables as one JSON object of nested lists.
 
-    **Arguments:** `variables`: by name [-].
+    **Arguments:** `variables`: by name.
 
-    **Returns:** the text [-]; what isn't finite is null.
+    **Returns:** the text; numbers that aren't finite are null.
     """
-    lists = {name: _finite(np.asarray(variable.values)) for name, variable in variables.items()}
+    lists = {}
+    for name, variable in variables.items():
+        values = np.asarray(variable.values)
+        if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+            finite = np.isfinite(values)
+            values = values.astype(object)
+            values[~finite] = None
+        lists[name] = values.tolist()
     return json.dumps(lists, allow_nan=False)
 
 
 def to_csv(variables: Mapping[str, Variable]) -> str:
-    """`variables` as a table: a row for each point of the first one that is no coordinate.
+    """Variables as a table: a row for each point of the first one that is no coordinate.
 
-    **Arguments:** `variables`: by name [-]; one with one more dimension takes a column for
-    each place along it, one with still more is left out.
+    **Arguments:** `variables`: by name; a variable with one more dimension takes a column for
+    each index along it, and is left out if it has still more.
 
-    **Returns:** the text [-], with `name [unit]` as headings.
+    **Returns:** the text, with `name [unit]` as headings.
     """
     first = next(iter(variables.values()))
     main = next((v for name, v in variables.items() if v.dims != (name,)), first)
@@ -146,12 +99,17 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
         extra = [dim for dim in variable.dims if dim not in dims]
         if len(extra) > 1 or (extra and len(variable.dims) == 1):
             continue
-        values = np.asarray(variable.values)
-        for place in range(values.shape[variable.dims.index(extra[0])] if extra else 1):
-            one = values.take(place, axis=variable.dims.index(extra[0])) if extra else values
-            kept = [dim for dim in variable.dims if dim in dims]
-            label = f"{name}_{place + 1}" if extra else name
-            columns[f"{label} [{variable.unit or '-'}]"] = _spread(one, kept, dims, shape)
+        values, axes = (
+            np.asarray(variable.values),
+            [dims.index(d) for d in variable.dims if d in dims],
+        )
+        slices = np.moveaxis(values, variable.dims.index(extra[0]), 0) if extra else values[None]
+        absent = [axis for axis in range(len(dims)) if axis not in axes]
+        for index, part in enumerate(slices):
+            label = f"{name}_{index + 1}" if extra else name
+            expanded = np.expand_dims(np.transpose(part, np.argsort(axes)), absent)
+            column = np.broadcast_to(expanded, shape).ravel().tolist()
+            columns[f"{label} [{variable.unit or '-'}]"] = column
     out = io.StringIO()
     table = csv.writer(out, lineterminator="\n")
     table.writerow(columns)
@@ -162,15 +120,15 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
 def write(
     variables: Mapping[str, Variable], path: str | os.PathLike[str], **attributes: str
 ) -> None:
-    """Write `variables`, whole or not at all, in the format that the name's end says.
+    """Write variables, completely or not at all, in the format of the file's suffix.
 
     **Arguments:**
 
-    - `variables`: by name [-].
-    - `path`: ends in `.nc`, `.zarr`, `.csv` or `.json` [-]; what is there is replaced.
-    - `attributes`: what holds for all: `title`, `source` [-].
+    - `variables`: by name.
+    - `path`: ends in `.nc`, `.zarr`, `.csv` or `.json`; an existing file is replaced.
+    - `attributes`: of the whole dataset: `title`, `source`.
 
-    **Raises:** `ValueError` for another ending; `OSError` where it can't be written.
+    **Raises:** `ValueError` for another suffix; `OSError` if it can't be written.
     """
     suffix = check_result_path(path).suffix.lower()
     fill: Mapping[str, Callable[[Path], object]] = {
@@ -182,29 +140,54 @@ def write(
     write_whole(path, fill[suffix], folder=suffix == ".zarr")
 
 
-def write_netcdf(made: "xarray.Dataset", path: Path) -> None:
-    """Write a dataset as netCDF.
+class Table(dict[str, Variable]):
+    """Variables by name, in their order; it prints as a list of them."""
 
-    **Arguments:**
+    dataset = dataset
+    to_csv = to_csv
+    to_json = to_json
+    write = write
 
-    - `made`: the dataset [-].
-    - `path`: where it goes [-].
+    def __repr__(self) -> str:
+        """A line for each variable: name, unit, dimensions, meaning."""
+        rows = []
+        for name, variable in self.items():
+            sizes = zip(variable.dims, np.shape(variable.values), strict=True)
+            shape = " × ".join(f"{dim} {size}" for dim, size in sizes)
+            rows.append((name, f"[{variable.unit or '-'}]", shape, variable.about))
+        widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
+        lines = (
+            "  ".join([*(x.ljust(n) for x, n in zip(row, widths, strict=False)), row[3]]).rstrip()
+            for row in rows
+        )
+        return "\n".join(lines)
 
-    **Raises:** `OSError` where it can't be written.
-    """
+
+def build_table(*rows: tuple[Any, ...]) -> Table:
+    """Table from rows of name, dimensions in one text, values, unit and meaning."""
+    return Table(
+        {
+            name: Variable(tuple(dims.split()), np.asarray(values), *texts)
+            for name, dims, values, *texts in rows
+        }
+    )
+
+
+def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
+    """Write a dataset as netCDF; `OSError` if it can't be written."""
     try:
-        made.to_netcdf(path, engine="netcdf4")
-    except RuntimeError as error:  # the library's own, for whatever the system refuses
+        data.to_netcdf(path, engine="netcdf4")
+    except RuntimeError as error:  # netCDF4's own, for any failure of the system
         reason = f"{error}; is the disk full?"
         raise OSError(errno.EIO, reason) from None
 
 
 def check_result_path(path: str | os.PathLike[str]) -> Path:
-    """Refuse a path that no result can be written to, before there is one.
+    """Refuse a path that no result can be written to, before the work begins.
 
-    **Arguments:** `path`: where it will go [-].
+    **Arguments:** `path`: of the result.
 
-    **Returns:** the path [-].
+    **Returns:** the path.
 
     **Raises:** as `write`.
     """
@@ -216,47 +199,28 @@ def check_result_path(path: str | os.PathLike[str]) -> Path:
         if importlib.util.find_spec("zarr") is None:
             install = "pip install 'fascicle[sweep]'"
             raise ValueError(f"{name!r}: .zarr needs the package zarr: {install}.")
-        if Path(name).is_dir() and not any(Path(name, mark).exists() for mark in _ZARR_MARKS):
-            raise ValueError(f"{name!r}: a folder that is no zarr store; it isn't replaced.")
+        if Path(name).is_dir() and not any(Path(name, file).exists() for file in _ZARR_FILES):
+            raise ValueError(f"{name!r}: is a folder, but no zarr store; it isn't replaced.")
     check_writable(path, folder=suffix == ".zarr")
     return Path(name)
 
 
 def read(path: str | os.PathLike[str]) -> "xarray.Dataset":
-    """Read what `write` wrote as netCDF or zarr.
+    """Read a result that `write` wrote as netCDF or zarr.
 
-    **Arguments:** `path`: ends in `.nc` or `.zarr` [-].
+    **Arguments:** `path`: ends in `.nc` or `.zarr`.
 
-    **Returns:** the dataset [-], in memory.
+    **Returns:** the dataset, in memory.
 
-    **Raises:** `ValueError` for another ending; `OSError` where it can't be read.
+    **Raises:** `ValueError` for another suffix; `OSError` if it can't be read.
     """
     import xarray
 
     suffix = Path(path).suffix.lower()
     if suffix not in (".nc", ".zarr"):
         raise ValueError(f"{os.fspath(path)!r}: only .nc and .zarr can be read back.")
-    how: dict[str, Any] = {"engine": "netcdf4"}
+    engine: dict[str, Any] = {"engine": "netcdf4"}
     if suffix == ".zarr":
-        how = {"engine": "zarr", "consolidated": False}
-    with xarray.open_dataset(path, **how) as stored:
+        engine = {"engine": "zarr", "consolidated": False}
+    with xarray.open_dataset(path, **engine) as stored:
         return stored.load()
-
-
-def _spread(
-    values: np.ndarray, own: Sequence[str], dims: Sequence[str], shape: tuple[int, ...]
-) -> list[Any]:
-    """`values` over their `own` dimensions at every point over `dims`, in order."""
-    places = [dims.index(dim) for dim in own]
-    ordered = np.transpose(values, np.argsort(places))
-    absent = [axis for axis in range(len(dims)) if axis not in places]
-    return np.broadcast_to(np.expand_dims(ordered, absent), shape).ravel().tolist()
-
-
-def _finite(values: np.ndarray) -> Any:
-    """Nested lists, with `None` for what JSON has no number for."""
-    bad = ~np.isfinite(values) if values.dtype.kind == "f" else np.zeros(values.shape, bool)
-    if np.any(bad):
-        values = values.astype(object)
-        values[bad] = None
-    return values.tolist()

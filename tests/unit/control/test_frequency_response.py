@@ -23,7 +23,7 @@ A, F, MEAN, TIME = [2e-3, 9e-3], [2.0, 4.0], 12.7e-3, 0.5
 
 @pytest.fixture(scope="module")
 def found(scenario):
-    controlled = scenario.controlled.controller
+    controlled = scenario.control.controller
     return control.frequency_response(scenario.plant, controlled, MEAN, A, F, scenario.start, TIME)
 
 
@@ -36,7 +36,7 @@ def test_a_batch_is_the_runs_one_by_one(scenario, found):
     wanted = MEAN + A[1] * grown * np.sin(2 * np.pi * F[1] * (now - 1))
     # by itself a liquid takes more substeps: here as many as in the batch
     plant, few = scenario.plant, estimate_substeps(scenario.plant, 1e-3).substeps
-    controller = scenario.controlled.controller
+    controller = scenario.control.controller
     one = dynamics.simulate(plant, controller, wanted, start=scenario.start, substeps=few)
     late = np.asarray(one.seen.position)[1001:] - wanted[1000:]
     # sums in another order, run on for 1500 steps
@@ -54,7 +54,7 @@ def test_more_is_drawn_for_more_and_others_wait_for_no_compiler(scenario, found,
     assert np.all(found.reached[0] == 1)
     # oil of one muscle suffices for the small one, five are filled for the large one
     assert found.drawn[1, 0].sum() > 3 * found.drawn[0, 0].sum()
-    plant, controller = scenario.plant, scenario.controlled.controller
+    plant, controller = scenario.plant, scenario.control.controller
     with jax.log_compiles(), caplog.at_level("WARNING"):
         other = control.frequency_response(
             plant, controller, MEAN, [1e-3, 5e-3], F, scenario.start, TIME
@@ -92,7 +92,7 @@ def test_power_units_by_hand():
     ],
 )
 def test_what_cant_be_is_refused(scenario, edits, told):
-    plant, controller = scenario.plant, scenario.controlled.controller
+    plant, controller = scenario.plant, scenario.control.controller
     given = {"amplitudes": [1e-3], "frequencies": [2.0], "time": 0.5} | edits
     with pytest.raises(ValueError) as refused:  # noqa: PT011 what it says is looked at below
         control.frequency_response(plant, controller, 12.7e-3, start=scenario.start, **given)

@@ -39,9 +39,9 @@ def ran(bench):
 def test_friction_that_is_fed_forward_halves_what_a_stride_misses(ways):
     gait, missed = fs.example("joint_gait"), {}
     for compensate in ways:
-        one = gait.taking(compensate=compensate)
+        one = gait.with_policy(compensate=compensate)
         run = one.run()
-        worth = control.control_metrics(one.controlled.controller, run, one.controlled.reference)
+        worth = control.control_metrics(one.control.controller, run, one.control.reference)
         missed[compensate] = worth.rms
         # its gas warms and cools at a wall
         assert np.ptp(np.asarray(run.seen.temperatures)) > 1.0

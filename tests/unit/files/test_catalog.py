@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.files.shipped_files import catalogs
+from fascicle.files.shipped_files import descriptions
 from fascicle.files.task import load_task, loads_task
 
 
@@ -81,7 +81,7 @@ def test_what_is_cut_to_order_has_the_lengths_that_are_asked_for():
 
 
 def test_the_shipped_catalog_says_where_it_is_from():
-    assert "festo_dmsp" in catalogs()
+    assert "festo_dmsp" in descriptions("catalogs")
     file = loads_task(PLAIN + 'length = ["100 mm", "300 mm"]\ncatalog = "festo_dmsp"\n')
     names = {product.name for product in file.catalog.products.values()}
     assert names == {"DMSP-10", "DMSP-20", "DMSP-40"} and len(file.space.drawings) == 6
@@ -117,7 +117,7 @@ def test_a_catalog_in_a_file_of_its_own_with_its_own_muscles(tmp_path):
         (THIN + THIN, "is there twice with this length"),
         (THIN + 'wall_thickness = "6 mm"\n', "`wall_thickness` must be less than"),
         (THIN + 'braid_angle = "60 deg"\n', "`braid_angle` must lie in"),
-        (THIN + 'least_length = "1 m"\n', "products can be had: thin isn't made 100, 200"),
+        (THIN + 'least_length = "1 m"\n', "products is available: thin isn't made 100, 200"),
         (THIN + 'least_length = "1 m"\nmost_length = "0.5 m"\n', "be more than most_length"),
         (THIN.replace('"25 %"', '"125 %"'), "`largest_strain` must lie in (0, 1]"),
         (THIN + '[prices]\nvalve = "90 USD"\n', "another price is in EUR: give all in one"),

@@ -37,12 +37,12 @@ def edited(text, *edits):
 
 def test_what_it_says_reaches_the_controller():
     read = loads_scenario(RAMP)
-    made = read.controlled
+    made = read.control
     assert read.schedule is None and made.controller.of == "force" and made.controller.every == 2
     assert_allclose(made.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
     assert len(made.reference) == 4000
     assert_allclose(read.start.pressures, [265e3, 0.0])
-    sine = loads_scenario(SINE).controlled
+    sine = loads_scenario(SINE).control
     gains = sine.controller.gains
     assert sine.controller.of == "position"
     assert_allclose([gains.position, gains.integral, gains.velocity], [4e3, 8e3, 100.0])
@@ -51,24 +51,24 @@ def test_what_it_says_reaches_the_controller():
 
 def test_a_shipped_one_says_all_of_it():
     gait = loads_scenario(example_text("joint_gait"))
-    made = gait.controlled
+    made = gait.control
     # springs of muscles that friction bends are along them, also where the load turns
     assert_allclose(gait.plant.hysteresis.stiffness, [20e3, 5e3])
     assert made.controller.friction is not None and made.controller.of == "position"
     assert_allclose(made.reference.max(), np.radians(27), rtol=1e-9)
-    plain = gait.taking(compensate=False).controlled
+    plain = gait.with_policy(compensate=False).control
     assert plain.controller.friction is None and plain.policy == "hand_over"
-    other = gait.taking("batch")
-    assert other.controlled.policy == "batch" and other.controlled.controller.friction is not None
-    assert gait.taking().controlled is made
-    auto = gait.taking("auto")
+    other = gait.with_policy("batch")
+    assert other.control.policy == "batch" and other.control.controller.friction is not None
+    assert gait.with_policy().control is made
+    auto = gait.with_policy("auto")
     assert auto.notes[0].startswith("auto took hand_over: ")
     for name in ("ramp_1_4", "raise_1_4"):
         one = loads_scenario(example_text(name))
-        chosen = one.taking("auto").controlled
+        chosen = one.with_policy("auto").control
         assert chosen.choice.crossings[0].found, chosen.choice.why
-    single = loads_scenario(example_text("raise_1x5")).taking("auto")
-    assert single.controlled.policy == "orderly"
+    single = loads_scenario(example_text("raise_1x5")).with_policy("auto")
+    assert single.control.policy == "orderly"
 
 
 POLICY = 'policy = "hand_over"'

@@ -175,7 +175,7 @@ MOVED = "\n".join(
         (PUMPED, [('"fixed"  ', '"variable"\npressure = "4 bar"\nband = "1 bar"')], "supply.band"),
         (GAS, [('"-20 mm"', '"40 mm"')], "load.stop.low = \"40 mm\": `low` must be less than"),
         (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
-        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no way on which all muscles' strains"),
+        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no stroke on which all muscles' strains"),
         (JOINT, [('["kim2021_bundle_1_1", ', "["), ], "bundle: must be a list of two for a joint"),
         (GAS, [("_1_4", "_1_5")], 'did you mean "kim2021_bundle_1_4"?'),
         (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle: must name a bundle or its file"),

@@ -123,7 +123,7 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2\n[limits]\nnot_reached = { at_most = 10 }\n", 'in [0, 1), as "10 %" does'),
         (
             'muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n',
-            "Something must be reached",
+            "a part must be reached",
         ),
         ('muscles = 2\n[limits]\nnot_reached = { at_least = "5 %" }\n', "nothing can be both"),
         ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -71,28 +73,27 @@ def test_synthetic(files):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
-        ('rest_lenght = "1 m"', r'rest_lenght: unknown, did you mean "rest_length"\?'),
-        ("rest_length = 300", "rest_length: `rest_length` must be a length.*with its unit"),
-        ('rest_length = "300 N"', "rest_length: .*'N' is no unit of length"),
-        ('rest_length = "-3 mm"', "rest_length = '-3 mm': must be positive"),
+        ('rest_lenght = "1 m"', r'rest_lenght: unknown key, did you mean "rest_length"\?'),
+        ("rest_length = 300", "rest_length = 300: `rest_length` must be a length"),
+        ('rest_length = "300 N"', "rest_length = .*'N' is no unit of length"),
+        ('rest_length = "-3 mm"', 'rest_length = "-3 mm": must be positive'),
         ("clipped_at_zero = 1", "clipped_at_zero = 1: must be true or false"),
-        ("columns = 3", "columns: must be a table of names in quotes"),
-        ("[columns]\nforce = 3", "columns: must be a table of names in quotes"),
-        ('[columns]\nforc = "A"', "`columns` has the unknown key 'forc'"),
-        ('[signs]\nforc = "A"', r'signs.forc: unknown, did you mean "force"\?'),
-        ('[signs]\nforce = "pushing"', 'signs.force = .*did you mean "pushing positive"'),
-        ("notes = [1]", "source and notes must be texts"),
+        ("columns = 3", "columns = 3: must be a table"),
+        ("[columns]\nforce = 3", "columns.force = 3: must be"),
+        ('[columns]\nforc = "A"', "columns: `columns` has the unknown key 'forc'"),
+        ('[signs]\nforc = "A"', r'signs.forc: unknown key, did you mean "force"\?'),
+        ('[signs]\nforce = "pushing"', 'signs.force = "pushing": must be .*pushing positive'),
+        ("notes = [1]", r"notes\[0\] = 1: must be"),
         ("a = ", "not TOML: "),
-        ("a." * 60_000 + "a = 1", "nested too deep on line 1"),
+        ("a." * 60_000 + "a = 1", "not TOML: nested too deep on line 1"),
         ("\0", "not TOML: "),
     ],
 )
-def test_what_it_refuses(tmp_path, text, said):
+def test_invalid_sidecars(tmp_path, text, message):
     path = tmp_path / "m.toml"
     path.write_text(text)
-    with pytest.raises(ValueError, match=said) as caught:
+    with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: {message}") as caught:
         read_sidecar(path)
-    assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)

@@ -92,7 +92,7 @@ def _read(file: str, law: bool) -> Any:
     from ...export.controlling import bundle_of
 
     with user_errors():
-        return scenario.controlled.controller if scenario.controlled else bundle_of(scenario.plant)
+        return scenario.control.controller if scenario.control else bundle_of(scenario.plant)
 
 
 def _write(flag: str, paths: list[Path], texts: tuple[str, str], overwrite: bool) -> None:

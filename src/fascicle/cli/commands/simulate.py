@@ -68,7 +68,7 @@ def run(
         study = read_scenario(scenario)
         if policy is not None or compensate is not None:
             with user_errors():
-                study = study.taking(policy, compensate)
+                study = study.with_policy(policy, compensate)
         if not compare:
             update(f"simulating {study.duration:g} s in {round(study.duration / study.dt)} steps")
             return _simulate(study, outputs, report)
@@ -81,7 +81,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     with user_errors():
         result = study.run()
     balances, doubts = audit_run(study.plant, result)
-    control = study.controlled
+    control = study.control
     controller = () if control is None else (control.controller, control.reference)
     table = simulated(study.plant, result, balances, *controller)
 
@@ -109,7 +109,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
 
 def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     """Run all policies on one scenario; returns the exit code."""
-    if study.controlled is None:
+    if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
     from ...control import POLICIES
     from ...plot.trajectory import PolicyCosts, policies
@@ -121,13 +121,13 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         for index, policy in enumerate(POLICIES, start=1):
             update(f"simulating {policy}, policy {index} of {len(POLICIES)}")
             with user_errors():
-                one = study.taking(policy)
+                one = study.with_policy(policy)
                 result = one.run()
             _, doubts = audit_run(one.plant, result)
             demand = pages.run_demand(one, result)
             assert demand is not None
-            metrics = pages.control_worth(one.controlled, result)
-            runs[policy] = pages.PolicyRun(one.controlled, result, metrics, demand, doubts)
+            metrics = pages.control_worth(one.control, result)
+            runs[policy] = pages.PolicyRun(one.control, result, metrics, demand, doubts)
     metrics = [run.worth for run in runs.values()]
     controllers = {name: run.controlled.controller for name, run in runs.items()}
     table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
@@ -143,7 +143,7 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
     notes = [f"{note}." for note in pages.policy_notes(study, runs)]
 
     def table_for_reader() -> None:
-        of = study.controlled.controller.of
+        of = study.control.controller.of
         print_table(
             f"Policies on {study.name}, control of {of}",
             pages.policy_heads(study.plant, of),
@@ -231,7 +231,7 @@ def _print(study: Any, result: Any, balances: Any) -> None:
     pressures = [f"P{index + 1} kPa" for index in range(plant.units)]
     heads = ["", "time s", f"position {unit}", *pressures, "supply kPa"]
     print_table(f"Positions of the load, from {study.name}", heads, rows)
-    if study.controlled is not None:
+    if study.control is not None:
         _print_control(study, result)
     if balances is not None:
         _print_balances(balances)
@@ -242,7 +242,7 @@ def _print(study: Any, result: Any, balances: Any) -> None:
 def _print_control(study: Any, result: Any) -> None:
     from ...reports.simulation import control_worth, unreachable_message, worth_rows
 
-    control, plant = study.controlled, study.plant
+    control, plant = study.control, study.plant
     metrics, of = control_worth(control, result), control.controller.of
     print_table(f"Control of {of} by {control.policy}", ["", ""], worth_rows(plant, of, metrics))
     if unreachable := unreachable_message(plant, of, metrics):

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, ValidationError
 
-from ..units import parse
+from .units import parse
 
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
@@ -30,6 +30,8 @@ _RULES = {
     "dict_type": "must be a table of keys",
     "list_type": "must be a list",
     "string_type": "must be a name in quotes",
+    "bool_type": "must be true or false",
+    "greater_than": "must be positive",
     "int_type": "must be a whole number",
     "int_from_float": "must be a whole number",
 }
@@ -107,6 +109,7 @@ def validation_message(
         remedy = f", write {example}" if examples[0] else ""
         return location_message(source, keys, f"missing{remedy}.")
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
+    rule = rule.replace("Input should be", "must be")
     count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
     return location_message(source, keys, f"{rule.rstrip('.')}.{count}", value_at(data, path))
 
