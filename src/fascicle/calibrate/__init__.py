@@ -1,6 +1,6 @@
-"""Fit a muscle to a record, with the uncertainty of what was fitted.
+"""Fit of a muscle to a record, with the uncertainty of the fitted constants.
 
-Names are looked up when they are asked for, so that the command line's help loads little.
+Names load when they are first used, so that the command line's help loads little.
 """
 
 from typing import TYPE_CHECKING
@@ -9,69 +9,36 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .calibration import Bootstrap as Bootstrap
-    from .calibration import Calibration as Calibration
-    from .calibration import Candidate as Candidate
-    from .calibration import Estimate as Estimate
-    from .calibration import Profile as Profile
-    from .calibration import Selection as Selection
-    from .comparison import Row as Row
-    from .comparison import compare as compare
-    from .comparison import compare_tension as compare_tension
-    from .fitting import Prior as Prior
-    from .fitting import fit as fit
-    from .intervals import bootstrap as bootstrap
-    from .intervals import profiles as profiles
-    from .model_selection import select_model as select_model
-    from .plot_data import figures as figures
-    from .posterior import Posterior as Posterior
-    from .posterior import sample as sample
+    from .calibration import Bootstrap, Calibration, Candidate, Estimate, Profile, Selection
+    from .comparison import Row, compare, compare_tension
+    from .fitting import Prior, fit
+    from .intervals import bootstrap, profiles
+    from .model_selection import select_model
+    from .plot_data import figures
+    from .posterior import Posterior, sample
 
 __all__ = [
-    "Bootstrap",
-    "Calibration",
-    "Candidate",
-    "Estimate",
-    "Posterior",
-    "Prior",
-    "Profile",
-    "Row",
-    "Selection",
-    "bootstrap",
-    "compare",
-    "compare_tension",
-    "figures",
-    "fit",
-    "profiles",
-    "sample",
+    "Bootstrap", "Calibration", "Candidate", "Estimate", "Posterior", "Prior", "Profile", "Row",
+    "Selection", "bootstrap", "compare", "compare_tension", "figures", "fit", "profiles", "sample",
     "select_model",
-]
+]  # fmt: skip
 
 _HOMES = {
-    "Bootstrap": "calibration",
-    "Calibration": "calibration",
-    "Candidate": "calibration",
-    "Estimate": "calibration",
-    "Posterior": "posterior",
-    "Prior": "fitting",
-    "Profile": "calibration",
-    "Row": "comparison",
-    "Selection": "calibration",
-    "bootstrap": "intervals",
-    "compare": "comparison",
-    "compare_tension": "comparison",
-    "figures": "plot_data",
-    "fit": "fitting",
-    "profiles": "intervals",
-    "sample": "posterior",
+    **dict.fromkeys(
+        ("Bootstrap", "Calibration", "Candidate", "Estimate", "Profile", "Selection"), "calibration"
+    ),
+    **dict.fromkeys(("Row", "compare", "compare_tension"), "comparison"),
+    **dict.fromkeys(("Prior", "fit"), "fitting"),
+    **dict.fromkeys(("bootstrap", "profiles"), "intervals"),
     "select_model": "model_selection",
+    "figures": "plot_data",
+    **dict.fromkeys(("Posterior", "sample"), "posterior"),
 }
 _RENAMED = {"Choice": "Selection", "find": "select_model"}
-
-_WENT = {
+_MOVED = {
     "comparing": "calibrate.comparison",
     "finding": "calibrate.model_selection",
     "profiling": "calibrate.intervals",
 }
 
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _WENT, _RENAMED)
+__getattr__, __dir__ = attach_lazy(__name__, _HOMES, _MOVED, _RENAMED)

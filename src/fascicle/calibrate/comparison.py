@@ -1,20 +1,19 @@
-r"""Comparison of laws on one record, by likelihood and by what they were not fitted to.
+r"""Comparison of laws on one record, by likelihood and by cross-validation.
 
-Each row fits one choice of laws. It is compared by how likely it makes all $n$ readings, clipped
-ones too, and by what its $k$ free constants cost,
+Each row fits one choice of laws. It is compared by the likelihood $L$ of all $n$ readings, clipped
+ones included, with a penalty for its $k$ free constants,
 
 $$\mathrm{AIC} = -2 \ln L + 2k, \qquad \mathrm{BIC} = -2 \ln L + k \ln n \tag{C6}$$
 
-A measured force has a normal density about the law's, one that was clipped the chance that it
-isn't above:
+A measured force has a normal density about the law's, a clipped one the probability of a force
+below the floor:
 
 $$-2 \ln L = \sum_{measured} \left[\ln \sigma^2 + n r^2/\sigma^2\right]
   - 2 \sum_{clipped} \ln \Phi(\sqrt n\, (F - \mu)/\sigma), \tag{C13}$$
 
-with $r$ what the law misses and $n$ how many readings are averaged; what is the same for all laws
-is left out. $\sigma$ is where that is least. The fit is also repeated without each pressure in
-turn, and judged by its error there. Published constants of Sárosi's law without physics, and the
-law fitted anew, stand beside them:
+with the residual $r$ and the number $n$ of averaged readings, up to a constant that is the same for
+all laws. $\sigma$ minimizes it. The fit is also repeated without each pressure in turn, and
+compared by its error there. Sárosi's empirical law, as published and refitted, is included:
 
 $$F = (a p + b)\, e^{c \kappa} + d p \kappa + e p + f \tag{C5}$$
 
@@ -45,31 +44,30 @@ from .model_selection import folds, left_out_force
 from .parameters import parameters_of, with_optional_laws
 
 
-# a law that collapses by itself takes seconds for each force, and would come once for each choice
+# a law that collapses by itself takes seconds for each force, and ignores the collapse law
 _BUCKLING = tuple(name for name, law in LAWS["buckling"].items() if getattr(law, "collapses", True))
 # a to f of (C5), of a Festo DMSP-20-200N; its diameter in m
 SAROSI_DMSP_20_200N = np.array([
     -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
 ])  # fmt: skip
 _DIAMETER = 20e-3
-_FINEST = 1e-9  # of the largest force: below, a noise is rounding
-_WIDE = 5.0  # of the noise's logarithm: how far clipped readings may move it
-_FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
-_LEAST = 1e-3  # of the noise before: without noise there is an end to it
-_ROUNDS, _SETTLED = 8, 1e-3  # of the noise: what a clipped reading says follows it
+_MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
+_RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150
+_FIRST_NOISE = 0.02  # of the largest force: typical of a bench, and corrected in the next round
+_LEAST_STEP = 1e-3  # of the noise of the round before: data without noise would send it to zero
+_ROUNDS, _SETTLED = 8, 1e-3  # rounds, and relative change of the noise that ends them
 
 
 @dataclass(frozen=True)
 class Row:
     """One law against a record.
 
-    - `label`: the law. `free`: how many constants were fitted.
-    - `rmse`, `left_out_rmse`: error [N] where it was fitted, and at pressures that it wasn't.
+    - `label`: the law; `free`: number of fitted constants.
+    - `rmse`, `left_out_rmse`: error [N] of the fit, and at pressures that it was not fitted to.
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force [-].
-    - `aic`, `bic`: (C6), less the least of a table.
-    - `status`: end of the fit.
-    - `clipped_pull`: the most that it pulls where a reading was clipped at zero [N]; 0 where it
-      pulls at none.
+    - `aic`, `bic`: (C6), less the smallest of a table [-].
+    - `status`: message on how the search ended.
+    - `clipped_pull`: largest pull where a reading was clipped at zero [N]; 0 without any.
     """
 
     label: str
@@ -94,30 +92,30 @@ def compare(
     post_collapse: Sequence[str] = tuple(LAWS["post_collapse"]),
     **options: Any,
 ) -> list[Row]:
-    """Fit every choice of buckling, collapse and post-collapse law to a record.
+    """Fit every combination of buckling, collapse and post-collapse law to a record.
 
-    The numbers of the muscle's own laws go with them.
+    A law of the muscle keeps its constants.
 
     **Arguments:**
 
     - `record`, `muscle`, `parameters`, `priors`: as of `fit`.
-    - `buckling`, `collapse`, `post_collapse`: names of the laws to choose from; left out, all,
-      but for buckling laws that never ask a collapse law.
+    - `buckling`, `collapse`, `post_collapse`: names of laws; left out, all, except buckling laws
+      that ignore the collapse law.
     - `options`: loss, weights, starts and seed, as of `fit`.
 
-    **Returns:** a row for each, the least AIC first.
+    **Returns:** a row for each, the smallest AIC first.
     """
     data, rows = select_fit_data(record), []
     kinds = ("buckling", "collapse", "post_collapse")
     for names in itertools.product(buckling, collapse, post_collapse):
         pairs = zip(kinds, names, strict=True)
         laws = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
-        other = muscle.replace(**laws)
-        # a constant of a law is free with that law alone; a name that nobody knows is refused
-        gone = parameters_of(muscle).keys() - parameters_of(other).keys()
-        free = None if parameters is None else [name for name in parameters if name not in gone]
-        known = {name: prior for name, prior in (priors or {}).items() if name not in gone}
-        fitted = fit_data(data, other, free, known, FitOptions(**options))
+        variant = muscle.replace(**laws)
+        # constants of the replaced laws are left out; `fit_data` raises for unknown names
+        dropped = parameters_of(muscle).keys() - parameters_of(variant).keys()
+        free = None if parameters is None else [n for n in parameters if n not in dropped]
+        law_priors = {name: prior for name, prior in (priors or {}).items() if name not in dropped}
+        fitted = fit_data(data, variant, free, law_priors, FitOptions(**options))
         rows.append(row(", ".join(names), fitted))
     return ranked(rows)
 
@@ -129,26 +127,26 @@ def compare_tension(
     priors: Mapping[str, Prior] | None = None,
     **options: Any,
 ) -> list[Row]:
-    """Fit all tension laws and the published empirical one to a record, each with its own
-    constants.
+    """Fit all tension laws and the published empirical one to a record.
+
+    Each is fitted with its usual constants, with and without a dead band.
 
     **Arguments:**
 
     - `record`: the measured readings.
     - `muscle`: nominal sizes.
-    - `parameters`: what is free of the muscle's own law; those that other laws have as well
-      are tried with them too. Left out, each law's usual ones. All are tried with and without a
-      dead band.
+    - `parameters`: free parameters of the muscle's law, and of other laws that have them; left
+      out, each law's usual ones.
     - `priors`: as of `fit`, for those laws that have the parameter.
     - `options`: loss, weights, starts and seed, as of `fit`.
 
-    **Returns:** a row for each, the least AIC first.
+    **Returns:** a row for each, the smallest AIC first.
     """
     data = select_fit_data(record)
     fits = tension_fits(data, muscle, parameters, priors, FitOptions(**options))
     rows = [row(label, calibration) for label, calibration in fits.items()]
     published = compare_published(next(iter(fits.values())))
-    return ranked([*rows, *(one for one, _ in published)])
+    return ranked([*rows, *(row for row, _ in published)])
 
 
 def tension_fits(
@@ -159,44 +157,45 @@ def tension_fits(
     options: FitOptions,
 ) -> dict[str, Calibration]:
     """Fits of `compare_tension` by label; arguments as there."""
-    fits, own, asked = {}, muscle.tension.name, list(parameters or ())
-    muscle = with_optional_laws(muscle, asked)
-    for law, kind in {own: type(muscle.tension), **LAWS["tension"]}.items():
-        if kind.made_for and law != own:
-            continue  # its constants are another muscle's
-        usual, with_law = kind.usually_free(), muscle if law == own else muscle.replace(tension=law)
-        known = parameters_of(with_law)
-        more = [n for n in asked if n not in muscle.tension.usually_free() and n in known]
-        bases = [asked or usual] if law == own else [usual, [*usual, *more]]
+    fits, present, requested = {}, muscle.tension.name, list(parameters or ())
+    muscle = with_optional_laws(muscle, requested)
+    for law, kind in {present: type(muscle.tension), **LAWS["tension"]}.items():
+        if kind.made_for and law != present:
+            continue  # its constants belong to another muscle
+        usual = kind.usually_free()
+        variant = muscle if law == present else muscle.replace(tension=law)
+        available = parameters_of(variant).keys() - {*muscle.tension.usually_free()}
+        extra = [name for name in requested if name in available]
+        bases = [requested or usual] if law == present else [usual, [*usual, *extra]]
         sets = [(*base, *band) for base in bases for band in ((), ("dead_band",))]
-        for names in dict.fromkeys(tuple(dict.fromkeys(one)) for one in sets):
-            given = {name: prior for name, prior in (priors or {}).items() if name in names}
+        for names in dict.fromkeys(tuple(dict.fromkeys(names)) for names in sets):
+            law_priors = {name: prior for name, prior in (priors or {}).items() if name in names}
             label = f"{kind.title or law}: {', '.join(names)}"
-            fits[label] = fit_data(data, with_law, names, given, options)
+            fits[label] = fit_data(data, variant, names, law_priors, options)
     return fits
 
 
 def row(label: str, calibration: Calibration) -> Row:
-    """Row of a calibration, under this `label`."""
-    free, unseen = len(calibration.names), left_out_force(calibration)
-    return _row(label, free, calibration.force, unseen, calibration, calibration.status)
+    """Row of a calibration with this `label`."""
+    forces = calibration.force, left_out_force(calibration)
+    return _row(label, len(calibration.names), forces, calibration, calibration.status)
 
 
 def ranked(rows: Sequence[Row]) -> list[Row]:
-    """Rows by AIC, which with BIC is counted from the least."""
-    aic, bic = min(one.aic for one in rows), min(one.bic for one in rows)
-    counted = [replace(one, aic=one.aic - aic, bic=one.bic - bic) for one in rows]
-    return sorted(counted, key=lambda one: one.aic)
+    """Rows by AIC; AIC and BIC are counted from the smallest."""
+    aic, bic = min(row.aic for row in rows), min(row.bic for row in rows)
+    relative = [replace(row, aic=row.aic - aic, bic=row.bic - bic) for row in rows]
+    return sorted(relative, key=lambda row: row.aic)
 
 
 def _row(
     label: str,
     free: int,
-    force: np.ndarray,
-    unseen: np.ndarray,
+    forces: tuple[np.ndarray, np.ndarray],
     calibration: Calibration,
     status: str,
 ) -> Row:
+    """Row from the forces [N] of a fit and of its predictions where they were left out."""
     grid, top = calibration.grid, largest_force(calibration.record)
 
     def rmse(force: np.ndarray) -> float:
@@ -204,79 +203,80 @@ def _row(
         squares = (grid.force - force)[used] ** 2
         return float(np.sqrt(np.average(squares, weights=grid.count[used])))
 
-    seen, left = rmse(force), rmse(unseen)
-    n, cost = int(np.sum(grid.used)), deviance(grid, force)
-    pull = float(np.max(force[grid.used & grid.censored], initial=0.0))
+    error, left_out = map(rmse, forces)
+    n, cost = int(np.sum(grid.used)), deviance(grid, forces[0])
+    pull = float(np.max(forces[0][grid.used & grid.censored], initial=0.0))
     aic, bic = cost + 2 * free, cost + free * float(np.log(n))
-    return Row(label, free, seen, left, seen / top, left / top, aic, bic, status, pull)
+    return Row(
+        label, free, error, left_out, error / top, left_out / top, aic, bic, status, pull
+    )  # fmt: skip
 
 
 def deviance(grid: Grid, force: np.ndarray) -> float:
-    """(C13) of a law's `force` [N], less how many forces were measured: without clipped ones that
-    number times the logarithm of the mean square.
+    """(C13) of a law's `force` [N] on a `grid`, less the number of measured forces [-].
+
+    Without clipped readings that number times the logarithm of the mean square error.
     """
     used, clipped = grid.measured, grid.used & grid.censored
     n, top = int(np.sum(used)), float(np.max(np.abs(grid.force[used]), initial=1e-300))
     squares = float(np.sum(grid.count[used] * (grid.force - force)[used] ** 2))
     excess = (np.sqrt(grid.count) * (force - grid.force))[clipped]
-    alone = np.log(max(np.sqrt(squares / max(n, 1)), _FINEST * top))
+    measured = np.log(max(np.sqrt(squares / max(n, 1)), _MIN_NOISE * top))
 
     def value(log_noise: float) -> float:
         noise = np.exp(log_noise)
-        lost = -2 * float(np.sum(log_ndtr(-excess / noise)))
-        return 2 * n * log_noise + squares / noise**2 - n + lost
+        of_clipped = -2 * float(np.sum(log_ndtr(-excess / noise)))
+        return 2 * n * log_noise + squares / noise**2 - n + of_clipped
 
     if not excess.size:
-        return value(alone)
-    bounds = (alone - _WIDE, alone + _WIDE)
-    least = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
-    return min(float(least.fun), value(alone))
+        return value(measured)
+    bounds = (measured - _RANGE, measured + _RANGE)
+    minimum = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
+    return min(float(minimum.fun), value(measured))
 
 
 def compare_published(calibration: Calibration) -> list[tuple[Row, np.ndarray]]:
-    """Sárosi's law as published and refitted to a calibration's record, and their forces [N] at
-    the places of its grid.
-    """
+    """Rows of Sárosi's law, as published and refitted, and their forces on the grid [N]."""
     grid, muscle = calibration.grid, calibration.start
     published = sarosi(SAROSI_DMSP_20_200N, grid)
-    refitted, unseen = sarosi(fit_sarosi(grid), grid), np.full(grid.force.shape, np.nan)
+    refitted, left_out = sarosi(fit_sarosi(grid), grid), np.full(grid.force.shape, np.nan)
     for fold in folds(grid):
-        unseen[fold] = sarosi(fit_sarosi(grid.without(fold)), grid)[fold]
+        left_out[fold] = sarosi(fit_sarosi(grid.without(fold)), grid)[fold]
     label = "Sárosi, as published for a DMSP-20-200N"
     if not diameter_matches(muscle, _DIAMETER):
         widths = (pretty(x, "length") for x in (_DIAMETER, 2 * float(muscle.outer_radius)))
         label += ": {} wide, this muscle {}".format(*widths)
+    again = (refitted, left_out)
     return [
-        (_row(label, 0, published, published, calibration, "not fitted"), published),
-        (_row("Sárosi, refitted", 6, refitted, unseen, calibration, "converged"), refitted),
+        (_row(label, 0, (published, published), calibration, "not fitted"), published),
+        (_row("Sárosi, refitted", 6, again, calibration, "converged"), refitted),
     ]
 
 
 def sarosi(constants: np.ndarray, grid: Grid) -> np.ndarray:
-    """Force [N] by (C5) at the places of a `grid`, with the six `constants`."""
+    """Force [N] by (C5) on a `grid`, with the six `constants`."""
     a, b, c, d, e, f = constants
     p, kappa = grid.pressure / 1e5, grid.strain / 1e-2
     return (a * p + b) * np.exp(c * kappa) + d * p * kappa + e * p + f
 
 
 def fit_sarosi(grid: Grid) -> np.ndarray:
-    """The six constants that fit a `grid` best, clipped readings as (C2) has them, with the noise
-    that the others leave.
-    """
-    weight, clipped, first = np.sqrt(grid.count), grid.censored, SAROSI_DMSP_20_200N
-    free = max(int(np.sum(grid.measured)) - first.size, 1)
-    noise, share = _FIRST_NOISE * float(np.max(np.abs(grid.force))), np.ones(first.size)
+    """Six constants that fit a `grid` best, clipped readings by (C2) with the fit's own noise."""
+    weight, clipped, published = np.sqrt(grid.count), grid.censored, SAROSI_DMSP_20_200N
+    freedom = max(int(np.sum(grid.measured)) - published.size, 1)
+    noise, factors = _FIRST_NOISE * float(np.max(np.abs(grid.force))), np.ones(published.size)
 
-    def residuals(share: np.ndarray) -> np.ndarray:
-        # constants of unlike size are moved in proportion to the published ones
-        mu = sarosi(share * first, grid)
+    def residuals(factors: np.ndarray) -> np.ndarray:
+        # the constants differ in size: factors on the published ones are fitted
+        mu = sarosi(factors * published, grid)
         not_above = np.sqrt(-2 * log_ndtr(np.minimum((grid.force - mu) / noise, 30.0)))
         return (weight * np.where(clipped, not_above, (mu - grid.force) / noise)).reshape(-1)
 
     for _ in range(_ROUNDS):
-        share = least_squares(residuals, share, method="lm", xtol=1e-12, ftol=1e-12).x
-        left = np.where(clipped, 0.0, weight * (sarosi(share * first, grid) - grid.force))
-        before, noise = noise, max(float(np.sqrt(np.sum(left**2) / free)), _LEAST * noise)
+        factors = least_squares(residuals, factors, method="lm", xtol=1e-12, ftol=1e-12).x
+        errors = np.where(clipped, 0.0, weight * (sarosi(factors * published, grid) - grid.force))
+        rms = float(np.sqrt(np.sum(errors**2) / freedom))
+        before, noise = noise, max(rms, _LEAST_STEP * noise)
         if not np.any(clipped & grid.used) or abs(noise / before - 1) < _SETTLED:
             break
-    return share * first
+    return factors * published

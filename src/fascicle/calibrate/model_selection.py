@@ -218,7 +218,7 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
     for fold in folds(problem.grid):
         grid, joint = problem.grid.without(fold), readings.pulling is not None
         end, refitted = refit_tuning(problem, point, grid, calibration.weights, joint)
-        force[fold] = refitted.force(end)[fold]
+        force[fold] = replace(refitted, grid=problem.grid).force(end)[fold]
     return force
 
 

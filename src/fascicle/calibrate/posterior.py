@@ -1,11 +1,10 @@
-r"""The posterior of a calibration, drawn by Hamiltonian Monte Carlo.
+r"""Posterior of a calibration, sampled by Hamiltonian Monte Carlo.
 
-The likelihood is the one that least squares maximizes: normal scatter about the law for
-measured forces, its integral up to zero for clipped ones; with it the coordinates' priors,
-the readings' curves as uncertain as they were read, the model's own error where residuals
-show one (`discrepancy`), and the noise with a flat prior on its logarithm. Drawn are
-standardized deviations from the fit, $z = \hat z + \mathrm{chol}(C) u$: without that chains
-stick.
+The likelihood is that of the least-squares fit: normal scatter about the law for measured forces,
+its integral up to zero for clipped ones. It is multiplied by the priors of the coordinates, the
+uncertainty of the readings' curves, the model's own error where residuals show one (`diagnostics`),
+and a flat prior on the logarithm of the noise. Samples are standardized deviations from the fit,
+$z = \hat z + \mathrm{chol}(C) u$: without this scaling chains do not mix.
 
 **Source:** Hoffman and Gelman (2014) for the sampler; numpyro.
 """
@@ -25,21 +24,20 @@ from .parameters import put, values
 
 INSTALL = "`--posterior` needs the package numpyro: pip install 'fascicle[posterior]'."
 
-_ACCEPT = 0.95
+_ACCEPT = 0.95  # probability: kinks at collapse, and undetermined constants, need short steps
 
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Draws of a calibration's parameters, and whether the chains agree.
+    """Draws of a calibration's parameters, and convergence diagnostics of the chains.
 
     - `names`: of the parameters.
     - `values`: a row for each draw [SI unit of each parameter].
     - `coordinates`: the same draws as coordinates [-].
     - `curves`: coefficients of the readings' curves for each draw.
     - `noise`: of a reading [N], for each draw.
-    - `r_hat`: near 1 where chains agree [-]. `ess`: how many independent draws they are
-      worth; both for each parameter.
-    - `divergences`: number of failed steps.
+    - `r_hat`, `ess`: potential scale reduction, and effective sample size, of each parameter [-].
+    - `divergences`: number of divergent steps.
     """
 
     names: tuple[str, ...]
@@ -53,7 +51,7 @@ class Posterior:
 
     @property
     def agrees(self) -> bool:
-        """Whether R-hat is below 1.01 and ESS above 400 for all, and no step failed."""
+        """The chains converged: R-hat below 1.01 and ESS above 400 for all, no divergence."""
         return bool(np.all(self.r_hat < 1.01) and np.all(self.ess > 400) and self.divergences == 0)
 
     def interval(self, level: float = 0.9) -> np.ndarray:
@@ -70,16 +68,16 @@ def sample(
     **Arguments:**
 
     - `calibration`: the calibration; its noise must be normal, so its loss linear.
-    - `draws`: kept for each chain.
-    - `warmup`: draws for each chain that are not kept.
-    - `chains`: how many.
+    - `draws`: number of draws of each chain.
+    - `warmup`: number of draws of each chain that are discarded before.
+    - `chains`: number of chains.
     - `seed`: random seed.
 
-    **Raises:** `ValueError` for a robust loss, and where numpyro is missing.
+    **Raises:** `InvalidInputError` for a robust loss; `ValueError` if numpyro is not installed.
     """
     if calibration.problem.loss != "linear":
         raise InvalidInputError(
-            "loss", "must be linear for a posterior", None, "a robust one is no model"
+            "loss", "must be linear for a posterior", None, "a robust loss is no model of noise"
         )
     try:
         import numpyro
@@ -92,10 +90,9 @@ def sample(
 
     def model() -> None:
         u = numpyro.sample("u", dist.Normal(jnp.zeros(target.size), 1).to_event(1))
-        # the standard normal draws it by is taken off again: the target alone counts
+        # the density of the standard normal that samples u is divided out
         numpyro.factor("target", target.log_density(u) + 0.5 * jnp.sum(u**2))
 
-    # short steps: a kink at each collapse, and what the data don't determine, need them
     kernel = NUTS(model, init_strategy=init_to_median(num_samples=5), target_accept_prob=_ACCEPT)
     run = MCMC(
         kernel, num_warmup=warmup, num_samples=draws, num_chains=chains,
@@ -104,11 +101,11 @@ def sample(
     run.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
     u = run.get_samples(group_by_chain=True)["u"]
     z, curves, noise = jax.vmap(target.unpack)(u.reshape(-1, u.shape[-1]))
-    drawn = np.asarray(jax.vmap(target.values)(z))
-    by_chain = drawn.reshape(chains, draws, -1)
+    sampled = np.asarray(jax.vmap(target.values)(z))
+    by_chain = sampled.reshape(chains, draws, -1)
     return Posterior(
         names=calibration.names,
-        values=drawn,
+        values=sampled,
         coordinates=np.asarray(z),
         curves=np.asarray(curves),
         noise=np.asarray(noise),
@@ -119,7 +116,7 @@ def sample(
 
 
 class _Target:
-    """The log posterior density over standardized coordinates, curves, discrepancy and noise."""
+    """Log posterior density over standardized coordinates, curves, discrepancy and noise."""
 
     def __init__(self, calibration: Calibration):
         self.problem, diagnosis = calibration.problem, calibration.diagnosis
@@ -128,14 +125,15 @@ class _Target:
         self.curves, self.base = jnp.zeros((0, 0)), jnp.zeros(0)
         readings = calibration.readings
         if readings is not None:
-            # what the pull alone says of them: the rest is in the likelihood
+            # from the pull alone: all other readings are in the likelihood
             base, covariance = readings.pulling or (self.problem.curves, readings.covariance)
             spread, basis = jnp.linalg.eigh(jnp.asarray(covariance))
-            own = np.asarray(spread) > 1e-12 * float(jnp.max(spread))
+            # unused orders of a polynomial have no spread
+            used = np.asarray(spread) > 1e-12 * float(jnp.max(spread))
             self.base = jnp.asarray(base)
-            self.curves = (basis * jnp.sqrt(jnp.maximum(spread, 0)))[:, own]
+            self.curves = (basis * jnp.sqrt(jnp.maximum(spread, 0)))[:, used]
         self.discrepancy = jnp.asarray(diagnosis.discrepancy)
-        # what the discrepancy explains is no noise
+        # the discrepancy's part of the residuals is no noise
         self.noise = diagnosis.noise if diagnosis.significant else self.problem.noise
         self.count = float(np.sum((self.problem.weight > 0) & self.problem.grid.measured))
         sizes = [self.center.size, self.curves.shape[1], self.discrepancy.shape[-1], 1]
@@ -144,24 +142,24 @@ class _Target:
 
     def unpack(self, u: Any) -> tuple[Any, Any, Any]:
         """Coordinates [-], coefficients of the curves, and the noise [N] at `u`."""
-        z, curves, _, away = jnp.split(u, self.ends[:-1])
-        noise = self.noise * jnp.exp(away[0] / jnp.sqrt(2 * self.count))
-        moved = self.base + self.curves @ curves if self.base.size else self.base
-        return self.center + self.scale @ z, moved, noise
+        z, curves, _, log_noise = jnp.split(u, self.ends[:-1])
+        noise = self.noise * jnp.exp(log_noise[0] / jnp.sqrt(2 * self.count))
+        coefficients = self.base + self.curves @ curves if self.base.size else self.base
+        return self.center + self.scale @ z, coefficients, noise
 
     def log_density(self, u: Any) -> Any:
         """Log density of likelihood and priors, to a constant."""
-        z, moved, noise = self.unpack(u)
+        z, coefficients, noise = self.unpack(u)
         _, curves, errors, _ = jnp.split(u, self.ends[:-1])
         problem, grid = self.problem, self.problem.grid
-        mu = problem.force(jnp.concatenate([z, moved])) + self.discrepancy @ errors
+        mu = problem.force(jnp.concatenate([z, coefficients])) + self.discrepancy @ errors
         square = problem.weight**2 * grid.count * ((grid.force - mu) / noise) ** 2
         clipped = problem.weight**2 * log_ndtr((grid.force - mu) * jnp.sqrt(grid.count) / noise)
         likelihood = jnp.where(grid.censored, clipped, -0.5 * square)
         prior = jnp.sum(((z - problem.center) / problem.deviation) ** 2)
-        known = jnp.sum(curves**2) + jnp.sum(errors**2)
-        return jnp.sum(likelihood) - self.count * jnp.log(noise) - 0.5 * (prior + known)
+        prior = prior + jnp.sum(curves**2) + jnp.sum(errors**2)
+        return jnp.sum(likelihood) - self.count * jnp.log(noise) - 0.5 * prior
 
     def values(self, z: Any) -> Any:
-        """The fitted parameters [SI units] at coordinates `z`."""
+        """Values of the fitted parameters [SI units] at coordinates `z`."""
         return values(self.problem.parameters, put(self.problem.parameters, self.problem.muscle, z))

@@ -1,21 +1,19 @@
 r"""Blocked force and free strain, read from the data, and $C_1(P)$, $C_2(P)$ from them.
 
-At each pressure the measured pull is regressed on the law's own untuned force $T$, near
-zero strain for the blocked force and near the free strain for the free strain: locally
-$F = a + b T$, so
+At each pressure the measured pull is regressed on the untuned force $T$ of the law, near zero
+strain for the blocked force and near the free strain for the free strain: locally $F = a + b T$, so
 
 $$\hat F_{blocked} = a + b\, T(0), \qquad \hat C_1 = -a/b, \qquad
   T(\hat\varepsilon_f) = \hat C_1. \tag{34}$$
 
-The law carries the curve's shape, so a straight line is enough, and few readings do.
-The variances follow from the regression's.
+The law describes the shape of the curve, so a straight line and a few readings are enough. The
+variances follow from those of the regression.
 
-Between the measured pressures both are smooth: the blocked force is linear above a
-threshold, $\hat F_{blocked} = a (P - P_0)$, as the paper says, and the free strain is the
-untuned law's times a low-order polynomial in pressure, $\hat\varepsilon_f(P) = \varepsilon_f(P)\,
-q(P)$. The paper makes the free strain itself such a polynomial; the quotient needs a lower
-order, since the law knows how the strain saturates, and vanishes without pressure of itself.
-With them
+Between the measured pressures both are smooth: the blocked force is linear above a threshold,
+$\hat F_{blocked} = a (P - P_0)$, as in the paper, and the free strain is that of the untuned law
+times a low-order polynomial in pressure, $\hat\varepsilon_f(P) = \varepsilon_f(P)\, q(P)$. In the
+paper the free strain itself is such a polynomial; the quotient needs a lower order, since the law
+describes the saturation of the strain, and vanishes without pressure. With them
 
 $$C_1(P) = T(\hat\varepsilon_f, P), \qquad
   C_2(P) = \frac{\hat F_{blocked}}{T(0, P) - C_1}. \tag{35}$$
@@ -37,11 +35,11 @@ from .data import Grid
 
 
 ORDERS = 4  # of the free strain's quotient: constant to cubic
-NO_PRESSURE = 0.01  # of the highest pressure: below, nothing can be read [R13]
-_NEAR = 0.3  # of the free strain: how far a reading looks, as a Gaussian's deviation
-_PULLING = 0.15  # of the level's largest force: readings above it surely pull
-_SHORTEST = 0.8  # strain at which every mesh pushes hard
-_ROUNDING = 1e-4  # of the largest value: as fine as bench files are written
+NO_PRESSURE = 0.01  # of the highest pressure: forces below it are too small to read [R13]
+_WINDOW = 0.3  # of the free strain: deviation of the Gaussian window of a regression
+_PULLING = 0.15  # of the level's largest force: larger readings certainly pull
+_LARGEST_STRAIN = 0.8  # strain at which every mesh pushes hard
+_ROUNDING = 1e-4  # of the largest value: rounding of bench files
 
 Level = Float[AnyArray, "level"]
 
@@ -51,16 +49,15 @@ class Readings:
     """Blocked forces and free strains by level of pressure, and the smooth curves through them.
 
     - `pressure`: of each level [Pa].
-    - `free_strain`, `blocked_force`: read there [-], [N], with standard deviations.
-    - `valid`: where there was enough to read.
+    - `free_strain`, `blocked_force`: of each level [-], [N], with standard deviations.
+    - `valid`: levels with enough readings.
     - `noise`: standard deviation of a single force reading [N].
     - `coefficients`: the quotient's polynomial [-] in pressure over the highest, then the
-      blocked force's level and slope [N] over the same; `covariance` theirs.
+      blocked force's level and slope [N] over the same; `covariance`: of these.
     - `order`: of the polynomial.
-    - `misfit`: squared deviations from the curves, over their expectation [-]; 1 where the
-      curves are as good as the readings.
-    - `pulling`: where the curves were fitted jointly with what resists, coefficients and
-      covariance from the pull alone; else `None`.
+    - `misfit`: squared deviations from both curves, over their expectation [-]; 1 if they agree.
+    - `pulling`: after a joint fit with the resisting force, coefficients and covariance from the
+      pull alone; else `None`.
     """
 
     pressure: np.ndarray
@@ -78,33 +75,33 @@ class Readings:
 
 
 def without_tuning(muscle: Muscle) -> Muscle:
-    """The `muscle` without its tuning, except for its dead band, which is no correction."""
+    """The `muscle` without its tuning, except for its dead band."""
     return with_fields(muscle, tuning=with_fields(Tuning(), dead_band=muscle.tuning.dead_band))
 
 
 def pulling_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     """Force of the tension law alone [N] at `pressure` [Pa] and `strain` [-]."""
-    with np.errstate(all="ignore"):  # of branches that aren't taken
+    with np.errstate(all="ignore"):  # unused branches of the law
         return muscle.law.tension.force(pressure, strain)
 
 
 def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:
-    """Strain [-] at which the tension law of an untuned `muscle` gives a `force` [N] at `pressure`
-    [Pa]; 0 where the dead band leaves no pressure, an end of the searched strains for forces
-    that the law doesn't reach.
+    """Strain [-] of an untuned `muscle` at a `force` [N] and `pressure` [Pa], by its tension law.
+
+    0 within the dead band; an end of the searched strains for forces that the law doesn't reach.
     """
     xp = array_namespace(pressure, force, muscle.braid_angle)
     law = muscle.law.tension
     P = law.tuning.effective_pressure(pressure)
     with np.errstate(all="ignore"):
         strain = law.law.free_strain(law.bladder, guarded(P > 0, P, 1e5), lambda _: force)
-        low = 0.5 * (1 - 1 / xp.cos(muscle.braid_angle))  # as the law's own search
+        low = 0.5 * (1 - 1 / xp.cos(muscle.braid_angle))  # as in the law's search
     strain = where(P > 0, strain, 0.0)
-    return xp.where(xp.isnan(strain), _SHORTEST, xp.clip(strain, low, _SHORTEST))
+    return xp.where(xp.isnan(strain), _LARGEST_STRAIN, xp.clip(strain, low, _LARGEST_STRAIN))
 
 
 def read(muscle: Muscle, grid: Grid) -> Readings:
-    """Read blocked forces and free strains off a `grid`, against the `muscle`'s untuned law."""
+    """Read blocked forces and free strains from a `grid`, with the untuned law of a `muscle`."""
     law = without_tuning(to_numpy(muscle))
     P, strain, F, count = grid.pressure[:, 0], grid.strain, grid.force, grid.count
     top, zero = _top(P), np.zeros(P.shape)
@@ -112,16 +109,16 @@ def read(muscle: Muscle, grid: Grid) -> Readings:
     T, blocked_law = pulling_force(law, P[:, None], strain), pulling_force(law, P, zero)
     free_law = invert_force(law, P, zero)
 
-    # which readings pull: a first line through those that surely do tells where force ends
+    # a first line through readings that certainly pull gives the strain at which the pull ends
     w = np.where(grid.measured, count, 0.0)
-    surely = w * (_PULLING * np.max(np.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
-    ends = invert_force(law, P, _line(T, F, surely, count).offset)
+    certain = w * (_PULLING * np.max(np.where(w > 0, F, 0.0), axis=1, keepdims=True) < F)
+    ends = invert_force(law, P, _line(T, F, certain, count).offset)
     pulling = w * (strain <= ends[:, None])
 
-    scale = safe(_NEAR * ends[:, None])
-    near_rest = pulling * np.exp(-0.5 * (strain / scale) ** 2)
-    near_end = pulling * np.exp(-0.5 * ((strain - ends[:, None]) / scale) ** 2)
-    start, end = _line(T, F, near_rest, count), _line(T, F, near_end, count)
+    scale = safe(_WINDOW * ends[:, None])
+    start_weight = pulling * np.exp(-0.5 * (strain / scale) ** 2)
+    end_weight = pulling * np.exp(-0.5 * ((strain - ends[:, None]) / scale) ** 2)
+    start, end = _line(T, F, start_weight, count), _line(T, F, end_weight, count)
     noise = _scatter(T, F, pulling * pressurized[:, None])
 
     blocked = start.value + start.slope * (blocked_law - start.center)
@@ -130,26 +127,26 @@ def read(muscle: Muscle, grid: Grid) -> Readings:
     c1_deviation = noise * np.sqrt(end.variance(c1)) / safe(np.abs(end.slope))
     free = invert_force(law, P, c1)
     with np.errstate(all="ignore"):
-        fall = np.broadcast_to(law.law.tension.pull(P, free).slope, P.shape)
-    free_deviation = c1_deviation / safe(np.abs(fall))
+        slope = np.broadcast_to(law.law.tension.pull(P, free).slope, P.shape)
+    free_deviation = c1_deviation / safe(np.abs(slope))
     enough = (np.sum(pulling > 0, axis=1) >= 2) & (end.slope > 0) & (start.slope > 0) & pressurized
     finite = np.isfinite(blocked_deviation + free_deviation + free)
     valid = enough & finite & (free > 0) & (free_law > 0)
-    share = P[valid] / top
+    relative_pressure = P[valid] / top
     quotient = free[valid] / free_law[valid], free_deviation[valid] / free_law[valid]
     fits = [
-        _polynomial(share, *quotient, order, ORDERS)
-        for order in range(min(ORDERS, max(share.size, 1)))  # never more terms than readings
+        _polynomial(relative_pressure, *quotient, order, ORDERS)
+        for order in range(min(ORDERS, max(relative_pressure.size, 1)))  # terms up to readings
     ]
-    # by Schwarz's criterion
-    scores = [fit.squares + (n + 1) * np.log(share.size + 1.0) for n, fit in enumerate(fits)]
-    order = int(np.argmin(scores))
-    line = _polynomial(share, blocked[valid], blocked_deviation[valid], 1, 2)
-    none = np.zeros((ORDERS, 2))
+    # Schwarz's criterion
+    penalty = np.log(relative_pressure.size + 1.0)
+    order = int(np.argmin([fit.squares + (n + 1) * penalty for n, fit in enumerate(fits)]))
+    line = _polynomial(relative_pressure, blocked[valid], blocked_deviation[valid], 1, 2)
+    zeros = np.zeros((ORDERS, 2))
     return Readings(
         P, free, free_deviation, blocked, blocked_deviation, valid, noise,
         np.concatenate([fits[order].coefficients, line.coefficients]),
-        np.block([[fits[order].covariance, none], [none.T, line.covariance]]),
+        np.block([[fits[order].covariance, zeros], [zeros.T, line.covariance]]),
         order, np.array([fits[order].misfit, line.misfit]),
     )  # fmt: skip
 
@@ -157,40 +154,41 @@ def read(muscle: Muscle, grid: Grid) -> Readings:
 class SmoothCurves:
     """Free strain and blocked force as smooth functions of pressure, linear in coefficients.
 
-    What doesn't depend on these is computed once: the untuned law of a `muscle`, and at each
-    `pressure` [Pa] its free strain and blocked force. Curves take pressures over `top` [Pa].
+    Free strain and blocked force of the untuned law of a `muscle` at each `pressure` [Pa] are
+    computed once. Polynomials take pressures over `top` [Pa].
     """
 
     def __init__(self, muscle: Muscle, pressure: Level, top: float):
         self.law, self.pressure = without_tuning(muscle), pressure
-        self.share = pressure / top
-        self.some = (self.share > NO_PRESSURE) & (muscle.tuning.dead_band < pressure)
+        self.relative_pressure = pressure / top
+        self.valid = (self.relative_pressure > NO_PRESSURE) & (muscle.tuning.dead_band < pressure)
         self.untuned_free_strain = invert_force(self.law, pressure, 0.0 * pressure)
         self.untuned_blocked_force = pulling_force(self.law, pressure, 0.0 * pressure)
 
     def free_strain(self, coefficients: Float[AnyArray, "coefficient"]) -> Level:
         """Free strain [-]; 0 without pressure [R13]."""
         xp = array_namespace(coefficients)
-        free = self.untuned_free_strain * xp.polyval(coefficients[:ORDERS][::-1], self.share)
-        return where(self.share > NO_PRESSURE, free, 0.0)
+        x = self.relative_pressure
+        free = self.untuned_free_strain * xp.polyval(coefficients[:ORDERS][::-1], x)
+        return where(x > NO_PRESSURE, free, 0.0)
 
     def tables(self, coefficients: Float[AnyArray, "coefficient"]) -> tuple[Level, Level]:
         """$C_1$ [N] and $C_2$ [-], (34) and (35); 0 and 1 without pressure."""
-        blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.share
+        blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.relative_pressure
         c1 = pulling_force(self.law, self.pressure, self.free_strain(coefficients))
         span = self.untuned_blocked_force - c1
-        c2 = blocked / guarded(self.some & (span != 0), span)
-        return where(self.some, c1, 0.0), where(self.some, c2, 1.0)
+        c2 = blocked / guarded(self.valid & (span != 0), span)
+        return where(self.valid, c1, 0.0), where(self.valid, c2, 1.0)
 
     def free_strain_deviation(self, covariance: np.ndarray) -> np.ndarray:
         """Standard deviation of the free strain [-], from the coefficients' `covariance`."""
-        basis = self.share[:, None] ** np.arange(ORDERS)
+        basis = self.relative_pressure[:, None] ** np.arange(ORDERS)
         variance = np.einsum("li,ij,lj->l", basis, covariance[:ORDERS, :ORDERS], basis)
         return self.free_strain(np.eye(ORDERS)[0]) * np.sqrt(np.maximum(variance, 0.0))
 
 
 def top_pressure(grid: Grid) -> float:
-    """Highest pressure of a `grid` [Pa], to which curves refer; 1 Pa for a passive muscle."""
+    """Highest pressure of a `grid` [Pa], the unit of the curves; 1 Pa for a passive muscle."""
     return _top(grid.pressure)
 
 
@@ -200,10 +198,10 @@ def _top(pressure: np.ndarray) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """A weighted straight line through forces over the law's own, level by level.
+    """Weighted straight lines through measured forces over the law's, level by level.
 
-    - `center`: where the line is held [N]; `value`: its height there [N]; `slope` [-].
-    - `spread`: variances of height, both, and slope, over that of a reading [-], [1/N], [1/N²].
+    `value` [N] at a `center` [N] and `slope` [-]; `spread`: variance of the value, covariance, and
+    variance of the slope, over that of a reading [-], [1/N], [1/N²].
     """
 
     center: np.ndarray
@@ -213,31 +211,30 @@ class _Line:
 
     @property
     def offset(self) -> np.ndarray:
-        """Crossing of the line with zero [N]."""
+        """Force of the law at which the line is zero [N]."""
         return self.center - self.value / safe(self.slope)
 
     def variance(self, T: np.ndarray) -> np.ndarray:
         """Variance of the line at `T` [N], over that of a single reading [-]."""
-        away = T - self.center
-        a, b, c = self.spread
-        return a + 2 * away * b + away**2 * c
+        dT, (a, b, c) = T - self.center, self.spread
+        return a + 2 * dT * b + dT**2 * c
 
 
 def _line(T: np.ndarray, F: np.ndarray, weight: np.ndarray, count: np.ndarray) -> _Line:
-    """The line of `F` [N] over `T` [N] with `weight`, of readings that average `count`."""
+    """Regress `F` [N] on `T` [N] with `weight`, for means of `count` readings."""
 
     def mean(values: np.ndarray) -> np.ndarray:
         return np.sum(weight * values, axis=1) / total
 
     total = safe(np.sum(weight, axis=1))
     center, value = mean(T), mean(F)
-    away = T - center[:, None]
-    moment = np.sum(weight * away**2, axis=1)
+    dT = T - center[:, None]
+    moment = np.sum(weight * dT**2, axis=1)
     moment = np.where(moment > 0, moment, np.inf)
-    slope = np.sum(weight * away * F, axis=1) / moment
-    # readings differ in how many they average: variances add up by the weights' squares
+    slope = np.sum(weight * dT * F, axis=1) / moment
+    # the variance of an entry is that of a reading over the number of readings it averages
     square = weight**2 / np.where(count > 0, count, np.inf)
-    sums = [np.sum(square * away**power, axis=1) for power in range(3)]
+    sums = [np.sum(square * dT**power, axis=1) for power in range(3)]
     spread = sums[0] / total**2, sums[1] / (total * moment), sums[2] / moment**2
     return _Line(center, value, slope, spread)
 
@@ -247,21 +244,21 @@ def _scatter(T: np.ndarray, F: np.ndarray, weight: np.ndarray) -> float:
     t = T / safe(np.max(np.abs(T), axis=1, keepdims=True))
     basis = np.stack([np.ones_like(t), t, t**2], axis=-1) * np.sqrt(weight)[..., None]
     target = F * np.sqrt(weight)
-    # the least that is added lets a level without readings be solved as well
+    # a small diagonal keeps the system of a level without readings regular
     gram = np.einsum("lri,lrj->lij", basis, basis) + 1e-12 * np.eye(3)
     best = np.linalg.solve(gram, np.einsum("lri,lr->li", basis, target)[..., None])[..., 0]
     squares = np.sum((target - np.einsum("lri,li->lr", basis, best)) ** 2, axis=1)
     free = np.sum(weight > 0, axis=1) - 3
     if np.any(free > 0):
         return float(np.sqrt(np.sum(squares[free > 0]) / np.sum(free[free > 0])))
-    # too few readings to see any scatter: a hundredth of the largest force is a load cell's
+    # too few readings to see any scatter: a typical load cell has 1 % of the largest force
     return 0.01 * max(float(np.max(np.abs(F))), 1e-9)
 
 
 @dataclass(frozen=True, eq=False)
 class _Polynomial:
-    """A polynomial: `coefficients` from the constant up, their `covariance`, the `squares` left
-    over the variances, and these over what chance lets expect, the `misfit` [-].
+    """A polynomial: `coefficients` from the constant up with their `covariance`, normalized sum of
+    `squares` of its residuals, and `misfit`, this sum over its expectation [-].
     """
 
     coefficients: np.ndarray
@@ -273,12 +270,10 @@ class _Polynomial:
 def _polynomial(
     x: np.ndarray, y: np.ndarray, deviation: np.ndarray, order: int, size: int
 ) -> _Polynomial:
-    """A polynomial of an `order` through `y` with its `deviation` at `x`, filled up with zeros to
-    `size` coefficients.
-    """
+    """Fit a polynomial of an `order` to `y` with its `deviation`, padded to `size` coefficients."""
     if not x.size:
         return _Polynomial(np.zeros(size), np.zeros((size, size)), 0.0, 1.0)
-    # readings that agree to the last digit have no scatter: they are as sure as they are rounded
+    # readings that agree to the last digit seem exact: their rounding limits the weight
     weight = 1 / np.maximum(deviation, _ROUNDING * np.max(np.abs(y), initial=1e-9)) ** 2
     basis = x[:, None] ** np.arange(order + 1)
     scale = max(float(np.max(weight)), 1e-300)
@@ -290,7 +285,7 @@ def _polynomial(
     squares = float(np.sum(weight * (y - basis @ best) ** 2))
     free = x.size - (order + 1)
     ratio = squares / max(free, 1)
-    # where the curve misses by more than chance lets the readings, it is that uncertain
+    # a curve that misses its readings significantly is as uncertain as it misses them
     misfit = ratio if free > 0 and ratio > 1 + 3 * np.sqrt(2 / free) else 1.0
     pad = size - (order + 1)
     covariance = np.pad(misfit * inverse / scale, ((0, pad), (0, pad)))
@@ -298,5 +293,5 @@ def _polynomial(
 
 
 def safe(values: np.ndarray) -> np.ndarray:
-    """`values` to divide by: 1 in place of 0."""
+    """Divisors: `values`, with 1 in place of 0."""
     return np.where(values == 0, 1.0, values)
