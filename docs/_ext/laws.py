@@ -51,7 +51,7 @@ def abilities() -> str:
             can = (
                 _yes(getattr(law, "symbolic", True)), _yes(True),
                 _yes("shear" in own) if past else "", _yes("braid_share" in own) if past else "",
-                getattr(law, "made_for", "") or "any",
+                getattr(law, "reference_muscle", "") or "any",
             )  # fmt: skip
             rows.append("| " + " | ".join((kind.replace("_", " "), f"`{law.name}`", *can)) + " |")
     return "\n".join(rows)

@@ -69,7 +69,7 @@ REFUSED = {
     **{(f"tension {name}", "simulate"): "it is too weak by"
        for name in ("ideal", "meller2014", "tondu_lopez")},
     **{(f"tension {name}", "design"): "a design has other sizes"
-       for name, law in LAWS["tension"].items() if law.made_for},
+       for name, law in LAWS["tension"].items() if law.reference_muscle},
 }  # fmt: skip
 # of another muscle's numbers, in a scenario that is too stiff for them
 UNTRUSTED = {("tension bolen_20", "simulate")}

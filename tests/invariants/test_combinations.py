@@ -22,7 +22,8 @@ def drawn(rng, kind):
     given = {one.name: one.options[rng.integers(len(one.options))] for one in law.switches()}
     for one in law.constants():
         # what one muscle's law is fitted to means nothing elsewhere
-        if one.transform is not None and not getattr(law, "made_for", "") and rng.random() < 0.5:
+        has_reference = bool(getattr(law, "reference_muscle", ""))
+        if one.transform is not None and not has_reference and rng.random() < 0.5:
             low, high = one.bounds[1:3]
             # over decades where there are some
             wide = 0 < 10 * low < high

@@ -84,7 +84,7 @@ COMBINATIONS += [
     if name not in {getattr(laws.get(kind), "name", laws.get(kind)) for laws in COMBINATIONS}
     and name != next(iter(registry))
     # of one muscle: tests/validation/test_oracle_festo.py; slow: test_oracle_ovalising.py
-    and not getattr(law, "made_for", "")
+    and not getattr(law, "reference_muscle", "")
     and getattr(law, "collapses", True)
 ]
 
@@ -189,7 +189,7 @@ def test_every_law_is_here():
         found = [laws.get(key, next(iter(registry))) for laws in COMBINATIONS]
         of_any = {
             name for name, law in registry.items()
-            if not getattr(law, "made_for", "") and getattr(law, "collapses", True)
+            if not getattr(law, "reference_muscle", "") and getattr(law, "collapses", True)
         }  # fmt: skip
         assert {getattr(law, "name", law) for law in found} == of_any
 

@@ -53,7 +53,7 @@ def test_mesh_works_as_much_as_the_pressure_does(tension, random_muscles):
 
 
 def test_only_laws_that_correct_the_mesh_are_not_conservative():
-    measured = {law.name for law in LAWS if not (law.conservative or law.made_for)}
+    measured = {law.name for law in LAWS if not (law.conservative or law.reference_muscle)}
     # the last one's braid swells with pressure: (V2) has its volume
     assert measured == {"tondu_lopez", "meller2014", "kothera2009", "elastic_braid"}
 

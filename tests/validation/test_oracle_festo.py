@@ -13,7 +13,7 @@ from fascicle.design.designs import Designs
 from fascicle.muscle.tension import TENSION_LAWS
 
 
-MADE = {name: law for name, law in TENSION_LAWS.items() if law.made_for}
+MADE = {name: law for name, law in TENSION_LAWS.items() if law.reference_muscle}
 WALL, ANGLE = 1.8e-3, math.radians(28.6)
 
 

@@ -160,11 +160,11 @@ def tension_fits(
     fits, present, requested = {}, muscle.tension.name, list(parameters or ())
     muscle = with_optional_laws(muscle, requested)
     for law, kind in {present: type(muscle.tension), **LAWS["tension"]}.items():
-        if kind.made_for and law != present:
+        if kind.reference_muscle and law != present:
             continue  # its constants belong to another muscle
-        usual = kind.usually_free()
+        usual = kind.fit_parameters()
         variant = muscle if law == present else muscle.replace(tension=law)
-        available = parameters_of(variant).keys() - {*muscle.tension.usually_free()}
+        available = parameters_of(variant).keys() - {*muscle.tension.fit_parameters()}
         extra = [name for name in requested if name in available]
         bases = [requested or usual] if law == present else [usual, [*usual, *extra]]
         sets = [(*base, *band) for base in bases for band in ((), ("dead_band",))]

@@ -230,7 +230,7 @@ def left_out_errors(calibration: Calibration) -> np.ndarray:
 
 def base_parameter_sets(muscle: Muscle, required: Collection[str] = ()) -> list[Names]:
     """First candidates for the free constants of a `muscle`; `required` ones are in each."""
-    usual = muscle.tension.usually_free()
+    usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
     bases = [sizes]
     if len(sizes) < len(usual) and isinstance(muscle.material, MooneyRivlin):
@@ -318,7 +318,7 @@ def _pulling_trials(
         attempt(names)
     noise = read(muscle, on_length(data, muscle)).noise
     if any(trial.valid for trial in trials.values()):
-        usual = {*muscle.tension.usually_free(), _WALL}
+        usual = {*muscle.tension.fit_parameters(), _WALL}
         constants = identifiable_constants(data, with_optional_laws(muscle), options, usual)
         optional = [name for name in constants if name not in usual]
         stepwise_selection(

@@ -20,7 +20,7 @@ from typing import Any, cast
 def attach_lazy(
     package: str,
     homes: Mapping[str, str],
-    moved: Mapping[str, str] = MappingProxyType({}),
+    former_modules: Mapping[str, str] = MappingProxyType({}),
     renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package.
@@ -29,7 +29,7 @@ def attach_lazy(
 
     - `package`: its name.
     - `homes`: module of each of its names; "" for a name that is a module.
-    - `moved`: former modules, and their present names in fascicle.
+    - `former_modules`: their present names in fascicle.
     - `renamed`: present name of each name of the last release, which warns.
 
     **Returns:** the two functions.
@@ -39,7 +39,7 @@ def attach_lazy(
     """
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
-    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in moved.items()}
+    former = {f"{package}.{name}": f"fascicle.{new}" for name, new in former_modules.items()}
     _MOVED.aliases.update(former)
     _BORROWED.aliases.update(
         {f"{package}.{name}": f"{package}.{home}.{name}" for name, home in homes.items() if home}
@@ -78,14 +78,14 @@ def _import(name: str, package: str) -> ModuleType:
 class _AliasFinder:
     """Finds modules by other names: `fascicle.recruitment` is `fascicle.bundle.recruitment`."""
 
-    def __init__(self, moved: bool):
+    def __init__(self, warns: bool):
         self.aliases: dict[str, str] = {}
-        self.moved = moved
+        self.warns = warns
 
     def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
         """Spec of an alias, or of a module inside of one; `None` for other names."""
         target, loader = self._target(name), cast(Any, self)
-        if self.moved:  # a package without a path, whose modules no other finder knows
+        if self.warns:  # a package without a path, whose modules no other finder knows
             return ModuleSpec(name, loader, is_package=True) if target else None
         spec = importlib.util.find_spec(target) if target else None
         if spec is None or spec.loader is None:  # a function, or a folder of data
@@ -99,7 +99,7 @@ class _AliasFinder:
     def exec_module(self, module: ModuleType) -> None:
         """Replace the empty `module`, or forward it to its successor and warn."""
         name, target = module.__name__, self._target(module.__name__)
-        if self.moved:  # the import system's own frames are skipped: the caller's line is shown
+        if self.warns:  # the import system's own frames are skipped: the caller's line is shown
             module.__getattr__ = lambda name: getattr(importlib.import_module(target), name)
             warnings.warn(f"`{name}` has moved to `{target}`.", DeprecationWarning, stacklevel=2)
         else:
@@ -107,7 +107,7 @@ class _AliasFinder:
 
     def _target(self, name: str) -> str:
         for alias, target in self.aliases.items():
-            if name == alias or (not self.moved and name.startswith(f"{alias}.")):
+            if name == alias or (not self.warns and name.startswith(f"{alias}.")):
                 return target + name.removeprefix(alias)
         return ""
 
@@ -136,7 +136,7 @@ class _HookFinder:
 
 
 # wrapt has such hooks, too, and takes as long to import as all laws of a muscle
-_BORROWED, _MOVED, _HOOKS = _AliasFinder(moved=False), _AliasFinder(moved=True), _HookFinder()
+_BORROWED, _MOVED, _HOOKS = _AliasFinder(warns=False), _AliasFinder(warns=True), _HookFinder()
 sys.meta_path[:0] = [_HOOKS, _BORROWED]  # first: others would load a borrowed module twice
 sys.meta_path.append(_MOVED)  # last: a module that exists under an old name is another one
 

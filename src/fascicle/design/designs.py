@@ -133,8 +133,9 @@ class Designs:
         """Refuse drawings whose fluid depends on more than strain, or whose law is of one size."""
         check_volume_by_strain(self.drawings.values())
         for muscle in self.drawings.values():
-            if muscle.tension.made_for:
-                rule = f"has the numbers of {muscle.tension.made_for}, and a design has other sizes"
+            if muscle.tension.reference_muscle:
+                reference = muscle.tension.reference_muscle
+                rule = f"has the numbers of {reference}, and a design has other sizes"
                 remedy = "take a law of any muscle, such as klute_hannaford"
                 raise InvalidInputError("tension", rule, muscle.tension.name, remedy)
 

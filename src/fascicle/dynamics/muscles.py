@@ -188,8 +188,8 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Surfa
 
     def coenergy(P: Numbers) -> Numbers:
         at = muscles.law.at(P)
-        done = P * empty + muscles.law.tension.rest(P)[0] + contraction_work(at, strain)
-        return done + coenergy_at_rest(at) if muscles.ends.gives else done
+        done = P * empty + muscles.law.tension.rest_coenergy(P)[0] + contraction_work(at, strain)
+        return done + coenergy_at_rest(at) if muscles.ends.is_compliant else done
 
     def with_volume(P: Numbers) -> tuple[Numbers, Numbers]:
         return jax.jvp(coenergy, (P,), (unit_table,))

@@ -62,8 +62,8 @@ class Bladder(Module):
         """Axial force [N], and its slope in strain [N], at `strain` [-]."""
         lam, cot2 = 1 - strain, self.braid.cot2
         W = self.material.slopes(lam**2, 1 + strain * (2 - strain) * cot2)
-        rest = W.p - cot2 * W.q
+        stress = W.p - cot2 * W.q
         bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
         pull = 2 * self.area
         # dλ1²/dε = −2 λ, dλ2²/dε = 2 λ/tan²α0
-        return pull * lam * rest, -pull * (rest + 2 * lam**2 * bend)
+        return pull * lam * stress, -pull * (stress + 2 * lam**2 * bend)

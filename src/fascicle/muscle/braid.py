@@ -71,15 +71,7 @@ class Braid(Module):
         return np.pi * self.radius**2 * self.swell(strain) * self.length * (1 - strain)
 
     def mesh_force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """Tension of the pressurized braid, equation (3).
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa].
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** tension $F_{mesh}$ [N], positive when the muscle pulls.
-        """
+        """Tension $F_{mesh}$ [N] of the braid at `pressure` [Pa] and `strain` [-], equation (3)."""
         return self.mesh(pressure, strain)[0]
 
     def mesh(self, pressure: BatchLike, strain: BatchLike) -> tuple[Batch, Batch]:
@@ -91,18 +83,12 @@ class Braid(Module):
         return pull * (free - strain) * (2 - free - strain), -2 * pull * (1 - strain)
 
     def bending_stiffness(self, pressure: BatchLike, strain: BatchLike) -> Batch:
-        """Moment over curvature of the pressurized braid without slip, equation (B1).
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa].
-        - `strain`: contraction $\\varepsilon$ [-] at which it is bent.
-
-        **Returns:** $2\\pi r^4 P \\cos^2\\alpha/\\sin^4\\alpha$ [N·m²].
+        """Moment over curvature $2\\pi r^4 P \\cos^2\\alpha/\\sin^4\\alpha$ [N·m²] of the braid
+        without slip at `pressure` [Pa] and `strain` [-], equation (B1).
         """
-        # r² and sin²α go together with strain: r/sin α is what it is at rest
-        at_rest = self.cot2 * (1 + self.cot2)
-        return 2 * np.pi * self.radius**4 * pressure * at_rest * (1 - strain) ** 2
+        # r² and sin²α have one factor in strain: r/sin α is constant
+        angles = self.cot2 * (1 + self.cot2)
+        return 2 * np.pi * self.radius**4 * pressure * angles * (1 - strain) ** 2
 
     @cached_number
     def ideal_free_strain(self) -> Batch:

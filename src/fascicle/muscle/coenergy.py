@@ -1,4 +1,4 @@
-r"""The volume that goes with the force: co-energy, and energy that is nobody's gift.
+r"""The volume that goes with the force: co-energy, from which no cycle makes energy.
 
 A muscle takes in fluid at pressure $P$ and moves its ends with the force $F(P, \varepsilon)$.
 What it stores can come back and no more, only if pressure and force have one potential, the
@@ -22,50 +22,42 @@ pressure, and so do the stretches: their slopes are part of $V^*$.
 two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
-from functools import cache
 from typing import Any
-
-import numpy as np
 
 from ..core.array_namespace import minimum, node_axis, stack, sum_nodes, where
 from ..core.errors import require
 from ..core.types import Batch, BatchLike
+from .ends.ends_law import quadrature
 from .piecewise import Pressurized
 
 
-# between two kinks a force is smooth: 16 points leave 1e-11 of the volume, 8 leave 1e-8
-@cache
-def _quadrature() -> tuple[np.ndarray, np.ndarray]:
-    return np.polynomial.legendre.leggauss(16)
-
-
 def contraction_work(
-    muscle: Pressurized, strain: BatchLike, rest: BatchLike = 0.0, resistance: bool = True
+    muscle: Pressurized, strain: BatchLike, start: BatchLike = 0.0, resistance: bool = True
 ) -> Batch:
-    """Work of the ends [J] from the strain `rest` to `strain` [-], at the muscle's pressure; with
+    """Work of the ends [J] from the strain `start` to `strain` [-], at the muscle's pressure; with
     `resistance` [-] past the free strain, too.
     """
-    # no stretch starts below rest or ends past the strain asked for, either way
-    back = strain < rest
-    low, high = where(back, strain, rest), where(back, rest, strain)
+    # all stretches lie between both strains, in either direction
+    back = strain < start
+    low, high = where(back, strain, start), where(back, start, strain)
     free, onset, collapse = muscle.kinks
     folds = [minimum(fold, collapse) for fold in muscle.law.buckling.folds(muscle.column)]
     kinks = [free, onset, *folds, collapse] if resistance else [free]
-    # at a kink slopes are those of smaller strains, where a minimum would share them out
+    # at a kink slopes are those of smaller strains, of which a minimum would take half
     stops = [where(kink >= high, high, where(kink > low, kink, low)) for kink in kinks]
     ends = stack([low, *stops, high] if resistance else [low, *stops])
-    # all stretches as one row of nodes: the law is asked once
+    # all stretches as one row of nodes: one evaluation of the law
     middle, half = ((ends[1:] + sign * ends[:-1]) / 2 for sign in (1, -1))
-    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in _quadrature())
+    node, weight = (node_axis(x, low + 0.0 * muscle.collapse) for x in quadrature())
     shape = (-1, *ends.shape[1:])
-    at = (middle[:, None] + half[:, None] * node).reshape(shape)
-    done = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(at)[0])
-    return muscle.column.rest_length * where(back, -done, done)
+    strains = (middle[:, None] + half[:, None] * node).reshape(shape)
+    work = sum_nodes((half[:, None] * weight).reshape(shape) * muscle.force(strains)[0])
+    return muscle.column.rest_length * where(back, -work, work)
 
 
 def coenergy_at_rest(muscle: Pressurized) -> Batch:
-    """Co-energy [J] of a muscle at rest length and its pressure, besides $P V(0)$: where
-    its ends give, its bladder has contracted.
+    """Co-energy [J] of a muscle at rest length and its pressure, besides $P V(0)$: with compliant
+    ends its bladder has contracted.
     """
     return muscle.law.tension.ends.coenergy_at_rest(muscle.law.tension, muscle.column.pressure)
 
@@ -81,12 +73,12 @@ def conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
 def _conjugate_volume(muscle: Any, pressure: Batch, strain: Batch) -> Batch:
     from ..core.jax_backend import derivative
 
-    def work(P: Batch) -> Batch:
+    def coenergy(P: Batch) -> Batch:
         at = muscle.law.at(P)
-        done = contraction_work(at, strain)
-        return done + coenergy_at_rest(at) if muscle.ends.gives else done
+        work = contraction_work(at, strain)
+        return work + coenergy_at_rest(at) if muscle.ends.is_compliant else work
 
     P = pressure + 0.0 * strain
-    _, swept = derivative(work, P)
-    _, swollen = muscle.law.tension.rest(P)
-    return muscle.braid.volume(0.0) - muscle.bladder.volume + swollen + swept
+    _, by_pressure = derivative(coenergy, P)
+    _, rest_volume = muscle.law.tension.rest_coenergy(P)
+    return muscle.braid.volume(0.0) - muscle.bladder.volume + rest_volume + by_pressure

@@ -1,4 +1,4 @@
-"""The length at which a muscle was fitted, remembered beside it, and a warning at other lengths.
+"""Length at which a muscle was fitted, stored beside its fields, and a warning at other lengths.
 
 A calibration holds for one length. At another a law without ends gives the same force at rest, and
 measured muscles differ: one maker's 10 mm muscle holds 304 N at 83 mm and 441 N at 382 mm.
@@ -17,29 +17,29 @@ from ..core.validation import is_concrete, warn_user
 from ..units import exact, pretty
 
 
-Fitted = TypeVar("Fitted", bound=Module)
+MuscleType = TypeVar("MuscleType", bound=Module)
 _KEY = "_fit_info"
 _TOLERANCE = 0.02  # of the length: two people measure it as closely
 END_PARAMETERS = frozenset({"inactive_length", "end_compliance"})
 
 
-def with_fitted_length(muscle: Fitted, length: float, ends: bool) -> Fitted:
-    """Let a `muscle` remember the `length` [m] at which it was fitted, and whether its `ends` were
+def with_fitted_length(muscle: MuscleType, length: float, ends: bool) -> MuscleType:
+    """Store in a `muscle` the `length` [m] at which it was fitted, and whether its `ends` were
     fitted, too; returns it.
     """
     vars(muscle)[_KEY] = (length, ends)
     return muscle
 
 
-def copy_fit_info(source: Module, target: Fitted) -> Fitted:
-    """Let a `target` muscle remember the fitted length of a `source`; returns it."""
+def copy_fit_info(source: Module, target: MuscleType) -> MuscleType:
+    """Copy the fitted length of a `source` muscle, if any, to a `target` muscle; returns it."""
     if _KEY in vars(source):
         vars(target)[_KEY] = vars(source)[_KEY]
     return target
 
 
-def replace_muscle(muscle: Fitted, changes: dict[str, Any]) -> Fitted:
-    """A muscle with some arguments changed, its fitted length kept; warns of another length."""
+def replace_muscle(muscle: MuscleType, changes: dict[str, Any]) -> MuscleType:
+    """A muscle with some arguments changed and its fitted length; warns of another length."""
     changed = copy_fit_info(muscle, replace_checked(muscle, changes))
     if "length" in changes:
         warn_fitted_length(changed)
@@ -62,10 +62,10 @@ def fitted_length_mismatch(muscle: Any) -> str:
     lengths = np.asarray(muscle.length)
     if not np.any(np.abs(lengths / length - 1) > _TOLERANCE):
         return ""
-    ends_of_range = (pretty(float(x), "length") for x in (lengths.min(), lengths.max()))
+    extremes = dict.fromkeys(pretty(float(x), "length") for x in (lengths.min(), lengths.max()))
     return (
         f"The muscle was fitted at a length of {pretty(length, 'length')} and its length is now"
-        f" {' to '.join(dict.fromkeys(ends_of_range))}, {_reason(ends)}"
+        f" {' to '.join(extremes)}, {_reason(ends)}"
     )
 
 

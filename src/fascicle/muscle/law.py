@@ -6,7 +6,8 @@ declared at its fields. Nothing else lists it: a module in the folder of its kin
 
 import importlib
 import pkgutil
-from collections.abc import Iterable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
 from types import ModuleType
 from typing import Any, ClassVar, TypeVar
@@ -23,19 +24,19 @@ class Declared(Module):
     @classmethod
     def constants(cls) -> tuple[Constant, ...]:
         """Numbers of the law, in the order of its arguments."""
-        return _field_metadata(cls, "constant")
+        return tuple(x.metadata["constant"] for x in fields(cls) if "constant" in x.metadata)
 
     @classmethod
     def switches(cls) -> tuple[Switch, ...]:
         """Options of the law that are chosen by name."""
-        return _field_metadata(cls, "switch")
+        return tuple(x.metadata["switch"] for x in fields(cls) if "switch" in x.metadata)
 
 
 class AbstractLaw(Declared):
     """A law with alternatives.
 
-    `name`: by which it is chosen. `title`: as tables write it, if not so. `source`: author and
-    year, where it was published.
+    `name`: by which it is chosen. `title`: name in tables, if another. `source`: author and year
+    of its publication.
     """
 
     name: ClassVar[str]
@@ -49,8 +50,8 @@ Law = TypeVar("Law", bound=AbstractLaw)
 class LawRegistry(Mapping[str, type[Law]]):
     """Laws of one kind by name: the default one first, the others in alphabetical order.
 
-    The module of a law is imported when the law is asked for: the module of the law's name, else
-    all modules of the folder.
+    A law's module is imported at its first use: the module of the law's name, else all modules of
+    the folder.
     """
 
     def __init__(self, package: str, path: Iterable[str], kind: type[Law], default: str) -> None:
@@ -86,24 +87,25 @@ class LawRegistry(Mapping[str, type[Law]]):
         """Law of a muscle that chooses none."""
         return self[self._default]
 
-    def get_class(self, class_name: str) -> type[Law]:
-        """Law whose class has this name; the package's `__getattr__`.
+    def package_attributes(self) -> tuple[Callable[[str], type[Law]], Callable[[], list[str]]]:
+        """`__getattr__` and `__dir__` of the package, with the classes of all laws."""
 
-        **Raises:** `AttributeError` where there is none.
-        """
-        if not class_name.startswith("_"):
-            loaded = [*self._laws.values()]
-            for law in loaded if class_name in {law.__name__ for law in loaded} else self.values():
-                if law.__name__ == class_name:
-                    return law
-        raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
+        def get_class(class_name: str) -> type[Law]:
+            if not class_name.startswith("_"):
+                # laws that are loaded first: others need their modules
+                for law in [*self._laws.values(), *self.values()]:
+                    if law.__name__ == class_name:
+                        return law
+            raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
 
-    def class_names(self) -> list[str]:
-        """Class names of all laws, for the package's `__dir__`."""
-        return [law.__name__ for law in self.values()]
+        def names() -> list[str]:
+            classes = {law.__name__ for law in self.values()}
+            return sorted({*vars(sys.modules[self._package]), *classes})
+
+        return get_class, names
 
     def choose(self, value: Any, argument: str) -> Law:
-        """Law given by object or by name.
+        """Law given as an object or by name.
 
         **Arguments:**
 
@@ -117,10 +119,9 @@ class LawRegistry(Mapping[str, type[Law]]):
         if isinstance(value, self._kind):
             return value
         if isinstance(value, str):
-            try:
-                return self[value]()
-            except KeyError:
+            if value not in self:
                 check_choice(value, self, argument)
+            return self[value]()
         rule = f"must be one of {', '.join(sorted(self))} or an object of {self._kind.__name__}"
         raise InvalidInputError(argument, rule, value)
 
@@ -142,10 +143,5 @@ class LawRegistry(Mapping[str, type[Law]]):
             if law.__module__ != module.__name__ or not isinstance(name, str):
                 continue
             if self._laws.setdefault(name, law) is not law:
-                raise InvalidInputError(
-                    name, f"names two laws of {self._package}", None, "rename one"
-                )
-
-
-def _field_metadata(law: Any, key: str) -> tuple:
-    return tuple(field.metadata[key] for field in fields(law) if key in field.metadata)
+                rule = f"names two laws of {self._package}"
+                raise InvalidInputError(name, rule, None, "rename one of them")

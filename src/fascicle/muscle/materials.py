@@ -9,7 +9,7 @@ $$I_1 = \lambda_1^2 + \lambda_2^2 + \lambda_3^2, \qquad
   \lambda_3 = 1/(\lambda_1 \lambda_2).$$
 
 Its Young's modulus for small strains is $E = 6 (C_{10} + C_{01})$. Buckling and collapse
-use a modulus and a Poisson's ratio of their own, which may be measured separately.
+use a separate modulus and Poisson's ratio, which may be measured.
 
 **Source:** Klute and Hannaford (2000) for (W) and latex; Kim, Mazzoleni and Bryant (2021),
 section 3.4, for the silicone's modulus [R3].
@@ -27,9 +27,7 @@ from .law import Declared
 
 
 class Slopes(NamedTuple):
-    """First and second derivatives of an energy density [J/m³] by $p = \\lambda_1^2$ and
-    $q = \\lambda_2^2$.
-    """
+    """Derivatives of an energy density [J/m³] by $p = \\lambda_1^2$ and $q = \\lambda_2^2$."""
 
     p: Batch
     q: Batch
@@ -50,9 +48,7 @@ class AbstractMaterial(Declared):
 
     @abc.abstractmethod
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Derivatives of the energy density [J/m³] at squared stretches $\\lambda_1^2$,
-        $\\lambda_2^2$ [-].
-        """
+        """Derivatives of the energy density [J/m³] at the same squared stretches [-]."""
 
 
 LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
@@ -72,7 +68,7 @@ _E = Constant(
     "youngs_modulus", "E", "pressure", (10.0, 5e3, 1e9, 1e10), POSITIVE, None,
     "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
 )  # fmt: skip
-# no fit moves it: of rubber it is known
+# no fit moves it: that of rubber is known
 _NU = Constant(
     "poisson_ratio", r"\nu", "number", (0.0, 0.0, 0.5, 0.5), None, 0.5,
     "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
@@ -103,15 +99,16 @@ class MooneyRivlin(AbstractMaterial):
         self.c01 = _C01.validate(c01)
         modulus = 6 * (self.c10 + self.c01) if youngs_modulus is None else youngs_modulus
         self.youngs_modulus = _E.validate(modulus)
-        low, *_, high = _NU.bounds
-        closed = (True, True)
-        self.poisson_ratio = check_interval(poisson_ratio, low, high, _NU.name, "-", closed=closed)
+        low, high = _NU.bounds[0], _NU.bounds[-1]
+        self.poisson_ratio = check_interval(
+            poisson_ratio, low, high, _NU.name, "-", closed=(True, True)
+        )
 
     @classmethod
     def from_youngs_modulus(
         cls, youngs_modulus: Values, poisson_ratio: Values = 0.5
     ) -> "MooneyRivlin":
-        """A rubber known by its modulus alone, its constants in latex's ratio.
+        """A rubber of a measured modulus, with its constants in latex's ratio.
 
         **Arguments:**
 
@@ -121,8 +118,8 @@ class MooneyRivlin(AbstractMaterial):
         **Returns:** the material with $6 (C_{10} + C_{01}) = E$.
         """
         E = _E.validate(youngs_modulus)
-        share = LATEX_C10 / (LATEX_C10 + LATEX_C01)
-        return cls(share * E / 6, (1 - share) * E / 6, E, poisson_ratio)
+        fraction = LATEX_C10 / (LATEX_C10 + LATEX_C01)
+        return cls(fraction * E / 6, (1 - fraction) * E / 6, E, poisson_ratio)
 
     def energy(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Batch:
         """Energy density $W$ [J/m³] at squared stretches $\\lambda_1^2$, $\\lambda_2^2$ [-]."""
@@ -133,9 +130,7 @@ class MooneyRivlin(AbstractMaterial):
         return self.c10 * (I1 - 3) + self.c01 * (I2 - 3)
 
     def slopes(self, axial_squared: BatchLike, hoop_squared: BatchLike) -> Slopes:
-        """Derivatives of the energy density [J/m³] at squared stretches $\\lambda_1^2$,
-        $\\lambda_2^2$ [-].
-        """
+        """Derivatives of the energy density [J/m³] at the same squared stretches [-]."""
         p, q, a, b = axial_squared, hoop_squared, self.c10, self.c01
         s = 1 / (p * q)
         u, v = q * s, p * s  # 1/p and 1/q, for one division

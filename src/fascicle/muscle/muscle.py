@@ -1,7 +1,7 @@
 """One muscle: sizes at rest, a material, a choice of laws, and its forces and shapes.
 
-The physics is in the parts and in the piecewise law that joins them; here values enter,
-are checked once, and the law is evaluated by NumPy, or compiled by JAX where arrays are JAX's.
+The physics is in the parts and in the piecewise law that joins them; values are
+checked here, and the law is evaluated by NumPy, or compiled by JAX where arrays are JAX's.
 `muscle.at(pressure)` solves for free strain and collapse strain, which depend on pressure alone;
 forces and shapes at any strain are closed forms from there.
 
@@ -214,13 +214,8 @@ class Muscle(Module):
         return cls(*sizes, *laws, transition_rate, tuning, ends)
 
     def replace(self, **changes: Any) -> "Muscle":
-        """A muscle with some arguments changed.
-
-        **Arguments:** `changes`: arguments of the class, such as `wall_thickness=1e-3`.
-
-        **Returns:** a new muscle.
-
-        **Raises:** `ValueError`, one line, for unknown names and for what a muscle can't be.
+        """A new muscle with some arguments changed, such as `wall_thickness=1e-3` [m]; `ValueError`
+        for unknown names and for sizes that can't exist.
         """
         return replace_muscle(self, changes)
 
@@ -256,7 +251,7 @@ class Muscle(Module):
 
         **Returns:** force $F$ [N], negative where the muscle pushes its ends apart.
 
-        **Raises:** `ValueError` for concrete values off the domain.
+        **Raises:** `ValueError` for concrete values off the domain, as all methods do.
         """
         return self._evaluate(eval_force, *validate_point(self, pressure, strain))
 
@@ -269,8 +264,6 @@ class Muscle(Module):
         - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
 
         **Returns:** a `Response`: forces [N], region, and whether other equilibria exist.
-
-        **Raises:** `ValueError` for concrete values off the domain.
         """
         return self._evaluate_at("response", pressure, strain)
 
@@ -285,8 +278,6 @@ class Muscle(Module):
         **Returns:** $\\partial F/\\partial L = -(\\partial F/\\partial\\varepsilon)/L_0$ [N/m]:
         positive where the pull falls as the muscle contracts, so that it holds a load by
         itself. At free strain, onset and collapse, where it jumps, that of smaller strains.
-
-        **Raises:** `ValueError` for concrete values off the domain.
         """
         return self._evaluate_at("stiffness", pressure, strain)
 
@@ -296,54 +287,31 @@ class Muscle(Module):
         **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
 
         **Returns:** an `AtPressure`: free strain, onset and collapse strain, and methods of strain.
-
-        **Raises:** `ValueError` for concrete values off the domain.
         """
         pressure = validate_pressure(pressure, self.tuning)
         return AtPressure(pressure, evaluate(_state, self, pressure), is_jax_array(pressure))
 
     def free_strain(self, pressure: Values) -> Batch:
-        """Strain at which the force vanishes.
-
-        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
-
-        **Returns:** $\\varepsilon_f$ [-].
-        """
+        """Strain $\\varepsilon_f$ [-] of no force at `pressure` [Pa], 0 to 1 MPa."""
         return self._evaluate(_free_strain, validate_pressure(pressure, self.tuning))
 
     def blocked_force(self, pressure: Values) -> Batch:
-        """Force at rest length.
-
-        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
-
-        **Returns:** $F(P, 0)$ [N].
-        """
+        """Force $F(P, 0)$ [N] at rest length and `pressure` [Pa], 0 to 1 MPa."""
         return self._evaluate(_blocked_force, validate_pressure(pressure, self.tuning))
 
     def collapse_strain(self, pressure: Values) -> Batch:
-        """Strain at which the buckled bladder collapses.
-
-        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
-
-        **Returns:** $\\varepsilon_c$ [-]; inf where it never collapses.
-        """
+        """Collapse strain $\\varepsilon_c$ [-] at `pressure` [Pa]; inf where it never collapses."""
         return self._evaluate(_collapse_strain, validate_pressure(pressure, self.tuning))
 
     def collapse_moment(self, pressure: Values) -> Batch:
-        """Moment at which the bladder collapses, with the tuning's factors.
-
-        **Arguments:** `pressure`: $P$ [Pa], 0 to 1 MPa.
-
-        **Returns:** $M_{collapse}$ [N·m].
+        """Moment $M_{collapse}$ [N·m] at which the bladder collapses, with the tuning's factors, at
+        `pressure` [Pa], 0 to 1 MPa.
         """
         return self._evaluate(_collapse_moment, validate_pressure(pressure, self.tuning))
 
     def volume(self, strain: Values) -> Batch:
-        """Volume of the fluid inside, without the bladder's own [R17]; where ends give, unloaded.
-
-        **Arguments:** `strain`: $\\varepsilon$ [-].
-
-        **Returns:** $\\pi r^2 L - V_b$ [m³].
+        """Volume $\\pi r^2 L - V_b$ [m³] of the fluid inside, without the bladder's own [R17], at
+        `strain` [-]; with compliant ends, unloaded.
         """
         return self._evaluate(_volume, validate_strain(strain, *strain_domain(self)))
 
@@ -359,8 +327,6 @@ class Muscle(Module):
         - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
 
         **Returns:** $V^*$ [m³]. Where the force is continuous, so is it.
-
-        **Raises:** `ValueError` for concrete values off the domain.
         """
         arrays = validate_point(self, pressure, strain)
         check_points(*arrays, muscles=batch_shape(self))
@@ -368,48 +334,24 @@ class Muscle(Module):
         return np.asarray(volume)[()] if self.is_numpy and is_numpy(*arrays) else volume
 
     def radius(self, strain: Values) -> Batch:
-        """Outer radius while straight.
-
-        **Arguments:** `strain`: $\\varepsilon$ [-].
-
-        **Returns:** $r$ [m].
-        """
+        """Outer radius $r$ [m] of the straight muscle at `strain` [-]."""
         return self._evaluate(_radius, validate_strain(strain, *strain_domain(self)))
 
     def deflection(self, pressure: Values, strain: Values) -> Batch:
-        """Deflection of the axis in the middle.
-
-        **Arguments:**
-
-        - `pressure`: $P$ [Pa], 0 to 1 MPa.
-        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** $y_{max}$ [m]; after collapse the hinged shape's, with a jump there.
+        """Deflection of the axis in the middle $y_{max}$ [m] at `pressure` [Pa] and `strain` [-];
+        after collapse the hinged shape's, with a jump there.
         """
         return self._evaluate_at("deflection", pressure, strain)
 
     def moment(self, pressure: Values, strain: Values) -> Batch:
-        """Largest bending moment in the bladder.
-
-        **Arguments:**
-
-        - `pressure`: $P$ [Pa], 0 to 1 MPa.
-        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** $M_b$ [N·m]; after collapse the hinge's.
+        """Largest bending moment $M_b$ [N·m] in the bladder at `pressure` [Pa] and `strain` [-];
+        after collapse the hinge's.
         """
         return self._evaluate_at("moment", pressure, strain)
 
     def shape(self, pressure: Values, strain: Values, points: int = 101) -> Centerline:
-        """Centerline between the clamped ends.
-
-        **Arguments:**
-
-        - `pressure`: $P$ [Pa], 0 to 1 MPa.
-        - `strain`: $\\varepsilon$ [-]; broadcasts against `pressure`.
-        - `points`: number of points, at least 3.
-
-        **Returns:** a `Centerline`: `.z` and `.y` [m], points on the last axis.
+        """Centerline [m] at `pressure` [Pa] and `strain` [-]: `.z` and `.y` with `points`, at least
+        3, on the last axis.
         """
         return self._evaluate_at("shape", pressure, strain, check_centerline_points(points))
 
@@ -420,7 +362,7 @@ class Muscle(Module):
 
         **Arguments:**
 
-        - `pressures`: gauge pressures [Pa]; left out, five up to 400 kPa, or to what was measured.
+        - `pressures`: gauge pressures [Pa]; left out, five up to 400 kPa, or to the tuning's last.
         - `strains`: contractions [-], rising; left out, to past the largest free strain.
         - `components`: a panel for each of at most four pressures, with the force's parts.
 
@@ -453,9 +395,9 @@ class Muscle(Module):
         single = self.is_single
         if not single or max(map(np.ndim, arrays)):
             check_points(*arrays, muscles=() if single else batch_shape(self))
-        # rows of muscles, functions of one argument and centerlines are too few points to be cut
-        cut = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
-        if cut and max(map(np.size, arrays)) > 1:
+        # rows of muscles, functions of one argument and centerlines are too few points for chunks
+        chunks = single and len(arrays) == 2 and len(static) < 2 and is_numpy(*arrays)
+        if chunks and max(map(np.size, arrays)) > 1:
             return map_in_chunks(partial(evaluate, law, self, static=static), *arrays)
         return evaluate(law, self, *arrays, static=static)
 
@@ -484,7 +426,7 @@ def tuning_tables(muscle: Muscle) -> set[int]:
     return {id(table) for table in (muscle.tuning.pressures, muscle.tuning.c1, muscle.tuning.c2)}
 
 
-# evaluated functions stand in the module: a compiled one is found again by its identity
+# evaluated functions are module-level: a compiled one is cached by its identity
 
 
 def eval_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
@@ -521,10 +463,11 @@ def _collapse_strain(muscle: Muscle, pressure: Batch) -> Batch:
 
 
 def _volume(muscle: Muscle, strain: Batch) -> Batch:
-    if muscle.ends.gives:
-        s, rest = muscle.ends.stretch(muscle.length), muscle.braid.volume(0.0)
-        return rest + (muscle.braid.volume(s * strain) - rest) / s - muscle.bladder.volume
-    return muscle.braid.volume(strain) - muscle.bladder.volume
+    volume, bladder = muscle.braid.volume, muscle.bladder.volume
+    if muscle.ends.is_compliant:
+        s, V0 = muscle.ends.stretch(muscle.length), volume(0.0)
+        return V0 + (volume(s * strain) - V0) / s - bladder
+    return volume(strain) - bladder
 
 
 def _radius(muscle: Muscle, strain: Batch) -> Batch:

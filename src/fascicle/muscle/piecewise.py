@@ -50,20 +50,20 @@ TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3
 REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
 
-def _sheet(response: Any) -> ReprTable:
+def _response_table(response: Any) -> ReprTable:
     """Forces [N] and the region's name, a row for each point."""
     forces = (response.force, response.mesh, response.bladder, response.bending)
     columns = [np.ravel(x) for x in (*forces, response.region, response.several)]
     rows = [
-        [*map(format_number, parts), REGIONS[int(region)] + (" *" if several else "")]
-        for *parts, region, several in zip(*columns, strict=True)
+        [*map(format_number, forces), REGIONS[int(region)] + (" *" if several else "")]
+        for *forces, region, several in zip(*columns, strict=True)
     ]
     notes = ["* other equilibria exist there, too"] if np.any(response.several) else []
     heads = ("force N", "mesh N", "bladder N", "bending N", "region")
     return ReprTable(title_with_shape("Response", response.force), (), heads, rows, notes)
 
 
-@with_table_repr(_sheet)
+@with_table_repr(_response_table)
 class Response(NamedTuple):
     """Forces of a muscle at a pressure and strain; all of one shape.
 
@@ -90,13 +90,13 @@ class Piecewise(Module):
 
     @property
     def youngs_modulus(self) -> Batch:
-        """$E$ [Pa] with its factor, as bending, collapse and hinge see it."""
+        """$E$ [Pa] with its factor, for bending, collapse and hinge."""
         factor = self.tension.tuning.youngs_modulus_factor
         return self.tension.bladder.material.youngs_modulus * factor
 
     @property
     def rate(self) -> Batch:
-        r"""$\beta$ [-]: the tuning's where it has one."""
+        r"""$\beta$ [-]: the tuning's, or else the muscle's."""
         tuned = self.tension.tuning.transition_rate
         return self.transition_rate if tuned is None else tuned
 
@@ -108,8 +108,8 @@ class Piecewise(Module):
     def at(
         self, pressure: Batch, free: Batch | None = None, collapse: Batch | None = None
     ) -> "Pressurized":
-        """The muscle at `pressure` [Pa], its `free` and `collapse` strain [-] solved for, where
-        they aren't known.
+        """The muscle at `pressure` [Pa]; its `free` and `collapse` strain [-] are solved for if not
+        given.
         """
         E, bladder = self.youngs_modulus, self.tension.bladder
         column = self.buckling.solve(
@@ -122,8 +122,7 @@ class Piecewise(Module):
             )
         )
         if collapse is None:
-            moment = self.collapse_moment(pressure)
-            collapse = self.buckling.strain_at_moment(column, moment)
+            collapse = self.buckling.strain_at_moment(column, self.collapse_moment(pressure))
         hinge = self.tension.tuning.hinge_stiffness_at(pressure) * hinge_moment(bladder, E)
         return Pressurized(law=self, column=column, hinge=hinge, collapse=collapse)
 
@@ -161,78 +160,76 @@ class Pressurized(NamedTuple):
 
     def response(self, strain: Batch) -> Response:
         """Force and components [N] at `strain` [-], (26) and (27)."""
-        (mesh, bladder, bending), _, (pulled, collapsed, straight) = self._forces(strain)
+        (mesh, bladder, bending), _, (pulls, collapsed, straight) = self._forces(strain)
         bowed = where(straight, STRAIGHT, POST_BUCKLING)
-        region = where(pulled, TENSION, where(collapsed, POST_COLLAPSE, bowed))
-        several = logical_and(
-            self.law.buckling.several(self.column, strain),
-            logical_not(logical_or(collapsed, pulled)),
-        )
+        region = where(pulls, TENSION, where(collapsed, POST_COLLAPSE, bowed))
+        buckled = logical_not(logical_or(collapsed, pulls))
+        several = logical_and(self.law.buckling.several(self.column, strain), buckled)
         return Response(mesh + bladder + bending, mesh, bladder, bending, region, several)
 
     def deflection(self, strain: Batch) -> Batch:
         """Deflection of the axis [m] at `strain` [-]."""
-        pulled, collapsed, held = self._state(strain)
-        bowed, _ = self.law.buckling.bow(self.column, held)
+        pulls, collapsed, buckled_strain = self._state(strain)
+        bowed, _ = self.law.buckling.bow(self.column, buckled_strain)
         hinged = self.law.post_collapse.deflection(self.column, self._safe(collapsed, strain))
-        return where(pulled, 0.0, where(collapsed, hinged, bowed))
+        return where(pulls, 0.0, where(collapsed, hinged, bowed))
 
     def moment(self, strain: Batch) -> Batch:
         """Largest moment [N·m] at `strain` [-]."""
-        pulled, collapsed, held = self._state(strain)
-        _, moment = self.law.buckling.bow(self.column, held)
-        return where(pulled, 0.0, where(collapsed, self.hinge, moment))
+        pulls, collapsed, buckled_strain = self._state(strain)
+        _, moment = self.law.buckling.bow(self.column, buckled_strain)
+        return where(pulls, 0.0, where(collapsed, self.hinge, moment))
 
     def shape(self, strain: Batch, points: int) -> Centerline:
         """Centerline [m] at `strain` [-], points on a new last axis."""
-        pulled, collapsed, _ = self._state(strain)
+        pulls, collapsed, _ = self._state(strain)
         strain = strain + 0.0 * self.column.free_strain
-        held = where(logical_or(pulled, collapsed), self.column.free_strain, strain)
-        bowed = self.law.buckling.shape(self.column, held, points)
+        buckled_strain = where(logical_or(pulls, collapsed), self.column.free_strain, strain)
+        bowed = self.law.buckling.shape(self.column, buckled_strain, points)
         safe = self._safe(collapsed, strain)
         hinged = self.law.post_collapse.shape(self.column, safe, points)
-        straight = add_table_axis(self.column.rest_length * (1 - strain)) * np.linspace(
-            0, 1, points
-        )
-        pulled, collapsed = add_table_axis(pulled), add_table_axis(collapsed)
+        length = add_table_axis(self.column.rest_length * (1 - strain))
+        straight = length * np.linspace(0, 1, points)
+        pulls, collapsed = add_table_axis(pulls), add_table_axis(collapsed)
         return Centerline(
-            z=where(pulled, straight, where(collapsed, hinged.z, bowed.z)),
-            y=where(pulled, 0.0, where(collapsed, hinged.y, bowed.y)),
+            z=where(pulls, straight, where(collapsed, hinged.z, bowed.z)),
+            y=where(pulls, 0.0, where(collapsed, hinged.y, bowed.y)),
         )
 
     def _forces(
         self, strain: Batch
     ) -> tuple[tuple[Batch, Batch, Batch], Batch, tuple[BoolBatch, BoolBatch, BoolBatch]]:
-        """Mesh, bladder and bending [N]; the slope of all [N]; whether pulled, collapsed, and
-        straight.
+        """Mesh, bladder and bending [N]; the slope of the force [N]; masks of the muscle that
+        pulls, has collapsed, is straight.
         """
         rate, L0 = self.law.rate, self.column.rest_length
-        pulled, collapsed, held = self._state(strain)
-        xp = array_namespace(pulled, collapsed)
-        pull = self.column.pull(xp.where(pulled, strain, self.column.free_strain))
-        push = self.law.buckling.push(self.column, held)
+        pulls, collapsed, buckled_strain = self._state(strain)
+        xp = array_namespace(pulls, collapsed)
+        pull = self.column.pull(xp.where(pulls, strain, self.column.free_strain))
+        push = self.law.buckling.push(self.column, buckled_strain)
         past = xp.where(collapsed, strain - xp.where(collapsed, self.collapse, 1.0), 0.0)
-        left = exp(-rate * past)  # nothing has decayed before collapse
-        gone = 1 - left
+        decay = exp(-rate * past)  # 1 before collapse
+        growth = 1 - decay
         x = (self._safe(collapsed, strain) - self.column.free_strain) * L0
         F_c, F_c_slope = self.law.post_collapse.push(self.column, self.hinge, x)
 
-        mesh = xp.where(pulled, pull.mesh, push.mesh * left)
-        bladder = xp.where(pulled, pull.bladder, push.bladder * left)
-        bending = xp.where(pulled, 0.0, push.bending * left - xp.where(collapsed, F_c, 0.0) * gone)
-        held_force = push.mesh + push.bladder + push.bending
-        decay = -rate * left * (held_force + F_c) - gone * F_c_slope * L0
-        slope = xp.where(pulled, pull.slope, xp.where(collapsed, decay, push.slope))
-        return (mesh, bladder, bending), slope, (pulled, collapsed, push.straight)
+        mesh = xp.where(pulls, pull.mesh, push.mesh * decay)
+        bladder = xp.where(pulls, pull.bladder, push.bladder * decay)
+        hinge = xp.where(collapsed, F_c, 0.0) * growth
+        bending = xp.where(pulls, 0.0, push.bending * decay - hinge)
+        force_at_collapse = push.mesh + push.bladder + push.bending
+        slope = -rate * decay * (force_at_collapse + F_c) - growth * F_c_slope * L0
+        slope = xp.where(pulls, pull.slope, xp.where(collapsed, slope, push.slope))
+        return (mesh, bladder, bending), slope, (pulls, collapsed, push.straight)
 
     def _state(self, strain: Batch) -> tuple[BoolBatch, BoolBatch, Batch]:
-        """Masks of tension and collapse, and the strain [-] of the buckled state, which is
-        held at collapse.
+        """Masks of tension and collapse, and the strain [-] of the buckled state, which is constant
+        after collapse.
         """
         eps_f, eps_c = self.column.free_strain, self.collapse
-        pulled, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
-        return pulled, collapsed, where(pulled, eps_f, where(collapsed, eps_c, strain))
+        pulls, collapsed = strain <= eps_f + ROUNDING, strain > eps_c + ROUNDING
+        return pulls, collapsed, where(pulls, eps_f, where(collapsed, eps_c, strain))
 
     def _safe(self, collapsed: BoolBatch, strain: Batch) -> Batch:
-        """A strain [-] at which the hinged shape exists, also where it isn't asked for."""
+        """A strain [-] at which the hinged shape exists, before collapse, too."""
         return guarded(collapsed, strain, 0.5 * (1 + self.column.free_strain))

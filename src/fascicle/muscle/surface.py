@@ -1,6 +1,6 @@
 r"""A muscle as a table of its co-energy, from which force and volume both follow.
 
-In time a muscle is asked for thousands of times a second. A `UnitSurface` holds its co-energy
+A simulation evaluates a muscle thousands of times a second. A `UnitSurface` holds its co-energy
 $\Pi^*$, (V2), on a grid, and between the grid's nodes as a bicubic polynomial whose value and
 slopes are continuous,
 
@@ -97,13 +97,13 @@ class UnitSurface(Module):
 
         **Raises:** `ValueError` for ends and shapes that can't be.
         """
-        top = float(
-            check_interval(highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", "",
-                   (False, True))
-        )  # fmt: skip
-        rows, columns = _shape(shape)
-        strain = _strains(muscle, strains, columns)
-        roots = np.linspace(0.0, math.sqrt(top), rows)
+        top = check_interval(
+            highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", closed=(False, True)
+        )
+        if len(shape) != 2 or min(shape) < 3:
+            raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
+        strain = _strains(muscle, strains, int(shape[1]))
+        roots = np.linspace(0.0, math.sqrt(float(top)), int(shape[0]))
         return _table(muscle, tuple(roots.tolist()), tuple(strain.tolist()))
 
     @property
@@ -112,7 +112,7 @@ class UnitSurface(Module):
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
     def at(self, pressure: Batch, strain: Batch) -> Surface:
-        """All that it says of one muscle, elementwise, nothing checked.
+        """All quantities of one muscle, elementwise, nothing checked.
 
         **Arguments:**
 
@@ -124,30 +124,14 @@ class UnitSurface(Module):
         return lookup(self, pressure, strain)
 
     def force(self, pressure: Values, strain: Values) -> Batch:
-        """Pulling force, (V3).
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa], from -101325 Pa.
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** force $F$ [N].
-
-        **Raises:** `ValueError` for concrete values outside the table.
+        """Pulling force $F$ [N], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
+        broadcast; `ValueError` for concrete values outside the table.
         """
         return self.at(*self.inside(pressure, strain)).force
 
     def conjugate_volume(self, pressure: Values, strain: Values) -> Batch:
-        """Volume that goes with the force, (V3).
-
-        **Arguments:**
-
-        - `pressure`: gauge pressure $P$ [Pa], from -101325 Pa.
-        - `strain`: contraction $\\varepsilon$ [-]; broadcasts against `pressure`.
-
-        **Returns:** $V^*$ [m³].
-
-        **Raises:** `ValueError` for concrete values outside the table.
+        """Volume $V^*$ [m³], (V3), at `pressure` [Pa], from -101325 Pa, and `strain` [-], which
+        broadcast; `ValueError` for concrete values outside the table.
         """
         return self.at(*self.inside(pressure, strain)).volume
 
@@ -155,15 +139,15 @@ class UnitSurface(Module):
         """Check a pressure [Pa] and strain [-] against the ends of the table."""
         low, high = (float(x) for x in self.strains)
         why, closed = "of the table", (True, True)
-        top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its own root
-        more = "tabulate the muscle up to there"
-        P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, more)
-        return P, check_interval(strain, low, high, "strain", "-", why, closed, more)
+        top = float(self.highest_pressure) * (1 + 1e-12)  # a rounding of its root
+        remedy = "tabulate the muscle up to there"
+        P = check_interval(pressure, -101325.0, top, "pressure", "Pa", why, closed, remedy)
+        return P, check_interval(strain, low, high, "strain", "-", why, closed, remedy)
 
 
-def lookup(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None) -> Surface:
-    """Look up a `table` at `pressure` [Pa] and `strain` [-], elementwise; `which` [-] one,
-    where its coefficients are of several.
+def lookup(table: UnitSurface, pressure: Batch, strain: Batch, index: Any = None) -> Surface:
+    """Look up a `table` at `pressure` [Pa] and `strain` [-], elementwise; at an `index` [-] of
+    coefficients of several muscles.
     """
     xp = array_namespace(pressure, strain, table.coefficients)
     lines, columns = table.coefficients.shape[-4:-2]
@@ -185,23 +169,22 @@ def lookup(table: UnitSurface, pressure: Batch, strain: Batch, which: Any = None
     j = minimum(xp.floor((eps - low) / step), columns - 1.0).astype(int)
     w = (eps - low) / step - j
 
-    cell = (i, j) if which is None else (which, i, j)
+    cell = (i, j) if index is None else (index, i, j)
     c = xp.asarray(table.coefficients)[cell]  # [..., power of u, power of w]
     value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
     p, p_u, p_uu = _cubic(value, u)
     p_w, p_wu, _ = _cubic(slope, u)
     p_ww, _, _ = _cubic(bend, u)
 
-    past_P, past = pressure - P, strain - eps  # linear there
-    inside_P = absolute(past_P) <= PRESSURE_ROUNDING
-    inside = past == 0
+    P_past, eps_past = pressure - P, strain - eps  # linear past the table's ends
+    inside_P = absolute(P_past) <= PRESSURE_ROUNDING
     V, V_w = p_u * u_P, p_wu * u_P
     L0 = table.rest_length
     return Surface(
-        coenergy=p + V * past_P + (p_w + V_w * past_P) * past / step,
-        force=(p_w + V_w * past_P) / (step * L0),
-        volume=V + V_w * past / step,
-        force_by_strain=where(inside, p_ww / (step**2 * L0), 0.0),
+        coenergy=p + V * P_past + (p_w + V_w * P_past) * eps_past / step,
+        force=(p_w + V_w * P_past) / (step * L0),
+        volume=V + V_w * eps_past / step,
+        force_by_strain=where(eps_past == 0, p_ww / (step**2 * L0), 0.0),
         force_by_pressure=V_w / (step * L0),
         volume_by_pressure=where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0),
     )
@@ -225,24 +208,21 @@ class _Nodes(NamedTuple):
     by_both: np.ndarray
 
 
-@lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have the same muscles
+@lru_cache(maxsize=8)  # of 4 MB each: plants and policies that are compared have equal muscles
 def _table(
     muscle: Muscle, root_pressures: tuple[float, ...], strains: tuple[float, ...]
 ) -> UnitSurface:
-    """The table of a `muscle` at roots of pressure [√Pa] and strains [-]; equal muscles share
-    a table.
-    """
+    """The table of a `muscle` at roots of pressure [√Pa] and strains [-]."""
     roots, strain = np.array(root_pressures), np.array(strains)
+    ends = (np.float64(strain[0]), np.float64(strain[-1]))
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        nodes = _evaluate_nodes(muscle, roots**2, strain)
-    made = partial(
-        UnitSurface,
-        _coefficients(nodes, roots, strain),
-        np.float64(roots[1]),
-        (np.float64(strain[0]), np.float64(strain[-1])),
-        muscle.length,
-    )
-    return made(_errors(made((0.0, 0.0, 0.0)), muscle, roots, strain))
+        coefficients = _coefficients(_evaluate_nodes(muscle, roots**2, strain), roots, strain)
+        table = partial(UnitSurface, coefficients, np.float64(roots[1]), ends, muscle.length)
+        P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
+        eps = (strain[1:] + strain[:-1])[None] / 2
+        force = lookup(table((0.0, 0.0, 0.0)), P, eps).force
+        errors = np.abs(force - muscle.law.at(P).force(eps)[0])
+    return table(tuple(np.quantile(errors, (0.5, 0.99, 1.0)).tolist()))
 
 
 def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) -> _Nodes:
@@ -250,18 +230,16 @@ def _evaluate_nodes(muscle: Muscle, pressure: np.ndarray, strain: np.ndarray) ->
     from ..core.jax_backend import compile_law
 
     values, slopes = compile_law(_integrate)(muscle, pressure, strain)
-    (gained, work, pull), (swollen, swept, pull_slope) = (
-        map(np.asarray, x) for x in (values, slopes)
-    )
-    L0 = float(muscle.length)
-    empty = float(muscle.volume(0.0))
-    stored, stored_slope = muscle.law.tension.rest(pressure)
-    gained, swollen = (gained + stored)[:, None], (swollen + stored_slope)[:, None]
+    coenergy, work, force = map(np.asarray, values)
+    volume, volume_change, force_slope = map(np.asarray, slopes)
+    L0, V0 = float(muscle.length), float(muscle.volume(0.0))
+    rest_coenergy, rest_volume = muscle.law.tension.rest_coenergy(pressure)
+    coenergy, volume = (coenergy + rest_coenergy)[:, None], (volume + rest_volume)[:, None]
     return _Nodes(
-        coenergy=pressure[:, None] * empty + gained + L0 * work.T,
-        by_strain=L0 * pull.T,
-        by_pressure=empty + swollen + L0 * swept.T,
-        by_both=L0 * pull_slope.T,
+        coenergy=pressure[:, None] * V0 + coenergy + L0 * work.T,
+        by_strain=L0 * force.T,
+        by_pressure=V0 + volume + L0 * volume_change.T,
+        by_both=L0 * force_slope.T,
     )
 
 
@@ -271,7 +249,7 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
     """
     from ..core.jax_backend import derivative, jnp
 
-    def of_pressure(pressure: Batch) -> tuple[Batch, Batch, Batch]:
+    def integrals(pressure: Batch) -> tuple[Batch, Batch, Batch]:
         at: Pressurized = muscle.law.at(pressure)
         kinks = [*at.kinks, *muscle.law.buckling.folds(at.column)]
         low, high = strain[0], strain[-1]
@@ -282,62 +260,47 @@ def _integrate(muscle: Muscle, pressure: Batch, strain: Batch) -> tuple[tuple, t
         stops = jnp.take_along_axis(stops, order, axis=0)
         middle, half = (stops[1:] + stops[:-1]) / 2, (stops[1:] - stops[:-1]) / 2
         force, _ = at.force((middle + half * _NODES[:, None, None]).reshape((-1, len(pressure))))
-        parts = half * jnp.sum(force.reshape((-1, *half.shape)) * _WEIGHTS[:, None, None], axis=0)
-        sums = jnp.concatenate([jnp.zeros((1, len(pressure))), jnp.cumsum(parts, axis=0)])
+        cells = half * jnp.sum(force.reshape((-1, *half.shape)) * _WEIGHTS[:, None, None], axis=0)
+        sums = jnp.concatenate([jnp.zeros((1, len(pressure))), jnp.cumsum(cells, axis=0)])
         back = jnp.argsort(order, axis=0)[: len(strain)]
         work = jnp.take_along_axis(sums, back, axis=0)
         work = work - work[jnp.argmin(jnp.abs(strain))]
         return coenergy_at_rest(at) + 0.0 * pressure, work, at.force(grid)[0]
 
-    return derivative(of_pressure, pressure)
+    return derivative(integrals, pressure)
 
 
 def _coefficients(nodes: _Nodes, roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Of each cell [J]: [line, column, power of u, power of w]."""
-    step = strain[1] - strain[0]
-    h = roots[1]
-    nodes = nodes._replace(
-        by_pressure=_smooth_slopes(roots, nodes.coenergy, nodes.by_pressure),
-        by_both=_smooth_slopes(roots, nodes.by_strain, nodes.by_both),
-    )
+    step, h = strain[1] - strain[0], roots[1]
+    by_pressure = _smooth_slopes(roots, nodes.coenergy, nodes.by_pressure)
+    by_both = _smooth_slopes(roots, nodes.by_strain, nodes.by_both)
     # dP/du at both ends of each cell: of P itself in the first one
-    per_line = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
-    per_line[:, 0] = h**2
+    dP_du = np.stack([2 * roots[:-1] * h, 2 * roots[1:] * h])
+    dP_du[:, 0] = h**2
     corners = np.empty((len(roots) - 1, len(strain) - 1, 4, 4))
     for a in (0, 1):
-        rows = slice(a, len(roots) - 1 + a)
+        rows, du = slice(a, len(roots) - 1 + a), dP_du[a][:, None]
         for b in (0, 1):
-            cols = slice(b, len(strain) - 1 + b)
-            du = per_line[a][:, None]
-            corners[..., a, b] = nodes.coenergy[rows, cols]
-            corners[..., a, 2 + b] = nodes.by_strain[rows, cols] * step
-            corners[..., 2 + a, b] = nodes.by_pressure[rows, cols] * du
-            corners[..., 2 + a, 2 + b] = nodes.by_both[rows, cols] * du * step
+            cells = rows, slice(b, len(strain) - 1 + b)
+            corners[..., a, b] = nodes.coenergy[cells]
+            corners[..., a, 2 + b] = nodes.by_strain[cells] * step
+            corners[..., 2 + a, b] = by_pressure[cells] * du
+            corners[..., 2 + a, 2 + b] = by_both[cells] * du * step
     return _HERMITE @ corners @ _HERMITE.T
 
 
 def _smooth_slopes(roots: np.ndarray, value: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Slopes in pressure at the nodes that make bends continuous, too, from line to line; those at
-    both ends stay. A volume whose slope in pressure jumps takes an integrator ten times the steps.
+    """Slopes in pressure at the nodes that make bends continuous, too, from line to line, with the
+    given `slope` at both ends. A volume whose slope in pressure jumps takes an integrator ten times
+    the steps.
     """
-    from scipy.interpolate import CubicSpline  # 0.25 s that a force needn't wait for
+    from scipy.interpolate import CubicSpline  # 0.25 s that a force doesn't need
 
     per = 2 * roots[1:, None]
     ends: Any = ((1, slope[1] * per[0]), (1, slope[-1] * per[-1]))
     spline = CubicSpline(roots[1:], value[1:], bc_type=ends)
     return np.concatenate([slope[:1], spline(roots[1:], 1) / per])
-
-
-def _errors(
-    table: UnitSurface, muscle: Muscle, roots: np.ndarray, strain: np.ndarray
-) -> tuple[float, float, float]:
-    """Of the table's force [N] at the middles of its cells: median, 99 % and largest."""
-    P = ((roots[1:] + roots[:-1])[:, None] / 2) ** 2
-    eps = (strain[1:] + strain[:-1])[None] / 2
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        off = np.abs(lookup(table, P, eps).force - muscle.law.at(P).force(eps)[0])
-    median, most, largest = np.quantile(off, (0.5, 0.99, 1.0))
-    return float(median), float(most), float(largest)
 
 
 def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndarray]:
@@ -352,26 +315,20 @@ def table_error(table: UnitSurface, muscle: Muscle) -> tuple[np.ndarray, np.ndar
     between = slice(1, None, 2)
     with np.errstate(all="ignore"):  # of branches that aren't taken
         law = _evaluate_nodes(muscle, P, eps)
-        said = lookup(table, P[:, None], eps[between])
+        surface = lookup(table, P[:, None], eps[between])
     force = law.by_strain[:, between] / float(muscle.length)
-    return np.abs(said.force - force), np.abs(said.volume - law.by_pressure[:, between])
-
-
-def _shape(shape: tuple[int, int]) -> tuple[int, int]:
-    if len(shape) != 2 or min(shape) < 3:
-        raise InvalidInputError("shape", "must be two whole numbers of at least 3", shape)
-    return int(shape[0]), int(shape[1])
+    return np.abs(surface.force - force), np.abs(surface.volume - law.by_pressure[:, between])
 
 
 def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np.ndarray:
     """Even strains [-] from end to end, zero among them."""
+    straight = float(lowest_strain(*strain_domain(muscle)))
     if ends is None:
-        low = _STRETCHED * float(lowest_strain(*strain_domain(muscle)))
+        low = _STRETCHED * straight
         high = min(LARGEST_STRAIN, float(muscle.braid.ideal_free_strain) + _PUSHED)
     else:
-        least = float(lowest_strain(*strain_domain(muscle)))
         low, high = (
-            check_interval(end, least, LARGEST_STRAIN, "strains", "-", closed=(False, True))
+            check_interval(end, straight, LARGEST_STRAIN, "strains", "-", closed=(False, True))
             for end in ends
         )
         if not low < 0 < high:
@@ -379,5 +336,5 @@ def _strains(muscle: Muscle, ends: tuple[float, float] | None, count: int) -> np
     below = max(1, round(-low / (high - low) * (count - 1)))
     step = max(high / (count - 1 - below), -low / below)
     # a step that reaches past both ends still has to stop before the fibers are straight
-    step = min(step, -float(lowest_strain(*strain_domain(muscle))) / below)
+    step = min(step, -straight / below)
     return step * (np.arange(count) - below)

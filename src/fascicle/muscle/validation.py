@@ -1,7 +1,7 @@
 """Checks of a muscle's arguments: sizes, pressures and strains of its domain, and its limitations.
 
 Laws trust what has passed here. A single point is checked quickly: the full check, which
-can name any array's worst value, would take longer than the law.
+can name any array's worst value, takes longer than the law.
 """
 
 import math
@@ -28,24 +28,23 @@ from ..core.validation import (
     warn_user,
 )
 from ..units import pretty
-from .bladder import Bladder
-from .braid import Braid
 from .ends.ends_law import AbstractEnds
 from .materials import MATERIALS, AbstractMaterial
 from .tension.tension_law import AbstractTension
 from .tuning import Tuning
 
 
-# (r/r0)² = ε(2 − ε)/tan²α0 + 1 is known to about 1e-16/tan²α0 there, and rises from zero by
+# (r/r0)² = ε(2 − ε)/tan²α0 + 1 is right to about 1e-16/tan²α0 there, and rises from zero by
 # 2 cosα0/sin²α0 times this: ten million times as much at any angle
 _STRAIGHT_MARGIN = 1e-9
 # a stretched muscle is rarely measured past this; a sign error is: published tests begin at rest
 EXTENSION_WARNED = 0.02
-_NOMINAL = 0.1  # of a size: names of catalogs are no closer to what calipers find
+_NOMINAL = 0.1  # of a size: names of catalogs are no closer to what calipers measure
+_LARGEST_STRETCH = 1.5  # of the bladder's strain over the muscle's: a third of the length inactive
 
 
 def choose_material(value: Any) -> AbstractMaterial:
-    """Material given by object or by name; `InvalidInputError` for others."""
+    """Material given as an object or by name; `InvalidInputError` for others."""
     if isinstance(value, AbstractMaterial):
         return value
     if isinstance(value, str):
@@ -56,7 +55,7 @@ def choose_material(value: Any) -> AbstractMaterial:
 
 def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
     """Strain [-] that straightens the fibers, and a margin, at `braid_angle` [rad]; -inf for a
-    traced one. Fibers that are straight within rounding have no radius left, and no finite force.
+    traced one. Fibers that are straight within rounding have no radius, and no finite force.
     `stretch`: the bladder's strain over the muscle's [-].
     """
     if not is_concrete(braid_angle, stretch):
@@ -65,22 +64,21 @@ def lowest_strain(braid_angle: Batch, stretch: Batch = 1.0) -> Batch:
 
 
 def strain_domain(muscle: Any) -> tuple[Batch, Batch]:
-    """Braid angle of a `muscle` [rad], and its bladder's strain over the muscle's [-]: the
-    arguments of `lowest_strain`.
-    """
+    """Arguments of `lowest_strain` for a `muscle`: braid angle [rad], and stretch [-]."""
     return muscle.braid_angle, muscle.ends.stretch(muscle.length)
 
 
 def check_active_length(ends: AbstractEnds, length: Batch) -> None:
     """Refuse `ends` that take a third of the `length` [m] or more: not much would contract."""
     stretch = ends.stretch(length)
-    if is_concrete(stretch) and not np.all(
-        (np.asarray(stretch) >= 1) & (np.asarray(stretch) < 1.5)
-    ):
-        rule, remedy = "must be less than a third of `length`", "check its unit"
-        raise InvalidInputError(
-            "inactive_length", rule, getattr(ends, "inactive_length", None), remedy
-        )
+    if is_concrete(stretch):
+        s = np.asarray(stretch)
+        if not np.all((s >= 1) & (s < _LARGEST_STRETCH)):
+            rule, value = (
+                "must be less than a third of `length`",
+                getattr(ends, "inactive_length", None),
+            )
+            raise InvalidInputError("inactive_length", rule, value, "check its unit")
 
 
 def is_valid_scalar_point(muscle: Any, pressure: Values, strain: Values) -> bool:
@@ -89,7 +87,7 @@ def is_valid_scalar_point(muscle: Any, pressure: Values, strain: Values) -> bool
         return False
     table = muscle.tuning.pressures
     measured = table.size < 2 or (is_concrete(table) and pressure <= np.asarray(table)[-1])
-    inside = 0.0 <= strain <= LARGEST_STRAIN  # where an extension ends depends on the braid
+    inside = 0.0 <= strain <= LARGEST_STRAIN  # the end of extensions depends on the braid
     plausible = FAINT_PRESSURE <= pressure <= HIGHEST_PRESSURE or pressure == 0
     return bool(measured and inside and plausible)
 
@@ -112,7 +110,7 @@ def check_points(*arrays: Batch, muscles: tuple[int, ...] = ()) -> None:
 
 
 def validate_pressure(value: Values, tuning: Tuning) -> Batch:
-    """Return a gauge pressure [Pa] of the domain; warn where the `tuning` was measured below."""
+    """Return a gauge pressure [Pa] of the domain; warn of one above the range of the `tuning`."""
     closed = (True, True)
     pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
     if not has_units(value):
@@ -134,18 +132,10 @@ def check_strain(
     high: Batch = LARGEST_STRAIN,
     why: str = "(fibers straight at the lower end)",
 ) -> Batch:
-    """Return a strain as a float array, refusing it outside its domain, and warn of an extension.
+    """Return a strain `value` [-] as floats, refusing it outside its domain; warn of an extension.
 
-    **Arguments:**
-
-    - `value`: contraction [-].
-    - `low`: strain at which fibers are straight [-], one or one for each muscle of a row.
-    - `high`: largest strain [-].
-    - `why`: reason of the limits, in words.
-
-    **Returns:** the strain [-].
-
-    **Raises:** `ValueError` for a concrete strain outside.
+    `low`: strain at which fibers are straight [-], for all muscles or for each of a row. `high`:
+    largest strain [-]. `why`: reason of the limits, in words.
     """
     if np.ndim(low):
         value = to_si(value, "strain", "-")
@@ -157,26 +147,20 @@ def check_strain(
 
 
 def extension_message(strain: Batch, straight: Batch) -> str:
-    """Warning of an extension past 2 %; empty where there is none.
-
-    **Arguments:**
-
-    - `strain`: contraction [-].
-    - `straight`: strain at which fibers are straight [-]; broadcasts against `strain`.
-
-    **Returns:** one sentence or two.
+    """Warning of an extension past 2 %, a negative `strain` [-]; empty for others. `straight`:
+    strain at which fibers are straight [-]; broadcasts.
     """
     if not is_concrete(strain) or not np.size(strain):
         return ""
-    strains, straight = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
+    strains, limits = np.broadcast_arrays(np.asarray(strain), np.asarray(straight))
     worst = np.argmin(strains)
-    least, straight = strains.flat[worst], straight.flat[worst]
-    if not least < -EXTENSION_WARNED:
+    lowest = strains.flat[worst]
+    if not lowest < -EXTENSION_WARNED:
         return ""
     return (
-        f"Strain {least:g} stretches the muscle by {-least:.3g} times its length: contraction is"
-        f" positive. The braid's fibers are straight at {straight:.4g}, where the force grows"
-        " without limit; real fibers give before that."
+        f"Strain {lowest:g} stretches the muscle by {-lowest:.3g} times its length: contraction is"
+        f" positive. The braid's fibers are straight at {limits.flat[worst]:.4g}, where the force"
+        " grows without limit; real fibers give before that."
     )
 
 
@@ -200,8 +184,8 @@ def validate_braid_angle(value: Values) -> Batch:
         number = math.radians(bad)
         # a number that would do in degrees
         remedy = f'numbers are in rad, write "{number:g} deg"' if math.pi / 2 < number < top else ""
-        rule, shown = f"must lie in (0, {top:.4f}) deg to contract", f"{bad:g} deg"
-        raise InvalidInputError("braid_angle", rule, bad, remedy, shown=shown) from None
+        rule = f"must lie in (0, {top:.4f}) deg to contract"
+        raise InvalidInputError("braid_angle", rule, bad, remedy, shown=f"{bad:g} deg") from None
     check_braid_angle(angle)
     return angle
 
@@ -213,12 +197,9 @@ def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
     t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
     if np.any(t0 >= r0):
         worst = np.argmax(t0 >= r0)
-        raise InvalidInputError(
-            "wall_thickness",
-            "must be less than `outer_radius`",
-            float(t0.flat[worst]),
-            shown=f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m",
-        )
+        bad, text = float(t0.flat[worst]), f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m"
+        rule = "must be less than `outer_radius`"
+        raise InvalidInputError("wall_thickness", rule, bad, shown=text)
 
 
 def warn_limitations(muscle: Any) -> None:
@@ -233,8 +214,7 @@ def stretched_fibers_message(muscle: Any) -> str:
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
     if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):
         return ""
-    bladder = Bladder(Braid(*sizes), muscle.wall_thickness, muscle.material)
-    highest = np.min(np.asarray(muscle.tension.highest_pressure(bladder)))
+    highest = np.min(np.asarray(muscle.tension.highest_pressure(muscle.bladder)))
     if not highest < HIGHEST_PRESSURE:
         return ""
     return (
@@ -254,30 +234,31 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
     - `muscle`: the muscle.
     - `law`: another law than the muscle's, with its published constants.
 
-    **Returns:** two sentences; empty where the constants are of a muscle of this size.
+    **Returns:** two sentences; empty for constants of a muscle of this size.
     """
     kind = type(muscle.tension) if law is None else law
     sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness)
-    if not kind.made_for or not is_concrete(*sizes):
+    if not kind.reference_muscle or not is_concrete(*sizes):
         return ""
     if law is None and not _has_published_constants(muscle.tension):
         return ""
     differences = []
-    if kind.made_diameter is not None and not diameter_matches(muscle, kind.made_diameter):
+    diameter, length = kind.reference_diameter, kind.reference_length
+    if diameter is not None and not diameter_matches(muscle, diameter):
         differences.append(f"{_size_text(2 * muscle.outer_radius)} in diameter")
-    length = kind.made_length
     if length is not None and np.any(np.abs(np.asarray(muscle.length) / length - 1) > _NOMINAL):
         differences.append(f"{_size_text(muscle.length)} long")
     if not differences:
         return ""
     return (
-        f"`{kind.name}` was fitted to {kind.made_for}; this muscle is {' and '.join(differences)}."
-        " Results are an extrapolation unless you recalibrate (`fascicle calibrate`)."
+        f"`{kind.name}` was fitted to {kind.reference_muscle}; this muscle is"
+        f" {' and '.join(differences)}. Results are an extrapolation unless you recalibrate"
+        " (`fascicle calibrate`)."
     )
 
 
 def diameter_matches(muscle: Any, diameter: float) -> bool:
-    """True where a `muscle` is as wide as one of a nominal `diameter` [m]: makers name the inner
+    """True for a `muscle` as wide as one of a nominal `diameter` [m]: makers name the inner
     diameter or the braid's.
     """
     outer = 2 * np.asarray(muscle.outer_radius)

@@ -94,7 +94,7 @@ def components_of(muscle: Muscle, pressures: Any, strains: Any) -> Components:
     tension = TunedTension(muscle.tension, muscle.bladder, muscle.tuning, muscle.ends)
     mesh, bladder = (
         np.broadcast_to(np.asarray(x), (P.size, eps.size))
-        for x in tension.components(P[:, None], eps)
+        for x in tension.pull(P[:, None], eps)[:2]
     )
     wall = np.asarray(response.bladder) + np.asarray(response.bending)
     return Components(

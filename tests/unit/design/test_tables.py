@@ -25,7 +25,7 @@ TUNED = fs.Tuning(
 )  # fmt: skip
 LAWS = (
     # a law with one muscle's numbers is none for designs
-    [{"tension": name} for name, law in TENSION_LAWS.items() if not law.made_for]
+    [{"tension": name} for name, law in TENSION_LAWS.items() if not law.reference_muscle]
     + [{"buckling": name} for name in BUCKLING_LAWS]
     + [{"collapse": name} for name in COLLAPSE_LAWS if name != "stein_hedgepeth1961"]
     + [{"post_collapse": name} for name in POST_COLLAPSE_LAWS]

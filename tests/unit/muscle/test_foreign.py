@@ -12,13 +12,13 @@ from fascicle.muscle.validation import published_range_message
 
 
 FESTO_20 = {"outer_radius": 11e-3, "wall_thickness": 1e-3, "braid_angle": np.radians(28.6)}
-MADE = {name: law for name, law in TENSION_LAWS.items() if law.made_for}
+MADE = {name: law for name, law in TENSION_LAWS.items() if law.reference_muscle}
 
 
 def of_its_size(law):
     """A muscle as wide and long as that of a `law`'s constants."""
-    radius = 0.5 * law.made_diameter + 1e-3
-    return fs.Muscle(law.made_length or 0.25, radius, 1e-3, np.radians(28.6))
+    radius = 0.5 * law.reference_diameter + 1e-3
+    return fs.Muscle(law.reference_length or 0.25, radius, 1e-3, np.radians(28.6))
 
 
 @pytest.mark.parametrize("law", MADE.values(), ids=MADE)
@@ -27,13 +27,14 @@ def test_published_constants_warn_on_another_muscle_and_not_on_their_own(law):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not published_range_message(own.replace(tension=law.name))
-    with pytest.warns(UserWarning, match=f"`{law.name}` was fitted to {law.made_for}") as told:
+    fitted = f"`{law.name}` was fitted to {law.reference_muscle}"
+    with pytest.warns(UserWarning, match=fitted) as told:
         own.replace(tension=law.name, outer_radius=2 * own.outer_radius, wall_thickness=1e-3)
-    wide = f"{2e3 * law.made_diameter + 4:g} mm in diameter"
+    wide = f"{2e3 * law.reference_diameter + 4:g} mm in diameter"
     assert f"this muscle is {wide}" in str(told[0].message)
 
 
-@pytest.mark.parametrize("law", [law for law in MADE.values() if law.made_length], ids=str)
+@pytest.mark.parametrize("law", [law for law in MADE.values() if law.reference_length], ids=str)
 def test_another_length_is_told_with_it(law):
     with pytest.warns(UserWarning, match="this muscle is 100 mm long"):
         of_its_size(law).replace(tension=law.name, length=0.1)

@@ -8,8 +8,4 @@ from .buckling_law import Push as Push
 
 
 BUCKLING_LAWS = LawRegistry(__name__, __path__, AbstractBuckling, default="kim2021")
-__getattr__ = BUCKLING_LAWS.get_class
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *BUCKLING_LAWS.class_names()})
+__getattr__, __dir__ = BUCKLING_LAWS.package_attributes()

@@ -134,8 +134,9 @@ def _solve_states(numbers: bytes) -> np.ndarray:
     steps = np.linalg.norm(np.diff(np.log(P[..., 0]), axis=0), axis=-1)
     distance = np.append(0.0, np.cumsum(steps))
     even = np.searchsorted(distance, np.linspace(0.0, distance[-1], _FOLLOWED)[:-1])
-    many = len(P) > _FOLLOWED
-    indices = np.unique(np.append(even, len(P) - 1)) if many else np.arange(len(P))
+    indices = np.arange(len(P))
+    if len(P) > _FOLLOWED:
+        indices = np.unique(np.append(even, len(P) - 1))
     x, slopes = _follow(np, P[indices])
     if len(indices) < len(P):
         with np.errstate(all="ignore"):  # of corrections that diverge, after which Newton's begins

@@ -5,8 +5,4 @@ from .collapse_law import AbstractCollapse as AbstractCollapse
 
 
 COLLAPSE_LAWS = LawRegistry(__name__, __path__, AbstractCollapse, default="kim2021")
-__getattr__ = COLLAPSE_LAWS.get_class
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *COLLAPSE_LAWS.class_names()})
+__getattr__, __dir__ = COLLAPSE_LAWS.package_attributes()

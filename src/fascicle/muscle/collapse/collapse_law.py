@@ -14,7 +14,6 @@ is zero: exempt.
 use π/4.
 """
 
-import abc
 from typing import ClassVar
 
 import numpy as np
@@ -26,29 +25,28 @@ from ..bladder import Bladder
 from ..law import AbstractLaw
 
 
-# no fit moves it: what is measured of it is the tuning's `collapse_moment_factor`
+# no fit moves it: a measured factor is the tuning's `collapse_moment_factor`
 FACTOR = Constant(
-    # a large one is how to say that a muscle doesn't collapse
+    # a large one makes a muscle that doesn't collapse
     "factor", "", "number", (1e-6, 0.01, 1e6, 1e9), None, 1.0,
     "on the moment", "Wielgosz and Thomas (2002)",
 )  # fmt: skip
 
 
 class AbstractCollapse(AbstractLaw):
-    """A moment at which a pressurized tube collapses; `factor` [-] is on top of it."""
+    """A moment at which a pressurized tube collapses, with a `factor` [-]: by default equation (17)
+    with `power` on $r_0/t_0$.
+    """
 
+    power: ClassVar[int] = 1
     factor: ClassVar[Batch]
 
-    @abc.abstractmethod
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
         """$M_{collapse}$ [N·m] at `youngs_modulus` $E$ [Pa] and `pressure` [Pa]."""
-
-
-def tube_moment(bladder: Bladder, E: BatchLike, pressure: BatchLike, power: int) -> Batch:
-    """Equation (17) [N·m] with `power` on $r_0/t_0$."""
-    r0, t0, nu = bladder.braid.radius, bladder.wall_thickness, bladder.material.poisson_ratio
-    stiffening = 1 / (1 - nu**2) + 4 * pressure / E * (r0 / t0) ** power
-    return 2 * np.sqrt(2) / 9 * np.pi * E * r0 * t0**2 * sqrt(stiffening)
+        E, t0, nu = youngs_modulus, bladder.wall_thickness, bladder.material.poisson_ratio
+        r0 = bladder.braid.radius
+        stiffening = 1 / (1 - nu**2) + 4 * pressure / E * (r0 / t0) ** self.power
+        return self.factor * (2 * np.sqrt(2) / 9 * np.pi * E * r0 * t0**2 * sqrt(stiffening))
 
 
 class Kim2021Collapse(AbstractCollapse):
@@ -59,22 +57,15 @@ class Kim2021Collapse(AbstractCollapse):
 
     factor: Batch = FACTOR.field()
 
-    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
-        """$M_{collapse}$ [N·m], (17)."""
-        return self.factor * tube_moment(bladder, youngs_modulus, pressure, power=1)
-
 
 class Wood1958(AbstractCollapse):
     """Wood's moment: pressure counts with $(r_0/t_0)^3$."""
 
     name: ClassVar[str] = "wood1958"
     source: ClassVar[str] = "Wood (1958)"
+    power: ClassVar[int] = 3
 
     factor: Batch = FACTOR.field()
-
-    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
-        """$M_{collapse}$ [N·m], (17) with the cube."""
-        return self.factor * tube_moment(bladder, youngs_modulus, pressure, power=3)
 
 
 class Brazier1927(AbstractCollapse):
@@ -86,8 +77,8 @@ class Brazier1927(AbstractCollapse):
     factor: Batch = FACTOR.field()
 
     def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
-        """$M_{collapse}$ [N·m], the same at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
-        return self.factor * tube_moment(bladder, youngs_modulus, 0.0 * pressure, power=1)
+        """$M_{collapse}$ [N·m], equal at every pressure; 0.98731 is $2\\sqrt2\\pi/9$."""
+        return super().moment(bladder, youngs_modulus, 0.0 * pressure)
 
 
 class SteinHedgepeth1961(AbstractCollapse):

@@ -5,8 +5,4 @@ from .ends_law import AbstractEnds as AbstractEnds
 
 
 ENDS_LAWS = LawRegistry(__name__, __path__, AbstractEnds, default="rigid")
-__getattr__ = ENDS_LAWS.get_class
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *ENDS_LAWS.class_names()})
+__getattr__, __dir__ = ENDS_LAWS.package_attributes()

@@ -43,16 +43,24 @@ from ..law import AbstractLaw
 from ..tension.tension_law import Pull
 
 
-TunedTension = Any  # the class, which imports this
+TunedTension = Any  # the class, which imports this module
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
 _NEARLY = 0.999  # of the strain that straightens the fibers
 
 
-class AbstractEnds(AbstractLaw):
-    """The ends of a muscle; `gives`: true where the bladder's strain may depend on its force."""
+@cache
+def quadrature() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights for a force between two kinks, where it is smooth: 16 points
+    leave 1e-11 of its integral, 8 leave 1e-8.
+    """
+    return np.polynomial.legendre.leggauss(16)
 
-    gives: ClassVar[bool] = True
+
+class AbstractEnds(AbstractLaw):
+    """The ends of a muscle; `is_compliant`: true if the bladder's strain depends on its force."""
+
+    is_compliant: ClassVar[bool] = True
 
     @property
     @abc.abstractmethod
@@ -79,7 +87,7 @@ class Rigid(AbstractEnds):
 
     name: ClassVar[str] = "rigid"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
-    gives: ClassVar[bool] = False
+    is_compliant: ClassVar[bool] = False
 
     @property
     def compliance(self) -> Batch:
@@ -146,27 +154,21 @@ class Compliant(AbstractEnds):
     def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force [N] of the `tension` law at `pressure` [Pa] and the muscle's `strain` [-]."""
         L0 = tension.bladder.braid.length
-        at = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
+        pull = tension.bladder_pull(pressure, self.bladder_strain(tension, pressure, strain))
         s = self.stretch(L0)
         # dε_b/dε, from (E8)
-        share = s / (1 - s * self.end_compliance / L0 * at.slope)
-        return Pull(at.mesh, at.bladder, share * at.mesh_slope, share * at.bladder_slope)
+        slope = s / (1 - s * self.end_compliance / L0 * pull.slope)
+        return Pull(pull.mesh, pull.bladder, slope * pull.mesh_slope, slope * pull.bladder_slope)
 
     def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
         """(E9) at rest length [J] and `pressure` [Pa], less $P V(0)$."""
         strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
-        node, weight = (node_axis(x, strain) for x in _quadrature())
+        node, weight = (node_axis(x, strain) for x in quadrature())
         force = tension.bladder_pull(pressure, 0.5 * strain * (1 + node)).force
         work = 0.5 * strain * sum_nodes(weight * force)
         F = tension.bladder_pull(pressure, strain).force
         active = tension.bladder.braid.length - self.inactive_length
         return active * work - 0.5 * self.end_compliance * F**2
-
-
-@cache
-def _quadrature() -> tuple[np.ndarray, np.ndarray]:
-    # up to the free strain a force is smooth: 16 points leave 1e-12 of its integral
-    return np.polynomial.legendre.leggauss(16)
 
 
 def _strain_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:

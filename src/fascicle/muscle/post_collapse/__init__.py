@@ -5,8 +5,4 @@ from .post_collapse_law import AbstractPostCollapse as AbstractPostCollapse
 
 
 POST_COLLAPSE_LAWS = LawRegistry(__name__, __path__, AbstractPostCollapse, default="derived")
-__getattr__ = POST_COLLAPSE_LAWS.get_class
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *POST_COLLAPSE_LAWS.class_names()})
+__getattr__, __dir__ = POST_COLLAPSE_LAWS.package_attributes()

@@ -41,16 +41,12 @@ class AbstractPostCollapse(AbstractLaw):
     def halves(self, column: Column, compression: Batch) -> tuple[Batch, Batch]:
         """The halves' bending force $B$ [N] at `compression` $x$ [m], and its slope [N/m]."""
 
-    def force(self, column: Column, hinge: BatchLike, strain: Batch) -> Batch:
-        """$F_c$ [N] at a `strain` [-] past the free strain, (25); `hinge` is $M_h$ [N·m]."""
-        return self.push(column, hinge, (strain - column.free_strain) * column.rest_length)[0]
-
     def push(self, column: Column, hinge: BatchLike, compression: Batch) -> tuple[Batch, Batch]:
-        """$F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]."""
-        x, rest = compression, column.free_length - compression
+        """$F_c$ [N] at a `compression` $x$ [m], and its slope [N/m]; `hinge` is $M_h$ [N·m]."""
+        x, chord = compression, column.free_length - compression
         halves, slope = self.halves(column, x)
-        folded = hinge / sqrt(x * rest)
-        return halves + folded, slope - 0.5 * folded * (1 / x - 1 / rest)
+        fold = hinge / sqrt(x * chord)
+        return halves + fold, slope - 0.5 * fold * (1 / x - 1 / chord)
 
     def deflection(self, column: Column, strain: Batch) -> Batch:
         """$y_{c,max}$ [m] at `strain` [-], from the slope at the hinge, $\\pi y_{c,max}/L$."""

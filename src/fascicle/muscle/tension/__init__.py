@@ -8,8 +8,4 @@ from .tension_law import solved_free_strain as solved_free_strain
 
 
 TENSION_LAWS = LawRegistry(__name__, __path__, AbstractTension, default="klute_hannaford")
-__getattr__ = TENSION_LAWS.get_class
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *TENSION_LAWS.class_names()})
+__getattr__, __dir__ = TENSION_LAWS.package_attributes()

@@ -62,12 +62,9 @@ class TonduLopez(AbstractTension):
         if is_concrete(self.strain_factor, self.strain_factor_rise):
             lowest = np.min(np.asarray(self.strain_factor + self.strain_factor_rise))
             if lowest <= 0:
-                raise InvalidInputError(
-                    "strain_factor_rise",
-                    "must leave the factor positive at zero pressure",
-                    lowest,
-                    shown=f"a factor of {lowest:g} there",
-                )
+                rule = "must leave the factor positive at zero pressure"
+                text = f"a factor of {lowest:g} there"
+                raise InvalidInputError("strain_factor_rise", rule, lowest, shown=text)
 
     def factor_at(self, pressure: BatchLike) -> Batch:
         """$k$ [-] at `pressure` [Pa], equation (TL)."""
@@ -122,10 +119,8 @@ class Meller2014(AbstractTension):
 
         **Raises:** `ValueError` where a measured value isn't positive.
         """
-        P, eps_f = (
-            check_positive(pressure, "pressure", "Pa"),
-            check_positive(free_strain, "free_strain", "-"),
-        )
+        P = check_positive(pressure, "pressure", "Pa")
+        eps_f = check_positive(free_strain, "free_strain", "-")
         blocked = check_positive(blocked_force, "blocked_force", "N")
         return cls(braid.ideal_free_strain / eps_f, blocked / braid.mesh_force(P, 0.0))
 
@@ -137,8 +132,5 @@ class Meller2014(AbstractTension):
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The ideal one [-] under $C_1/f_F$, over $f_\\varepsilon$."""
-
-        def ideal_offset(pressure: Batch) -> Batch:
-            return offset(pressure) / self.force_factor
-
-        return Ideal().free_strain(bladder, pressure, ideal_offset) / self.strain_factor
+        ideal = Ideal().free_strain(bladder, pressure, lambda P: offset(P) / self.force_factor)
+        return ideal / self.strain_factor

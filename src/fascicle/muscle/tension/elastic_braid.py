@@ -1,7 +1,7 @@
 r"""A braid whose fibers stretch, around a hyperelastic bladder.
 
 A fiber that bears the tension $T_f$ is $b (1 + T_f/EA)$ long. With $u$ the fibers' strain, all $n$
-of them alike, the braid's radius is no longer told by the length alone,
+of them alike, the length alone doesn't determine the braid's radius,
 
 $$\frac{r^2}{r_0^2} = \frac{(1 + u)^2 - \cos^2\alpha_0 \lambda^2}{\sin^2\alpha_0}, \tag{EB1}$$
 
@@ -62,7 +62,7 @@ class ElasticBraid(AbstractTension):
 
     @classmethod
     def from_fibers(cls, braid: Braid, stiffness: Values, count: Values = 1) -> "ElasticBraid":
-        """The law of a braid whose fibers are known.
+        """The law of a braid from its fibers.
 
         **Arguments:**
 
@@ -80,7 +80,7 @@ class ElasticBraid(AbstractTension):
 
     def stretch(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
         """The fibers' strain $u$ [-] at `pressure` [Pa] and `strain` [-]."""
-        return self._stretch(bladder, pressure, strain)[0]
+        return self._solve(bladder, pressure, strain)[0]
 
     def radius(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Outer radius while straight [m] at `pressure` [Pa] and `strain` [-], (EB1)."""
@@ -98,75 +98,74 @@ class ElasticBraid(AbstractTension):
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N], equations (3) and (4) at the fibers' stretch."""
-        braid, lam = bladder.braid, 1 - strain
-        u, W, held = self._stretch(bladder, pressure, strain)
-        cot2, more = braid.cot2, 2 * (1 + braid.cot2) * (1 + u)  # dq/du
-        # how the least energy moves with the strain: its slope in u stays zero
+        braid, lam, ratio = bladder.braid, 1 - strain, _section_ratio(bladder)
+        u, W, limited = self._solve(bladder, pressure, strain)
+        cot2, q_slope = braid.cot2, 2 * (1 + braid.cot2) * (1 + u)  # dq/du
+        # the least energy moves with the strain: its slope in u stays zero
         c = self._compliance(braid)
-        load = pressure * lam - _share(bladder) * W.q
-        by_strain = -pressure + 2 * lam * _share(bladder) * (W.pq - cot2 * W.qq)
-        steep = 1 - c * load + c * (1 + u) * _share(bladder) * W.qq * more
-        drift = where(held, 0.0, c * (1 + u) * by_strain / steep)
+        load = pressure * lam - ratio * W.q
+        by_strain = -pressure + 2 * lam * ratio * (W.pq - cot2 * W.qq)
+        by_u = 1 - c * load + c * (1 + u) * ratio * W.qq * q_slope
+        u_slope = where(limited, 0.0, c * (1 + u) * by_strain / by_u)
 
         mesh, mesh_slope = braid.mesh(pressure, strain)
         pull = np.pi * braid.radius**2 * pressure
-        loss, loss_slope = pull * (1 + cot2) * u * (2 + u), pull * more * drift
-        rest = W.p - cot2 * W.q
+        stress = W.p - cot2 * W.q
         bend = W.pp - 2 * cot2 * W.pq + cot2**2 * W.qq
-        wall, aside = 2 * bladder.area, (W.pq - cot2 * W.qq) * more * drift
+        wall, by_stretch = 2 * bladder.area, (W.pq - cot2 * W.qq) * q_slope * u_slope
         return Pull(
-            mesh=mesh - loss,
-            bladder=wall * lam * rest,
-            mesh_slope=mesh_slope - loss_slope,
-            bladder_slope=-wall * (rest + 2 * lam**2 * bend) + wall * lam * aside,
+            mesh=mesh - pull * (1 + cot2) * u * (2 + u),
+            bladder=wall * lam * stress,
+            mesh_slope=mesh_slope - pull * q_slope * u_slope,
+            bladder_slope=-wall * (stress + 2 * lam**2 * bend) + wall * lam * by_stretch,
         )
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The root of $T = C_1$ [-]; 0 at $P = 0$, and where fibers give way it falls again."""
         return solved_free_strain(self, bladder, pressure, offset)
 
-    def rest(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
+    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
         """Co-energy [J] that the braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
         and the volume [m³] by which it swells, which is its slope.
         """
-        braid, none = bladder.braid, 0.0 * pressure
-        u = self.stretch(bladder, pressure, none)
-        swollen = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)
-        gained = -self.potential(bladder, pressure, none) - pressure * braid.volume(none)
-        return gained, swollen
+        braid, zero = bladder.braid, 0.0 * pressure
+        u = self.stretch(bladder, pressure, zero)
+        volume = np.pi * braid.radius**2 * braid.length * (1 + braid.cot2) * u * (2 + u)
+        return -self.potential(bladder, pressure, zero) - pressure * braid.volume(zero), volume
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which fibers around that `bladder` aren't held at rest length."""
-        u = _most(bladder.braid)
+        """Pressure [Pa] up to which fibers around that `bladder` stretch freely at rest length."""
+        u = _largest_stretch(bladder.braid)
         W = bladder.material.slopes(1.0, _swell(bladder.braid, 0.0, u))
-        return u / (1 + u) / self._compliance(bladder.braid) + _share(bladder) * W.q
+        return u / (1 + u) / self._compliance(bladder.braid) + _section_ratio(bladder) * W.q
 
     def _compliance(self, braid: Braid) -> Batch:
-        """Of the fibers' strain by what presses them out [1/Pa]."""
+        """Slope of the fibers' strain in the pressure on them [1/Pa]."""
         return 2 * cos(braid.angle) * (1 + braid.cot2) / self.fiber_stiffness
 
-    def _stretch(
+    def _solve(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
     ) -> tuple[Batch, Slopes, BoolBatch]:
-        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers are held."""
+        """$u$ [-], the rubber's slopes there [J/m³], and whether the fibers' strain is limited."""
         braid, c, lam = bladder.braid, self._compliance(bladder.braid), 1 - strain
-        top = _most(braid) + 0.0 * lam
-        held = _pressed((bladder, c, pressure, strain), top)[0] > 0
-        P = guarded(logical_not(held), pressure, 0.0)
+        top = _largest_stretch(braid) + 0.0 * lam
+        limited = _stretch_residual((bladder, c, pressure, strain), top)[0] > 0
+        P = guarded(logical_not(limited), pressure, 0.0)
         # a braid whose fibers shrink more has no room inside
         low = cos(braid.angle) * lam - 1
         ideal = c * P * lam
         start = minimum(ideal / (1 + ideal), top)
-        u = where(held, top, root(_pressed, (bladder, c, P, strain), low, top, start))
-        return u, bladder.material.slopes(lam**2, _swell(braid, strain, u)), held
+        u = root(_stretch_residual, (bladder, c, P, strain), low, top, start)
+        u = where(limited, top, u)
+        return u, bladder.material.slopes(lam**2, _swell(braid, strain, u)), limited
 
 
-def _most(braid: Braid) -> Batch:
-    """The strain [-] at which fibers are held: half-way to a braid that doesn't contract."""
+def _largest_stretch(braid: Braid) -> Batch:
+    """Limit of the fibers' strain [-]: half-way to a braid that doesn't contract."""
     return 0.5 * (np.sqrt(3) * cos(braid.angle) - 1)
 
 
-def _share(bladder: Bladder) -> Batch:
+def _section_ratio(bladder: Bladder) -> Batch:
     """The wall's section over that inside the braid, at rest [-]."""
     return bladder.area / (np.pi * bladder.braid.radius**2)
 
@@ -176,11 +175,11 @@ def _swell(braid: Braid, strain: BatchLike, u: BatchLike) -> Batch:
     return braid.swell(strain) + (1 + braid.cot2) * u * (2 + u)
 
 
-def _pressed(theta: tuple, u: Batch) -> tuple[Batch, Batch]:
+def _stretch_residual(theta: tuple, u: Batch) -> tuple[Batch, Batch]:
     """Residual of the fibers' strain `u` [-], and its slope."""
     bladder, c, pressure, strain = theta
-    braid, lam = bladder.braid, 1 - strain
+    braid, lam, ratio = bladder.braid, 1 - strain, _section_ratio(bladder)
     W = bladder.material.slopes(lam**2, _swell(braid, strain, u))
-    load = pressure * lam - _share(bladder) * W.q
-    stiffening = 2 * (1 + braid.cot2) * (1 + u) ** 2 * _share(bladder) * W.qq
+    load = pressure * lam - ratio * W.q
+    stiffening = 2 * (1 + braid.cot2) * (1 + u) ** 2 * ratio * W.qq
     return c * (1 + u) * load - u, c * load - c * stiffening - 1

@@ -25,10 +25,10 @@ $$T = \pi r_i^2 P \left(3 \lambda^2 \cot^2\theta - \frac{1}{\sin^2\theta}\right)
 
 The polynomial and the correction $\delta$ of the braid angle, in radians, are fitted to one
 muscle. It is published over the length in meters; here it is one of $\lambda = L/L_0$, which is
-the same at the length it was fitted at and scales with the muscle at others. The wall's axial term
-has the published sign: it pulls where the muscle is shorter than at rest, and the fit of $E$ makes
-up for it. The wall keeps its thickness. Where fibers at $\theta$ are nearly straight the wall's
-force is held.
+equal at the fitted length and scales with the muscle at others. The wall's axial term has the
+published sign: it pulls where the muscle is shorter than at rest, and the fit of $E$ makes up for
+it. The wall keeps its thickness. Where fibers at $\theta$ are nearly straight the wall's force is
+constant.
 
 In (S) and (BF) the terms that grow with pressure are counted as the mesh's, the others as the
 bladder's.
@@ -39,8 +39,8 @@ pressure it gives small forces that aren't zero); (BF) from 0 to 620 kPa, some 0
 $\alpha_0$ = 28.6 deg and $t_0$ = 1.8 mm.
 **Source:** Sárosi (2012, 2017); Bolen; Martens and Boblan (2017) and its erratum (2018): constants
 and forms as quoted by the public code of the Agile and Adaptive Robotics laboratory, Portland State
-University (functions f_festo and maxBPAforce for (BF), whose comparison calls the law Bolen's). The
-papers themselves weren't at hand.
+University (functions f_festo and maxBPAforce for (BF), whose comparison calls the law Bolen's), not
+from the papers.
 """
 
 import abc
@@ -81,7 +81,19 @@ class AbstractEmpirical(AbstractTension):
 
 
 _BAR, _PERCENT = 1e5, 1e-2
-_OUTERMOST = 1e6  # of a published value: bounds of a constant of either sign
+_LARGEST_RATIO = 1e6  # of a constant of either sign to its published value
+
+
+def _signed_constant(
+    name: str, symbol: str, dimension: str, ratios: tuple[float, float], value: float,
+    about: str, source: str,
+) -> Constant:  # fmt: skip
+    """Constant of either sign, usual and possible up to `ratios` of its published `value`."""
+    size, (usual, possible) = abs(value), ratios
+    bounds = (-possible * size, -usual * size, usual * size, possible * size)
+    return Constant(name, symbol, dimension, bounds, symmetric_scale(size), value, about, source)
+
+
 # name, symbol, dimension, the paper's unit over SI's, what it is
 _SAROSI = (
     ("exponential_slope", "a", "slip", 1 / _BAR, "of the exponential, with pressure"),
@@ -108,18 +120,13 @@ class AbstractSarosi(AbstractEmpirical):
     @classmethod
     def published_constants(cls) -> list[Constant]:
         """Constants of the law with their published values in SI units."""
-        constants = []
-        for (name, symbol, dimension, unit, about), number in zip(
-            _SAROSI, cls.published, strict=True
-        ):
-            value = number * unit
-            size = abs(value)
-            bounds = (-_OUTERMOST * size, -100 * size, 100 * size, _OUTERMOST * size)
-            scale = symmetric_scale(size)
-            constants.append(
-                Constant(name, symbol, dimension, bounds, scale, value, about, "Sárosi (2012)")
+        return [
+            _signed_constant(name, symbol, dimension, (100, _LARGEST_RATIO), number * unit, about,
+                             "Sárosi (2012)")
+            for (name, symbol, dimension, unit, about), number in zip(
+                _SAROSI, cls.published, strict=True
             )
-        return constants
+        ]  # fmt: skip
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
         """Terms that grow with pressure, and the others [N], equation (S)."""
@@ -140,9 +147,9 @@ class Sarosi(AbstractSarosi):
     name: ClassVar[str] = "sarosi"
     title: ClassVar[str] = "Sárosi, DMSP-20-200"
     source: ClassVar[str] = "Sárosi (2012), 20 mm, 200 mm long"
-    made_for: ClassVar[str] = "a Festo DMSP-20-200N"
-    made_diameter: ClassVar[float | None] = 20e-3
-    made_length: ClassVar[float | None] = 0.2
+    reference_muscle: ClassVar[str] = "a Festo DMSP-20-200N"
+    reference_diameter: ClassVar[float | None] = 20e-3
+    reference_length: ClassVar[float | None] = 0.2
     published: ClassVar[tuple[float, ...]] = (
         -4.00180705, 292.4620246, -0.32930845, -9.33564098, 294.0538256, -280.498151,
     )  # fmt: skip
@@ -154,8 +161,8 @@ class Sarosi10(AbstractSarosi):
     name: ClassVar[str] = "sarosi_10"
     title: ClassVar[str] = "Sárosi, DMSP-10"
     source: ClassVar[str] = "Sárosi (2012), 10 mm"
-    made_for: ClassVar[str] = "a Festo DMSP-10"
-    made_diameter: ClassVar[float | None] = 10e-3
+    reference_muscle: ClassVar[str] = "a Festo DMSP-10"
+    reference_diameter: ClassVar[float | None] = 10e-3
     published: ClassVar[tuple[float, ...]] = (
         -9.2194029, 203.7012413, -0.34221042, -3.2255991, 109.2038216, -208.372034,
     )  # fmt: skip
@@ -167,9 +174,9 @@ class Sarosi20Long(AbstractSarosi):
     name: ClassVar[str] = "sarosi_20_400"
     title: ClassVar[str] = "Sárosi, DMSP-20-400"
     source: ClassVar[str] = "Sárosi (2017), 20 mm, 400 mm long"
-    made_for: ClassVar[str] = "a Festo muscle of 20 mm, 400 mm long"
-    made_diameter: ClassVar[float | None] = 20e-3
-    made_length: ClassVar[float | None] = 0.4
+    reference_muscle: ClassVar[str] = "a Festo muscle of 20 mm, 400 mm long"
+    reference_diameter: ClassVar[float | None] = 20e-3
+    reference_length: ClassVar[float | None] = 0.4
     published: ClassVar[tuple[float, ...]] = (
         -4.35573, 281.2237, -0.32866, -9.27035, 302.20107, -263.69185,
     )  # fmt: skip
@@ -224,21 +231,21 @@ class AbstractBolen(AbstractEmpirical):
 
     def largest_force(self, length: BatchLike) -> Batch:
         """$F_m$ [N] of a muscle of `length` [m]."""
-        over = (length - self.end_length) / self.length_scale
-        return self.force_scale * arctan(where(over > _LEAST, over, _LEAST))
+        ratio = (length - self.end_length) / self.length_scale
+        return self.force_scale * arctan(where(ratio > _LEAST, ratio, _LEAST))
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Terms that grow with pressure, and the others [N], equation (BF)."""
         a0, a1, a3 = self.bladder_share, self.bladder_rate, self.pressure_rate
         F_m, x = self.largest_force(bladder.braid.length), strain / self.largest_strain
-        rising, falling = exp(-a1 * x), exp(-a3 * x**2)
-        share = F_m * pressure / _HIGHEST
+        exponential, bell = exp(-a1 * x), exp(-a3 * x**2)
+        F = F_m * pressure / _HIGHEST
         per_strain = 1 / self.largest_strain
         return Pull(
-            mesh=share * falling,
-            bladder=F_m * a0 * (rising - 1) + 0.0 * pressure,
-            mesh_slope=-2 * a3 * x * share * falling * per_strain,
-            bladder_slope=-a1 * F_m * a0 * rising * per_strain + 0.0 * pressure,
+            mesh=F * bell,
+            bladder=F_m * a0 * (exponential - 1) + 0.0 * pressure,
+            mesh_slope=-2 * a3 * x * F * bell * per_strain,
+            bladder_slope=-a1 * F_m * a0 * exponential * per_strain + 0.0 * pressure,
         )
 
 
@@ -247,8 +254,8 @@ class Bolen(AbstractBolen):
 
     name: ClassVar[str] = "bolen"
     title: ClassVar[str] = "Bolen, 10 mm"
-    made_for: ClassVar[str] = "Festo muscles of 10 mm"
-    made_diameter: ClassVar[float | None] = 10e-3
+    reference_muscle: ClassVar[str] = "Festo muscles of 10 mm"
+    reference_diameter: ClassVar[float | None] = 10e-3
     # largest strains: 0.149 to 0.175 in muscles of 153 to 281 mm (Hunt et al. 2017, in that code)
     published: ClassVar[tuple[float, ...]] = (
         0.5682, 4.254, 0.5597, 0.17, 0.4895, 1 / 0.03068, 7.5e-3,
@@ -260,23 +267,23 @@ class Bolen20(AbstractBolen):
 
     name: ClassVar[str] = "bolen_20"
     title: ClassVar[str] = "Bolen, 20 mm"
-    made_for: ClassVar[str] = "Festo muscles of 20 mm"
-    made_diameter: ClassVar[float | None] = 20e-3
+    reference_muscle: ClassVar[str] = "Festo muscles of 20 mm"
+    reference_diameter: ClassVar[float | None] = 20e-3
     # the largest strain is a quarter, as that code takes it
     published: ClassVar[tuple[float, ...]] = (
         0.2579, 6.477, 1.321, 0.25, 1.4877, 1 / 0.0248, 7.5e-3,
     )  # fmt: skip
 
 
-_STRAIGHT = 0.02  # of ρ²: below it fibers are so nearly straight that the wall is held
+_STRAIGHT = 0.02  # of ρ²: below it fibers are nearly straight, and the wall's force is constant
 
 
 class AbstractMartens(AbstractEmpirical):
     """An ideal mesh and a wall whose modulus follows its length, equation (MB): $e_0$ to $e_3$
-    [Pa/m^k] published for a muscle of `made_length` [m], and $\\delta$ [rad].
+    [Pa/m^k] published for a muscle of `reference_length` [m], and $\\delta$ [rad].
     """
 
-    made_length: ClassVar[float | None]
+    reference_length: ClassVar[float | None]
 
     modulus_0: ClassVar[Batch]
     modulus_1: ClassVar[Batch]
@@ -288,16 +295,13 @@ class AbstractMartens(AbstractEmpirical):
     def published_constants(cls) -> list[Constant]:
         """Constants of the law with their published values in SI units."""
         *moduli, angle = cls.published
-        source, constants = "Martens and Boblan (2017)", []
-        for power, number in enumerate(moduli):
-            value = number * (cls.made_length or 1.0) ** power
-            size = abs(value)
-            constants.append(Constant(
-                f"modulus_{power}", f"e_{power}", "pressure",
-                (-1e3 * size, -10 * size, 10 * size, 1e3 * size), symmetric_scale(size), value,
-                f"of the wall's modulus, times $\\lambda^{power}$", source,
-            ))  # fmt: skip
-        return [*constants, Constant(
+        source, length = "Martens and Boblan (2017)", cls.reference_length or 1.0
+        return [*(
+            _signed_constant(f"modulus_{power}", f"e_{power}", "pressure", (10, 1e3),
+                             number * length**power,
+                             f"of the wall's modulus, times $\\lambda^{power}$", source)
+            for power, number in enumerate(moduli)
+        ), Constant(
             "angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
             symmetric_scale(0.05), angle, "added to the braid angle", source,
         )]  # fmt: skip
@@ -320,7 +324,7 @@ class AbstractMartens(AbstractEmpirical):
         """$E$ times the bracket of (MB) [Pa], and its slope in $\\lambda$ [Pa]."""
         e0, e1, e2, e3 = self.modulus_0, self.modulus_1, self.modulus_2, self.modulus_3
         longest = sqrt(1 + (1 - _STRAIGHT) / cot2)
-        held = longest < lam
+        straight = longest < lam
         lam = minimum(lam, longest)
         E = e0 + lam * (e1 + lam * (e2 + lam * e3))
         E_slope = e1 + lam * (2 * e2 + lam * 3 * e3)
@@ -330,7 +334,7 @@ class AbstractMartens(AbstractEmpirical):
         slope = rho + (lam - 1) * rho_slope + cot2 * (
             rho_slope / rho**2 * lam**2 + 2 * lam * (1 - 1 / rho)
         )  # fmt: skip
-        return E * bracket, where(held, 0.0, E_slope * bracket + E * slope)
+        return E * bracket, where(straight, 0.0, E_slope * bracket + E * slope)
 
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """The first root of $T = C_1$ [-], at most the strain at which the mesh lets go."""
@@ -346,9 +350,9 @@ class Martens2017(AbstractMartens):
     name: ClassVar[str] = "martens2017"
     title: ClassVar[str] = "Martens-Boblan, DMSP-10-250"
     source: ClassVar[str] = "Martens and Boblan (2017), DMSP-10-250"
-    made_for: ClassVar[str] = "a Festo DMSP-10-250"
-    made_diameter: ClassVar[float | None] = 10e-3
-    made_length: ClassVar[float | None] = 0.25
+    reference_muscle: ClassVar[str] = "a Festo DMSP-10-250"
+    reference_diameter: ClassVar[float | None] = 10e-3
+    reference_length: ClassVar[float | None] = 0.25
     published: ClassVar[tuple[float, ...]] = (7.4085e07, -6.892e08, 1.837e09, -8.4879e08, -0.1)
 
 
@@ -358,7 +362,7 @@ class Martens201720(AbstractMartens):
     name: ClassVar[str] = "martens2017_20"
     title: ClassVar[str] = "Martens-Boblan, DMSP-20-300"
     source: ClassVar[str] = "Martens and Boblan (2017), DMSP-20-300"
-    made_for: ClassVar[str] = "a Festo DMSP-20-300"
-    made_diameter: ClassVar[float | None] = 20e-3
-    made_length: ClassVar[float | None] = 0.3
+    reference_muscle: ClassVar[str] = "a Festo DMSP-20-300"
+    reference_diameter: ClassVar[float | None] = 20e-3
+    reference_length: ClassVar[float | None] = 0.3
     published: ClassVar[tuple[float, ...]] = (9.3232e07, -7.1529e08, 1.5483e09, -5.0295e08, -0.073)

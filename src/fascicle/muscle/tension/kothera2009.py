@@ -56,25 +56,24 @@ class Kothera2009(AbstractTension):
         """Pressure and wall force [N], the first and the other terms of equation (K)."""
         braid, E, A = bladder.braid, bladder.material.youngs_modulus, bladder.area
         lam, r0, cot2, square = 1 - strain, braid.radius, braid.cot2, braid.swell(strain)
-        swelling = 2 * lam * cot2  # of the square, in strain
-        inside = lam * square
-        bore, narrowing = _bore(A / (np.pi * r0**2), inside, lam * swelling - square)
-        braid_area, loss = 2 * np.pi * r0**2 * cot2 * lam**2, -4 * np.pi * r0**2 * cot2 * lam
+        square_slope = 2 * lam * cot2  # in strain
+        bore, bore_slope = _bore(A / (np.pi * r0**2), lam * square, lam * square_slope - square)
+        area, area_slope = 2 * np.pi * r0**2 * cot2 * lam**2, -4 * np.pi * r0**2 * cot2 * lam
         stretch = sqrt(square)
-        hoop, opening = stretch - 1, swelling / (2 * stretch)
-        wall = E * A * (lam - 1) / lam - braid_area * (1 - bore) * E * hoop
+        hoop, hoop_slope = stretch - 1, square_slope / (2 * stretch)
+        wall = E * A * (lam - 1) / lam - area * (1 - bore) * E * hoop
         wall_slope = -E * A / lam**2 - E * (
-            loss * (1 - bore) * hoop - braid_area * narrowing * hoop
-            + braid_area * (1 - bore) * opening
+            area_slope * (1 - bore) * hoop - area * bore_slope * hoop
+            + area * (1 - bore) * hoop_slope
         )  # fmt: skip
         if self.conservative:
             mesh, mesh_slope = braid.mesh(pressure, strain)
             return Pull(mesh, wall, mesh_slope, wall_slope)
-        held = np.pi * r0**2
-        mesh = pressure * (braid_area * bore - held * square * bore**2)
+        section = np.pi * r0**2
+        mesh = pressure * (area * bore - section * square * bore**2)
         mesh_slope = pressure * (
-            loss * bore + braid_area * narrowing
-            - held * (swelling * bore**2 + 2 * square * bore * narrowing)
+            area_slope * bore + area * bore_slope
+            - section * (square_slope * bore**2 + 2 * square * bore * bore_slope)
         )  # fmt: skip
         return Pull(mesh, wall, mesh_slope, wall_slope)
 
@@ -87,7 +86,7 @@ def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:
     """$r_i/r$ [-] for a wall of `wall` and a braid of `inside`, both over $\\pi r_0^2 L_0$ [-],
     and its slope, where the braid's is `slope` [-].
     """
-    share = 1 - wall / inside
-    some = share > 0
-    bore = where(some, sqrt(guarded(some, share)), 0.0)
-    return bore, where(some, wall * slope / (2 * inside**2 * guarded(some, bore)), 0.0)
+    fraction = 1 - wall / inside
+    is_open = fraction > 0
+    bore = where(is_open, sqrt(guarded(is_open, fraction)), 0.0)
+    return bore, where(is_open, wall * slope / (2 * inside**2 * guarded(is_open, bore)), 0.0)

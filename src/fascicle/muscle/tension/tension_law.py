@@ -7,7 +7,7 @@ $$T(P, \varepsilon) = F_{mesh}(P, \varepsilon) + F_{bladder}(\varepsilon), \tag{
 
 and finds the strain at which it vanishes, also where an offset force $C_1(P)$ is taken off, as
 the tuning of section 5 does: $T(P, \varepsilon_f) = C_1(P)$. Past the free strain $T$ goes on as
-compression: buckling laws say what of it is real.
+compression, of which buckling laws tell what is real.
 
 The default law has both, so that its free strain, the root of $T$, rises with pressure from zero;
 of braids below some 11.5 deg it may fall again. The simplest law is the mesh alone,
@@ -66,23 +66,23 @@ class AbstractTension(AbstractLaw):
     """A tensile force in two components, and the strain at which it vanishes.
 
     `conservative`: whether the mesh works as much as the pressure does, $P \\mathrm{d}V$.
-    `linear_in_pressure`: whether all of it is, so that it pulls most at an end of any range.
-    `stretches`: whether its braid does, so that it says what a braid at `rest` takes up.
-    `free`: what a fit of it moves where nobody says what: its constants, the rubber's, or sizes.
-    `made_for`: the one muscle that its constants are published for; empty for a law of any muscle.
-    `made_diameter` and `made_length`: that muscle's nominal ones [m], where the source says them.
+    `linear_in_pressure`: whether the force is, so that it is largest at an end of any range.
+    `stretches`: whether its braid does, so that a braid at rest takes up co-energy.
+    `free`: default parameters of a fit: its constants, the rubber's, or sizes.
+    `reference_muscle`: the one muscle of its published constants; empty for a law of any muscle.
+    `reference_diameter` and `reference_length`: nominal ones of that muscle [m], if published.
     """
 
     conservative: ClassVar[bool]
     linear_in_pressure: ClassVar[bool] = False
     stretches: ClassVar[bool] = False
     free: ClassVar[tuple[str, ...]] = ()
-    made_for: ClassVar[str] = ""
-    made_diameter: ClassVar[float | None] = None
-    made_length: ClassVar[float | None] = None
+    reference_muscle: ClassVar[str] = ""
+    reference_diameter: ClassVar[float | None] = None
+    reference_length: ClassVar[float | None] = None
 
     @classmethod
-    def usually_free(cls) -> tuple[str, ...]:
+    def fit_parameters(cls) -> tuple[str, ...]:
         """Names of the parameters that a fit of it moves by default."""
         constants = (c.name for c in cls.constants() if c.transform is not None)
         return cls.free or (*constants, *SIZES)
@@ -95,25 +95,22 @@ class AbstractTension(AbstractLaw):
     def free_strain(self, bladder: Bladder, pressure: BatchLike, offset: Offset) -> Batch:
         """Strain [-] at which the force equals `offset` of the pressure, $C_1(P)$ [N]."""
 
-    def rest(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
+    def rest_coenergy(self, bladder: Bladder, pressure: BatchLike) -> tuple[Batch, Batch]:
         """Co-energy [J] that a braid at rest length takes up at `pressure` [Pa] beyond $P V(0)$,
-        and the volume [m³] by which it swells: none, but where it `stretches`.
+        and the volume [m³] by which it swells: zero unless it `stretches`.
         """
-        none = 0.0 * pressure * bladder.braid.length
-        return none, none
+        zero = 0.0 * pressure * bladder.braid.length
+        return zero, zero
 
     def highest_pressure(self, bladder: Bladder) -> Batch:
-        """Pressure [Pa] up to which it says something of a muscle with that `bladder`: the
-        domain's end, but where it `stretches`.
-        """
+        """Pressure [Pa] up to which it is valid for a muscle with that `bladder`."""
         return HIGHEST_PRESSURE + 0.0 * bladder.braid.length
 
     def components(
         self, bladder: Bladder, pressure: BatchLike, strain: BatchLike
     ) -> tuple[Batch, Batch]:
         """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-]. Elementwise."""
-        pull = self.pull(bladder, pressure, strain)
-        return pull.mesh, pull.bladder
+        return self.pull(bladder, pressure, strain)[:2]
 
 
 class KluteHannaford(AbstractTension):
@@ -155,23 +152,14 @@ class Ideal(AbstractTension):
         """The strain [-] where the mesh holds $C_1$ alone; its limit at $P = 0$."""
         cot2, r0 = bladder.braid.cot2, bladder.braid.radius
         P = where(pressure > _LEAST_PRESSURE, pressure, _LEAST_PRESSURE)
-        held = 1 + cot2 + offset(P) / (np.pi * r0**2 * P)
-        return 1 - sqrt(held / (3 * cot2))
+        return 1 - sqrt((1 + cot2 + offset(P) / (np.pi * r0**2 * P)) / (3 * cot2))
 
 
 def solved_free_strain(
     law: AbstractTension, bladder: Bladder, pressure: BatchLike, offset: Offset
 ) -> Batch:
-    """The first root of $F_{mesh} + F_{bladder} = C_1$ [-], for a `law` with a bladder.
-
-    **Arguments:**
-
-    - `law`: positive below the root.
-    - `bladder`: inside its braid.
-    - `pressure`: gauge pressure $P$ [Pa].
-    - `offset`: $C_1$ [N] of the pressure.
-
-    **Returns:** $\\varepsilon_f$ [-]; 0 at $P = 0$.
+    """First root $\\varepsilon_f$ [-] of $F_{mesh} + F_{bladder} = C_1$ at `pressure` [Pa], for a
+    `law` that pulls below it; `offset`: $C_1$ [N] of the pressure.
     """
     theta = (law, bladder, pressure, offset(pressure))
     # the fibers would be straight at twice `low`; at `high` the mesh pushes hard
