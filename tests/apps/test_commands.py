@@ -360,7 +360,7 @@ def test_recruit(fascicle, answer):
     assert_allclose(force, 40.0, atol=1e-9)
     code, out, err = fascicle(*line, "-f", "40N,9kN", "--out", "x.csv")
     assert code == 3 and err.startswith("1 of 2 demands") and err.count("\n") == 1
-    for part in ("demand N", "P2 kPa", "other solutions", "9000 N at a strain of 0.12",
+    for part in ("demand [N]", "P2 [kPa]", "other solutions", "9000 N at a strain of 0.12",
                  "wrote x.csv"):  # fmt: skip
         assert part in out
     assert "nan" not in out

@@ -71,7 +71,7 @@ LINES = [
     ("simulate lift_gas --policy orderly", "--policy needs a scenario with [control]"),
     ("simulate lift_gas --no-compensate", "--compensate needs a scenario with [control]"),
     ("simulate ramp_hand_over --policy handover", "did you mean 'hand_over'?"),
-    ("simulate ramp_hand_over --policy batch --compare", "leave out --policy"),
+    ("simulate ramp_hand_over --policy batch --compare", "drop --policy"),
     ("design t.toml --checkpoint x", "--generations"),
     ("sweep t.toml --workers 1 --scheduler tcp://x", "--scheduler and --workers"),
     # options that were given twice
@@ -112,7 +112,7 @@ LINES = [
     (f"force {SIX} --plot x.jpg", ".png, .svg"),
     ("simulate lift_gas --report a.pdf", ".html"),
     ("reproduce kim2021 --out d.csv", "it is no folder"),
-    ("reproduce kim2021 --out d.csv/out", "can't be made"),
+    ("reproduce kim2021 --out d.csv/out", "can't be created"),
     ("init folder.nc", "it is a folder"),
     (f"export {SIX}", "--c or --table"),
     (f"export {SIX} --table code --precision half", "double, float"),

@@ -24,7 +24,7 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
         "simulate", "a.toml", "-o", "a.nc", "--plot", "a.png", "--report", "a.html"
     )
     assert (code, err) == (0, "")
-    for part in ("0.04 s in 40 steps of 1 ms", "position mm", "P2 kPa", "supply kPa",
+    for part in ("0.04 s in 40 steps of 1 ms", "position [mm]", "P2 [kPa]", "supply [kPa]",
                  "of the muscles", "residual", "closes", "wrote a.nc", "a.html"):  # fmt: skip
         assert part in out
     data = read(tmp_path / "a.nc")
@@ -127,7 +127,7 @@ def test_a_fit_is_run_but_not_trusted(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(re.sub("conductance = .*", "", fit))
     code, out, err = fascicle("simulate", "a.toml", "--report", "a.html")
     assert code == 1 and "Polytropic is a fit that keeps no balance" in err
-    assert "position mm" in out and "Balances" not in out
+    assert "position [mm]" in out and "Balances" not in out
     assert "This run can't be trusted." in (tmp_path / "a.html").read_text()
 
 

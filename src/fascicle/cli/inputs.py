@@ -3,6 +3,7 @@
 import difflib
 import itertools
 import logging
+import math
 import os
 import sys
 import warnings
@@ -32,17 +33,17 @@ def load_laws() -> None:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA's own log, on standard error
     for name in ("jax", "matplotlib"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not what jaxtyping calls
+    warnings.filterwarnings("ignore", module=r"jax(lib)?(\.|$)")  # not modules such as jaxtyping
     call_on_import("jax", _configure_jax)
     with status("loading the laws"):
         from ..core.validation import disable_pressure_unit_warning
         from ..files import muscle_files  # noqa: F401 and with it all laws
-    disable_pressure_unit_warning()  # options and files have their units
+    disable_pressure_unit_warning()  # options and files have units
 
 
 def _configure_jax(jax: Any) -> None:
     if not os.environ.get("JAX_PLATFORMS"):
-        jax.config.update("jax_platforms", "cpu")  # always there; others take time to start
+        jax.config.update("jax_platforms", "cpu")  # always present; others take time to start
     if (folder := cache_folder()) is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
         # below this, reading the file costs as much as compiling
@@ -50,7 +51,7 @@ def _configure_jax(jax: Any) -> None:
 
 
 def cache_folder() -> Path | None:
-    """Folder of compiled functions, or `None` where nothing can be written."""
+    """Folder of compiled functions; `None` if it can't be written."""
     if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
         return None
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
@@ -65,52 +66,63 @@ def cache_folder() -> Path | None:
 
 def read_target(target: str) -> Any:
     """Read a `Muscle` or `Bundle` by path or example's name; a file of that name comes first."""
-    if not _is_file(target) and is_scenario(target):
-        raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    from ..files import examples
+    from ..files import example, examples, scenarios
 
-    return _read(target, list(examples()))
+    if not is_path(target) and target in scenarios():
+        raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
+    _check_name(target, list(examples()))
+    load_laws()
+    from ..files.muscle_files import load_muscle  # `files.load` reads scenarios, too: needs JAX
+
+    with user_errors():
+        return load_muscle(target) if is_path(target) else example(target)
 
 
 def read_scenario(target: str) -> Any:
     """Read a `Scenario` by path or name; a file of that name comes first."""
-    from ..files import scenarios
+    from ..files import example, scenarios
 
-    return _read(target, list(scenarios()), scenario=True)
-
-
-def _read(target: str, names: list[str], scenario: bool = False) -> Any:
-    if not _is_file(target) and target not in names:
-        near = difflib.get_close_matches(target, names, n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(names)}."
-        shown = target if target.isprintable() and len(target) < 200 else repr(target)[:100]
-        raise UserError(f"{shown}: no such file, nor an example: {hint}")
+    _check_name(target, list(scenarios()))
     load_laws()
-    from .. import files
-    from ..files.muscle_files import load_muscle
+    from ..files import load_scenario  # imports JAX, whose settings come first
 
     with user_errors():
-        if not _is_file(target):
-            return files.example(target)
-        if scenario:
-            return files.load_scenario(target)
-        return load_muscle(target)  # `files.load` reads scenarios, too, and needs JAX
+        return load_scenario(target) if is_path(target) else example(target)
+
+
+def _check_name(target: str, names: list[str]) -> None:
+    """Refuse a target that is neither a path nor one of the `names`."""
+    if is_path(target) or target in names:
+        return
+    matches = difflib.get_close_matches(target, names, n=1, cutoff=0.5)  # half of the letters
+    hint = f"did you mean {matches[0]}?" if matches else f"choose one of {', '.join(names)}."
+    label = target if target.isprintable() and len(target) < 200 else repr(target)[:100]
+    raise UserError(f"{label}: no such file, nor an example: {hint}")
 
 
 def is_scenario(target: str) -> bool:
-    """Check whether a path or a name leads to a scenario."""
+    """True for the path or name of a scenario."""
     from ..files import scenarios
-
-    if not _is_file(target):
-        return target in scenarios()
     from ..files.muscle_files import parse_file, read_text
 
+    if not is_path(target):
+        return target in scenarios()
     with user_errors():
         return "load" in parse_file(read_text(Path(target)), target)
 
 
+def is_path(target: str) -> bool:
+    """True for a file, and for a text that looks like the path of a missing one."""
+    if "/" in target or "\\" in target or target.endswith(".toml"):
+        return True
+    try:
+        return Path(target).exists()
+    except (OSError, ValueError):  # too long for a name, or a NUL in it
+        return False
+
+
 def read_muscle(target: str, remedy: str) -> "Muscle":
-    """Read a muscle; `remedy`: what to do with a bundle, in words."""
+    """Read a muscle; `remedy`: advice for a bundle."""
     muscle = read_target(target)
     if is_bundle(muscle):
         raise UserError(f"{target}: a bundle, not a muscle: {remedy}.")
@@ -119,9 +131,9 @@ def read_muscle(target: str, remedy: str) -> "Muscle":
 
 def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
     """Read a bundle, or a muscle as a bundle of one; `supply`: [Pa], `None` for the bundle's."""
-    target_object = read_target(target)
-    if is_bundle(target_object):
-        return target_object
+    muscle_or_bundle = read_target(target)
+    if is_bundle(muscle_or_bundle):
+        return muscle_or_bundle
     if supply is None:
         raise UserError(
             "--supply is required: a single muscle has no supply pressure; give one, such as"
@@ -129,14 +141,14 @@ def read_bundle(target: str, supply: float | None = 0.0) -> "Bundle":
         )
     from ..bundle import Bundle, MotorUnit
 
-    return Bundle([MotorUnit(target_object)])
+    return Bundle([MotorUnit(muscle_or_bundle)])
 
 
-def is_bundle(target_object: Any) -> bool:
-    """Check whether an object that was read is a bundle."""
+def is_bundle(target: Any) -> bool:
+    """True for a bundle, false for a muscle."""
     from ..bundle import Bundle
 
-    return isinstance(target_object, Bundle)
+    return isinstance(target, Bundle)
 
 
 def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
@@ -171,34 +183,27 @@ def read_list(text: str, dimension: str, option: str) -> list[float]:
         return parse_list(text, dimension, option)
 
 
-def read_one(text: str, dimension: str, option: str) -> float:
+def read_quantity(text: str, dimension: str, option: str) -> float:
     """Read an option's quantity, in the SI unit of its dimension."""
     with user_errors():
         return parse(text, dimension, option)
 
 
-def check_grid(*sizes: int) -> None:
-    """Refuse a table of more than `MAX_GRID` points; `sizes`: of its sides."""
-    total = 1
-    for size in sizes:
-        total *= size
-    if total > MAX_GRID:
-        raise UserError(
-            f"{' x '.join(map(str, sizes))} points are more than {MAX_GRID}: take fewer."
-        )
+def read_supply(text: str | None) -> float | None:
+    """Read the supply pressure [Pa], if there is one."""
+    return None if text is None else read_quantity(text, "pressure", "--supply")
 
 
-def check_rising(strains: list[float] | None) -> None:
-    """Refuse a list of strains that does not rise."""
+def read_rising_strains(text: str | None) -> list[float] | None:
+    """Read contractions [-] that rise from each to the next, if there are any."""
+    strains = None if text is None else read_list(text, "strain", "--strain")
     if strains is not None and any(b <= a for a, b in itertools.pairwise(strains)):
         raise UserError("--strain must rise from each value to the next: sort its values.")
+    return strains
 
 
-def _is_file(target: str) -> bool:
-    """Check whether a target is a file, or looks like the path of one that is missing."""
-    if "/" in target or "\\" in target or target.endswith(".toml"):
-        return True
-    try:
-        return Path(target).exists()
-    except (OSError, ValueError):  # too long for a name, or a NUL in it
-        return False
+def check_grid(*sizes: int) -> None:
+    """Refuse a table with more than `MAX_GRID` points."""
+    if math.prod(sizes) > MAX_GRID:
+        points = " x ".join(map(str, sizes))
+        raise UserError(f"{points} points are more than {MAX_GRID}: take fewer.")

@@ -18,9 +18,14 @@ from .errors import UserError
 from .outputs import check_file, write_text
 
 
-_FOLDERS = ("FOLDER", "DIR")  # values of options in the help, by which outputs are recognized
+_FOLDERS = ("FOLDER", "DIR")  # metavars of outputs, which are recognized by them
 OUTPUTS = ("PATH", *_FOLDERS)
-_PRINTED = {"--json": ".json", "--csv": ".csv"}  # options, and how their files' names end
+_PRINTED = {"--json": ".json", "--csv": ".csv"}  # options with an optional file, and its suffix
+# arguments of the library, and the parameters of commands that set them
+_PARAMETERS = {
+    "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
+    "strains": "strain", "forces": "force", "names": "fit", "units": "unit", "columns": "column",
+}  # fmt: skip
 
 
 def option(text: str, names: str = "", *, default: Any = None, **settings: Any) -> Any:
@@ -30,11 +35,11 @@ def option(text: str, names: str = "", *, default: Any = None, **settings: Any) 
 
     - `text`: its help.
     - `names`: its spellings; default: made of the parameter's name.
-    - `default`: shown in the help, unless it is `None`; an ellipsis where it is required.
-    - `settings`: others of `typer.Option`.
+    - `default`: shown in the help, unless it is `None`; an ellipsis if it is required.
+    - `settings`: further ones of `typer.Option`.
     """
-    shown = default not in (None, ...)
-    return typer.Option(default, *names.split(), help=text, show_default=shown, **settings)
+    show = default not in (None, ...)
+    return typer.Option(default, *names.split(), help=text, show_default=show, **settings)
 
 
 def flag(text: str, names: str) -> Any:
@@ -71,8 +76,7 @@ PRESSURE = option(
     default=DEFAULT_PRESSURE,
 )
 PRESSURES = option(
-    "Gauge pressures; of a bundle one for each motor unit, 344.7kPa,0kPa, or a range for a unit,"
-    " 344.7kPa,0kPa:344.7kPa:34.47kPa. Repeat for further states.",
+    "Gauge pressures, for a bundle one or a range for each motor unit: 344.7kPa,0kPa; repeatable.",
     "--pressure -p",
     metavar="LIST",
 )
@@ -85,7 +89,7 @@ STRAIN = option(
 SPACE_STRAIN = option(
     "Contractions, rising; default: up to the largest free strain.", "--strain -s", metavar="LIST"
 )
-NO_RESISTANCE = flag("No resisting force of muscles past their free strain.", "--no-resistance")
+NO_RESISTANCE = flag("Muscles without resisting force past their free strain.", "--no-resistance")
 SUPPLY = option("Supply pressure; default: the bundle's.", "--supply", metavar="PRESSURE")
 SCHEME = option(
     f"Recruitment scheme: {format_names()}; default: the bundle's.",
@@ -99,12 +103,14 @@ OUT = option("Result file: .nc, .zarr, .csv or .json.", "--out -o", metavar="PAT
 PLOT = option("Picture file: .png or .svg.", "--plot", metavar="PATH")
 _OVERWRITE = "Overwrite existing files, including files not created by fascicle."
 OVERWRITE = flag(_OVERWRITE, "--overwrite --force")
-OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # beside --force, the demand
+OVERWRITE_ONLY = flag(_OVERWRITE, "--overwrite")  # of commands whose --force is a list of forces
 
 
 class Command(TyperCommand):
-    """A command that refuses options that were given twice and outputs that collide, writes what
-    it prints to a file that `--json FILE` or `--csv FILE` names, and speaks of options as typed.
+    """A command with checked outputs.
+
+    It refuses repeated options and outputs that collide, writes the file of `--json FILE` or
+    `--csv FILE`, and names options in the library's messages.
     """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -116,38 +122,38 @@ class Command(TyperCommand):
         for parameter, count in Counter[Any](order).items():
             single = parameter.param_type_name == "option" and not parameter.is_flag
             if count > 1 and single and not parameter.multiple:
-                remedy = "give it once"
+                name, remedy = _name(parameter), "give it once"
                 if parameter.metavar == "LIST":
-                    remedy = f"pass one comma-separated list: {_name(parameter)} VALUE,VALUE"
+                    remedy = f"pass one comma-separated list: {name} VALUE,VALUE"
                 times = "twice" if count == 2 else f"{count} times"
-                raise UserError(f"{_name(parameter)} was given {times}: {remedy}.")
-        rest = super().parse_args(ctx, args)
+                raise UserError(f"{name} was given {times}: {remedy}.")
+        extra = super().parse_args(ctx, args)
         ctx.meta["redirects"] = redirects
         self._check_outputs(ctx, redirects)
-        return rest
+        return extra
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; its output goes to a file, whole or not at all, where one is named."""
+        """Run the command, and write the file of its output, whole or not at all."""
         overwrite = bool(ctx.params.get("overwrite"))
         redirects = ctx.meta.get("redirects", {})
         for name, path in redirects.items():
             check_file(name, path, overwrite)
-        printed = io.StringIO()
+        text = io.StringIO()
         try:
-            with contextlib.redirect_stdout(printed) if redirects else contextlib.nullcontext():
+            with contextlib.redirect_stdout(text) if redirects else contextlib.nullcontext():
                 code = super().invoke(ctx)
-        except typer.Exit as end:
-            code = end.exit_code
+        except typer.Exit as error:
+            code = error.exit_code
         except UserError as error:
-            error.args = (self._in_options(error),)
+            error.args = (self._with_option_names(error),)
             raise
         for name, path in redirects.items():
-            write_text(name, path, overwrite, printed.getvalue())
+            write_text(name, path, overwrite, text.getvalue())
         return code
 
     def _check_outputs(self, ctx: Any, redirects: Mapping[str, str]) -> None:
-        """Refuse outputs that share a path, and those at the path of an input."""
-        outputs, folders, inputs = dict(redirects), [], []
+        """Refuse outputs that share a path, and a file in the folder of another output."""
+        outputs, folders = dict(redirects), []
         for parameter in self.get_params(ctx):
             value = ctx.params.get(parameter.name)
             if isinstance(value, str) and parameter.metavar in OUTPUTS:
@@ -155,49 +161,33 @@ class Command(TyperCommand):
                 is_folder = parameter.metavar in _FOLDERS and self.name != "export"
                 if is_folder or value.endswith(".zarr"):
                     folders.append(_name(parameter))
-            elif isinstance(value, str | list):
-                inputs += [value] if isinstance(value, str) else map(str, value)
-        paths = {name: _resolved(path) for name, path in outputs.items()}
-        for (one, path), (other, other_path) in itertools.combinations(paths.items(), 2):
-            if path is not None and path == other_path:
+        paths = {}
+        for name, text in outputs.items():
+            with contextlib.suppress(OSError, RuntimeError, ValueError):  # no path, such as a NUL
+                paths[name] = Path(text).resolve()
+        for first, second in itertools.permutations(paths, 2):
+            if paths[first] == paths[second]:
                 raise UserError(
-                    f"{one} and {other}: both would write {outputs[one]}: name two paths."
+                    f"{first} and {second}: both would write {outputs[first]}: name two paths."
                 )
-        for folder, (name, path) in itertools.product(folders, paths.items()):
-            if path is not None and paths[folder] in path.parents:
+            if first in folders and paths[first] in paths[second].parents:
                 raise UserError(
-                    f"{name} {outputs[name]}: lies in the folder of {folder}, which holds only its"
-                    " own files: name another path."
-                )
-        if ctx.params.get("overwrite"):
-            return
-        read = {_resolved(text) for text in inputs} - {None}
-        for name, path in paths.items():
-            if path in read:
-                hint = ", or overwrite it with --overwrite" if "overwrite" in ctx.params else ""
-                raise UserError(
-                    f"{name} {outputs[name]}: is read by this command: name another file{hint}."
+                    f"{second} {outputs[second]}: lies in the folder of {first}, which holds only"
+                    " its own files: name another path."
                 )
 
-    def _in_options(self, error: UserError) -> str:
+    def _with_option_names(self, error: UserError) -> str:
         """Message of an error with option names in place of Python's arguments."""
         text, cause = str(error), error.__cause__
         if not isinstance(cause, InvalidInputError):
             return text
         names = {p.name: _name(p) for p in self.params if p.param_type_name == "option"}
-        names |= {argument: names[p] for argument, p in _ARGUMENTS.items() if p in names}
+        names |= {argument: names[p] for argument, p in _PARAMETERS.items() if p in names}
         if cause.argument == "supply_pressure" and cause.value is None and "supply" in names:
             return f"--supply is required: {cause.remedy}; give one, such as --supply 400kPa."
-        # a remedy in Python's words and the command line's: these alone
+        # of a remedy in Python and in options, such as `path="isotonic" (--path isotonic)`
         text = re.sub(r"\w+=\S+ \((--[^)]+)\)", r"\1", text)
         return re.sub(r"`(\w+)`", lambda match: names.get(match[1], match[0]), text)
-
-
-# arguments of the library, and parameters of commands that fill them
-_ARGUMENTS = {
-    "supply_pressure": "supply", "pressures": "pressure", "states": "pressure",
-    "strains": "strain", "forces": "force", "names": "fit", "units": "unit", "columns": "column",
-}  # fmt: skip
 
 
 def _name(parameter: Any) -> str:
@@ -208,35 +198,25 @@ def _name(parameter: Any) -> str:
 def _split_redirects(args: list[str]) -> tuple[list[str], dict[str, str]]:
     """Split off the files of `--json FILE.json`, `--json=FILE` and the like for CSV.
 
-    A word after the option is its file where it ends as the option's files do; any other is an
-    argument of its own. `-` is standard output.
+    The argument after the option is its file if it has the option's suffix. `-` is standard output.
     """
-    rest: list[str] = []
+    arguments: list[str] = []
     redirects: dict[str, str] = {}
-    words = list(args)
-    while words:
-        word = words.pop(0)
-        name, equals, path = word.partition("=")
+    queue = list(args)
+    while queue:
+        name, equals, path = queue[0].partition("=")
         if name not in _PRINTED:
-            rest.append(word)
+            arguments.append(queue.pop(0))
             continue
-        rest.append(name)
-        if not equals and words and (words[0] == "-" or _is_file(words[0], _PRINTED[name])):
-            path = words.pop(0)
+        arguments.append(name)
+        del queue[0]
+        if not equals and queue:
+            following = queue[0]
+            has_suffix = Path(following).suffix.lower() == _PRINTED[name]
+            if following == "-" or (has_suffix and not following.startswith("-")):
+                path = queue.pop(0)
         if path not in ("", "-"):
             if name in redirects:
                 raise UserError(f"{name} was given twice: give it once.")
             redirects[name] = path
-    return rest, redirects
-
-
-def _is_file(word: str, suffix: str) -> bool:
-    return Path(word).suffix.lower() == suffix and not word.startswith("-")
-
-
-def _resolved(text: str) -> Path | None:
-    """Path with links followed; `None` for words that are none."""
-    try:
-        return Path(text).resolve()
-    except (OSError, RuntimeError, ValueError):  # too long, a loop of links, a NUL
-        return None
+    return arguments, redirects

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..io import atomic
 from ..io.sanitize import escape_invisible, sanitize_line
 from .errors import UserError, user_errors
 
@@ -16,13 +17,12 @@ if TYPE_CHECKING:
     from ..results.labelled import Variable
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
-_PICTURES = (".png", ".svg")
-_MAX_LINE = 2000  # characters of a line that holds words of others
-_FOLDERS = {"design": "designed", "calibrate": "calibrated"}  # begin of a folder's default name
+_MAX_LINE = 2000  # characters of a line with foreign text, such as file names
+_MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
 
 def print_line(line: str, error: bool = False) -> None:
-    """Print a line that holds words of others, such as file names, to standard output or error."""
+    """Print a line with foreign text, such as file names, to standard output or error."""
     print(sanitize_line(line, _MAX_LINE), file=sys.stderr if error else sys.stdout)
 
 
@@ -35,68 +35,60 @@ def print_table(
 ) -> None:
     """Print a table of texts, of one line or several each.
 
-    Columns that do not fit follow below, beside the first `keys` ones again, which name a row.
+    Columns that do not fit follow below, next to the first `keys` columns, which name a row.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    heads = [escape_invisible(head) for head in heads]
     console = Console(file=sys.stdout, highlight=False, markup=False)
-    gap, widths = 3, _widths(heads, rows)
-    if not console.is_terminal and not os.environ.get("COLUMNS"):  # a file has any width
-        console.width = max(console.width, sum(widths) + gap * len(widths) + 2)
-    if sum(widths) + gap * len(widths) > console.width - 2:  # narrow: heads of several lines
-        heads, gap = [head.replace(" ", "\n") for head in heads], 1
-        widths = _widths(heads, rows)
-    for columns in _blocks([width + gap for width in widths], console.width - 1, keys):
-        console.print(Text(sanitize_line(title, _MAX_LINE), style="bold"))
-        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, gap // 2, 0, gap // 2))
+    if not console.is_terminal and not os.environ.get("COLUMNS"):
+        console.width = _MAX_WIDTH
+
+    def table(columns: Sequence[int], narrow: bool) -> Table:
+        grid = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
         for index in columns:
-            table.add_column(Text(heads[index]), justify="right", no_wrap=True)
+            head = escape_invisible(heads[index])
+            head = Text(head.replace(" ", "\n") if narrow else head)
+            grid.add_column(head, justify="right", no_wrap=True)
         for row in rows:
-            lines = ([sanitize_line(line) for line in row[i].split("\n")] for i in columns)
-            table.add_row(*(Text("\n".join(entry)) for entry in lines))
-        console.print(table)
+            cells = ("\n".join(map(sanitize_line, row[index].split("\n"))) for index in columns)
+            grid.add_row(*map(Text, cells))
+        return grid
+
+    def fits(columns: Sequence[int], narrow: bool) -> bool:
+        unlimited = console.options.update(max_width=_MAX_WIDTH)
+        width = console.measure(table(columns, narrow), options=unlimited).maximum
+        return width < console.width
+
+    narrow = not fits(range(len(heads)), False)
+    names, columns = [*range(keys)], [*range(keys, len(heads))]
+    while columns:
+        count = len(columns)
+        while count > 1 and not fits([*names, *columns[:count]], narrow):
+            count -= 1
+        console.print(Text(sanitize_line(title, _MAX_LINE), style="bold"))
+        console.print(table([*names, *columns[:count]], narrow))
+        columns = columns[count:]
     if caption:
         console.print(Text(sanitize_line(caption, _MAX_LINE)))
 
 
-def _widths(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
-    """The longest line of each column."""
-    return [
-        max(len(line) for entry in column for line in entry.split("\n"))
-        for column in zip(heads, *rows, strict=True)
-    ]
-
-
-def _blocks(widths: Sequence[int], room: int, keys: int) -> list[list[int]]:
-    """Columns in groups that fit, each with the first ones, which name the rows."""
-    blocks, used = [[*range(keys)]], sum(widths[:keys])
-    for index, width in enumerate(widths[keys:], start=keys):
-        if used + width > room and len(blocks[-1]) > keys:
-            blocks.append([*range(keys)])
-            used = sum(widths[:keys])
-        blocks[-1].append(index)
-        used += width
-    return blocks
-
-
-def decimals(values: Any) -> int:
+def count_decimals(values: Any) -> int:
     """Decimals that show the largest of `values` to four figures."""
     largest = max((abs(float(x)) for x in values if math.isfinite(x)), default=1.0)
     return min(max(3 - math.floor(math.log10(largest or 1.0)), 0), 9)
 
 
-def number(value: float, places: int) -> str:
-    """Format a value with so many decimals; "-" where there is none."""
+def number(value: float, decimals: int) -> str:
+    """A value with so many decimals; "-" if it is not finite."""
     if not math.isfinite(value):
         return "-"
-    return f"{round(float(value), places) + 0.0:.{places}f}"  # + 0.0: no minus before a zero
+    return f"{round(float(value), decimals) + 0.0:.{decimals}f}"  # + 0.0: no minus before a zero
 
 
-_updates: list[Callable[[str], None]] = []  # of the line that is shown now, if any
+_updates: list[Callable[[str], None]] = []  # function that changes the displayed status, if any
 
 
 @contextlib.contextmanager
@@ -105,7 +97,7 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda _: None
         return
-    if _updates:  # inside another one: one line shows both
+    if _updates:  # inside another status: one line shows both
         _updates[-1](text)
         yield _updates[-1]
         return
@@ -113,9 +105,9 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True, markup=False), transient=True) as bar:
-        task = bar.add_task(sanitize_line(text), total=None)
-        _updates.append(lambda text: bar.update(task, description=sanitize_line(text)))
+    with Progress(*columns, console=Console(stderr=True, markup=False), transient=True) as progress:
+        task = progress.add_task(sanitize_line(text), total=None)
+        _updates.append(lambda text: progress.update(task, description=sanitize_line(text)))
         try:
             yield _updates[-1]
         finally:
@@ -125,26 +117,22 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
 def check_file(
     option: str, path: str | Path, overwrite: bool, suffixes: Sequence[str] = ()
 ) -> None:
-    """Refuse a file that can't be written, before the work begins; `option`: that names it."""
-    from ..io.atomic import check_overwrite, check_writable
-
+    """Refuse a file that can't be written, before the work begins; `option`: its option's name."""
     if suffixes and Path(path).suffix.lower() not in suffixes:
         raise UserError(f"{option} {str(path)!r}: its name must end in {', '.join(suffixes)}.")
     with user_errors(f"{option} ".lstrip()):
-        check_writable(path)
-        check_overwrite(path, overwrite)
+        atomic.check_writable(path)
+        atomic.check_overwrite(path, overwrite)
 
 
 @contextlib.contextmanager
 def write_file(
     option: str, path: str | Path, overwrite: bool, folder: bool = False
 ) -> Iterator[Path]:
-    """Give a draft to write to, and put it at `path` once it is complete."""
-    from ..io.atomic import check_overwrite, replace_whole
-
+    """Give a draft to write to, and move it to `path` once it is complete."""
     with user_errors(f"{option} ".lstrip()):
-        check_overwrite(path, overwrite)
-        with replace_whole(path, folder) as draft:
+        atomic.check_overwrite(path, overwrite)
+        with atomic.replace_whole(path, folder) as draft:
             yield draft
 
 
@@ -154,30 +142,19 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
         draft.write_text(text, encoding="utf-8", newline="\n")
 
 
-def check_folder(folder: str | Path, overwrite: bool) -> None:
-    """Refuse a folder of results that can't be written, before the work begins."""
-    from ..io import atomic
-
-    with user_errors("--out "):
-        atomic.check_folder(folder, overwrite)
-
-
 def write_folder(folder: Path, overwrite: bool, fill: Callable[[Path], object]) -> None:
     """Write a folder of results, once all of the files that `fill` writes are complete."""
-    from ..io import atomic
-
     with user_errors("--out "):
         atomic.write_folder(folder, fill, overwrite)
 
 
-def result_folder(
-    command: str, out: str | None, source: str, as_json: bool, overwrite: bool
-) -> Path | None:
-    """Folder of a command's results, named after its `source`; `None` where none is written."""
+def result_folder(out: str | None, default: str, as_json: bool, overwrite: bool) -> Path | None:
+    """Folder of a command's results, checked; `None` if JSON is printed and no folder is named."""
     if out is None and as_json:
         return None
-    folder = Path(f"{_FOLDERS[command]}-{Path(source).stem}" if out is None else out)
-    check_folder(folder, overwrite)
+    folder = Path(default if out is None else out)
+    with user_errors("--out "):
+        atomic.check_folder(folder, overwrite)
     return folder
 
 
@@ -193,14 +170,13 @@ class Outputs:
         self.as_json, self.as_csv, self.out, self.plot = as_json, as_csv, out, plot
         self.overwrite = overwrite
         if out is not None:
-            from ..io.atomic import check_overwrite
             from ..results.labelled import check_result_path
 
             with user_errors("--out "):
                 check_result_path(out)
-                check_overwrite(out, overwrite)
+                atomic.check_overwrite(out, overwrite)
         if plot is not None:
-            check_file("--plot", plot, overwrite, _PICTURES)
+            check_file("--plot", plot, overwrite, (".png", ".svg"))
 
     def write(
         self,
@@ -211,29 +187,31 @@ class Outputs:
         title: str,
         notes: str = "",
     ) -> None:
-        """Write the files, then print; `table` does so for a reader, `draw` makes the figure."""
+        """Write the files, then print.
+
+        **Arguments:** `table`: prints for a reader; `draw`: returns the figure.
+        """
         from ..results import labelled
 
         with status("writing the result") as update:
             if self.out is not None:
-                about = {"notes": notes} if notes else {}
+                attributes = {"notes": notes} if notes else {}
                 is_folder = Path(self.out).suffix.lower() == ".zarr"
                 with write_file("--out", self.out, self.overwrite, is_folder) as draft:
-                    labelled.write(variables, draft, title=title, source=SOURCE, **about)
+                    labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
             if self.plot is not None and draw is not None:
                 from ..plot import to_bytes
 
                 update("drawing the picture")
                 with user_errors():
-                    picture = draw()
+                    figure = draw()
                 with write_file("--plot", self.plot, self.overwrite) as draft:
-                    draft.write_bytes(to_bytes(picture, draft.suffix.lower()[1:]))
+                    draft.write_bytes(to_bytes(figure, draft.suffix.lower()[1:]))
         if self.as_json:
             print(labelled.to_json(variables))
         elif self.as_csv:
             sys.stdout.write(labelled.to_csv(variables))
         else:
             table()
-            for path in (self.out, self.plot):
-                if path is not None:
-                    print_line(f"wrote {path}")
+            for path in filter(None, (self.out, self.plot)):
+                print_line(f"wrote {path}")

@@ -1,5 +1,5 @@
-"""Muscles, bundles and a controller's step for other programs: C without dependencies, from the
-laws themselves or as a table of them.
+"""Muscles, bundles and controllers for other programs: C without dependencies, from the laws
+themselves or as a table, and units for co-simulation.
 """
 
 from typing import TYPE_CHECKING
@@ -11,21 +11,23 @@ if TYPE_CHECKING:
     from .c_source import c_code as c_code
     from .c_source import write_c as write_c
     from .c_table import table_code as table_code
-    from .c_table import tabulated as tabulated
+    from .c_table import tabulate as tabulate
     from .c_table import write_table as write_table
-    from .controlling import on_table as on_table
+    from .controller import tabulate_controller as tabulate_controller
     from .fmu import write_fmu as write_fmu
 
 
-# a controller's step and tables need JAX, which the law as C does without
+# a controller's step and tables need JAX, the law as C doesn't
 _HOMES = {
     "c_code": "c_source",
-    "on_table": "controlling",
     "table_code": "c_table",
-    "tabulated": "c_table",
+    "tabulate": "c_table",
+    "tabulate_controller": "controller",
     "write_c": "c_source",
     "write_fmu": "fmu",
     "write_table": "c_table",
 }
 
-__getattr__, __dir__ = attach_lazy(__name__, _HOMES)
+__getattr__, __dir__ = attach_lazy(
+    __name__, _HOMES, renamed={"on_table": "tabulate_controller", "tabulated": "tabulate"}
+)

@@ -1,18 +1,21 @@
-"""Header and source file of an export: object, name and folder."""
+"""Header and source file of an export: checks of its object and name, templates, and writing."""
 
+import os
 import re
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.types import Values
 from ..core.validation import is_concrete
 from ..io.atomic import write_text
 from ..muscle import Muscle
 
 
-# a file of such a name would stand in the way of the compiler's own: headers of C23, of POSIX and
-# those that they include in turn; and `fmu.c`, which stands beside it in a unit for co-simulation
+# a file of such a name would hide a header of C23, of POSIX or one that these include; and `fmu.c`
+# is another source of a unit for co-simulation
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign
     stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath
@@ -22,7 +25,7 @@ _HEADERS = """
     syslog tar termios trace ulimit unistd utime utmpx wordexp
     alloca endian features malloc memory values windows fmu
 """
-# of C23 and of C++, from which a header may be included; and names that Windows has for devices
+# of C23 and of C++, which may include a header; and devices of Windows
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
     const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
@@ -37,13 +40,12 @@ _KEYWORDS = """
 _RESERVED = {*_HEADERS.split(), *_KEYWORDS.split()}
 
 
-def checked_name(name: str) -> str:
-    """A `name` [-] as it is [-], refused where C can't have it."""
+def check_name(name: str) -> str:
+    """The name, if C allows it."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", name):
         rule, remedy = "must be a name in C", "up to 31 letters, digits and _, a letter first"
         raise InvalidInputError("name", rule, None, f"{remedy}, got {name[:40]!r}")
-    # some disks don't tell capitals from small letters
-    if name.lower() in _RESERVED:
+    if name.lower() in _RESERVED:  # some file systems ignore case
         rule = "must not be a keyword or a standard header of C"
         raise InvalidInputError(
             "name", rule, None, f"add a word, such as {name}_muscle", shown=name
@@ -51,8 +53,8 @@ def checked_name(name: str) -> str:
     return name
 
 
-def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> Bundle:
-    """A `target` [-] as a bundle [-]; arrays, and what isn't of these `kinds` [-], are refused."""
+def as_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> Bundle:
+    """The target as a bundle, if it is of these `kinds` and holds numbers instead of arrays."""
     if not isinstance(target, Muscle | Bundle):
         raise InvalidInputError("target", f"must be {kinds}", target)
     bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
@@ -63,10 +65,29 @@ def checked_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle")
     return bundle
 
 
-def write_c_files(texts: tuple[str, str], folder: Values, name: str) -> tuple[Path, Path]:
-    """Write the `texts` [-] of header and source as `name` [-] into a `folder` [-], made where it
-    isn't; their paths [-].
-    """
+def length_ratios(bundle: Bundle) -> tuple[float, ...]:
+    """Distance of the plates over the length of each motor unit [-]."""
+    if bundle.ratios is None:
+        return (1.0,) * len(bundle.motor_units)
+    return tuple(float(ratio) for ratio in bundle.ratios)
+
+
+def render_template(file: str, values: Mapping[str, Any]) -> str:
+    """Text of a template of the folder `c`, with `values` in place of their `@names@`."""
+    text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
+    text = re.sub(r"@(\w+)@", lambda match: str(values[match[1]]), text)
+    return text.rstrip("\n") + "\n"
+
+
+def join(values: Iterable[Any], number: Any = repr) -> str:
+    """Initializers of a C array; `number`: formats one of them."""
+    return ", ".join(number(value) for value in values)
+
+
+def write_c_files(
+    texts: tuple[str, str], folder: str | os.PathLike[str], name: str
+) -> tuple[Path, Path]:
+    """Write header and source into a folder, created if it is missing; returns their paths."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     paths = folder / f"{name}.h", folder / f"{name}.c"

@@ -1,23 +1,26 @@
 r"""A muscle or a bundle as C: one header and one source without dependencies, C99.
 
-The laws are evaluated on symbols, and CasADi writes what they come to: the force with its
+The laws are evaluated on symbols, and CasADi writes the resulting expressions: the force with its
 slopes, free strain, onset and collapse strain, all roots included, as straight code of known
-length. No memory is allocated. What is added here are the names, the checks of the domain, the
+length. No memory is allocated. The templates in `c` add the names, the checks of the domain, the
 sum over motor units, and the search for a bundle's free strain between its kinks.
 """
 
+import os
 from pathlib import Path
 from typing import Any
 
+from .. import __version__
 from ..bundle import Bundle
 from ..bundle.pressurized import unique_indices
 from ..core.errors import InvalidInputError
-from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.validation import lowest_strain, strain_domain
-from .c_files import checked_bundle, checked_name, write_c_files
-from .template import header, source
+from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
+
+
+_LOCALS = 64  # doubles on the stack besides CasADi's work and four of each unit
 
 
 def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
@@ -25,58 +28,68 @@ def c_code(target: Muscle | Bundle, name: str = "muscle") -> tuple[str, str]:
 
     **Arguments:**
 
-    - `target`: the muscle or bundle [-], with numbers, not arrays.
-    - `name`: with which all names in C begin [-].
+    - `target`: the muscle or bundle, with numbers, not arrays.
+    - `name`: prefix of all names in C.
 
-    **Returns:** the header's text and the source's [-].
+    **Returns:** the text of the header, and that of the source.
 
-    **Raises:** `ValueError` for a name that C can't have and for what isn't one muscle or bundle;
-    `ModuleNotFoundError` where CasADi is missing.
+    **Raises:** `ValueError` for a name that C doesn't allow, and for anything but one muscle or
+    bundle; `ModuleNotFoundError` if CasADi is missing.
     """
-    checked_name(name)
-    bundle = checked_bundle(target)
-    units = bundle.motor_units
-    muscles = [unit.muscle for unit in units]
+    check_name(name)
+    bundle = as_bundle(target)
+    muscles = [unit.muscle for unit in bundle.motor_units]
     for muscle in muscles:
         if not muscle.buckling.symbolic:
             rule = "can't be written in C"
             remedy = "write its table (--table, `table_code`), or take elastica or kim2021"
             raise InvalidInputError("buckling", rule, muscle.buckling.name, remedy)
     terms, kinds = unique_indices(muscles)
-    written, room = _laws([muscles[i] for i in terms], name)
-    ratios = [1.0] * len(muscles)
-    if bundle.ratios is not None:
-        ratios = [float(ratio) for ratio in bundle.ratios]
-    numbers = {
+    laws, work = _laws([muscles[i] for i in terms], name)
+    ratios = length_ratios(bundle)
+    lowest = max(
+        1 - (1 - float(lowest_strain(*strain_domain(muscle)))) / ratio
+        for muscle, ratio in zip(muscles, ratios, strict=True)
+    )
+    largest = min(1 - (1 - LARGEST_STRAIN) / ratio for ratio in ratios)
+    case = "    case {0}: {1}_law{0}(arg, res, NULL, NULL, 0); break;"
+    values = {
+        "title": "A bundle of muscles" if isinstance(target, Bundle) else "A muscle",
+        "version": __version__,
         "name": name,
         "guard": name.upper(),
         "units": len(muscles),
-        "kinds": kinds,
-        "counts": [int(unit.count) for unit in units],
-        "ratios": ratios,
-        "lowest": max(
-            1 - (1 - float(lowest_strain(*strain_domain(muscle)))) / ratio
-            for muscle, ratio in zip(muscles, ratios, strict=True)
-        ),
-        "largest": min(1 - (1 - LARGEST_STRAIN) / r for r in ratios),
-        "highest": HIGHEST_PRESSURE,
-        "room": room,
-        "laws": written,
-        "bundle": isinstance(target, Bundle),
-    }  # fmt: skip
-    return header(numbers), source(numbers)
+        "kinds": join(kinds),
+        "counts": join(int(unit.count) for unit in bundle.motor_units),
+        "ratios": join(ratios),
+        "cases": "\n".join(case.format(i, name) for i in range(len(terms))),
+        "lowest": repr(lowest),
+        "low": f"{lowest:.6f}",
+        "largest": repr(largest),
+        "high": f"{largest:.6f}",
+        "highest": repr(HIGHEST_PRESSURE),
+        "top": f"{HIGHEST_PRESSURE:g}",
+        "stack": f"{(work + _LOCALS + 4 * len(muscles)) * 8 / 1024:.1f}",
+        "laws": laws,
+    }
+    kind = "bundle" if isinstance(target, Bundle) else "muscle"
+    values["declarations"] = render_template(f"{kind}_law.h", values)
+    values["functions"] = render_template(f"{kind}_law.c", values)
+    return render_template("law.h", values), render_template("law.c", values)
 
 
-def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tuple[Path, Path]:
+def write_c(
+    target: Muscle | Bundle, folder: str | os.PathLike[str], name: str = "muscle"
+) -> tuple[Path, Path]:
     """Write `NAME.h` and `NAME.c` into a folder.
 
     **Arguments:**
 
-    - `target`: the muscle or bundle [-].
-    - `folder`: where to [-]; made where it isn't.
-    - `name`: with which files and names in C begin [-].
+    - `target`: the muscle or bundle.
+    - `folder`: the folder; it is created if it is missing.
+    - `name`: prefix of files and of names in C.
 
-    **Returns:** the paths of header and source [-].
+    **Returns:** the paths of header and source.
 
     **Raises:** as `c_code`.
     """
@@ -84,7 +97,7 @@ def write_c(target: Muscle | Bundle, folder: Values, name: str = "muscle") -> tu
 
 
 def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
-    """The laws of unlike muscles as C, and how many doubles of stack they need [-]."""
+    """The laws of different muscles as C, and how many doubles of stack they need."""
     try:
         import casadi as ca
     except ModuleNotFoundError:
@@ -93,18 +106,15 @@ def _laws(muscles: list[Muscle], name: str) -> tuple[str, int]:
         ) from None
     from .symbols import symbols
 
-    code = ca.CodeGenerator(f"{name}.c", {"with_header": False})
-    functions = [_law(ca, symbols(), muscle, f"{name}_law{i}") for i, muscle in enumerate(muscles)]
-    for function in functions:
+    code, work = ca.CodeGenerator(f"{name}.c", {"with_header": False}), 0
+    for i, muscle in enumerate(muscles):
+        functions: Any = symbols()
+        P, eps = ca.SX.sym("P"), ca.SX.sym("eps")
+        law = muscle.law.at(P)
+        force, by_strain = law.force(eps)
+        kinks = (law.column.free_strain, law.law.buckling.onset(law.column), law.collapse)
+        expressions = functions.resolve(force, ca.jacobian(force, P), by_strain, *map(ca.SX, kinks))
+        function = ca.Function(f"{name}_law{i}", [P, eps], expressions)
         code.add(function)
-    return code.dump(), max(int(function.sz_w()) for function in functions)
-
-
-def _law(ca: Any, functions: Any, muscle: Muscle, name: str) -> Any:
-    """Force, its slopes and the kinks as a function of pressure and strain."""
-    P, eps = ca.SX.sym("P"), ca.SX.sym("eps")
-    at = muscle.law.at(P)
-    F, by_strain = at.force(eps)
-    kinks = (at.column.free_strain, at.law.buckling.onset(at.column), at.collapse)
-    expressions = functions.resolved(F, ca.jacobian(F, P), by_strain, *map(ca.SX, kinks))
-    return ca.Function(name, [P, eps], expressions)
+        work = max(work, int(function.sz_w()))
+    return code.dump(), work

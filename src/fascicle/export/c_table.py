@@ -1,16 +1,15 @@
 r"""A muscle or a bundle as a table in C: force and volume from one co-energy, C99, no dependencies.
 
-What is written are the nodes of each unlike muscle's `UnitSurface`, (V3), as Hermite has them: the
+The table holds the nodes of each different muscle's `UnitSurface`, (V3), in Hermite's form: the
 co-energy and its slopes by strain, pressure and both, four numbers instead of a cell's sixteen. In
-C they are the same polynomial, so that force and volume come from one table and no cycle makes
-energy. How far the table is off the law stands in the header.
+C they are the same polynomial, so that force and volume come from one table and no cycle creates
+energy. The header states the error of the table.
 """
 
-import re
-from collections.abc import Sequence
-from importlib.resources import files
+import os
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,21 +22,21 @@ from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..muscle import Muscle
 from ..muscle.surface import UnitSurface, table_error
-from .c_files import checked_bundle, checked_name, write_c_files
-from .controlling import on_table
-from .controlling import words as controls
+from .c_files import as_bundle, check_name, join, length_ratios, render_template, write_c_files
+from .controller import tabulate_controller, template_values
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
 SHAPES = {"double": (65, 81), "float": (33, 41)}
-_LOWEST = -101325.0  # Pa, no fluid at all in a usual room
-# of a sum of six products in Hermite's form, for each of both coordinates
-_ROUNDINGS = 12
+_LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
+_ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
+_EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
-class Tabulated(NamedTuple):
-    """A bundle's tables: `surfaces` of its unlike muscles, and of each unit which of these it has
-    (`kinds`), its `counts` and `ratios` [-]; `errors` in words; a `controller` on them, or none.
+class MuscleTables(NamedTuple):
+    """Tables of a bundle: `surfaces` of its different muscles, the index of each unit's surface
+    (`kinds`), its `counts` and `ratios` [-]; `errors` in words; `precision`, "double" or "float"; a
+    `controller` on them, or `None`.
     """
 
     surfaces: tuple[UnitSurface, ...]
@@ -45,19 +44,76 @@ class Tabulated(NamedTuple):
     counts: tuple[int, ...]
     ratios: tuple[float, ...]
     errors: str
+    precision: str
     controller: Cascade | None = None
 
     @property
     def strains(self) -> tuple[float, float]:
-        """Ends [-] of the plates' strain between which all units' tables are."""
+        """Limits of the plates' strain within all units' tables [-]."""
         ends = np.array([[float(x) for x in self.surfaces[k].strains] for k in self.kinds]).T
         low, high = 1 - (1 - ends) / np.array(self.ratios)
         return float(np.max(low)), float(np.min(high))
 
     @property
-    def size(self) -> int:
-        """How many numbers its tables have [-]."""
-        return sum(nodes(surface).size for surface in self.surfaces)
+    def pressures(self) -> tuple[float, float]:
+        """Limits of the gauge pressure within all units' tables [Pa]."""
+        return _LOWEST, min(float(surface.highest_pressure) for surface in self.surfaces)
+
+    @property
+    def limits(self) -> dict[str, str]:
+        """Limits of strain and pressure, by their names in templates."""
+        low, high = self.strains
+        lowest, highest = self.pressures
+        return {"low": f"{low:.6f}", "high": f"{high:.6f}", "lowest_pressure": f"{lowest:.0f}",
+                "highest": f"{highest:.0f}"}  # fmt: skip
+
+    def code(self, name: str) -> tuple[str, str]:
+        """Header and source in C; `name`: prefix of all names."""
+        surfaces, number = self.surfaces, _number_format(self.precision)
+        lines, columns = surfaces[0].coefficients.shape[:2]
+        ends = np.array([[float(x) for x in surface.strains] for surface in surfaces])
+
+        def row(values: Values) -> str:
+            return join(values, number)
+
+        def braces(values: np.ndarray) -> str:
+            if values.ndim == 1:
+                return "{" + row(values) + "}"
+            return "{" + ",\n".join(map(braces, values)) + "}"
+
+        values = {
+            "title": "A muscle" if len(self.kinds) == 1 else "A bundle of muscles",
+            "version": __version__,
+            "name": name,
+            "guard": name.upper(),
+            "real": self.precision,
+            "sqrt": "sqrtf" if self.precision == "float" else "sqrt",
+            "units": len(self.kinds),
+            "kinds": len(surfaces),
+            "lines": lines,
+            "columns": columns,
+            "lowest_pressure_real": number(_LOWEST),
+            "rounding": number(1 + _EDGE[self.precision]),
+            "errors": "\n".join(f" * {line}" for line in self.errors.splitlines()),
+            "nodes": ",\n".join(braces(nodes(surface)) for surface in surfaces),
+            "root_steps": row(float(surface.root_step) for surface in surfaces),
+            "tops": row(float(surface.highest_pressure) for surface in surfaces),
+            "lows": row(ends[:, 0]),
+            "highs": row(ends[:, 1]),
+            "cells": row((high - low) / columns for low, high in ends),
+            "lengths": row(float(surface.rest_length) for surface in surfaces),
+            "kind_of": join(self.kinds),
+            "counts": row(self.counts),
+            "ratios": row(self.ratios),
+            "controller": "",
+            "controller_source": "",
+            **self.limits,
+        }
+        if self.controller is not None:
+            values |= template_values(self.controller, number)
+            values["controller"] = render_template("controller.h", values)
+            values["controller_source"] = render_template("controller.c", values)
+        return render_template("table.h", values), render_template("table.c", values)
 
 
 def table_code(
@@ -71,25 +127,25 @@ def table_code(
 
     **Arguments:**
 
-    - `target`: the muscle or bundle [-], with numbers, not arrays; or a `Cascade` that controls a
+    - `target`: the muscle or bundle, with numbers, not arrays; or a `Cascade` that controls a
       bundle's force on gas by "orderly" or "threshold", whose step is written as well.
-    - `name`: with which all names in C begin [-].
-    - `precision`: of numbers in C, "double" or "float" [-].
-    - `highest_pressure`: the table's end [Pa]; left out, the bundle's supply pressure, or 1 MPa.
-    - `shape`: nodes in pressure and in strain [-]; left out, 65 and 81, of floats 33 and 41.
+    - `name`: prefix of all names in C.
+    - `precision`: type of numbers in C, "double" or "float".
+    - `highest_pressure`: highest gauge pressure of the table [Pa]; default: the bundle's supply
+      pressure, or 1 MPa.
+    - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
 
-    **Returns:** the header's text and the source's [-].
+    **Returns:** the text of the header, and that of the source.
 
-    **Raises:** `ValueError` for a name that C can't have, what isn't one muscle or bundle, and ends
-    and shapes that can't be.
+    **Raises:** `ValueError` for a name that C doesn't allow, anything but one muscle or bundle, and
+    invalid pressures and shapes.
     """
-    table = tabulated(target, precision, highest_pressure, shape)
-    return written(table, checked_name(name), precision)
+    return tabulate(target, precision, highest_pressure, shape).code(check_name(name))
 
 
 def write_table(
     target: Muscle | Bundle | Cascade,
-    folder: Values,
+    folder: str | os.PathLike[str],
     name: str = "muscle",
     precision: str = "double",
     highest_pressure: Values = None,
@@ -99,11 +155,10 @@ def write_table(
 
     **Arguments:** those of `table_code`, and
 
-    - `target`, `name`, `precision`, `shape`: as there [-].
-    - `folder`: where to [-]; made where it isn't.
-    - `highest_pressure`: the table's end [Pa].
+    - `folder`: the folder; it is created if it is missing.
+    - `highest_pressure`: highest gauge pressure of the table [Pa].
 
-    **Returns:** the paths of header and source [-].
+    **Returns:** the paths of header and source.
 
     **Raises:** as `table_code`.
     """
@@ -111,42 +166,47 @@ def write_table(
     return write_c_files(texts, folder, name)
 
 
-def tabulated(
+def tabulate(
     target: Muscle | Bundle | Cascade,
     precision: str = "double",
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
-) -> Tabulated:
-    """The tables [-] of a muscle or bundle, `target` [-], for a `precision` [-], up to
-    `highest_pressure` [Pa], of a `shape` [-]; left out as in `table_code`.
+) -> MuscleTables:
+    """Tables of a muscle or bundle.
+
+    **Arguments:** as for `table_code`.
+
+    - `highest_pressure`: highest gauge pressure of the table [Pa].
     """
     check_choice(precision, SHAPES, "precision")
+    shape = shape or SHAPES[precision]
     if isinstance(target, Cascade):
         if precision == "float":
             raise InvalidInputError("precision", "must be double of a controller", precision)
-        tables = on_table(target, shape or SHAPES[precision])
-        plant = tables.plant
+        controller = tabulate_controller(target, shape)
+        plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)
-        return tabulated(plant.bundles[0], precision, top, shape)._replace(controller=tables)
-    bundle = checked_bundle(target, "a Muscle or a Bundle, or a Cascade")
+        return tabulate(plant.bundles[0], precision, top, shape)._replace(controller=controller)
+    bundle = as_bundle(target, "a Muscle or a Bundle, or a Cascade")
     units = bundle.motor_units
     if highest_pressure is None:
         supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
-    nodes_kept, kinds = unique_indices([unit.muscle for unit in units])
-    muscles = [units[i].muscle for i in nodes_kept]
+    indices, kinds = unique_indices([unit.muscle for unit in units])
+    muscles = [units[i].muscle for i in indices]
     surfaces = tuple(
-        UnitSurface.tabulate(muscle, highest_pressure, shape=shape or SHAPES[precision])
-        for muscle in muscles
+        UnitSurface.tabulate(muscle, highest_pressure, shape=shape) for muscle in muscles
     )
-    ratios = (1.0,) * len(units) if bundle.ratios is None else map(float, bundle.ratios)
     counts = tuple(int(unit.count) for unit in units)
-    return Tabulated(surfaces, kinds, counts, tuple(ratios), _errors(muscles, surfaces, precision))
+    errors = _error_text(muscles, surfaces, precision)
+    return MuscleTables(surfaces, kinds, counts, length_ratios(bundle), errors, precision)
 
 
 def nodes(surface: UnitSurface) -> np.ndarray:
-    """Hermite's numbers of a table at its nodes: [line, column, 4], the co-energy [J] and its
-    slopes by strain, for a cell [J], by pressure [m³] and by both, for a cell [m³].
+    """Hermite's numbers of a table at its nodes.
+
+    **Returns:** [line, column, 4], the co-energy [J] and its slopes by strain, per cell [J], by
+    pressure [m³] and by both, per cell [m³].
     """
     c = np.asarray(surface.coefficients)
     lines, columns = c.shape[:2]
@@ -157,7 +217,7 @@ def nodes(surface: UnitSurface) -> np.ndarray:
     i = np.arange(lines)[:, None]
     by_P = np.where(i > 0, 2 * i * h**2, h**2), np.where(i > 0, 2 * (i + 1) * h**2, h**2)
     tables = np.empty((lines + 1, columns + 1, 4))
-    # each node from its own cell, those of the last line and column from the ones before
+    # each node from its cell, those of the last line and column from the cells before
     for a, rows in ((1, slice(1, None)), (0, slice(None, -1))):
         for b, cols in ((1, slice(1, None)), (0, slice(None, -1))):
             u, w = 2 * a, 2 * b
@@ -168,91 +228,29 @@ def nodes(surface: UnitSurface) -> np.ndarray:
     return tables
 
 
-def written(table: Tabulated, name: str, precision: str) -> tuple[str, str]:
-    """Header and source [-] of the tables `table` [-], by a `name` [-] and in a `precision` [-]."""
-    number = _numbers(precision)
-    low, high = table.strains
-    surfaces = table.surfaces
-    lines, columns = surfaces[0].coefficients.shape[:2]
-    tops = [float(value.highest_pressure) for value in surfaces]
-    ends = [[float(x) for x in value.strains] for value in surfaces]
-    names = {
-        "title": "A muscle" if len(table.kinds) == 1 else "A bundle of muscles",
-        "version": __version__,
-        "name": name,
-        "guard": name.upper(),
-        "real": precision,
-        "sqrt": "sqrtf" if precision == "float" else "sqrt",
-        "units": len(table.kinds),
-        "kinds": len(surfaces),
-        "lines": lines,
-        "columns": columns,
-        "lowest_pressure": f"{_LOWEST:.0f}",
-        "lowest_pressure_real": number(_LOWEST),
-        "highest": f"{min(tops):.0f}",
-        "low": f"{low:.6f}",
-        "high": f"{high:.6f}",
-        "rounding": number(1 + (1e-12 if precision == "double" else 2.0**-22)),
-        "errors": "\n".join(f" * {line}" for line in table.errors.splitlines()),
-        "nodes": ",\n".join(_table(nodes(value), number) for value in surfaces),
-        "root_steps": _row((float(value.root_step) for value in surfaces), number),
-        "tops": _row(tops, number),
-        "lows": _row((low for low, _ in ends), number),
-        "highs": _row((high for _, high in ends), number),
-        "cells": _row(((high - low) / columns for low, high in ends), number),
-        "lengths": _row((float(value.rest_length) for value in surfaces), number),
-        "kind_of": ", ".join(map(str, table.kinds)),
-        "counts": _row(table.counts, number),
-        "ratios": _row(table.ratios, number),
-        "controller": "",
-        "controller_source": "",
-    }
-    if table.controller is not None:
-        names |= controls(table.controller, number)
-        names["controller"] = filled("controller.h", names)
-        names["controller_source"] = filled("controller.c", names)
-    return filled("table.h", names), filled("table.c", names)
-
-
-def filled(file: str, names: dict[str, Any]) -> str:
-    """The text of a C `file` [-] beside this module with `names` [-] in their places."""
-    text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
-    tables = re.sub(r"@(\w+)@", lambda table: str(names[table[1]]), text)
-    return tables.rstrip("\n") + "\n"
-
-
-def _numbers(precision: str) -> Any:
-    """How numbers are written in C: with as many digits as they have."""
+def _number_format(precision: str) -> Callable[[float], str]:
+    """Format of a number in C, with all its digits."""
     if precision == "float":
         return lambda x: f"{np.format_float_scientific(np.float32(x), trim='0')}f"
     return lambda x: repr(float(x))
 
 
-def _row(values: Any, number: Any) -> str:
-    return ", ".join(number(x) for x in values)
-
-
-def _table(of: np.ndarray, number: Any) -> str:
-    lines = (",\n".join("{" + _row(node, number) + "}" for node in line) for line in of)
-    return "{" + ",\n".join("{" + line + "}" for line in lines) + "}"
-
-
-def _errors(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
-    """How far one muscle's table is off its law, the worst of all kinds, in words."""
-    off = [table_error(value, muscle) for value, muscle in zip(surfaces, muscles, strict=True)]
+def _error_text(muscles: Sequence[Muscle], surfaces: Sequence[UnitSurface], precision: str) -> str:
+    """Error of one muscle's table, the largest of all kinds, in words."""
+    errors = [table_error(*pair) for pair in zip(surfaces, muscles, strict=True)]
     force, volume = (
-        np.max([np.quantile(value[of], (0.5, 0.99, 1.0)) for value in off], axis=0) for of in (0, 1)
+        np.max([np.quantile(error[i], (0.5, 0.99, 1.0)) for error in errors], axis=0)
+        for i in (0, 1)
     )
-    rounded = max(_rounding(value) for value in surfaces)
     text = (
-        "How far it is off the law, between all nodes: one muscle's\n"
+        "Error of the table between its nodes, of one muscle:\n"
         f"force is off by {force[0]:.1g} N (median), {force[1]:.1g} N (99 %), {force[2]:.2g} N at"
         " most,\n"
         f"volume by {1e6 * volume[0]:.1g} mL (median), {1e6 * volume[1]:.1g} mL (99 %),"
         f" {1e6 * volume[2]:.2g} mL at most."
     )
     if precision == "float":
-        text += f"\nIts rounding adds up to {rounded:.1g} N."
+        text += f"\nIts rounding adds up to {max(map(_rounding, surfaces)):.1g} N."
     return text
 
 

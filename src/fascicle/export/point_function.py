@@ -17,7 +17,7 @@ class PointFunction:
     def __init__(self, name: str, inputs: Sequence[Any], force: Any, slopes: Sequence[Any]):
         """**Arguments:**
 
-        - `name`: of the function [-].
+        - `name`: name of the function.
         - `inputs`: symbols of pressure or pressures [Pa] and strain [-].
         - `force`: expression of the force [N].
         - `slopes`: expressions of its derivatives by the inputs [N/Pa, N].
@@ -25,8 +25,8 @@ class PointFunction:
         import casadi as ca
 
         self._arguments = [np.zeros(x.numel()) for x in inputs]
-        self._force = _bound(ca.Function(name, inputs, [force]), self._arguments)
-        self._all = _bound(
+        self._force = _bind(ca.Function(name, inputs, [force]), self._arguments)
+        self._all = _bind(
             ca.Function(name, inputs, [force, *map(ca.densify, slopes)]), self._arguments
         )
 
@@ -63,17 +63,16 @@ class PointFunction:
 
 
 def muscle_function(muscle: Muscle) -> PointFunction:
-    """The force of a `muscle` [-] at single points."""
+    """The force of a muscle at single points."""
     ca, functions = _casadi()
     pressure, strain = ca.SX.sym("P"), ca.SX.sym("eps")
     force, by_strain = muscle.law.at(pressure).force(strain)
-    slopes = (ca.jacobian(force, pressure), by_strain)
-    force, *slopes = functions.resolved(force, *slopes)
+    force, *slopes = functions.resolve(force, ca.jacobian(force, pressure), by_strain)
     return PointFunction("muscle_force", [pressure, strain], force, slopes)
 
 
 def bundle_function(bundle: Bundle) -> PointFunction:
-    """The force of a `bundle` [-] at single points."""
+    """The force of a bundle at single points."""
     ca, functions = _casadi()
     pressures, strain = ca.SX.sym("P", len(bundle.motor_units)), ca.SX.sym("eps")
     total, by_pressure, by_strain = ca.SX(0), [], ca.SX(0)
@@ -85,8 +84,7 @@ def bundle_function(bundle: Bundle) -> PointFunction:
         total = total + count * force
         by_pressure.append(count * ca.jacobian(force, pressures)[i])
         by_strain = by_strain + count * slope * (1.0 if ratio is None else ratio)
-    slopes = ca.vertcat(*by_pressure), by_strain
-    force, *slopes = functions.resolved(total, *slopes)
+    force, *slopes = functions.resolve(total, ca.vertcat(*by_pressure), by_strain)
     return PointFunction("bundle_force", [pressures, strain], force, slopes)
 
 
@@ -99,12 +97,12 @@ def _casadi() -> tuple[Any, Any]:
     return ca, symbols()
 
 
-def _bound(function: Any, arguments: list[np.ndarray]) -> tuple[Callable[[], None], list, Any, Any]:
-    """A call of a `function` [-] on arrays that stay where they are, and its results there."""
+def _bind(function: Any, arguments: list[np.ndarray]) -> tuple[Callable[[], None], list, Any, Any]:
+    """A call of a function on fixed arrays, and its results, which it overwrites."""
     buffer, run = function.buffer()
     results = [np.zeros(function.sparsity_out(i).nnz()) for i in range(function.n_out())]
     for i, x in enumerate(arguments):
         buffer.set_arg(i, x.data)
     for i, x in enumerate(results):
         buffer.set_res(i, x.data)
-    return run, results, function, buffer  # these two must live as long as the call
+    return run, results, function, buffer  # the last two must live as long as the call

@@ -1,8 +1,8 @@
-"""Laws on symbols: the functions that a law asks an array library for, by CasADi.
+"""Laws on symbols: the functions of an array library, by CasADi.
 
-What is searched for has no derivative of its own, the steps after it carry them: so a search's
-result, and whatever a law holds still, is a new symbol, kept here with its meaning, and put in
-only when slopes have been taken.
+A root has no derivative of its own, the steps after the search carry it. So the result of a search,
+and every other constant of a law's derivative, is a new symbol, stored with its meaning; it is
+substituted after the slopes have been taken.
 """
 
 from typing import Any
@@ -27,50 +27,50 @@ class Symbols:
 
     def __init__(self):
         self.__dict__ |= _FUNCTIONS
-        self.held: list[Any] = []
-        self.meant: list[Any] = []
+        self.constants: list[Any] = []
+        self.meanings: list[Any] = []
 
     def stop_gradient(self, x: Any) -> Any:
-        """A new symbol that stands for `x` [any unit]."""
+        """A new symbol that stands for `x`."""
         if x.is_constant():
             return x
-        self.held.append(ca.SX.sym(f"held_{len(self.held)}", x.shape))
-        self.meant.append(x)
-        return self.held[-1]
+        self.constants.append(ca.SX.sym(f"constant_{len(self.constants)}", x.shape))
+        self.meanings.append(x)
+        return self.constants[-1]
 
-    def resolved(self, *expressions: Any) -> list[Any]:
-        """The `expressions` [any unit] with everything put in that was held still."""
+    def resolve(self, *expressions: Any) -> list[Any]:
+        """The `expressions` with the meanings of all constants substituted."""
         inputs: Any = list(expressions)
-        return list(ca.substitute_inplace(self.held, self.meant, inputs, False)[1])
+        return list(ca.substitute_inplace(self.constants, self.meanings, inputs, False)[1])
 
     @staticmethod
     def asarray(values: Any) -> Any:
-        """`values` [any unit] as a column."""
+        """`values` as a column."""
         return ca.SX(np.asarray(values, float))
 
     @staticmethod
     def isfinite(x: Any) -> Any:
-        """True where it is neither infinite nor NaN."""
+        """True if it is neither infinite nor NaN."""
         return ca.logic_and(x < np.inf, x > -np.inf)
 
     @staticmethod
     def sum(x: Any, axis: int = 0) -> Any:  # noqa: ARG004 a column has one
-        """Over a column [any unit]."""
+        """Sum of a column."""
         return ca.sum1(x)
 
     @staticmethod
     def min(x: Any, axis: int = 0) -> Any:  # noqa: ARG004
-        """The smallest of a column [any unit]."""
+        """Smallest entry of a column."""
         return ca.mmin(x)
 
     @staticmethod
     def max(x: Any, axis: int = 0) -> Any:  # noqa: ARG004
-        """The largest of a column [any unit]."""
+        """Largest entry of a column."""
         return ca.mmax(x)
 
 
 def symbols() -> Symbols:
-    """The functions that laws are given from now on for CasADi's symbols [-]."""
+    """New functions, which laws now use for CasADi's symbols."""
     functions = Symbols()
     register_namespace(ca.SX, functions)
     return functions

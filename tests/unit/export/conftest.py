@@ -1,27 +1,38 @@
 """A compiler of C, as strict as a controller's."""
 
 import ctypes
+import math
 import shutil
 import subprocess
 
 import pytest
+
+import fascicle as fs
 
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 
 
 @pytest.fixture
-def compiled():
-    """C as a shared library, which must pass without a warning."""
+def compile_c():
+    """Compile C to a shared library, without a warning."""
     gcc = shutil.which("gcc")
     if gcc is None:
-        pytest.skip("no gcc here to compile C with")
+        pytest.skip("no gcc to compile C with")
 
-    def of(source, flags=("-O2",)):
+    def compile_source(source, flags=("-O2",)):
         library = source.with_suffix(".so")
         command = [gcc, *STRICT, *flags, "-shared", "-fPIC", "-o", library, source, "-lm"]
-        made = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-        assert made.returncode == 0, made.stderr[:1000]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        assert result.returncode == 0, result.stderr[:1000]
         return ctypes.CDLL(str(library))
 
-    return of
+    return compile_source
+
+
+@pytest.fixture(scope="session")
+def make_muscle():
+    """A muscle with laws by keyword."""
+    return lambda **laws: fs.Muscle.from_dimensions(
+        0.127, 6.35e-3, 1.6e-3, math.radians(33), **laws
+    )

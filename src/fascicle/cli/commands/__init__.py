@@ -4,43 +4,29 @@ Nothing heavy is imported here: each command imports the laws when it runs, so t
 shell's completion answer at once.
 """
 
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
 from ..options import Command
-from . import (
-    bundle,
-    calibrate,
-    design,
-    efficiency,
-    explore,
-    export,
-    force,
-    free_strain,
-    init,
-    muscles,
-    record,
-    recruit,
-    reproduce,
-    simulate,
-    space,
-    sweep,
-)  # fmt: skip
 
+
+# in the order of `fascicle --help`
+_COMMANDS = (
+    "force", "free-strain", "bundle", "space", "recruit", "efficiency", "simulate", "record",
+    "calibrate", "explore", "export", "design", "sweep", "reproduce", "muscles", "init",
+)  # fmt: skip
 
 app = typer.Typer(
     name="fascicle",
     help="Fluidic artificial muscles and their bundles, from the braid angle to the force.",
-    rich_markup_mode=None,  # plain help: rich would take longer to import than all the rest
+    rich_markup_mode=None,  # plain help: rich would take longer to import than everything else
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for _module in (
-    force, free_strain, bundle, space, recruit, efficiency, simulate, record, calibrate, explore,
-    export, design, sweep, reproduce, muscles, init,
-):  # fmt: skip
-    _name = _module.__name__.rpartition(".")[2].replace("_", "-")
+for _name in _COMMANDS:
+    _module = import_module(f".{_name.replace('-', '_')}", __name__)
     app.command(_name, cls=getattr(_module, "COMMAND", Command))(_module.run)
 
 
@@ -56,9 +42,7 @@ def _print_version(value: bool) -> None:
 def _options(
     _: Annotated[
         bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Version number."),
     ] = False,
 ) -> None:
     pass

@@ -6,7 +6,7 @@ from typing import Any
 from .. import options
 from ..errors import exit_incomplete, user_errors
 from ..inputs import check_grid, read_bundle, read_list, read_states
-from ..outputs import Outputs, decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, status
 
 
 def run(
@@ -48,7 +48,7 @@ def run(
 
 
 def check_equilibria(variables: Any) -> None:
-    """End a command whose states have no strain of zero force; `variables`: its result."""
+    """End a command with states that have no strain of zero force; `variables`: its result."""
     free = variables["free_strain"].values.tolist()
     missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
     if missing:
@@ -56,39 +56,35 @@ def check_equilibria(variables: Any) -> None:
 
 
 def print_states(variables: Any) -> None:
-    """Print pressures, free strain and equilibria, a row for each state.
-
-    **Arguments:** `variables`: of a table of `bundle_equilibria`.
-    """
+    """Print pressures, free strain and equilibria of states; `variables`: `bundle_equilibria`."""
     names = ("pressures", "free_strain", "equilibria", "stable")
-    states = zip(*(variables[name].values.tolist() for name in names), strict=True)
-    rows = [
-        [
-            f"{state}",
-            *(f"{pressure / 1e3:.6g}" for pressure in pressures),
-            number(free, 4),
-            ", ".join(
-                number(strain, 4) + ("" if is_stable else " u")
-                for strain, is_stable in zip(equilibria, stable, strict=True)
-                if math.isfinite(strain)  # the rest of the row is NaN
-            ),
+    columns, rows = [variables[name].values.tolist() for name in names], []
+    for pressures, free, *equilibria in zip(*columns, strict=True):
+        strains = [
+            number(strain, 4) + ("" if is_stable else " u")
+            for strain, is_stable in zip(*equilibria, strict=True)
+            if math.isfinite(strain)  # a row with fewer equilibria is filled with NaN
         ]
-        for state, (pressures, free, equilibria, stable) in enumerate(states, start=1)
-    ]
-    units = variables["pressures"].values.shape[1]
-    heads = ["state", *(f"P{unit + 1} kPa" for unit in range(units)), "free strain", "equilibria"]
-    caption = "u: unstable, the force rises with strain there"
-    print_table("Strains of zero force", heads, rows, caption)
+        kilopascals = [f"{pressure / 1e3:.6g}" for pressure in pressures]
+        rows.append([f"{len(rows) + 1}", *kilopascals, number(free, 4), ", ".join(strains)])
+    units = [f"P{unit + 1} [kPa]" for unit in range(variables["pressures"].values.shape[1])]
+    heads = ["state", *units, "free strain [-]", "equilibria [-]"]
+    print_table("Strains of zero force", heads, rows, unstable_caption(rows))
+
+
+def unstable_caption(rows: list[list[str]]) -> str:
+    """Caption that explains the mark "u", if the table has one."""
+    marked = any(cell.endswith(" u") or " u," in cell for row in rows for cell in row)
+    return "u: unstable, the force rises with strain there" if marked else ""
 
 
 def _print(variables: Any) -> None:
     print_states(variables)
-    forces = variables["force"].values.tolist()
-    places = decimals(force for row in forces for force in row)
-    strains = variables["strain"].values.tolist()
+    force = variables["force"].values
+    decimals = count_decimals(force.ravel())
     rows = [
-        [f"{strain:.6g}", *(number(force, places) for force in row)]
-        for strain, row in zip(strains, zip(*forces, strict=True), strict=True)
+        [f"{strain:.6g}", *(number(value, decimals) for value in values)]
+        for strain, values in zip(variables["strain"].values, force.T, strict=True)
     ]
-    heads = ["strain", *(f"state {state + 1}" for state in range(len(forces)))]
-    print_table("Force in N by strain", heads, rows)
+    heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(force)))]
+    print_table("Force by strain", heads, rows)

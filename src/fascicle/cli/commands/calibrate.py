@@ -1,21 +1,22 @@
 """`fascicle calibrate`: fit a muscle to a dynamometer's CSV; print it, as JSON, and as files."""
 
 import datetime as dt
+import json
 import math
 import shutil
 import sys
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...core.errors import InvalidInputError, require
 from ...io.sanitize import dump_json, sanitize_line
 from ...units import parse, pretty
 from .. import options
 from ..errors import UserError, user_errors
-from ..inputs import load_laws, read_muscle, read_one
+from ..inputs import load_laws, read_muscle, read_quantity
 from ..options import Command, argument, complete_target, flag, option
 from ..outputs import print_line, print_table, result_folder, status, write_folder
 
@@ -28,13 +29,11 @@ if TYPE_CHECKING:
 
 
 class CalibrateCommand(Command):
-    """The command whose help also lists names for `--fit` and `--prior`, as the laws declare them:
-    these are loaded for the help alone.
-    """
+    """The command whose help also lists the names for `--fit` and `--prior`."""
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
         """Write the names after the options."""
-        load_laws()
+        load_laws()  # for the help alone
         from ...calibrate.parameters import parameter_descriptions
 
         with formatter.section("Names for --fit and --prior (of laws in brackets)"):
@@ -43,10 +42,14 @@ class CalibrateCommand(Command):
 
 COMMAND = CalibrateCommand
 
-_TUNING = "tuning"  # among names to fit: the paper's way
-_INTERVALS = ("quick", "bootstrap")
+_TUNING = "tuning"  # among names to fit: the paper's method
 _SIZES = {"length": "length", "outer_radius": "length", "wall_thickness": "length",
           "braid_angle": "angle"}  # fmt: skip
+_LABEL_WIDTH = 35  # characters: a table fits next to it
+_CRITERIA = (
+    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"
+    " a law where a reading was clipped"
+)
 
 
 def run(
@@ -71,29 +74,25 @@ def run(
         metavar="LENGTH",
     ),
     unit: list[str] | None = option(
-        "Unit of a column whose header has none: force=N. Repeat for others.", metavar="ROLE=UNIT"
+        "Unit of a column whose header has none: force=N; repeatable.", metavar="ROLE=UNIT"
     ),
     column: list[str] | None = option(
-        "Header of a column that isn't recognized: force='Load cell 2'. Repeat for others.",
-        metavar="ROLE=HEADER",
+        "Header of an unrecognized column: force='Load cell 2'; repeatable.", metavar="ROLE=HEADER"
     ),
     header: int | None = option(
-        "Line of the columns' names, below any titles; default: it is looked for.",
-        metavar="LINE",
-        min=1,
+        "Line of the columns' names, below any titles; default: detected.", metavar="LINE", min=1
     ),
     clipped_at_zero: bool = flag("Clipped forces: exactly 0 means 0 or less.", "--clipped-at-zero"),
     push_positive: bool = flag(
         "Sign of the file's forces: positive for a push.", "--push-positive"
     ),
     fit: str | None = option(
-        "Free parameters: names below that the muscle has, such as"
-        " c10,c01,braid_angle,outer_radius; or tuning, the paper's way; default: selected by"
-        " leave-one-pressure-out cross-validation.",
+        "Free parameters from the names below, such as c10,braid_angle, or tuning, the paper's"
+        " method; default: selected by leave-one-pressure-out cross-validation.",
         metavar="LIST",
     ),
     prior: list[str] | None = option(
-        "Prior value and standard deviation: outer_radius=12mm,0.5mm. Repeat for others.",
+        "Prior value and standard deviation: outer_radius=12mm,0.5mm; repeatable.",
         metavar="NAME=VALUE,DEVIATION",
     ),
     tension: str | None = option("Law of tension.", metavar="LAW"),
@@ -111,7 +110,7 @@ def run(
         "Method of intervals: quick (linear), or bootstrap (199 simulated records, refitted).",
         default="quick",
     ),
-    posterior: bool = flag("Posterior samples as well (needs numpyro).", "--posterior"),
+    posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
     compare: bool = flag("Comparison with other laws; takes minutes.", "--compare"),
     profile: bool = option("Profile of each parameter.", "--profile/--no-profile", default=True),
     out: str | None = option(
@@ -124,61 +123,67 @@ def run(
 ) -> None:
     """Fit a muscle to dynamometer data, with uncertainties."""
     names = None if fit is None else [name.strip() for name in fit.split(",")]
-    priors = _pairs(prior, "--prior")
+    prior_texts = _pairs(prior, "--prior")
     reading = {
         "units": _pairs(unit, "--unit"),
         "columns": _pairs(column, "--column"),
         "clipped_at_zero": True if clipped_at_zero else None,
         "header": header,
     }
-    folder = result_folder("calibrate", out, data[0], as_json, overwrite)
-    typed = {
+    folder = result_folder(out, f"calibrated-{Path(data[0]).stem}", as_json, overwrite)
+    start = read_start(muscle, {
         "length": length, "outer_radius": outer_radius, "wall_thickness": wall_thickness,
         "braid_angle": braid_angle, "material": material, "tension": tension,
         "buckling": buckling, "collapse": collapse, "post_collapse": post_collapse, "ends": ends,
-    }  # fmt: skip
-    start = read_start(muscle, typed)
-    rest = None if rest_length is None else read_one(rest_length, "length", "--rest-length")
+    })  # fmt: skip
+    rest = None if rest_length is None else read_quantity(rest_length, "length", "--rest-length")
     record, remarks = _read_record(data, reading, rest, float(start.length), push_positive)
     _check(names, loss, intervals, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
-        known = _read_priors(priors, start, names)
-        result = Result(*_fit(record, start, names, known, settings, update), remarks)
+        from ...calibrate import fitting, model_selection
+        from ...calibrate import intervals as uncertainty
+
+        priors = _read_priors(prior_texts, start, names)
+        choice = None
+        if names is None:
+            choice = model_selection.select_model(record, start, priors, **settings, progress=update)
+            calibration = choice.calibration
+        else:
+            update("fitting")
+            free = None if names == [_TUNING] else names
+            calibration = fitting.fit(record, start, free, priors, **settings, whole=False)
         if intervals == "bootstrap":
-            from ...calibrate.intervals import bootstrap
-
-            result = replace(result, fit=bootstrap(result.fit, seed=seed, tell=update))
-        from ...calibrate.intervals import profiles, with_profiles
-
-        result = replace(result, fit=with_profiles(result.fit))
+            calibration = uncertainty.bootstrap(calibration, seed=seed, tell=update)
+        result = Result(uncertainty.with_profiles(calibration), choice, remarks)
         if profile and not (as_json and out is None):
             update("profiling")
-            result = replace(result, profiles=profiles(result.fit))
+            result = result._replace(profiles=uncertainty.profiles(result.fit))
         if posterior:
             from ...calibrate.posterior import sample
 
             update("sampling")
-            result = replace(result, posterior=sample(result.fit, seed=seed))
+            result = result._replace(posterior=sample(result.fit, seed=seed))
         if compare:
             update("comparing laws")
-            rows = _compare(record, start, result.fit, known, settings)
-            result = replace(result, comparison=rows)
+            rows = _compare(record, start, result.fit, priors, settings)
+            result = result._replace(comparison=rows)
     paths: list[str] = []
     if folder is not None:
         with status("writing the report"):
             paths = _write(result, folder, overwrite)
     if as_json:
-        print(dump_json(_finite(_summary(result))))
+        # numbers that JSON lacks, NaN and infinity, are null
+        summary = json.loads(dump_json(_summary(result)), parse_constant=lambda _: None)
+        print(dump_json(summary))
         return
     _print(result)
     if paths:
         print_line(f"wrote {', '.join(paths)}")
 
 
-@dataclass(frozen=True)
-class Result:
-    """A calibration, and what was computed of it on request."""
+class Result(NamedTuple):
+    """A calibration, how it was selected, and its optional analyses."""
 
     fit: "Calibration"
     choice: "Selection | None"
@@ -192,7 +197,7 @@ def _pairs(texts: list[str] | None, name: str) -> dict[str, str]:
     """Values by name of an option's `NAME=VALUE`s."""
     pairs: dict[str, str] = {}
     for text in texts or []:
-        key, _, value = (part.strip() for part in text.partition("="))
+        key, _, value = map(str.strip, text.partition("="))
         if not key or not value:
             raise UserError(f"{name} {text!r}: write NAME=VALUE.")
         if key in pairs:
@@ -201,34 +206,34 @@ def _pairs(texts: list[str] | None, name: str) -> dict[str, str]:
     return pairs
 
 
-def read_start(target: str | None, typed: Mapping[str, str | None]) -> "Muscle":
+def read_start(target: str | None, texts: Mapping[str, str | None]) -> "Muscle":
     """Read the muscle that a fit begins with.
 
     **Arguments:**
 
     - `target`: a path, or an example's name; `None` for a muscle of the sizes alone.
-    - `typed`: sizes with units, and names of material and laws, which win over the file's.
+    - `texts`: sizes with units, and names of material and laws; they replace the file's.
     """
     flags = {name: f"--{name.replace('_', '-')}" for name in _SIZES}
-    missing = [flag for name, flag in flags.items() if typed[name] is None]
+    missing = [flag for name, flag in flags.items() if texts[name] is None]
     if target is None and missing:
         raise UserError(
             f"the muscle's sizes are needed: give --muscle FILE, or {', '.join(missing)}."
         )
     changes: dict[str, Any] = {
-        name: read_one(text, _SIZES[name], flags[name]) if name in _SIZES else text
-        for name, text in typed.items()
+        name: read_quantity(text, _SIZES[name], flags[name]) if name in _SIZES else text
+        for name, text in texts.items()
         if text is not None
     }
-    if target is None:
-        load_laws()
-        from ...muscle import Muscle
-
+    if target is not None:
+        muscle = read_muscle(target, "give --muscle the file of one of its muscles")
         with user_errors():
-            return Muscle.from_dimensions(**changes)
-    muscle = read_muscle(target, "give --muscle the file of one of its muscles")
+            return muscle.replace(**changes)
+    load_laws()
+    from ...muscle import Muscle
+
     with user_errors():
-        return muscle.replace(**changes)
+        return Muscle.from_dimensions(**changes)
 
 
 def _read_record(
@@ -238,27 +243,23 @@ def _read_record(
     length: float,
     push_positive: bool,
 ) -> tuple["Record", tuple[str, ...]]:
-    """Read the record; also remarks on what was assumed of it."""
+    """Read the record; also remarks on what was assumed."""
     from ...records import join, load
     from ...records.columns import MissingMetadataError
 
-    assumed = False
-
-    def read(path: str) -> "Record":
-        nonlocal assumed
-        try:
-            return load(path, rest_length=rest, **reading)
-        except MissingMetadataError as error:
-            if error.argument != "rest_length":
-                raise
-        # a length or displacement in a file that names no rest length
-        record = load(path, rest_length=length, **reading)
-        assumed = True
-        return record
-
+    records, assumed = [], False
     with user_errors():
         try:
-            record = join([read(path) for path in paths])
+            for path in paths:
+                try:
+                    records.append(load(path, rest_length=rest, **reading))
+                except MissingMetadataError as error:
+                    if error.argument != "rest_length":
+                        raise
+                    # a length or displacement in a file that names no rest length
+                    records.append(load(path, rest_length=length, **reading))
+                    assumed = True
+            record = join(records)
         except MissingMetadataError as error:
             flag = {"columns": "--column", "units": "--unit"}.get(error.argument, "--rest-length")
             value = f" {error.role}='{error.value}'" if error.role else ""
@@ -270,24 +271,26 @@ def _read_record(
     if push_positive:
         notes.append("forces read with the other sign (--push-positive)")
         record = replace(record, force=-record.force)
-    record = replace(record, notes=tuple(notes))
     if record.rest_length is None:
         record, assumed = replace(record, rest_length=length), True
-    text = pretty(length, "length")
-    remark = f"rest length not given: strains are taken over the muscle's, {text}"
-    return record, (remark,) if assumed else ()
+    remark = (
+        f"rest length not given: strains refer to the muscle's length, {pretty(length, 'length')}"
+    )
+    return replace(record, notes=tuple(notes)), (remark,) if assumed else ()
 
 
 def _check(names: list[str] | None, loss: str, intervals: str, posterior: bool) -> None:
     """Refuse what would only fail after the fit."""
-    if names is not None and _TUNING in names and len(names) > 1:
-        raise UserError(f"--fit {','.join(names)}: {_TUNING} stands alone: drop the others.")
     from ...core.validation import check_choice
 
+    if names is not None and _TUNING in names and len(names) > 1:
+        raise UserError(
+            f"--fit {','.join(names)}: {_TUNING} can't be combined: drop the other names."
+        )
     with user_errors():
-        check_choice(intervals, _INTERVALS, "intervals")
-    flag = "--intervals bootstrap" if intervals == "bootstrap" else "--posterior"
+        check_choice(intervals, ("quick", "bootstrap"), "intervals")
     if loss != "linear" and (posterior or intervals == "bootstrap"):
+        flag = "--intervals bootstrap" if intervals == "bootstrap" else "--posterior"
         raise UserError(f"{flag}: needs --loss linear, a robust loss is no model of noise.")
     if posterior:
         require("numpyro")
@@ -307,40 +310,24 @@ def _read_priors(
         except InvalidInputError as error:
             raise InvalidInputError("prior", error.rule, name, error.remedy, shown="") from None
         if names not in (None, [_TUNING]) and name not in names:
-            select_parameters(names, muscle)  # a slip there is the cause
+            select_parameters(names, muscle)  # a misspelled name is reported first
             raise UserError(f"{flag}: {name} isn't fitted: add it to --fit, or drop the prior.")
-        parts = text.split(",")
-        if len(parts) != 2:
+        numbers = text.split(",")
+        if len(numbers) != 2:
             raise UserError(f"{flag}: write a value and its standard deviation, with a comma.")
-        prior = Prior(*(parse(part, dimension, f"--prior {name}") for part in parts))
+        prior = Prior(*(parse(number, dimension, f"--prior {name}") for number in numbers))
         if prior.deviation <= 0:
-            deviation = parts[1].strip()
-            raise UserError(f"{flag}: its standard deviation must be positive, got {deviation}.")
+            raise UserError(
+                f"{flag}: its standard deviation must be positive, got {numbers[1].strip()}."
+            )
         priors[name] = prior
     return priors
-
-
-def _fit(
-    record: "Record", start: "Muscle", names: list[str] | None, priors: Any, settings: Any,
-    update: Any,
-) -> tuple["Calibration", "Selection | None"]:  # fmt: skip
-    """Fit names, or select them by cross-validation."""
-    if names is None:
-        from ...calibrate.model_selection import select_model
-
-        choice = select_model(record, start, priors, **settings, progress=update)
-        return choice.calibration, choice
-    from ...calibrate.fitting import fit
-
-    update("fitting")
-    names = None if names == [_TUNING] else names
-    return fit(record, start, names, priors, **settings, whole=False), None
 
 
 def _compare(
     record: "Record", start: "Muscle", fit: "Calibration", priors: Any, settings: Any
 ) -> tuple[Any, ...]:
-    """Fit other laws: of resisting force where that was fitted, else of tension."""
+    """Fit other laws: of resisting force if that was fitted, else of tension."""
     from ...calibrate import comparison
 
     if fit.method == "constants" or fit.fit_data.pulls:
@@ -378,35 +365,25 @@ def _write(result: Result, folder: Path, overwrite: bool) -> list[str]:
     return [str(folder / name) for name in content]
 
 
-_CRITERIA = (
-    "AIC, BIC: by the likelihood of all readings, clipped ones too; at clipped: the largest pull of"
-    " a law where a reading was clipped"
-)
-_LABEL = 35  # characters of a label in a line, so that a table fits beside it
-_READINGS = {"pulling": "readings that pull", "all": "all readings"}
-
-
 def _print(result: Result) -> None:
     """Print the fit for a reader."""
-    from ...calibrate.messages import (
-        fit_data_lines,
-        hysteresis_message,
-        identifiability_text,
-        interval_texts,
-    )
+    from ...calibrate import messages
 
     fit = result.fit
     if fit.record.synthetic:
         print("synthetic: a model made these readings, no muscle was measured")
-    # assumptions are always shown; what a file remarks about itself is in the report
+    # assumptions are always printed; a file's notes on itself are in the report
     for note in (*result.remarks, *(n for n in fit.record.notes if ": note: " not in n)):
         print_line(note)
-    print_line("; ".join(fit_data_lines(fit.fit_data)))
+    print_line("; ".join(messages.fit_data_lines(fit.fit_data)))
     if result.choice is not None:
         _print_choice(result.choice)
-    rows = [[p.name, *interval_texts(p), identifiability_text(p)] for p in fit.parameters]
+    rows = [
+        [p.name, *messages.interval_texts(p), messages.identifiability_text(p)]
+        for p in fit.parameters
+    ]
     caption = f"intervals: {fit.intervals}"
-    if any(identifiability_text(p) == "not known" for p in fit.parameters):
+    if any(row[-1] == "not known" for row in rows):
         caption += "; not known: the data alone do not determine it"
     if rows:
         print_table("Parameters", ["", "value", "90 % interval", ""], rows, caption)
@@ -429,48 +406,51 @@ def _print(result: Result) -> None:
         f" {100 * fit.relative_rmse:.3g} % of the largest force; {fit.status}"
     )
     if fit.loop is not None:
-        print_line(hysteresis_message(fit))
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10**6
-    for about, lines in fit.warnings_by_topic.items():
-        print_line(f"warning: {about}:")
+        print_line(messages.hysteresis_message(fit))
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10**6  # files: no limit
+    for topic, lines in fit.warnings_by_topic.items():
+        print_line(f"warning: {topic}:")
         for line in lines:
             print(textwrap.fill(sanitize_line(line, 2000), width, break_long_words=False,
                                 initial_indent="- ", subsequent_indent="  "))  # fmt: skip
 
 
 def _print_choice(choice: "Selection") -> None:
-    """Print the candidates, and the reasons for the one that was selected."""
+    """Print the candidates, and the reasons for the selected one."""
 
-    def percent(share: float) -> str:
-        return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
+    def percent(fraction: float) -> str:
+        return f"{100 * fraction:.3g} %" if math.isfinite(fraction) else "-"
 
-    for readings, title in _READINGS.items():
+    titles = {"pulling": "readings that pull", "all": "all readings"}
+    for readings, title in titles.items():
         rows = [
-            [textwrap.fill(one.label, _LABEL), str(one.constants), percent(one.relative_rmse),
-             percent(one.relative_left_out_rmse), "taken" if one.chosen else ""]
-            for one in choice.candidates
-            if one.readings == readings
+            [textwrap.fill(candidate.label, _LABEL_WIDTH), str(candidate.constants),
+             percent(candidate.relative_rmse), percent(candidate.relative_left_out_rmse),
+             "selected" if candidate.chosen else ""]
+            for candidate in choice.candidates
+            if candidate.readings == readings
         ]  # fmt: skip
         if rows:
             heads = ["", "free", "rmse", "left out", ""]
-            print_table(f"Tried on {title}: error over the largest force", heads, rows)
+            print_table(f"Fits of {title}: error over the largest force", heads, rows)
     for line in choice.reasons:
         print_line(line)
 
 
 def _summary(result: Result) -> dict[str, Any]:
     """JSON of a calibration, in SI units."""
+
+    def fields(source: Any, *names: str) -> dict[str, Any]:
+        values = {name: getattr(source, name) for name in names}
+        return {
+            name: getattr(value, "tolist", lambda v=value: v)() for name, value in values.items()
+        }
+
     fit = result.fit
     summary = {
-        "rmse": fit.rmse,
-        "relative_rmse": fit.relative_rmse,
-        "points": fit.points,
-        "censored": fit.censored,
-        "status": fit.status,
+        **fields(fit, "rmse", "relative_rmse", "points", "censored", "status"),
         "parameters": {
-            p.name: {
-                name: getattr(p, name) for name in ("value", "low", "high", "identifiable", "bound")
-            }
+            p.name: fields(p, "value", "low", "high", "identifiable", "bound")
             for p in fit.parameters
         },
         "synthetic": fit.record.synthetic,
@@ -481,64 +461,43 @@ def _summary(result: Result) -> dict[str, Any]:
         "starts": fit.starts,
         "readings": fit.fit_data.counts(),
         "trends": [
-            {name: getattr(trend, name) for name in ("along", "share", "chance", "found")}
-            for trend in fit.diagnosis.trends
+            fields(trend, "along", "share", "chance", "found") for trend in fit.diagnosis.trends
         ],
-        "runs": [vars(one) for one in fit.diagnosis.runs],
+        "runs": [vars(run) for run in fit.diagnosis.runs],
         "wider": dict(zip(fit.names, fit.wider.tolist(), strict=True)),
         "causes": [vars(cause) for cause in fit.diagnosis.causes],
         "untold": list(fit.diagnosis.confounded),
-        "loop": _loop(fit.loop),
-        "friction": _friction(fit.friction),
+        "loop": None,
+        "friction": None,
         "intervals": "quick" if fit.bootstrapped is None else "bootstrap",
     }
+    if fit.loop is not None:
+        summary["loop"] = fields(fit.loop, "pressure", "width", "share", "half")
+    if (friction := fit.friction) is not None:
+        springs = ("stiffness", "slip_force", "slip_force_slope")
+        law = friction.law
+        summary["friction"] = {
+            **({name: [] for name in springs} if law is None else fields(law, *springs)),
+            "told": list(friction.resolved),
+            **fields(friction, "breakaway", "rmse", "pressures"),
+        }  # fmt: skip
     if (choice := result.choice) is not None:
         summary["candidates"] = [
-            {**vars(one), "names": list(one.names)} for one in choice.candidates
+            vars(candidate) | {"names": list(candidate.names)} for candidate in choice.candidates
         ]
         summary["reasons"] = list(choice.reasons)
     if result.profiles:
-        summary["profiles"] = {p.name: {"low": p.low, "high": p.high} for p in result.profiles}
-    if result.posterior is not None:
-        summary["posterior"] = _posterior(result.posterior)
+        summary["profiles"] = {p.name: fields(p, "low", "high") for p in result.profiles}
+    if (posterior := result.posterior) is not None:
+        columns = (posterior.names, posterior.interval(), posterior.r_hat, posterior.ess)
+        summary["posterior"] = {
+            **fields(posterior, "agrees", "divergences"),
+            "parameters": {
+                name: {"low": float(low), "high": float(high), "r_hat": float(r_hat),
+                       "ess": float(ess)}
+                for name, (low, high), r_hat, ess in zip(*columns, strict=True)
+            },
+        }  # fmt: skip
     if result.comparison:
         summary["comparison"] = [vars(row) for row in result.comparison]
     return summary
-
-
-def _loop(loop: Any) -> dict[str, Any] | None:
-    if loop is None:
-        return None
-    arrays = {name: getattr(loop, name).tolist() for name in ("pressure", "width", "share")}
-    return {**arrays, "half": loop.half}
-
-
-def _friction(friction: Any) -> dict[str, Any] | None:
-    if friction is None:
-        return None
-    law, names = friction.law, ("stiffness", "slip_force", "slip_force_slope")
-    springs = {name: [] if law is None else getattr(law, name).tolist() for name in names}
-    return {**springs, "breakaway": friction.breakaway.tolist(), "told": list(friction.resolved),
-            "rmse": friction.rmse, "pressures": friction.pressures}  # fmt: skip
-
-
-def _posterior(posterior: Any) -> dict[str, Any]:
-    parameters = {
-        name: {"low": float(low), "high": float(high), "r_hat": float(r_hat), "ess": float(ess)}
-        for name, (low, high), r_hat, ess in zip(
-            posterior.names, posterior.interval(), posterior.r_hat, posterior.ess, strict=True
-        )
-    }
-    return {"agrees": posterior.agrees, "divergences": posterior.divergences,
-            "parameters": parameters}  # fmt: skip
-
-
-def _finite(value: Any) -> Any:
-    """A value with `None` for numbers that JSON has none for."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value

@@ -3,7 +3,6 @@
 import datetime as dt
 import json
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
     from ...reports.design_summary import InfeasibleResult
 
 
-_PRINTED, _SAVED = 20, 30  # designs of the front that are printed, and that get a file
-_CASES = 20  # load cases that are printed
+_PRINTED, _SAVED = 20, 30  # designs of the front in the table, which fits a screen, and in files
+_CASES = 20  # load cases in the table
 
 
 def run(
@@ -36,12 +35,12 @@ def run(
         metavar="FOLDER",
     ),
     also: str | None = option(
-        "Further objectives to record, apart from the front's: reversal_depth,largest_force.",
+        "Further objectives to record, besides the front's: reversal_depth,largest_force.",
         metavar="LIST",
     ),
     generations: int | None = option(
-        "Generations of a search with NSGA-II instead of an evaluation of every design; sizes vary"
-        " continuously within the file's bounds (needs pymoo).",
+        "Generations of an NSGA-II search with continuous sizes, in place of an evaluation of every"
+        " design (needs pymoo).",
         min=1,
         max=100_000,
     ),
@@ -55,10 +54,10 @@ def run(
 ) -> int:
     """Recommend the cheapest bundle for a task, and alternatives.
 
-    Exit code 3 where no design reaches every load case: the nearest design is shown then, with what
+    Exit code 3 if no design reaches every load case: the nearest design is printed then, with what
     it misses and what would reach it.
     """
-    folder = result_folder("design", out, task, as_json, overwrite)
+    folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
     if generations is not None:
         require("pymoo")
     if checkpoint is not None:
@@ -74,108 +73,88 @@ def run(
 
     with user_errors():
         file = load_task(task)
+    problem = (file.space, file.task, file.senses, file.limits)
     extra = tuple(name.strip() for name in also.split(",")) if also is not None else ()
     begin = time.perf_counter()
     with status(f"evaluating {len(file.space)} designs") as update, user_errors():
-        result = _search(file, extra, generations, population, seed, checkpoint, update)
+        if generations is None:
+            from ...design.exhaustive_search import search
+
+            result = search(
+                *problem, extra, lambda done, count: update(f"{done} of {count} designs"),
+                file.catalog, file.least_margin,
+            )  # fmt: skip
+        else:
+            from ...design.genetic import evolve
+
+            result = evolve(
+                *problem, population, generations, seed,
+                checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
+                watch=lambda done: update(f"{done} of {generations} generations"),
+                catalog=file.catalog, least_margin=file.least_margin,
+            )  # fmt: skip
         update("evaluating the best of them")
-        scatter = _scatter(result, file.chance)
+        scatter, chance = None, file.chance
+        if chance is not None and result.reported.size:
+            from ...design.robust import spread
+
+            scatter = spread(
+                result.designs, result.task, tuple(result.values), result.limits, chance.scatter,
+                chance.muscles, chance.draws,
+            )  # fmt: skip
         seconds = time.perf_counter() - begin
-        answered = summarize_search(result)
+        answer = summarize_search(result)
     paths: list[str] = []
     if folder is not None:
         with status("drawing the report"):
-            paths = _write(result, answered, scatter, file.notes, seconds, folder, overwrite)
+            paths = _write(result, answer, scatter, file.notes, seconds, folder, overwrite)
     if as_json:
-        print(_json(result, answered, scatter, file.notes))
+        print(_json(result, answer, scatter, file.notes))
         return 0 if result.recommended is not None else INCOMPLETE
-    code = print_answer(result, answered, file.notes)
+    code = print_answer(result, answer, file.notes)
     if scatter is not None and result.recommended is not None:
-        share = scatter.probability[result.recommended]
-        print(f"with scatter of fabrication, it meets the task with a probability of {share:.2f}")
+        probability = scatter.probability[result.recommended]
+        print(
+            f"with scatter of fabrication, it meets the task with a probability of"
+            f" {probability:.2f}"
+        )
     if paths:
-        shown = paths if len(paths) < 5 else [*paths[:3], f"{len(paths) - 3} files more"]
-        print_line(f"wrote {', '.join(shown)}")
+        names = paths if len(paths) < 5 else [*paths[:3], f"{len(paths) - 3} more files"]
+        print_line(f"wrote {', '.join(names)}")
     return code
 
 
-def _search(
-    file: Any,
-    extra: tuple[str, ...],
-    generations: int | None,
-    population: int,
-    seed: int,
-    checkpoint: str | None,
-    update: Callable[[str], None],
-) -> "SearchResult":
-    """Evaluate every design, or search by generations."""
-    if generations is None:
-        from ...design.exhaustive_search import search
-
-        return search(
-            file.space, file.task, file.senses, file.limits, extra,
-            lambda done, count: update(f"{done} of {count} designs"), file.catalog,
-            file.least_margin,
-        )  # fmt: skip
-    from ...design.genetic import evolve
-
-    return evolve(
-        file.space, file.task, file.senses, file.limits, population, generations, seed,
-        checkpoint=None if checkpoint is None else Path(checkpoint), extra=extra,
-        watch=lambda done: update(f"{done} of {generations} generations"), catalog=file.catalog,
-        least_margin=file.least_margin,
-    )  # fmt: skip
-
-
-def _scatter(result: "SearchResult", chance: Any) -> Any:
-    """Scatter of the front's designs, where the task file asks for it."""
-    if chance is None or not result.reported.size:
-        return None
-    from ...design.robust import spread
-
-    return spread(
-        result.designs, result.task, tuple(result.values), result.limits, chance.scatter,
-        chance.muscles, chance.draws,
-    )  # fmt: skip
-
-
-def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] = ()) -> int:
+def print_answer(result: "SearchResult", answer: Any, notes: tuple[str, ...] = ()) -> int:
     """Print the recommended design and the front; or the nearest design.
 
     **Arguments:**
 
     - `result`: of a search.
-    - `answered`: of the reports' `answer`, a `Summary` or an `InfeasibleResult`.
-    - `notes`: on what the search left out.
+    - `answer`: its `Summary` or `InfeasibleResult`, by `summarize_search`.
+    - `notes`: on what the search omitted.
 
     **Returns:** the exit code: 0, or `INCOMPLETE`.
     """
+    from ...reports import design_summary
     from ...reports.design import compromise
-    from ...reports.design_summary import (
-        HEADS,
-        case_rows,
-        composition_text,
-        design_facts,
-        headline,
-        margin_warning,
-    )
 
     for note in notes:
         print_line(f"note: {note}")
-    unreached, summary = _parts(answered)
-    if unreached is None:
-        recommendation, margin, *reasons = headline(result, summary)
-        warning = margin_warning(result, summary)
+    infeasible, summary = _split(answer)
+    if infeasible is None:
+        recommendation, margin, *reasons = design_summary.headline(result, summary)
+        warning = design_summary.margin_warning(result, summary)
         warnings = [f"warning: {warning}"] if warning else []
         for line in (recommendation, margin, *warnings, *reasons):
             print_line(line)
-    rows, caption = case_rows(summary, _CASES)
-    print_table(f"Load cases, {composition_text(summary)}", list(HEADS), rows, caption)
-    if unreached is not None:
-        for line in unreached.lines():  # last, where it is read
+    rows, caption = design_summary.case_rows(summary, _CASES)
+    title = f"Load cases, {design_summary.composition_text(summary)}"
+    print_table(title, list(design_summary.HEADS), rows, caption)
+    if infeasible is not None:
+        for line in infeasible.lines():  # last, next to the prompt
             print_line(line)
         return INCOMPLETE
-    for name, text in design_facts(result, summary).items():
+    for name, text in design_summary.design_facts(result, summary).items():
         print_line(f"{name}: {text}")
     _print_front(result)
     for line in compromise(result):
@@ -183,55 +162,51 @@ def print_answer(result: "SearchResult", answered: Any, notes: tuple[str, ...] =
     return 0
 
 
-def _parts(answered: Any) -> "tuple[InfeasibleResult | None, Any]":
-    """The nearest design where none reaches every load case, and the summary of a design."""
+def _split(answer: Any) -> "tuple[InfeasibleResult | None, Any]":
+    """The infeasible result, if no design reaches every load case, and a design's summary."""
     from ...reports.design_summary import InfeasibleResult
 
-    return (
-        (answered, answered.summary) if isinstance(answered, InfeasibleResult) else (None, answered)
-    )
+    is_infeasible = isinstance(answer, InfeasibleResult)
+    return (answer, answer.summary) if is_infeasible else (None, answer)
 
 
 def _print_front(result: "SearchResult") -> None:
     """Print the designs of the Pareto front."""
-    from ...reports.design_summary import (
-        format_objective,
-        muscle_sizes,
-        objective_label,
-        task_requirement,
-    )
+    from ...reports import design_summary
 
-    kept = ""
+    values, reported = result.values, result.reported
+    counts = ""
     if result.judged == len(result.index):
         reaching, allowed = int(result.reaches_task.sum()), int(result.allowed.sum())
-        kept = f" {reaching} {task_requirement(result)}, {allowed} keep all limits too,"
-    print(f"{result.judged} designs,{kept} {len(result.front)} on the front")
+        requirement = design_summary.task_requirement(result)
+        counts = f" {reaching} {requirement}, {allowed} keep all limits too,"
+    print(f"{result.judged} designs,{counts} {len(result.front)} on the front")
     marks = {result.compromise: "c", result.recommended: "*"}
     if result.compromise == result.recommended:
         marks[result.recommended] = "* c"
-    first = range(min(len(result.front), _PRINTED))
+    indices = {*range(min(len(result.front), _PRINTED)), *(i for i in marks if i is not None)}
     rows = [
         [
             f"{index + 1} {marks.get(index, '')}".strip(),
             result.designs.labels[index],
-            *(format_objective(name, float(result.values[name][result.reported[index]]))
+            *(design_summary.format_objective(name, float(values[name][reported[index]]))
               for name in result.reported_objectives),
-            muscle_sizes(result, result.designs, index),
+            design_summary.muscle_sizes(result, result.designs, index),
         ]
-        for index in sorted({*first, *(int(index) for index in marks if index is not None)})
+        for index in sorted(map(int, indices))
     ]  # fmt: skip
-    heads = ["", "units", *map(objective_label, result.reported_objectives), "muscles"]
+    objectives = map(design_summary.objective_label, result.reported_objectives)
     caption = "*: recommended, c: best compromise"
     if result.cheapest not in result.front:
         caption += "; the recommended one isn't on the front"
-    if more := len(result.reported) - len(rows):
-        caption += f"; {more} more are in the files"
-    print_table("Designs on the Pareto front", heads, rows, caption)
+    if omitted := len(result.reported) - len(rows):
+        caption += f"; {omitted} more are in the files"
+    print_table("Designs on the Pareto front", ["", "units", *objectives, "muscles"], rows, caption)
 
 
 def _write(
     result: "SearchResult",
-    answered: Any,
+    answer: Any,
     scatter: Any,
     notes: tuple[str, ...],
     seconds: float,
@@ -241,58 +216,60 @@ def _write(
     """Write report, data and bundles; returns the files' paths."""
     from ...files import dumps
     from ...reports.design import report
-    from ...results.design_tables import case_variables, every_variables, front_variables
+    from ...results import design_tables
     from ...results.labelled import dataset, write_netcdf
 
     bundles = {
         f"bundle_{index + 1}.toml": dumps(result.designs.bundle(index, result.task))
         for index in range(min(len(result.reported), _SAVED))
     }
-    data: dict[str, Any] = {"designs.nc": every_variables(result)}
-    unreached, summary = _parts(answered)
-    if unreached is None and result.recommended is not None:
+    data: dict[str, Any] = {"designs.nc": design_tables.every_variables(result)}
+    infeasible, summary = _split(answer)
+    if infeasible is None and result.recommended is not None:
         recommended = dumps(result.designs.bundle(result.recommended, result.task))
         bundles = {"recommended.toml": recommended, **bundles}
-        data["front.nc"] = front_variables(result, scatter) | case_variables(summary)
+        data["front.nc"] = design_tables.front_variables(
+            result, scatter
+        ) | design_tables.case_variables(summary)
     files = [*data, *bundles]
     today = f"{dt.datetime.now().astimezone():%Y-%m-%d}"
-    page = report(result, today, files, seconds, scatter, notes, answered)
-    about = {"notes": " ".join(notes)} if notes else {}
+    page = report(result, today, files, seconds, scatter, notes, answer)
+    attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
+    attributes |= {"notes": " ".join(notes)} if notes else {}
 
     def fill(draft: Path) -> None:
         for name, text in {"report.html": page, **bundles}.items():
             (draft / name).write_text(text, encoding="utf-8")
         for name, variables in data.items():
-            title = f"Designs for {result.task.name}"
-            write_netcdf(dataset(variables, title=title, source=SOURCE, **about), draft / name)
+            write_netcdf(dataset(variables, **attributes), draft / name)
 
     write_folder(folder, overwrite, fill)
     return [str(folder / name) for name in ("report.html", *files)]
 
 
-def _json(result: "SearchResult", answered: Any, scatter: Any, notes: tuple[str, ...]) -> str:
+def _json(result: "SearchResult", answer: Any, scatter: Any, notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     from ...reports.design_summary import margin_warning
     from ...results.design_tables import case_variables, design_variables, front_variables
     from ...results.labelled import to_json
 
-    unreached, summary = _parts(answered)
-    warning = "" if unreached is not None else margin_warning(result, summary)
-    about = {
+    infeasible, summary = _split(answer)
+    warning = "" if infeasible is not None else margin_warning(result, summary)
+    data = {
         "reached": bool(summary.cases.reached.all()),
-        "limits_kept": unreached is None or unreached.keeps,
-        "notes": [*notes, *([] if unreached is None else [unreached.verdict()])],
+        "limits_kept": infeasible is None or infeasible.keeps,
+        "notes": [*notes, *([] if infeasible is None else [infeasible.verdict()])],
         "least_margin": result.least_margin,
         "warnings": [warning] if warning else [],
     }
-    if unreached is None:
+    if infeasible is None:
         variables = front_variables(result, scatter) | case_variables(summary)
-        return dump_json(about | json.loads(to_json(variables)))
-    nearest = design_variables(unreached.design) | case_variables(summary)
-    remedies = [
-        {"change": way.what, "now": way.now, "value": way.value, "looked_up_to": way.most,
-         "breaks": dict(way.breaks)}
-        for way in unreached.changes
+        return dump_json(data | json.loads(to_json(variables)))
+    nearest = design_variables(infeasible.design) | case_variables(summary)
+    data |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
+    data["would_reach"] = [
+        {"change": change.what, "now": change.now, "value": change.value,
+         "looked_up_to": change.most, "breaks": dict(change.breaks)}
+        for change in infeasible.changes
     ]  # fmt: skip
-    about |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
-    return dump_json(about | {"would_reach": remedies, "told": unreached.lines()})
+    return dump_json(data | {"told": infeasible.lines()})

@@ -4,7 +4,7 @@ from typing import Any
 
 from .. import options
 from ..errors import UserError, exit_incomplete, user_errors
-from ..inputs import check_grid, check_rising, read_bundle, read_list, read_one
+from ..inputs import check_grid, read_bundle, read_list, read_rising_strains, read_supply
 from ..options import option
 from ..outputs import Outputs, number, print_table, status
 
@@ -37,22 +37,18 @@ def run(
     """
     if path is not None and path not in _PATHS:
         raise UserError(f"--path {path}: choose one of {', '.join(_PATHS)}.")
-    supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
+    pressure, strains = read_supply(supply), read_rising_strains(strain)
     forces = None if force is None else read_list(force, "force", "--force")
-    strains = None if strain is None else read_list(strain, "strain", "--strain")
-    check_rising(strains)
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
-    bundle = read_bundle(file, supply_pressure)
-    units, paths = len(bundle.motor_units), _PATHS if path is None else (path,)
-    check_grid(units, len(forces or range(80)), len(strains or range(225)))
+    bundle = read_bundle(file, pressure)
+    paths = _PATHS if path is None else (path,)
+    check_grid(len(bundle.motor_units), len(forces or range(80)), len(strains or range(225)))
     from ...bundle.efficiency import efficiency_map
     from ...results import tables
 
     with status("finding efficiencies"), user_errors():
         maps = [
-            efficiency_map(
-                bundle, supply_pressure, path, forces, strains, not no_resistance, scheme
-            )
+            efficiency_map(bundle, pressure, path, forces, strains, not no_resistance, scheme)
             for path in paths
         ]
         variables = tables.efficiency(maps)
@@ -62,40 +58,37 @@ def run(
 
         return efficiency(*maps)
 
-    outputs.write(
-        variables, lambda: _print(variables, force is not None), draw, title=f"Efficiency of {file}"
-    )
-    share = variables["reached"].values
-    # by itself the map is of all points that are reached; points that were asked for are another
-    # matter, and so is a map of none
-    if not share.all() or (force is not None and share.min() < 1):
-        shares = ", ".join(f"{100 * x:.3g} % {path}" for path, x in zip(paths, share, strict=True))
-        exit_incomplete(f"not all points are reached ({shares}): the others have no efficiency.")
+    def table() -> None:
+        _print(variables, forces is not None)
+
+    outputs.write(variables, table, draw, title=f"Efficiency of {file}")
+    fractions = variables["reached"].values
+    # a map without given forces extends past the workspace: only an empty one is incomplete
+    if not fractions.all() or (forces is not None and fractions.min() < 1):
+        reached = zip(fractions, paths, strict=True)
+        texts = ", ".join(f"{100 * fraction:.3g} % {path}" for fraction, path in reached)
+        exit_incomplete(f"not all points are reached ({texts}): the others have no efficiency.")
 
 
 def _print(variables: Any, points: bool) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
-    if points:
-        for path, grid in zip(values["path"], values["efficiency"], strict=True):
-            _print_points(path, values["force"], values["strain"], grid)
     rows = [
-        [path, number(average, 4), f"{100 * share:.0f} %"]
-        for path, average, share in zip(
+        [path, number(average, 4), f"{100 * fraction:.0f} %"]
+        for path, average, fraction in zip(
             values["path"], values["average"], values["reached"], strict=True
         )
     ]
-    print_table("Average over the points reached", ["path", "efficiency", "reached"], rows)
-
-
-def _print_points(
-    path: str, forces: list[float], strains: list[float], grid: list[list[float]]
-) -> None:
-    """Print efficiencies; the longer of forces and strains runs down the page."""
-    cells = [[number(x, 4) for x in row] for row in grid]
-    down, across = [f"{force:.6g}" for force in forces], [f"{strain:.4g}" for strain in strains]
-    heads = ["force N", *across]
-    if len(strains) > len(forces):
-        heads, down = ["strain", *(f"{force} N" for force in down)], across
-        cells = list(zip(*cells, strict=True))
-    rows = [[name, *row] for name, row in zip(down, cells, strict=True)]
-    print_table(f"Efficiency, {path}, by strain", heads, rows, "-: not reached")
+    heads = ["path", "efficiency [-]", "points reached"]
+    print_table("Average over the points reached", heads, rows)
+    if not points:
+        return
+    forces = [f"{force:.6g}" for force in values["force"]]
+    strains = [f"{strain:.4g}" for strain in values["strain"]]
+    for path, grid in zip(values["path"], values["efficiency"], strict=True):
+        cells = [[number(value, 4) for value in row] for row in grid]
+        heads, labels = ["force [N]", *(f"strain {strain}" for strain in strains)], forces
+        if len(strains) > len(forces):  # the longer list runs down the page
+            heads, labels = ["strain [-]", *(f"{force} N" for force in forces)], strains
+            cells = zip(*cells, strict=True)
+        rows = [[label, *row] for label, row in zip(labels, cells, strict=True)]
+        print_table(f"Efficiency [-], {path}", heads, rows, "-: not reached")

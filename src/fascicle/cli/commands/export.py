@@ -24,7 +24,7 @@ def run(
         metavar="PATH",
     ),
     precision: str = option(
-        "Type of a table's numbers: float takes a seventh of the room.",
+        "Type of a table's numbers: float takes a seventh of the memory.",
         metavar="double|float",
         default="double",
     ),
@@ -33,7 +33,7 @@ def run(
         "Step that a unit asks of its host; default: 1 ms, or the controller's.", metavar="TIME"
     ),
     platform: str | None = option(
-        "Platform of a unit, in FMI's words; default: this one.", metavar="NAME"
+        "Platform of a unit, as FMI names it; default: this one.", metavar="NAME"
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> None:
@@ -44,83 +44,74 @@ def run(
     controller's step. `--fmu`: the same for Simulink, OpenModelica and others, with its sources,
     built by a C compiler. All hold the numbers of the file as they are now.
     """
-    folders = {"--c": c, "--table": table}
-    paths = {
-        flag: [Path(folder) / f"{name}.{end}" for end in ("h", "c")]
-        for flag, folder in folders.items()
-        if folder is not None
-    }
-    if not paths and fmu is None:
+    if c is None and table is None and fmu is None:
         raise UserError("nothing to write: give --c or --table and a folder, or --fmu and a file.")
     if fmu is not None:
         check_file("--fmu", fmu, overwrite, [".fmu"])
     target = _read(file, c is not None)
-    from ...export import c_code, tabulated
-    from ...export.c_files import checked_name
-    from ...export.c_table import written
-    from ...io.atomic import check_writable
+    from ... import export
+    from ...export.c_files import check_name
+    from ...export.fmu import UnbuiltUnitError
 
     with user_errors():
-        checked_name(name)
-    for flag, pair in paths.items():
-        with user_errors(f"{flag} "):
-            check_writable(pair[0].parent, folder=True)
-        for path in pair:
-            if path.parent.is_dir():
-                check_file(flag, path, overwrite)
+        check_name(name)
+    for flag, folder in (("--c", c), ("--table", table)):
+        if folder is not None:
+            _check_folder(flag, folder, name, overwrite)
     if c is not None:
         with status("writing the law as C"), user_errors():
-            texts = c_code(target, name)
-        _write("--c", paths["--c"], texts, overwrite)
+            texts = export.c_code(target, name)
+        _write("--c", c, name, texts, overwrite)
     if table is not None:
         with status("computing the table"), user_errors():
-            result = tabulated(target, precision)
-            texts = written(result, name, precision)
-        _write("--table", paths["--table"], texts, overwrite)
-        print_line(result.errors)
+            tables = export.tabulate(target, precision)
+            texts = tables.code(name)
+        _write("--table", table, name, texts, overwrite)
+        print_line(tables.errors)
     if fmu is not None:
-        _write_unit(target, fmu, name, sample_time, platform, overwrite)
+        message = ""
+        with (
+            status("computing the table, building the unit"),
+            write_file("", fmu, overwrite) as draft,
+        ):
+            try:
+                export.write_fmu(target, draft, name, sample_time, platform)
+            except UnbuiltUnitError as error:
+                message = f"{error}"
+        if message:
+            raise UserError(f"--fmu {fmu}: {message}: the file holds sources only.")
+        print_line(f"wrote {fmu}")
 
 
 def _read(file: str, law: bool) -> Any:
-    """The muscle or bundle, or the controller of a scenario, for its table."""
+    """Read a muscle, a bundle, or a scenario's controller; `law`: the law itself is exported."""
     if not is_scenario(file):
         return read_target(file)
     if law:
         raise UserError(f"--c: {file} is a scenario, the law is a bundle's: give --table.")
     scenario = read_scenario(file)
-    from ...export.controlling import bundle_of
+    if scenario.control:
+        return scenario.control.controller
+    from ...export.controller import single_bundle
 
     with user_errors():
-        return scenario.control.controller if scenario.control else bundle_of(scenario.plant)
+        return single_bundle(scenario.plant)
 
 
-def _write(flag: str, paths: list[Path], texts: tuple[str, str], overwrite: bool) -> None:
+def _check_folder(flag: str, folder: str, name: str, overwrite: bool) -> None:
+    from ...io.atomic import check_writable
+
     with user_errors(f"{flag} "):
-        paths[0].parent.mkdir(parents=True, exist_ok=True)
+        check_writable(folder, folder=True)
+    if Path(folder).is_dir():
+        for suffix in (".h", ".c"):
+            check_file(flag, Path(folder) / f"{name}{suffix}", overwrite)
+
+
+def _write(flag: str, folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
+    with user_errors(f"{flag} "):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    paths = [Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c")]
     for path, text in zip(paths, texts, strict=True):
         write_text(flag, path, overwrite, text)
     print_line(f"wrote {paths[0]} and {paths[1]}")
-
-
-def _write_unit(
-    target: Any,
-    path: str,
-    name: str,
-    sample_time: str | None,
-    platform: str | None,
-    overwrite: bool,
-) -> None:
-    from ...export import write_fmu
-    from ...export.fmu import Unbuilt
-
-    unbuilt: Unbuilt | None = None
-    building = status("computing the table, building the unit")
-    with building, write_file("", path, overwrite) as draft:
-        try:
-            write_fmu(target, draft, name, sample_time, platform)
-        except Unbuilt as error:
-            unbuilt = error
-    if unbuilt is not None:
-        raise UserError(f"--fmu {path}: {unbuilt}: the file holds sources only.")
-    print_line(f"wrote {path}")

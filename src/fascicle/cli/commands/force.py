@@ -5,10 +5,10 @@ from typing import Any
 from .. import options
 from ..errors import user_errors
 from ..inputs import check_grid, read_list, read_muscle
-from ..outputs import Outputs, decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, status
 
 
-_MARKS = (" ", "b", "c", "s")
+_REGIONS = (" ", "b", "c", "s")  # marks of the result's regions 0 to 3
 _CAPTION = "b: past the free strain, buckled; c: collapsed; s: compressed straight"
 
 
@@ -45,18 +45,18 @@ def _print(variables: Any) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     heads = [f"{pressure / 1e3:.6g} kPa" for pressure in values["pressure"]]
     rows = [
-        [title, *(number(strain, 4) for strain in values[name])]
-        for title, name in (("free", "free_strain"), ("collapse", "collapse_strain"))
+        [label, *(number(strain, 4) for strain in values[name])]
+        for label, name in (("free", "free_strain"), ("collapse", "collapse_strain"))
     ]
-    print_table("Free strain and strain of collapse", ["", *heads], rows)
-    places = decimals(force for row in values["force"] for force in row)
-    # transposed: strains run down the page, pressures across
-    columns = [
-        [f"{number(force, places)}{_MARKS[region]}" for force, region in zip(*pair, strict=True)]
-        for pair in zip(values["force"], values["region"], strict=True)
+    print_table("Free strain and collapse strain", ["strain [-]", *heads], rows)
+    decimals = count_decimals(variables["force"].values.ravel())
+    columns = zip(values["force"], values["region"], strict=True)
+    cells = [
+        [
+            f"{number(force, decimals)}{_REGIONS[region]}"
+            for force, region in zip(*column, strict=True)
+        ]
+        for column in columns
     ]
-    rows = [
-        [f"{strain:.6g}", *row]
-        for strain, row in zip(values["strain"], zip(*columns, strict=True), strict=True)
-    ]
-    print_table("Force in N by strain", ["strain", *heads], rows, _CAPTION)
+    rows = [[f"{strain:.6g}", *row] for strain, *row in zip(values["strain"], *cells, strict=True)]
+    print_table("Force [N] by strain and pressure", ["strain [-]", *heads], rows, _CAPTION)

@@ -5,7 +5,7 @@ from typing import Any
 from .. import options
 from ..errors import UserError, user_errors
 from ..inputs import check_grid, is_bundle, read_list, read_states, read_target
-from ..outputs import Outputs, decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, status
 from .bundle import check_equilibria, print_states
 
 
@@ -53,14 +53,12 @@ def run(
 
 
 def _print(variables: Any) -> None:
-    columns = [variable.values.tolist() for variable in variables.values()]
-    places = [
-        4 if name.endswith("strain") else decimals(column)
-        for name, column in zip(variables, columns, strict=True)
-    ]
-    rows = [
-        [f"{row[0] / 1e3:.6g}", *(number(x, n) for x, n in zip(row[1:], places[1:], strict=True))]
-        for row in zip(*columns, strict=True)
-    ]
-    heads = ["pressure kPa", "free strain", "blocked force N", "collapse strain", "at N m"]
+    columns = [[f"{pressure / 1e3:.6g}" for pressure in variables["pressure"].values.tolist()]]
+    for name in [*variables][1:]:
+        values = variables[name].values.tolist()
+        decimals = 4 if name.endswith("strain") else count_decimals(values)
+        columns.append([number(value, decimals) for value in values])
+    heads = ["pressure [kPa]", "free strain [-]", "blocked force [N]", "collapse strain [-]",
+             "collapse moment [N·m]"]  # fmt: skip
+    rows = [*zip(*columns, strict=True)]
     print_table("Free strain, blocked force and collapse", heads, rows)

@@ -37,30 +37,24 @@ def run(
             names = ", ".join(scenarios())
             raise UserError(f"--from {example}: not a scenario: choose one of {names}.")
     with user_errors():
-        if example is not None:
-            text = example_text(example)
-        else:
-            text = template("task") if task else template("muscle", **_laws())
+        text = example_text(example) if example else template("task" if task else "muscle")
     write_text("", path, overwrite, text)
     print_line(f"wrote {path}")
 
 
-def template(kind: str, **values: str) -> str:
-    """Commented file of a kind, "muscle" or "task"; `values`: by the names that it leaves open."""
+def template(kind: str) -> str:
+    """Commented file of a kind, "muscle" or "task"."""
+    values = {}
+    if kind == "muscle":
+        with status("loading the laws"):
+            from ...core.validation import NEUTRAL_ANGLE
+            from ...muscle import LAWS
+            from ...muscle.materials import MATERIALS
+
+        values["angle"] = f"{degrees(NEUTRAL_ANGLE):.1f}"
+        for law, names in {"material": MATERIALS, **LAWS}.items():
+            key = "law" if law == "collapse" else law  # it has a table
+            first, *alternatives = (f'"{name}"' for name in names)
+            values[law] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(alternatives)
     text = (files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(encoding="utf-8")
     return Template(text).substitute(values, schemes=format_names('"', 1))
-
-
-def _laws() -> dict[str, str]:
-    """Lines of a muscle file with the names of all materials and laws; its largest angle."""
-    with status("loading the laws"):
-        from ...core.validation import NEUTRAL_ANGLE
-        from ...muscle import LAWS
-        from ...muscle.materials import MATERIALS
-
-    lines = {"angle": f"{degrees(NEUTRAL_ANGLE):.1f}"}
-    for kind, names in {"material": MATERIALS, **LAWS}.items():
-        key = "law" if kind == "collapse" else kind  # it has a table
-        first, *others = (f'"{name}"' for name in names)
-        lines[kind] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(others)
-    return lines

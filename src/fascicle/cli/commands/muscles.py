@@ -24,5 +24,5 @@ def run(
     elif as_json:
         print(json.dumps(examples()))
     else:
-        for known, about in examples().items():
-            print(f"{known:24}{about}")
+        for example, description in examples().items():
+            print(f"{example:24}{description}")

@@ -6,7 +6,7 @@ from typing import Any
 
 from .. import options
 from ..errors import UserError, user_errors
-from ..inputs import check_grid, read_list, read_muscle, read_one
+from ..inputs import check_grid, read_list, read_muscle, read_quantity
 from ..options import flag, option
 from ..outputs import check_file, print_line, write_file
 
@@ -21,7 +21,7 @@ def run(
         metavar="LIST",
     ),
     samples: int = option("Readings in one sweep.", default=200, min=2),
-    one_way: bool = flag("Contraction only, without the way back.", "--one-way"),
+    one_way: bool = flag("Contraction only, without the return.", "--one-way"),
     noise: str = option(
         "Standard deviation of the load cell, as a share of the largest force.",
         metavar="SHARE",
@@ -60,14 +60,14 @@ def run(
         "both_ways": not one_way,
         "preconditioning": preconditioning,
         "clip": clip,
-        "noise": _share(noise, "--noise"),
-        "resolution": read_one(resolution, "force", "--resolution"),
-        "pressure_noise": read_one(pressure_noise, "pressure", "--pressure-noise"),
-        "displacement_noise": read_one(displacement_noise, "length", "--displacement-noise"),
-        "hysteresis": _share(hysteresis, "--hysteresis"),
-        "mullins": _share(mullins, "--mullins"),
-        "length_scatter": _share(length_scatter, "--length-scatter"),
-        "angle_scatter": read_one(angle_scatter, "angle", "--angle-scatter"),
+        "noise": _read_share(noise, "--noise"),
+        "resolution": read_quantity(resolution, "force", "--resolution"),
+        "pressure_noise": read_quantity(pressure_noise, "pressure", "--pressure-noise"),
+        "displacement_noise": read_quantity(displacement_noise, "length", "--displacement-noise"),
+        "hysteresis": _read_share(hysteresis, "--hysteresis"),
+        "mullins": _read_share(mullins, "--mullins"),
+        "length_scatter": _read_share(length_scatter, "--length-scatter"),
+        "angle_scatter": read_quantity(angle_scatter, "angle", "--angle-scatter"),
     }
     if pressure is not None:
         settings["pressures"] = read_list(pressure, "pressure", "--pressure")
@@ -93,18 +93,16 @@ def run(
     if as_json:
         print(json.dumps(summary))
         return
-    print_line(
-        f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} of them clipped"
-    )
+    print_line(f"wrote {out}: {len(record)} synthetic readings, {summary['censored']} clipped")
     print(
-        f"contraction to {summary['largest_strain']:.4f},"
-        f" force to {summary['largest_force']:.4g} N, seed {seed}"
+        f"largest contraction {summary['largest_strain']:.4f}, largest force"
+        f" {summary['largest_force']:.4g} N, seed {seed}"
     )
 
 
-def _share(text: str, name: str) -> float:
+def _read_share(text: str, name: str) -> float:
     """Read a share, with its percent sign or none."""
     unit = re.match(r"\s*([+]?[\d.]+)\s*[^\W\d]", text)
     if unit is None:
-        return read_one(text, "number", name)
+        return read_quantity(text, "number", name)
     raise UserError(f"{name} must be a share, got {text!r}: write {unit[1]} %.")

@@ -4,12 +4,13 @@ from typing import Any
 
 from .. import options
 from ..errors import exit_incomplete, user_errors
-from ..inputs import check_grid, read_bundle, read_list, read_one
+from ..inputs import check_grid, read_bundle, read_list, read_supply
 from ..options import option
-from ..outputs import Outputs, decimals, number, print_table, status
+from ..outputs import Outputs, count_decimals, number, print_table, status
+from .bundle import unstable_caption
 
 
-_UNREACHED = {1: "more than", 2: "less than"}
+_UNREACHED = {1: "more than", 2: "less than"}  # by status
 
 
 def run(
@@ -38,11 +39,10 @@ def run(
 
     The solution that takes least fluid; other solutions are listed beside it.
     """
-    forces = read_list(force, "force", "--force")
-    strains = read_list(strain, "strain", "--strain")
-    supply_pressure = None if supply is None else read_one(supply, "pressure", "--supply")
+    forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
+    pressure = read_supply(supply)
     outputs = Outputs(as_json, as_csv, out, None, overwrite)
-    bundle = read_bundle(file, supply_pressure)
+    bundle = read_bundle(file, pressure)
     units = len(bundle.motor_units)
     check_grid(len(forces), len(strains), units, units)
     import numpy as np
@@ -51,16 +51,12 @@ def run(
     from ...bundle.bundle import resolve_scheme
     from ...results.tables import recruited
 
+    demands = np.array(forces)
     with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
         result = recruitment.recruit(
-            bundle,
-            np.array(forces)[:, None],
-            strains,
-            supply_pressure,
-            scheme,
-            resistance=not no_resistance,
+            bundle, demands[:, None], strains, pressure, scheme, resistance=not no_resistance
         )
-        variables = recruited(result, np.array(forces), np.array(strains))
+        variables = recruited(result, demands, np.array(strains))
     is_free = resolve_scheme(bundle, scheme).independent
     outputs.write(variables, lambda: _print(variables, is_free), title=f"Recruitment of {file}")
     unreached = variables["status"].values
@@ -72,41 +68,38 @@ def run(
 
 
 def _print(variables: Any, is_free: bool) -> None:
-    values = {name: variable.values.tolist() for name, variable in variables.items()}
-    places = decimals(force for row in values["force"] for force in row)
-    rows, unreached = [], []
-    for i, demand in enumerate(values["demand"]):
-        for j, strain in enumerate(values["strain"]):
-            rows.append(_row(values, i, j, places))
-            if code := values["status"][i][j]:
-                unreached.append(
-                    f"{demand:.6g} N at a strain of {strain:.6g} is {_UNREACHED[code]} can be"
-                    f" reached: the nearest is {number(values['force'][i][j], places)} N."
-                )
-    units = len(values["pressures"][0][0])
-    heads = ["demand N", "strain", "state", *(f"P{unit + 1} kPa" for unit in range(units))]
-    caption = "u: unstable, the force rises with strain there"
-    print_table("Recruitment", [*heads, "force N", "other solutions"], rows, caption, keys=2)
+    values = {name: variable.values for name, variable in variables.items()}
+    decimals = count_decimals(values["force"].ravel())
+    import numpy as np
+
+    rows, messages = [], []
+    for index, code in np.ndenumerate(values["status"]):
+        demand, strain = f"{values['demand'][index[0]]:.6g}", f"{values['strain'][index[1]]:.6g}"
+        force, state = number(values["force"][index], decimals), values["state"][index]
+        solution = values["throttled_pressure"][index], state
+        others = [
+            f"{other_state}: {pressure / 1e3:.6g} kPa{'' if is_stable else ' u'}"
+            for pressure, other_state, is_stable in zip(
+                *(values[f"solution_{name}"][index] for name in ("pressure", "state", "stable")),
+                strict=True,
+            )
+            if other_state and (pressure, other_state) != solution
+        ]
+        pressures = [f"{pressure / 1e3:.6g}" for pressure in values["pressures"][index]]
+        mark = "" if values["stable"][index] else " u"
+        rows.append(
+            [demand, strain, f"{state}", *pressures, force + mark, "\n".join(others) or "-"]
+        )
+        if code:
+            messages.append(
+                f"{demand} N at a strain of {strain} is {_UNREACHED[int(code)]} can be reached:"
+                f" the nearest is {force} N."
+            )
+    print(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
+    units = [f"P{unit + 1} [kPa]" for unit in range(values["pressures"].shape[-1])]
+    heads = ["demand [N]", "strain [-]", "state", *units, "force [N]", "other solutions"]
+    print_table("Pressures for each demand", heads, rows, unstable_caption(rows), keys=2)
     if is_free:
-        print("Of all pressures that give it, those that take least fluid; others aren't listed.")
-    for line in unreached:
-        print(line)
-
-
-def _row(values: Any, i: int, j: int, places: int) -> list[str]:
-    """Solution of a demand; other solutions as state and throttled pressure."""
-    solution = values["throttled_pressure"][i][j], values["state"][i][j]
-    names = ("solution_pressure", "solution_state", "solution_stable")
-    others = [
-        f"{state}: {pressure / 1e3:.6g} kPa{'' if is_stable else ' u'}"
-        for pressure, state, is_stable in zip(*(values[name][i][j] for name in names), strict=True)
-        if state and (pressure, state) != solution
-    ]
-    return [
-        f"{values['demand'][i]:.6g}",
-        f"{values['strain'][j]:.6g}",
-        f"{values['state'][i][j]}",
-        *(f"{pressure / 1e3:.6g}" for pressure in values["pressures"][i][j]),
-        number(values["force"][i][j], places) + ("" if values["stable"][i][j] else " u"),
-        "\n".join(others) or "-",
-    ]
+        print("The pressures are those with the least fluid; other solutions are not listed.")
+    for message in messages:
+        print(message)

@@ -11,7 +11,7 @@ from .. import options
 from ..errors import INCOMPLETE, UserError, user_errors
 from ..inputs import load_laws
 from ..options import argument, option
-from ..outputs import check_folder, print_line, status, write_folder
+from ..outputs import print_line, result_folder, status, write_folder
 
 
 MEASUREMENTS = "measurements"
@@ -28,42 +28,37 @@ def run(
 ) -> None:
     """Reproduce the figures and check the claims of a paper.
 
-    Exit code 1 if a claim fails: one that isn't known to differ; 3 if no measured record is in
-    reach, or some had to be left out.
+    Exit code 1 if a claim fails that isn't known to differ; 3 if no measured record is available,
+    or some were omitted.
     """
+    import fascicle
+
     if paper not in ("kim2021", MEASUREMENTS):
-        raise UserError(f"{paper}: no such paper here, choose kim2021, or {MEASUREMENTS}.")
+        raise UserError(f"{paper}: no such paper, choose kim2021, or {MEASUREMENTS}.")
+    checkout = Path(fascicle.__file__).resolve().parents[2]  # has `reproduction`, unlike a wheel
+    if not (checkout / "reproduction" / "claims.py").is_file():
+        raise UserError(
+            f"reproduce runs in a checkout of fascicle alone, and {checkout} has no folder"
+            " `reproduction`: clone the repository and run `make reproduce` there."
+        )
+    if str(checkout) not in sys.path:
+        sys.path.append(str(checkout))
     folder = Path(f"out/{paper}" if out is None else out)
-    _add_checkout()
+    load_laws()
     if paper == MEASUREMENTS:
         _compare_measurements(folder, overwrite)
     else:
         _check_claims(folder, overwrite)
 
 
-def _add_checkout() -> None:
-    """Add the checkout to Python's path, whose `reproduction` lies beside the package."""
-    import fascicle
-
-    folder = Path(fascicle.__file__).resolve().parents[2]
-    if not (folder / "reproduction" / "claims.py").is_file():
-        raise UserError(
-            f"reproduce runs in a checkout of fascicle alone, and {folder} has no folder"
-            " `reproduction`: clone the repository and run `make reproduce` there."
-        )
-    if str(folder) not in sys.path:
-        sys.path.append(str(folder))
-
-
 def _compare_measurements(folder: Path, overwrite: bool) -> None:
     """Compare every law with every measured record that is available."""
-    load_laws()
     with status("reading the records"), user_errors():
         measurements = import_module("reproduction.measurements")
         records = measurements.measured_records()
     omitted = [record for record in records if record.left_out]
     for record in omitted:
-        print_line(f"left out: {record.name}: {record.left_out}")
+        print_line(f"omitted: {record.name}: {record.left_out}")
     if len(omitted) == len(records):
         print_line(measurements.no_records_message())
         raise typer.Exit(INCOMPLETE)
@@ -83,9 +78,8 @@ def _compare_measurements(folder: Path, overwrite: bool) -> None:
 
 
 def _check_claims(folder: Path, overwrite: bool) -> None:
-    """Make the paper's figures, and check its claims."""
+    """Draw the paper's figures, and check its claims."""
     _make_folder(folder, overwrite)
-    load_laws()
     with status("loading the paper's figures"):
         kim2021 = import_module("reproduction.kim2021.reproduction")
         terminal = import_module("reproduction.terminal")
@@ -107,12 +101,12 @@ def _check_claims(folder: Path, overwrite: bool) -> None:
 
 
 def _make_folder(folder: Path, overwrite: bool) -> None:
-    """Make the folder, or refuse one that can't be written, before the minutes of work."""
-    with user_errors("--out "):
-        if folder.exists() and not folder.is_dir():
-            raise NotADirectoryError(f"{folder}: it is no folder.")
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OSError(f"{folder}: can't be made: {error.strerror or error}.") from None
-    check_folder(folder, overwrite)
+    """Create the folder, or refuse one that can't be written, before the minutes of work."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise UserError(f"--out {folder}: it is no folder.") from None
+    except OSError as error:
+        reason = error.strerror or error
+        raise UserError(f"--out {folder}: can't be created: {reason}.") from None
+    result_folder(f"{folder}", "", False, overwrite)

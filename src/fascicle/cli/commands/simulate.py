@@ -12,24 +12,24 @@ from ..options import argument, flag, option
 from ..outputs import (
     Outputs,
     check_file,
-    decimals,
+    count_decimals,
     number,
     print_line,
     print_table,
     status,
     write_text,
-)
+)  # fmt: skip
+
+
+_UNTRUSTED = 1  # exit code
+_MAX_EVENTS = 20  # printed lines: about a screen
+_ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 
 
 def _complete_scenario(incomplete: str) -> list[str]:
     from ...files import scenarios
 
     return [name for name in scenarios() if name.startswith(incomplete)]
-
-
-_UNTRUSTED = 1  # exit code
-_MAX_EVENTS = 20  # that are printed
-_ROUNDING = 1e-14  # of a balance's largest term: what rounding makes of a zero
 
 
 def run(
@@ -57,13 +57,13 @@ def run(
 ) -> int:
     """Simulate a bundle over time and report its energy balance.
 
-    Exit code 1 where a balance does not close, or an event makes the run untrustworthy.
+    Exit code 1 if a balance does not close, or an event makes the run untrustworthy.
     """
     outputs = Outputs(as_json, as_csv, out, plot, overwrite)
     if report is not None:
         check_file("--report", report, overwrite, [".html"])
     if compare and policy is not None:
-        raise UserError("--compare runs every policy: leave out --policy.")
+        raise UserError("--compare runs every policy: drop --policy.")
     with status("reading the scenario") as update:
         study = read_scenario(scenario)
         if policy is not None or compensate is not None:
@@ -83,7 +83,6 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     balances, doubts = audit_run(study.plant, result)
     control = study.control
     controller = () if control is None else (control.controller, control.reference)
-    table = simulated(study.plant, result, balances, *controller)
 
     def draw() -> Any:
         from ...plot.trajectory import traces
@@ -93,7 +92,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
 
     notes = [*study.notes, *([f"can't be trusted: {'; '.join(doubts)}"] if doubts else [])]
     outputs.write(
-        table,
+        simulated(study.plant, result, balances, *controller),
         lambda: _print(study, result, balances),
         draw,
         title=f"Simulation of {study.name}",
@@ -102,8 +101,7 @@ def _simulate(study: Any, outputs: Outputs, report: str | None) -> int:
     if report is not None:
         from ...reports.simulation import report as page
 
-        text = page(study, result, balances, doubts, _today())
-        _write_report(report, outputs, text)
+        _write_report(report, outputs, page(study, result, balances, doubts, _today()))
     return _print_doubts({f"{study.name}: the run": doubts})
 
 
@@ -121,33 +119,30 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
         for index, policy in enumerate(POLICIES, start=1):
             update(f"simulating {policy}, policy {index} of {len(POLICIES)}")
             with user_errors():
-                one = study.with_policy(policy)
-                result = one.run()
-            _, doubts = audit_run(one.plant, result)
-            demand = pages.run_demand(one, result)
+                variant = study.with_policy(policy)
+                result = variant.run()
+            _, doubts = audit_run(variant.plant, result)
+            demand = pages.run_demand(variant, result)
             assert demand is not None
-            metrics = pages.control_worth(one.control, result)
-            runs[policy] = pages.PolicyRun(one.control, result, metrics, demand, doubts)
+            metrics = pages.control_worth(variant.control, result)
+            runs[policy] = pages.PolicyRun(variant.control, result, metrics, demand, doubts)
     metrics = [run.worth for run in runs.values()]
-    controllers = {name: run.controlled.controller for name, run in runs.items()}
+    controllers = {name: run.control.controller for name, run in runs.items()}
     table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
     front = table["on_front"].values.tolist()
-
-    def draw() -> Any:
-        costs = PolicyCosts(
-            [m.drawdown for m in metrics], [m.supply_energy for m in metrics], front
-        )
-        pairs = {name: (run.run, run.demand) for name, run in runs.items()}
-        return policies(study.plant, pairs, costs)
-
+    quantity = study.control.controller.of
     notes = [f"{note}." for note in pages.policy_notes(study, runs)]
 
-    def table_for_reader() -> None:
-        of = study.control.controller.of
+    def draw() -> Any:
+        drawdowns, energies = zip(*((m.drawdown, m.supply_energy) for m in metrics), strict=True)
+        pairs = {name: (run.run, run.demand) for name, run in runs.items()}
+        return policies(study.plant, pairs, PolicyCosts([*drawdowns], [*energies], front))
+
+    def print_policies() -> None:
         print_table(
-            f"Policies on {study.name}, control of {of}",
-            pages.policy_heads(study.plant, of),
-            pages.policy_rows(study.plant, of, runs, front),
+            f"Policies on {study.name}, control of {quantity}",
+            pages.policy_heads(study.plant, quantity),
+            pages.policy_rows(study.plant, quantity, runs, front),
             "front: no other policy has less drawdown for as much energy, or takes less energy for"
             " as much drawdown",
         )
@@ -155,14 +150,14 @@ def _compare(study: Any, outputs: Outputs, report: str | None) -> int:
             print_line(f"note: {note}")
 
     title = f"Policies of {study.name}"
-    outputs.write(table, table_for_reader, draw, title=title, notes=" ".join(notes))
+    outputs.write(table, print_policies, draw, title=title, notes=" ".join(notes))
     if report is not None:
         _write_report(report, outputs, pages.policy_report(study, runs, front, draw(), _today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
 
 
 def audit_run(plant: Any, result: Any) -> tuple[Any, list[str]]:
-    """Audit of a run; `None` of a chamber that keeps no balance. Reasons not to trust it."""
+    """Audit of a run, `None` for a chamber without a balance; and reasons not to trust the run."""
     from ...dynamics import audit, events
 
     audited, doubts = None, []
@@ -171,8 +166,8 @@ def audit_run(plant: Any, result: Any) -> tuple[Any, list[str]]:
     except ValueError as error:
         doubts.append(str(error).rstrip("."))
     doubts += [
-        f"the {balance.name} doesn't close, {balance.share:.1e} of its largest term is left over"
-        f" ({balance.closes_within:g} would pass)"
+        f"the {balance.name} doesn't close: its residual is {balance.share:.1e} of its largest"
+        f" term, more than {balance.closes_within:g}"
         + (f": {balance.remedy}" if balance.remedy else "")
         for balance in (audited.balances if audited else ())
         if not balance.closes
@@ -197,43 +192,49 @@ def _write_report(path: str, outputs: Outputs, page: str) -> None:
 
 def _print_doubts(doubts: dict[str, list[str]]) -> int:
     """Print reasons not to trust runs; returns the exit code."""
-    sys.stdout.flush()  # in this order, also where both go to one place
+    sys.stdout.flush()  # keeps the order if both streams go to one file
     for run, reasons in doubts.items():
         if reasons:
             print_line(f"{run} can't be trusted: {'; '.join(reasons)}", error=True)
     return _UNTRUSTED if any(doubts.values()) else 0
 
 
-def _print(study: Any, result: Any, balances: Any) -> None:
+def _print(study: Any, result: Any, audited: Any) -> None:
     from ...dynamics import events
 
-    seen, plant = result.seen, study.plant
+    outputs, plant = result.seen, study.plant
+    balances = audited.balances if audited else ()
+    print_line(
+        f"{study.name}: {result.time[-1]:g} s in {len(result.time) - 1} steps of"
+        f" {1e3 * study.dt:g} ms, {result.substeps} substeps each"
+    )
+    if balances:
+        closed = sum(balance.closes for balance in balances)
+        print(f"{closed} of {len(balances)} balances close")
     for note in study.notes:
         print_line(f"note: {note}")
     unit, factor = ("deg", math.degrees(1)) if plant.load.unit == "rad" else ("mm", 1e3)
-    print(
-        f"{result.time[-1]:g} s in {len(result.time) - 1} steps of {1e3 * study.dt:g} ms,"
-        f" {result.substeps} substeps each"
-    )
-    places = decimals(factor * seen.position)
-    steps = {"start": 0, "lowest": seen.position.argmin(), "highest": seen.position.argmax(),
-             "end": -1}  # fmt: skip
+    position = factor * outputs.position
+    decimals = count_decimals(position)
+    steps = {"start": 0, "lowest": position.argmin(), "highest": position.argmax(), "end": -1}
     rows = [
         [
             name,
             f"{result.time[k]:g}",
-            number(factor * float(seen.position[k]), places),
-            *(number(float(P) / 1e3, 1) for P in seen.pressures[k]),
-            number(float(seen.supply_pressure[k]) / 1e3, 1),
+            number(float(position[k]), decimals),
+            *(
+                number(float(P) / 1e3, 1)
+                for P in (*outputs.pressures[k], outputs.supply_pressure[k])
+            ),
         ]
         for name, k in steps.items()
     ]
-    pressures = [f"P{index + 1} kPa" for index in range(plant.units)]
-    heads = ["", "time s", f"position {unit}", *pressures, "supply kPa"]
-    print_table(f"Positions of the load, from {study.name}", heads, rows)
+    pressures = [f"P{index + 1} [kPa]" for index in range(plant.units)]
+    heads = ["", "time [s]", f"position [{unit}]", *pressures, "supply [kPa]"]
+    print_table("Positions of the load", heads, rows)
     if study.control is not None:
         _print_control(study, result)
-    if balances is not None:
+    if balances:
         _print_balances(balances)
     for event in events(result)[:_MAX_EVENTS]:
         print_line(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.words}")
@@ -243,27 +244,25 @@ def _print_control(study: Any, result: Any) -> None:
     from ...reports.simulation import control_worth, unreachable_message, worth_rows
 
     control, plant = study.control, study.plant
-    metrics, of = control_worth(control, result), control.controller.of
-    print_table(f"Control of {of} by {control.policy}", ["", ""], worth_rows(plant, of, metrics))
-    if unreachable := unreachable_message(plant, of, metrics):
-        print_line(f"note: {unreachable}")
+    metrics, quantity = control_worth(control, result), control.controller.of
+    rows = worth_rows(plant, quantity, metrics)
+    print_table(f"Control of {quantity} by {control.policy}", ["metric", "value"], rows)
+    if message := unreachable_message(plant, quantity, metrics):
+        print_line(f"note: {message}")
 
 
 def _print_balances(balances: Any) -> None:
     rows = []
-    for balance in balances.balances:
-        terms = [("", balance.into), ("to ", balance.went)]
-        least = _ROUNDING * max(abs(value) for _, part in terms for value in part.values())
+    for balance in balances:
+        terms = balance.into | {f"to {name}": value for name, value in balance.went.items()}
+        smallest = _ROUNDING * max(map(abs, terms.values()))
         lines = [
-            f"{mark}{name} {value:.3g} {balance.unit}"
-            for mark, part in terms
-            for name, value in part.items()
-            if abs(value) > least
+            f"{name} {value:.3g} {balance.unit}"
+            for name, value in terms.items()
+            if abs(value) > smallest
         ]
-        # on lines of their own, so that a narrow terminal keeps them beside their balance
+        # on lines of their own, so that a narrow terminal keeps them next to their balance
         verdict = f"{balance.share:.0e}\n" + ("closes" if balance.closes else "DOES NOT\nCLOSE")
         rows.append([balance.name.replace(" of ", "\nof "), "\n".join(lines), verdict])
-    heads, caption = ["balance", "terms", "residual"], (
-        "residual: relative to the largest term; zero terms omitted"
-    )  # fmt: skip
-    print_table("Balances", heads, rows, caption)
+    caption = "residual: relative to the largest term; zero terms omitted"
+    print_table("Balances", ["balance", "terms [J, kg]", "residual [-]"], rows, caption)

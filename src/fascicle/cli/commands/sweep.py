@@ -3,7 +3,6 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from .design import print_answer
 
 _RESUME = "finished blocks are kept in {}, --resume goes on with them."
 _QUEUE = 600.0  # s that a scheduler's workers may take to come; clusters have queues
-_FRONT = 5_000_000  # designs of which the front is looked for in the end
+_FRONT = 5_000_000  # designs: the front of more does not fit into memory
 
 
 def run(
@@ -35,7 +34,7 @@ def run(
         metavar="ADDRESS",
     ),
     workers: int | None = option(
-        "Workers on this machine; default: one a core; 0: no cluster.", min=0, max=4096
+        "Workers on this machine; default: one per core; 0: no cluster.", min=0, max=4096
     ),
     overwrite: bool = options.OVERWRITE,
 ) -> int:
@@ -55,35 +54,38 @@ def run(
         Store.check(folder, designs, resume)
     if folder.is_dir():
         check_file("--out", folder / "front.nc", overwrite or resume)
-    with _cluster(scheduler, workers) as client, _progress(designs.block) as watch, user_errors():
-        call = partial(sweep, designs, folder, client, resume, watch)
-        store = _run(call if scheduler is None else partial(call, alone=_QUEUE), folder)
+    wait = {} if scheduler is None else {"alone": _QUEUE}
+    with (
+        _cluster(scheduler, workers) as client, _progress(designs.block) as watch, user_errors(),
+        _resumable(folder),
+    ):  # fmt: skip
+        store = sweep(designs, folder, client, resume, watch, **wait)
     count = len(designs.space)
     print_line(f"{count} designs in {designs.blocks} blocks: {folder / 'designs.zarr'}")
     if count > _FRONT:
         print(f"no front: {count} designs are more than {_FRONT}")
         return 0
     with user_errors():
-        return _conclude(store, task, folder, overwrite or resume)
+        return _conclude(store, task, folder / "front.nc", overwrite or resume)
 
 
-def _run(sweep: Callable[[], Any], folder: Path) -> Any:
-    """The store, complete; or in one line what happened, and what can be done about it."""
+@contextlib.contextmanager
+def _resumable(folder: Path) -> Iterator[None]:
+    """Explain how a sweep that was stopped is resumed, in one line."""
+    hint = _RESUME.format(folder)
     try:
-        return sweep()
+        yield
     except KeyboardInterrupt:
-        print_line(f"interrupted; {_RESUME.format(folder)}", error=True)
+        print_line(f"interrupted; {hint}", error=True)
         raise
     except ConnectionError as error:
-        raise StoppedError(f"{error}; {_RESUME.format(folder)}") from None
+        raise StoppedError(f"{error}; {hint}") from None
     except OSError as error:
         path = error.filename or folder
-        raise UserError(
-            f"{path}: {error.strerror or error}; once that is mended, {_RESUME.format(folder)}"
-        ) from None
+        raise UserError(f"{path}: {error.strerror or error}; once that is mended, {hint}") from None
 
 
-def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
+def _conclude(store: Any, task: Any, path: Path, overwrite: bool) -> int:
     """Print and write the recommended design and the front; returns the exit code."""
     import numpy as np
 
@@ -97,19 +99,19 @@ def _conclude(store: Any, task: Any, folder: Path, overwrite: bool) -> int:
             task.space, task.task, task.senses, task.limits, np.arange(len(task.space)),
             store.all(), catalog=task.catalog, least_margin=task.least_margin,
         )  # fmt: skip
-        answered = summarize_search(result)
-        if not isinstance(answered, InfeasibleResult):
-            title = f"Front of designs for {task.task.name}"
-            variables = front_variables(result) | case_variables(answered)
-            about = {"notes": " ".join(task.notes)} if task.notes else {}
-            with write_file("", folder / "front.nc", overwrite) as draft:
-                write(variables, draft, title=title, source=SOURCE, **about)
-    return print_answer(result, answered, task.notes)
+        answer = summarize_search(result)
+        if not isinstance(answer, InfeasibleResult):
+            variables = front_variables(result) | case_variables(answer)
+            attributes = {"title": f"Front of designs for {task.task.name}", "source": SOURCE}
+            attributes |= {"notes": " ".join(task.notes)} if task.notes else {}
+            with write_file("", path, overwrite) as draft:
+                write(variables, draft, **attributes)
+    return print_answer(result, answer, task.notes)
 
 
 @contextlib.contextmanager
 def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
-    """A client of the scheduler, or of workers on this machine; `None` for neither."""
+    """A client of the scheduler, or of workers on this machine; `None` for no cluster."""
     if workers == 0:
         yield None
         return
@@ -117,11 +119,9 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
 
     with contextlib.ExitStack() as stack:
         try:
-            if scheduler is None:
-                with status("starting the workers"):
-                    client = stack.enter_context(local(workers))
-            else:
-                client = stack.enter_context(remote(scheduler))
+            with status("starting the workers"):
+                cluster = local(workers) if scheduler is None else remote(scheduler)
+                client = stack.enter_context(cluster)
         except ConnectionError as error:
             if scheduler is None:
                 raise StoppedError(f"{error}: try again, or with fewer --workers.") from None
@@ -135,19 +135,19 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Any]:
 def _progress(block: int) -> Iterator[Callable[[Any], None]]:
     """Show progress on standard error: on a terminal in one line, else a line for each tenth."""
     printed: set[int] = set()
-
     with status("compiling") as update:
 
-        def watch(now: Any) -> None:
-            text = f"{now.done} of {now.all} blocks"
-            if now.designs:
-                seconds = (now.all - now.done) * block / now.rate
-                text += f", {now.rate:,.0f} designs/s, {seconds:.0f} s left"
-            if now.last is not None:
-                text += f", {now.last.memory / 2**20:.0f} MiB a worker"
+        def watch(progress: Any) -> None:
+            text = f"{progress.done} of {progress.all} blocks"
+            if progress.designs:
+                seconds = (progress.all - progress.done) * block / progress.rate
+                text += f", {progress.rate:,.0f} designs/s, {seconds:.0f} s left"
+            if progress.last is not None:
+                text += f", {progress.last.memory / 2**20:.0f} MiB a worker"
             update(text)
-            tenth = 10 * now.done // max(1, now.all)
-            if not sys.stderr.isatty() and (tenth not in printed or now.done == now.all):
+            tenth = 10 * progress.done // max(1, progress.all)
+            is_due = tenth not in printed or progress.done == progress.all
+            if is_due and not sys.stderr.isatty():
                 printed.add(tenth)
                 sys.stderr.write(f"{text}\n")
 

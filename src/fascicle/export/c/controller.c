@@ -47,7 +47,7 @@ static real onset(int unit, real strain)
     int j = column(kind, strain, &w), i;
 
     between = p = (1 - w) * onsets[kind][j] + w * onsets[kind][j + 1];
-    reach = least(@half@ * between, branch_top / 500);
+    reach = least(0.5 * between, branch_top / 500);
     for (i = 0; i < 2; i++) {
         const point at = unit_at(unit, p, strain);
 
@@ -99,7 +99,7 @@ static real flow(const real valve[2][3], real from, real to)
     const real r = ratio < linear ? ratio : linear;
     const real y = r > b ? (r - b) / (1 - b) : 0;
     const real driving = ratio < linear ? upper : (upper - lower) / (1 - linear);
-    const real passed = size * @pow@(1 - y * y, valve[back][2]) * driving;
+    const real passed = size * pow(1 - y * y, valve[back][2]) * driving;
 
     return back ? -passed : passed;
 }
@@ -110,13 +110,13 @@ static real content(int unit, real pressure, real strain)
     const real ratio = (pressure + room[unit]) / room[unit];
     const real volume = count_of[unit] * unit_at(unit, pressure, strain).volume + dead[unit];
 
-    return dense[unit] * volume * (softness[unit] < 1 ? @pow@(ratio, softness[unit]) : ratio);
+    return dense[unit] * volume * (softness[unit] < 1 ? pow(ratio, softness[unit]) : ratio);
 }
 
 /* how far a valve opens, so that its chamber comes to a pressure with a time constant */
 static real opened(int unit, real target, real pressure, real strain, real rate, real supply)
 {
-    const real step = 1000, strained = @strained@;
+    const real step = 1000, strained = 1e-4;
     const real P_r = least(most(target, 0), highest), m = content(unit, pressure, strain);
     const real by_pressure = (content(unit, pressure + step, strain) - m) / step;
     const real by_strain = (content(unit, pressure, strain + strained) - m) / strained;
@@ -126,7 +126,7 @@ static real opened(int unit, real target, real pressure, real strain, real rate,
                                  : flow(exhaust_valve[unit], p, room[unit]);
 
     /* one that idles is open to the room */
-    return P_r > 0 ? least(most(need / most(passed, @trickle@), -flow_limit), flow_limit)
+    return P_r > 0 ? least(most(need / most(passed, 1e-9), -flow_limit), flow_limit)
                    : -flow_limit;
 }
 
@@ -165,13 +165,13 @@ int @name@_step(@name@_memory *memory, real demand, real force, const real press
     }
 
     /* one more where those before no longer suffice, one less where they do by the band */
-    k = (int)least(most(memory->recruited + @nearly@, 1), (real)UNITS);
+    k = (int)least(most(memory->recruited + 1e-9, 1), (real)UNITS);
     if (k < UNITS && gains[k] && largest[k - 1] - asked < 0)
         way = 1;
     else if (k > 1 && memory->recruited - (real)k == 0 && largest[k - 2] - asked > band)
         way = -1;
     memory->recruited = least(most(memory->recruited + way, 1), (real)UNITS);
-    k = (int)(memory->recruited + @nearly@);
+    k = (int)(memory->recruited + 1e-9);
 
     /* filled in turn, between these */
     for (unit = 0, after = 0; unit < UNITS; unit++) {

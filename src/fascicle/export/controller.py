@@ -1,0 +1,122 @@
+"""A cascade's step in C: its constants besides the muscles' tables.
+
+C covers the smallest set that controls a bundle's force: recruitment in turn, by the policies
+"orderly" and "threshold", pressures by the branches' inverse (K1), valves by (K3), and the force's
+integral with its anti-windup, on gas. Any controller can close a loop of position around it.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..bundle import Bundle
+from ..control import Cascade
+from ..control.branches import Branches
+from ..control.sequential_policies import SequentialPolicy
+from ..core.errors import InvalidInputError
+from ..dynamics import Plant
+from ..dynamics.muscles import Tables
+from ..fluid import AdiabaticWall, Isothermal, Polytropic, SonicValve
+from ..fluid.fields import ROOM_TEMPERATURE
+from ..fluid.flow_elements import LAMINAR_FROM
+
+
+_CHAMBERS = (Isothermal, AdiabaticWall, Polytropic)
+
+
+def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
+    """The controller that C computes.
+
+    **Arguments:**
+
+    - `controller`: a `Cascade` of force, "orderly" or "threshold", of one bundle on gas.
+    - `shape`: nodes of the muscles' tables in pressure and strain.
+
+    **Returns:** the controller on these tables, which acts at each of its samples.
+
+    **Raises:** `ValueError` for a controller whose step can't be written as C.
+    """
+    plant = controller.plant
+    limitations = (
+        (len(plant.bundles) > 1, "has two bundles", "write a controller for each of a joint's"),
+        (controller.of != "force", "is of position", "close that loop around one of force"),
+        (plant.liquid, "is of a liquid", "use gas"),
+        (not isinstance(plant.chamber, _CHAMBERS), "has a chamber of another kind", ""),
+        (controller.delay > 0, "has a delay", "drop it: what C measures is late by itself"),
+        (_policy(controller) is None, "has a policy of another kind", "take orderly or threshold"),
+    )
+    for is_violated, reason, remedy in limitations:
+        if is_violated:
+            rule = f"can't be written as C: it {reason}"
+            raise InvalidInputError("controller", rule, None, remedy)
+    top = float(np.max(plant.muscles.highest_pressure))
+    muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
+    branches = Branches.tabulated(Tables.of(muscles, top, shape), plant.supply_pressure)
+    units = (replace(controller.units[0], branches=branches),)
+    return replace(controller, units=units, dt=controller.dt * controller.every, every=1)
+
+
+def template_values(controller: Cascade, number: Callable[[float], str]) -> dict[str, Any]:
+    """Values of the C template for a controller on its table; `number` formats one number."""
+    units, gains, policy = controller.units[0], controller.gains, controller.policies[0]
+    branches, chamber, count = units.branches, units.chamber, units.many
+    temperature = float(chamber.room_temperature)
+    density = chamber.gas.density(np.asarray(chamber.room_pressure), temperature)
+
+    def row(values: Any) -> str:
+        return ", ".join(number(x) for x in np.broadcast_to(np.asarray(values, float), (count,)))
+
+    def braces(values: Any) -> str:
+        values = np.asarray(values)
+        if values.ndim == 1:
+            return "{" + ", ".join(number(x) for x in values) + "}"
+        return "{" + ",\n".join(map(braces, values)) + "}"
+
+    def valve(valve: SonicValve, temperatures: tuple[float, float]) -> str:
+        """Constants [unit, direction, 3] of each unit's valve with its hose, forward and back."""
+        constants = np.empty((count, 2, 3))
+        for back, T in enumerate(temperatures):
+            C, b = valve._passage(np.array(not back), 1.0)
+            constants[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
+            constants[:, back, 1], constants[:, back, 2] = b, valve.m
+        return braces(constants)[1:-1]
+
+    return {
+        "policy": _policy(controller),
+        "shares": branches.pressures.shape[-1] - 1,
+        "onsets": ",\n".join(map(braces, branches.onsets)),
+        "branches": ",\n".join(map(braces, branches.pressures)),
+        "branch_top": number(branches.top),
+        "highest_pressure": number(controller.highest_pressure),
+        "dt": number(controller.dt * controller.every),
+        "force_gain": number(gains.force),
+        "force_integral": number(gains.force_integral),
+        "pressure_time": number(gains.pressure_time),
+        "flow_limit": number(controller.flow_limit),
+        "band": number(policy.band),
+        "parked": int(float(policy.parked) > 0),
+        "room": row(chamber.room_pressure),
+        "dead": row(chamber.dead_volume),
+        "dense": row(density),
+        "softness": row(1 / np.asarray(getattr(chamber, "exponent", 1.0))),
+        "supply_valve": valve(units.valve, (float(units.supply_temperature), temperature)),
+        "exhaust_valve": valve(units.exhaust_valve, (temperature, temperature)),
+        "linear": number(LAMINAR_FROM),
+    }
+
+
+def single_bundle(plant: Plant) -> Bundle:
+    """The bundle of a plant; `ValueError` if there are two."""
+    if len(plant.bundles) > 1:
+        count, remedy = len(plant.bundles), "write each by itself"
+        raise InvalidInputError("plant", "must have one bundle", count, remedy)
+    return next(iter(plant.bundles))
+
+
+def _policy(controller: Cascade) -> str | None:
+    policy = next(iter(controller.policies))
+    if not isinstance(policy, SequentialPolicy) or float(policy.early) or float(policy.wide):
+        return None
+    return "threshold" if float(policy.parked) else "orderly"

@@ -1,0 +1,122 @@
+"""A cascade's step in C is Python's, step by step."""
+
+import ctypes
+
+import jax
+import numpy as np
+import pytest
+
+import fascicle as fs
+from fascicle import control, dynamics, fluid
+from fascicle.export import table_code, tabulate_controller, write_table
+
+
+SUPPLY = 413.7e3
+SHAPE = (33, 41)
+TOLERANCE = 1e-12
+# besides, the rounding of (K3), in Python too: contents differ over 1 kPa and 1e-4
+ROUNDING = 8 * np.finfo(float).eps
+NUMBER, ARRAY = ctypes.c_double, ctypes.c_double * 3
+
+
+def make_plant(chamber=None, valve=None):
+    muscle = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_KIM2021)
+    thicker = fs.Muscle.from_dimensions(0.127, 8e-3, 2e-3, 0.55)
+    units = [fs.MotorUnit(muscle), fs.MotorUnit(thicker, 2), fs.MotorUnit(muscle)]
+    return dynamics.Plant(
+        fs.Bundle(units, SUPPLY), dynamics.HangingMass(3.0), fluid.ConstantSupply(SUPPLY),
+        chamber or fluid.Isothermal(dead_volume=np.array([1e-6, 5e-6, 2e-6])),
+        valve or fluid.SonicValve(1e-9, 0.3),
+    )  # fmt: skip
+
+
+CASES = {
+    "orderly": ("orderly", {}),
+    "threshold": ("threshold", {}),
+    "polytropic": ("threshold", {"chamber": fluid.Polytropic(1.2, dead_volume=3e-6)}),
+    "hose": ("threshold", {"valve": fluid.SonicValve(1e-9, 0.3, line=fluid.Line(1.0, 4e-3))}),
+    "wall": ("orderly", {"chamber": fluid.AdiabaticWall(0.5, dead_volume=3e-6)}),
+}
+
+
+class Memory(ctypes.Structure):
+    _fields_ = (("force_integral", NUMBER), ("recruited", NUMBER))
+
+
+def measure(rng, count):
+    """A demand that rises and falls beyond the reachable, and noisy measurements."""
+    demand = 180 + 260 * np.sin(np.linspace(0, 14, count)) + rng.normal(0, 2, count)
+    strain = 0.12 + 0.1 * np.sin(np.linspace(0, 9, count))
+    rate = rng.normal(0, 0.3, count)
+    force = demand + rng.normal(0, 20, count)
+    pressures = rng.uniform(-2e3, SUPPLY, (count, 3))
+    supply = rng.uniform(0.8, 1.0, count) * SUPPLY
+    return zip(demand, force, pressures, supply, strain, rate, strict=True)
+
+
+@pytest.mark.parametrize(
+    "case",  # each compiles its step in Python
+    [pytest.param(case, marks=() if case == "hose" else pytest.mark.slow) for case in CASES],
+)
+def test_a_step_in_c_is_pythons(case, compile_c, tmp_path):
+    policy, options = CASES[case]
+    plant = make_plant(**options)
+    gains = control.Gains(force=0.3, force_integral=40.0)
+    cascade = control.cascade(plant, policy, gains=gains, dt=1e-3, flow_limit=0.8)
+    step = compile_c(write_table(cascade, tmp_path, "knee", shape=SHAPE)[1]).knee_step
+    controller = tabulate_controller(cascade, SHAPE)
+    memory, c_memory = controller.memory, Memory(0.0, 1.0)
+    act = jax.jit(controller.__call__)
+    length, units = float(plant.bundles[0].length), controller.units[0]
+    recruited, exact, saturated, limited = set(), 0, 0, 0
+    for demand, force, P, supply, strain, rate in measure(np.random.default_rng(11), 600):
+        point = dynamics.Measurement(0.0, strain * length, rate * length, P, force, supply)
+        integral = float(memory.force_integral)
+        memory, expected = act(memory, point, demand)
+        command = ARRAY()
+        code = step(
+            ctypes.byref(c_memory), NUMBER(demand), NUMBER(force), ARRAY(*P), NUMBER(supply),
+            NUMBER(strain), NUMBER(rate), command,
+        )  # fmt: skip
+        assert code == 0
+        m, flows = units.content(P, strain + 0 * P), units.flows(P, supply + 0 * P)
+        flow = np.maximum(np.where(expected > 0, *flows), 1e-9)
+        rounding = ROUNDING * m * (SUPPLY / (1e3 * 3e-3) + abs(rate) / 1e-4) / flow
+        error = np.abs(np.array(command) - expected)
+        assert np.all(error <= TOLERANCE + rounding)
+        exact += np.all(error <= TOLERANCE)
+        np.testing.assert_allclose(c_memory.force_integral, memory.force_integral, rtol=1e-12)
+        assert c_memory.recruited == float(memory.policies[0].recruited)
+        recruited.add(c_memory.recruited)
+        saturated += integral == float(memory.force_integral)
+        limited += np.any(np.abs(expected) == 0.8)
+    # every number of units, the anti-windup and the valves' limit occurred
+    assert recruited == {1.0, 2.0, 3.0} and saturated > 20 and limited > 20
+    assert exact > 500  # of 600 steps
+
+
+def test_outside_of_the_table_its_valves_are_shut(compile_c, tmp_path):
+    cascade = control.cascade(make_plant(), "orderly")
+    library = compile_c(write_table(cascade, tmp_path, "knee", shape=SHAPE)[1])
+    memory, command = Memory(7.0, 2.0), ARRAY(1, 1, 1)
+    code = library.knee_step(
+        ctypes.byref(memory), NUMBER(50.0), NUMBER(10.0), ARRAY(1e5, 1e5, 1e5), NUMBER(SUPPLY),
+        NUMBER(0.7), NUMBER(0.0), command,
+    )  # fmt: skip
+    assert code == 1 and list(command) == [0, 0, 0]
+    assert (memory.force_integral, memory.recruited) == (7.0, 2.0)
+    library.knee_begin(ctypes.byref(memory))
+    assert (memory.force_integral, memory.recruited) == (0.0, 1.0)
+
+
+def test_what_c_does_not_do_is_refused():
+    plant = make_plant()
+    for cascade, options, argument in (
+        (control.cascade(plant, "hand_over"), {}, "controller"),
+        (control.cascade(plant, "orderly", of="position"), {}, "controller"),
+        (control.cascade(plant, "orderly", delay=2e-3), {}, "controller"),
+        (control.cascade(plant, "orderly"), {"precision": "float"}, "precision"),
+    ):
+        with pytest.raises(fs.InvalidInputError) as error:
+            table_code(cascade, **options)
+        assert error.value.argument == argument
