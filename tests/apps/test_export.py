@@ -14,7 +14,7 @@ def test_c_is_written(fascicle, tmp_path):
 def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
     code, out, err = fascicle("export", "kim2021_bundle_1_4", "--table", "code", "--name", "knee")
     assert (code, err) == (0, "")
-    assert out.startswith("wrote code/knee.h and code/knee.c\nHow far it is off the law")
+    assert out.startswith("wrote code/knee.h and code/knee.c\nError of the table")
     header = (tmp_path / "code" / "knee.h").read_text()
     assert "#define KNEE_UNITS 2" in header
     # what the command says is what stands in the file

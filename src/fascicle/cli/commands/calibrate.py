@@ -141,13 +141,14 @@ def run(
     _check(names, loss, intervals, posterior)
     settings = {"loss": loss, "weights": weights, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
-        from ...calibrate import fitting, model_selection
+        from ...calibrate import fitting
         from ...calibrate import intervals as uncertainty
+        from ...calibrate.model_selection import select_model
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
         if names is None:
-            choice = model_selection.select_model(record, start, priors, **settings, progress=update)
+            choice = select_model(record, start, priors, **settings, progress=update)
             calibration = choice.calibration
         else:
             update("fitting")

@@ -42,10 +42,12 @@ def run(
             variables = muscle_free_strain(target, pressures)
 
     def draw() -> Any:
+        import numpy as np
+
         from ...plot.curves import free_strain_states
 
         strains = variables["free_strain"].values
-        return free_strain_states(target, pressures, strains, not no_resistance)
+        return free_strain_states(target, np.array(pressures), strains, not no_resistance)
 
     table = print_states if is_bundle(target) else _print
     outputs.write(variables, lambda: table(variables), draw, title=f"Free strain of {file}")
