@@ -1,15 +1,14 @@
-r"""Constants of a muscle that can be fitted, each on a scale where it is free.
+r"""Constants of a muscle that can be fitted, each with an unbounded coordinate.
 
-A fit moves coordinates $z$ without bounds; each parameter turns its own into a value that
-can exist, so no step of a solver ever leaves the domain: $\log$ for what must be positive,
-the logit of $\alpha_0/54.7°$ for the braid angle. The hinge's factor is affine in pressure
-and must stay positive up to 1 MPa [R14]: its coordinates are the logarithm of its value at
-zero pressure, and $z$ in $\ln(1 + e^z)$, its value at 1 MPa. Forces are linear in that one,
-and so, nearly, is the coordinate.
+A fit changes coordinates $z$ without bounds; each parameter converts its coordinate to a possible
+value, so no step of a solver leaves the domain: $\log$ of positive constants, the logit of
+$\alpha_0/54.7°$ for the braid angle. The factor on the hinge's stiffness is affine in pressure and
+must stay positive up to 1 MPa [R14]: its coordinates are the logarithm of its value at zero
+pressure, and $z$ in $\ln(1 + e^z)$, its value at 1 MPa. Forces are linear in that value, and nearly
+linear in its coordinate.
 
-Each carries a weak prior, a factor of $e^3 \approx 20$ either way around the muscle's own
-value: a parameter that the data say nothing about stays there, one they determine doesn't
-notice it.
+Each parameter has a weak prior, a factor of $e^3 \approx 20$ either way around its value in the
+muscle: without data it stays there; where data determine it, the prior has no effect.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,24 +28,24 @@ from ..muscle.laws import LAWS, OMIT_IF_DEFAULT
 from ..muscle.materials import MooneyRivlin
 
 
-RUBBER = ("c10", "c01")  # that store a stretched wall's energy
-WEAK = 3.0  # standard deviation of a prior that nobody gave, on a logarithmic scale
-_RESISTING = ("buckling", "collapse", "post_collapse")  # laws without a say where a muscle pulls
-_SMALLEST_BAND = 1e3  # Pa, where a dead band of zero starts from: it has no logarithm
+RUBBER = ("c10", "c01")  # constants of a stretched wall's energy
+WEAK = 3.0  # standard deviation of the default prior, on a logarithmic scale
+_RESISTING = ("buckling", "collapse", "post_collapse")  # laws without effect on the pull
+_MIN_BAND = 1e3  # Pa, start of the search for a dead band of zero: it has no logarithm
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A constant of a muscle, and the coordinate that a fit moves instead of it.
+    """A constant of a muscle, and the coordinate that a fit changes instead of it.
 
     - `name`: as in files and on the command line.
     - `dimension`: a key of `units.DIMENSIONS`.
-    - `about`: what it is, in a few words.
-    - `value`: of a muscle [SI unit of the dimension].
-    - `coordinate`: of a muscle [-].
-    - `put`: a muscle with another coordinate.
-    - `deviation`: of the prior on the coordinate that holds where nobody gave one [-].
-    - `linear`: whether its interval is even about the value, not in the coordinate.
+    - `about`: description, a noun phrase.
+    - `value`: function from a muscle to the value [SI unit of the dimension].
+    - `coordinate`: function from a muscle to the coordinate [-].
+    - `put`: function from a muscle and a coordinate to a muscle with it.
+    - `deviation`: standard deviation of the default prior of the coordinate [-].
+    - `linear`: the interval is symmetric in the value, not in the coordinate.
     """
 
     name: str
@@ -60,28 +59,27 @@ class Parameter:
 
 
 def _with_value(module: Any, path: str, value: Batch) -> Any:
-    """The `module` with another `value` at a dotted `path`, not checked again."""
-    name, _, rest = path.partition(".")
-    return with_fields(
-        module, **{name: _with_value(getattr(module, name), rest, value) if rest else value}
-    )
+    """The `module` with another `value` at a dotted `path`, without checks."""
+    name, _, inner = path.partition(".")
+    if inner:
+        value = _with_value(getattr(module, name), inner, value)
+    return with_fields(module, **{name: value})
 
 
-def _positive(name: str, dimension: str, about: str, path: str, least: float = 0.0) -> Parameter:
-    """A positive constant at a `path` of a muscle; below `least` it starts from there."""
+def _positive(name: str, dimension: str, about: str, path: str, start: float = 0.0) -> Parameter:
+    """A positive constant at a `path` of a muscle; the search begins at `start` or above."""
     value = attrgetter(path)
     return Parameter(
         name, dimension, about, value,
-        coordinate=lambda muscle: log(maximum(value(muscle), least)),
+        coordinate=lambda muscle: log(maximum(value(muscle), start)),
         put=lambda muscle, z: _with_value(muscle, path, exp(z)),
     )  # fmt: skip
 
 
 def _declared(constant: Constant, kind: str, about: str) -> Parameter:
-    """A constant that a `kind` of law, or the material, declares."""
-    value, scale, path = (
-        attrgetter(f"{kind}.{constant.name}"), constant.transform, f"{kind}.{constant.name}"
-    )  # fmt: skip
+    """A constant declared by a `kind` of law, or by the material."""
+    path, scale = f"{kind}.{constant.name}", constant.transform
+    value = attrgetter(path)
     assert scale is not None
     return Parameter(
         constant.name, constant.dimension, about, value,
@@ -92,22 +90,23 @@ def _declared(constant: Constant, kind: str, about: str) -> Parameter:
 
 
 def _of_rubber() -> Iterator[Parameter]:
-    """The rubber's constants; a modulus that follows from the others follows them."""
+    """Constants of the rubber; a Young's modulus derived from C10 and C01 changes with them."""
     for constant in MooneyRivlin.constants():
         if constant.transform is not None:
             parameter = _declared(constant, "material", constant.about)
-            own = {"put": _put_rubber(constant.name)} if constant.name in RUBBER else {}
-            yield replace(parameter, **own)
+            if constant.name in RUBBER:
+                parameter = replace(parameter, put=_put_rubber(constant.name))
+            yield parameter
 
 
 def _put_rubber(name: str) -> Callable[[Muscle, Batch], Muscle]:
     def put(muscle: Muscle, z: Batch) -> Muscle:
         old: Any = muscle.material
         new = with_fields(old, **{name: exp(z)})
-        # a modulus that was measured stays; one that follows the constants follows them
+        # a measured modulus stays; one equal to 6 (C10 + C01) but for rounding is derived
         pair = old.youngs_modulus, 6 * (old.c10 + old.c01)
-        follows = array_namespace(*pair).isclose(*pair, rtol=1e-9, atol=0)
-        E = where(follows, 6 * (new.c10 + new.c01), old.youngs_modulus)
+        derived = array_namespace(*pair).isclose(*pair, rtol=1e-9, atol=0)
+        E = where(derived, 6 * (new.c10 + new.c01), old.youngs_modulus)
         return with_fields(muscle, material=with_fields(new, youngs_modulus=E))
 
     return put
@@ -134,19 +133,21 @@ def _logit(share: Batch) -> Batch:
 
 
 FACTORS: tuple[Parameter, ...] = (
-    _positive("youngs_modulus_factor", "number", "on E", "tuning.youngs_modulus_factor"),
-    _positive("collapse_moment_factor", "number", "on the collapse moment",
+    _positive("youngs_modulus_factor", "number", "factor on Young's modulus",
+              "tuning.youngs_modulus_factor"),
+    _positive("collapse_moment_factor", "number", "factor on the collapse moment",
               "tuning.collapse_moment_factor"),
-    _positive("hinge_stiffness_factor", "number", "on the hinge's stiffness at zero pressure",
+    _positive("hinge_stiffness_factor", "number",
+              "factor on the hinge's stiffness at zero pressure",
               "tuning.hinge_stiffness_factor"),
     Parameter(
-        "hinge_stiffness_slope", "inverse_pressure", "rise of that factor with pressure",
+        "hinge_stiffness_slope", "inverse_pressure", "rise of the hinge's factor with pressure",
         attrgetter("tuning.hinge_stiffness_slope"), _hinge_at_highest, _put_hinge_slope,
         deviation=10 * WEAK,  # one unit is a tenth of the factor per bar
         linear=True,
     ),
     Parameter(
-        "transition_rate", "number", "β, from buckled to collapsed", _rate,
+        "transition_rate", "number", "rate β of the transition from buckled to collapsed", _rate,
         coordinate=lambda muscle: log(_rate(muscle)),
         put=lambda muscle, z: _with_value(muscle, "tuning.transition_rate", exp(z)),
     ),
@@ -155,26 +156,27 @@ FACTORS: tuple[Parameter, ...] = (
 CONSTANTS: tuple[Parameter, ...] = (
     *_of_rubber(),
     Parameter(
-        "braid_angle", "angle", "at rest, from the axis", attrgetter("braid_angle"),
+        "braid_angle", "angle", "fiber angle at rest, from the axis", attrgetter("braid_angle"),
         coordinate=lambda muscle: _logit(muscle.braid_angle / NEUTRAL_ANGLE),
         put=lambda muscle, z: _with_value(muscle, "braid_angle", NEUTRAL_ANGLE / (1 + exp(-z))),
     ),
-    # in this order: a radius keeps clear of the wall it starts with, then the wall is a share
+    # in this order: the radius stays above the initial wall, then the wall is a share of it
     Parameter(
-        "outer_radius", "length", "of bladder and braid at rest", attrgetter("outer_radius"),
+        "outer_radius", "length", "radius of bladder and braid at rest", attrgetter("outer_radius"),
         coordinate=lambda muscle: log(muscle.outer_radius - muscle.wall_thickness),
         put=lambda muscle, z: _with_value(muscle, "outer_radius", muscle.wall_thickness + exp(z)),
     ),
     Parameter(
-        "wall_thickness", "length", "of the bladder at rest", attrgetter("wall_thickness"),
+        "wall_thickness", "length", "thickness of the bladder at rest",
+        attrgetter("wall_thickness"),
         coordinate=lambda muscle: _logit(muscle.wall_thickness / muscle.outer_radius),
         put=lambda muscle, z: _with_value(
             muscle, "wall_thickness", muscle.outer_radius / (1 + exp(-z))
         ),
     ),
-    _positive("active_length", "length", "without the end fittings", "length"),
-    _positive("dead_band", "pressure", "that closes the gap between bladder and braid",
-              "tuning.dead_band", least=_SMALLEST_BAND),
+    _positive("active_length", "length", "length between the end fittings", "length"),
+    _positive("dead_band", "pressure", "pressure that closes the gap between bladder and braid",
+              "tuning.dead_band", start=_MIN_BAND),
 )  # fmt: skip
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
@@ -184,57 +186,57 @@ FACTOR_NAMES = tuple(factor.name for factor in FACTORS)
 
 
 def parameters_of(muscle: Muscle) -> dict[str, Parameter]:
-    """All parameters by name, those of the `muscle`'s own laws among them."""
-    own = (parameter for kind in LAWS for parameter in _law_parameters(kind, muscle))
-    return dict(PARAMETERS) | {parameter.name: parameter for parameter in own}
+    """All parameters by name, with those of the laws of the `muscle`."""
+    of_laws = (parameter for kind in LAWS for parameter in _law_parameters(kind, muscle))
+    return dict(PARAMETERS) | {parameter.name: parameter for parameter in of_laws}
 
 
 def parameter_descriptions() -> dict[str, str]:
     """Descriptions of all parameters by name: those of every muscle, then those of each law."""
-    about, laws = {name: parameter.about for name, parameter in PARAMETERS.items()}, {}
+    descriptions, laws = {p.name: p.about for p in PARAMETERS.values()}, {}
     for law in (law for kind in LAWS.values() for law in kind.values()):
         for constant in law.constants():
             if constant.transform is not None:
-                about.setdefault(constant.name, constant.about)
+                descriptions.setdefault(constant.name, constant.about)
                 laws.setdefault(constant.name, []).append(law.name)
     return {
-        name: f"{words} ({', '.join(laws[name])})" if name in laws else words
-        for name, words in about.items()
+        name: f"{text} ({', '.join(laws[name])})" if name in laws else text
+        for name, text in descriptions.items()
     }
 
 
 def select_parameters(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, ...]:
-    """The parameters with these `names` of a `muscle`, in the order in which they are put.
+    """Parameters of a `muscle` by `names`, in the order in which a fit sets them.
 
-    **Raises:** `InvalidInputError` for no name, and for one that the muscle doesn't have.
+    **Raises:** `InvalidInputError` without names, and for a name that the muscle doesn't have.
     """
-    known = parameters_of(muscle)
+    available = parameters_of(muscle)
     if not names:
         raise InvalidInputError("fit", "must name at least one parameter", None, shown="none")
     for name in names:
-        check_choice(name, known, "fit")
-    return tuple(parameter for name, parameter in known.items() if name in names)
+        check_choice(name, available, "fit")
+    return tuple(parameter for name, parameter in available.items() if name in names)
 
 
 def pulling_constants(muscle: Muscle) -> tuple[Parameter, ...]:
-    """All constants that the force of a `muscle` that pulls may depend on."""
+    """Constants of the pull of a `muscle`."""
     rubber = RUBBER if isinstance(muscle.material, MooneyRivlin) else ()
     unused = {constant.name for constant in MooneyRivlin.constants()} - set(rubber)
     names = [constant.name for constant in CONSTANTS if constant.name not in unused]
     kinds = [kind for kind in LAWS if kind not in _RESISTING]
-    own = [parameter.name for kind in kinds for parameter in _law_parameters(kind, muscle)]
-    return select_parameters([*names, *own], muscle)
+    names += [parameter.name for kind in kinds for parameter in _law_parameters(kind, muscle)]
+    return select_parameters(names, muscle)
 
 
 def put(parameters: Sequence[Parameter], muscle: Muscle, coordinates: Batch) -> Muscle:
-    """The `muscle` with the `coordinates` [-] of `parameters`, one after the other."""
+    """The `muscle` with `coordinates` [-] of its `parameters`, set one after the other."""
     for parameter, z in zip(parameters, coordinates, strict=True):
         muscle = parameter.put(muscle, z)
     return muscle
 
 
 def values(parameters: Sequence[Parameter], muscle: Muscle) -> Batch:
-    """Values of `parameters` in a `muscle`, each in its own SI unit [SI]."""
+    """Values of `parameters` in a `muscle` [SI unit of each]."""
     return _stack([parameter.value(muscle) for parameter in parameters])
 
 
@@ -249,10 +251,10 @@ def _stack(numbers: Sequence[Batch]) -> Batch:
 
 
 def with_optional_laws(muscle: Muscle, names: Sequence[str] | None = None) -> Muscle:
-    """The `muscle` with laws that have the constants `names`, where its own don't; all if left out.
+    """The `muscle` with optional laws that have the constants `names`; all if left out.
 
-    Of kinds of law that nobody has to choose, such as rigid ends, the first that has constants is
-    taken. Its defaults change nothing.
+    Of optional kinds of law, such as rigid ends, the first one with constants is used; with its
+    defaults it changes no force.
     """
     if names is not None and set(names) <= parameters_of(muscle).keys():
         return muscle
@@ -264,10 +266,10 @@ def with_optional_laws(muscle: Muscle, names: Sequence[str] | None = None) -> Mu
 
 
 def _law_parameters(kind: str, muscle: Muscle) -> list[Parameter]:
-    """Parameters that a muscle's law of this `kind` declares."""
+    """Parameters that a muscle's law of a `kind` declares."""
     law = getattr(muscle, kind)
     return [
-        _declared(constant, kind, f"of {law.name}")
+        _declared(constant, kind, f"{constant.about}, of {law.name}")
         for constant in law.constants()
         if constant.transform is not None
     ]

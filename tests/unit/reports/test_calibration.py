@@ -161,7 +161,7 @@ def test_profiles_are_shown_in_handy_units(fit, profiles):
 
 def test_a_fit_of_constants_has_no_readings_to_show(fit, plots):
     assert set(plots) == {"fit", "residuals", "profiles"}
-    with pytest.raises(ValueError, match="holds no readings"):
+    with pytest.raises(ValueError, match="has no readings"):
         readings_plot(fit)
 
 
