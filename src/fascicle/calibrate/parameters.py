@@ -174,7 +174,7 @@ CONSTANTS: tuple[Parameter, ...] = (
             muscle, "wall_thickness", muscle.outer_radius / (1 + exp(-z))
         ),
     ),
-    _positive("active_length", "length", "length between the end fittings", "length"),
+    _positive("active_length", "length", "length that contracts, without the fittings", "length"),
     _positive("dead_band", "pressure", "pressure that closes the gap between bladder and braid",
               "tuning.dead_band", start=_MIN_BAND),
 )  # fmt: skip

@@ -5,7 +5,7 @@ the docs a row in a table, all from one declaration:
 
     force_factor: Batch = Constant(
         "force_factor", "f_F", "number", (1e-4, 0.1, 10.0, 1e4), POSITIVE, 1.0,
-        "on the force: measured over ideal blocked force", "Meller et al. (2014)",
+        "factor on the force: measured over ideal blocked force", "Meller et al. (2014)",
     ).field()
 
 A `Switch` declares an option that is chosen by name.

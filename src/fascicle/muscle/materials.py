@@ -55,23 +55,23 @@ LATEX_C10, LATEX_C01 = 118.4e3, 105.7e3  # Pa, Klute and Hannaford (2000)
 
 _C10 = Constant(
     "c10", "C_{10}", "pressure", (1e-3, 500.0, 1e8, 1e10), POSITIVE, None,
-    "of the bladder's rubber, C10", "Klute and Hannaford (2000)",
+    "constant C10 of the bladder's rubber", "Klute and Hannaford (2000)",
 )  # fmt: skip
 _C01 = Constant(
     # many rubbers have next to none
     "c01", "C_{01}", "pressure", (1e-6, 1e-6, 1e8, 1e10), POSITIVE, None,
-    "of the bladder's rubber, C01", "Klute and Hannaford (2000)",
+    "constant C01 of the bladder's rubber", "Klute and Hannaford (2000)",
 )  # fmt: skip
 _E = Constant(
     # gels have 10 Pa, no bladder is stiffer than a hard plastic, 10 GPa; the softest silicones
     # have 20 kPa, polyethylene film 500 MPa
     "youngs_modulus", "E", "pressure", (10.0, 5e3, 1e9, 1e10), POSITIVE, None,
-    "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
+    "Young's modulus of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
 )  # fmt: skip
 # no fit moves it: that of rubber is known
 _NU = Constant(
     "poisson_ratio", r"\nu", "number", (0.0, 0.0, 0.5, 0.5), None, 0.5,
-    "of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
+    "Poisson's ratio of the bladder in bending", "Kim, Mazzoleni and Bryant (2021)",
 )  # fmt: skip
 
 

@@ -39,7 +39,7 @@ from ..tuning import TunedTension
 
 BRAID_SHARE = Constant(
     "braid_share", r"\chi", "number", (0.0, 0.0, 1.0, 1.0), SHARE, 0.0,
-    "of the braid's bending stiffness under pressure", "derived here",
+    "share of the braid's bending stiffness under pressure", "derived here",
 )  # fmt: skip
 SHEAR = Switch(
     "shear", ("none", "engesser"), "whether the column shears as it bends", "Engesser (1889)"

@@ -29,7 +29,7 @@ from ..law import AbstractLaw
 FACTOR = Constant(
     # a large one makes a muscle that doesn't collapse
     "factor", "", "number", (1e-6, 0.01, 1e6, 1e9), None, 1.0,
-    "on the moment", "Wielgosz and Thomas (2002)",
+    "factor on the moment", "Wielgosz and Thomas (2002)",
 )  # fmt: skip
 
 

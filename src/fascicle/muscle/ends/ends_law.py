@@ -117,12 +117,12 @@ class Compliant(AbstractEnds):
 
     inactive_length: Batch = Constant(
         "inactive_length", "l", "length", (0.0, 0.0, 0.1, 1.0), log1p_scale(5e-3), 0.0,
-        "of the muscle's length, held still by its fittings",
+        "part of the length that the fittings hold",
     ).field()  # fmt: skip
     end_compliance: Batch = Constant(
         # ends that give a tenth of a meter per kilonewton are none
         "end_compliance", "c", "axial_compliance", (0.0, 0.0, 1e-4, 1e-2), log1p_scale(1e-5), 0.0,
-        "of both ends in series with the bladder",
+        "compliance of both ends in series with the bladder",
     ).field()  # fmt: skip
 
     @property

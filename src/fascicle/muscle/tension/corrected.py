@@ -46,16 +46,16 @@ class TonduLopez(AbstractTension):
 
     strain_factor: Batch = Constant(
         "strain_factor", "b_k", "number", (0.01, 0.2, 5.0, 100.0), POSITIVE, 1.0,
-        "on the strain at high pressures",
+        "factor on the strain at high pressures",
     ).field()  # fmt: skip
     strain_factor_rise: Batch = Constant(
         "strain_factor_rise", "a_k", "number", (-100.0, -5.0, 5.0, 100.0), symmetric_scale(1.0),
-        0.0, "by how much it is larger at zero pressure",
+        0.0, "rise of the strain factor at zero pressure",
     ).field()  # fmt: skip
     decay_pressure: Batch = Constant(
         # for pressures up to 1 MPa
         "decay_pressure", "P_k", "pressure", (1.0, 1e3, 1e7, 1e9), POSITIVE, 1e5,
-        "over which the rise falls to 1/e",
+        "pressure over which the rise falls to 1/e",
     ).field()  # fmt: skip
 
     def __check_init__(self):
@@ -95,11 +95,11 @@ class Meller2014(AbstractTension):
     strain_factor: Batch = Constant(
         # 1 to 1.6 in muscles
         "strain_factor", r"f_\varepsilon", "number", (0.01, 0.2, 5.0, 100.0), POSITIVE, 1.0,
-        "on the strain: ideal over measured free strain",
+        "factor on the strain: ideal over measured free strain",
     ).field()  # fmt: skip
     force_factor: Batch = Constant(
         "force_factor", "f_F", "number", (1e-4, 0.1, 10.0, 1e4), POSITIVE, 1.0,
-        "on the force: measured over ideal blocked force",
+        "factor on the force: measured over ideal blocked force",
     ).field()  # fmt: skip
 
     @classmethod

@@ -57,7 +57,7 @@ class ElasticBraid(AbstractTension):
     fiber_stiffness: Batch = Constant(
         # soft nylon braids are some 20 MPa, aramid ones some GPa; no double feels the largest
         "fiber_stiffness", "k_f", "pressure", (1e5, 1e7, 1e11, 1e300), POSITIVE, 1e9,
-        "of all fibers, EA times their number, over the section inside the braid at rest",
+        "stiffness of all fibers, EA times their number, over the section inside the braid at rest",
     ).field()  # fmt: skip
 
     @classmethod

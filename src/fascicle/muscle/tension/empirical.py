@@ -96,12 +96,18 @@ def _signed_constant(
 
 # name, symbol, dimension, the paper's unit over SI's, what it is
 _SAROSI = (
-    ("exponential_slope", "a", "slip", 1 / _BAR, "of the exponential, with pressure"),
-    ("exponential_force", "b", "force", 1.0, "of the exponential, without pressure"),
-    ("exponent", "c", "number", 1 / _PERCENT, "of the exponential, over the strain"),
-    ("strain_slope", "d", "slip", 1 / (_BAR * _PERCENT), "of the plane, with pressure and strain"),
-    ("pressure_slope", "e", "slip", 1 / _BAR, "of the plane, with pressure"),
-    ("force_offset", "f", "force", 1.0, "of the plane"),
+    ("exponential_slope", "a", "slip", 1 / _BAR, "slope of the exponential with pressure"),
+    ("exponential_force", "b", "force", 1.0, "exponential without pressure"),
+    ("exponent", "c", "number", 1 / _PERCENT, "exponent over the strain"),
+    (
+        "strain_slope",
+        "d",
+        "slip",
+        1 / (_BAR * _PERCENT),
+        "slope of the plane with pressure and strain",
+    ),
+    ("pressure_slope", "e", "slip", 1 / _BAR, "slope of the plane with pressure"),
+    ("force_offset", "f", "force", 1.0, "offset of the plane"),
 )
 
 
@@ -188,17 +194,17 @@ _DIMENSIONLESS = (1e-3, 1e-2, 30.0, 100.0)
 # name, symbol, dimension, the code's unit over SI's, bounds, what it is
 _BOLEN = (
     ("bladder_share", "a_0", "number", 1.0, _DIMENSIONLESS,
-     "of the largest force, that the bladder takes"),
-    ("bladder_rate", "a_1", "number", 1.0, _DIMENSIONLESS, "of the bladder's rise"),
-    ("pressure_rate", "a_3", "number", 1.0, _DIMENSIONLESS, "of the mesh's fall"),
+     "share of the largest force that the bladder takes"),
+    ("bladder_rate", "a_1", "number", 1.0, _DIMENSIONLESS, "rate of the bladder's rise"),
+    ("pressure_rate", "a_3", "number", 1.0, _DIMENSIONLESS, "rate of the mesh's fall"),
     ("largest_strain", r"\varepsilon_m", "number", 1.0, (0.01, 0.05, 0.4, 0.6),
-     "at 620 kPa, measured"),
+     "largest strain at 620 kPa, measured"),
     # the largest force is published over kPa, its length times kPa
     ("force_scale", r"F_\infty", "force", _HIGHEST / 1e3, (1e-2, 1.0, 1e5, 1e6),
-     "of the largest force"),
+     "scale of the largest force"),
     ("length_scale", "l_1", "length", 1e3 / _HIGHEST, (1e-4, 1e-3, 1.0, 10.0),
-     "over which the largest force rises"),
-    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "of a muscle that holds nothing"),
+     "length over which the largest force rises"),
+    ("end_length", "l_0", "length", 1.0, (0.0, 0.0, 0.1, 1.0), "length of a muscle without force"),
 )  # fmt: skip
 
 
@@ -299,11 +305,11 @@ class AbstractMartens(AbstractEmpirical):
         return [*(
             _signed_constant(f"modulus_{power}", f"e_{power}", "pressure", (10, 1e3),
                              number * length**power,
-                             f"of the wall's modulus, times $\\lambda^{power}$", source)
+                             f"coefficient of $\\lambda^{power}$ in the wall's modulus", source)
             for power, number in enumerate(moduli)
         ), Constant(
             "angle_correction", r"\delta", "angle", (-0.5, -0.3, 0.3, 0.5),
-            symmetric_scale(0.05), angle, "added to the braid angle", source,
+            symmetric_scale(0.05), angle, "correction added to the braid angle", source,
         )]  # fmt: skip
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
